@@ -1,0 +1,133 @@
+//! Small dense linear algebra for Newton corrections of a few coordinates.
+//!
+//! Gaussian elimination with partial pivoting, row-major, in place. Systems with more than a few tens of
+//! coordinates bring their own [`SecondOrderSystem::correct`].
+
+use crate::system::{At, Coeffs, SecondOrderSystem, Singular};
+
+/// Solves `A x = b` in place: `a` is row-major `n x n` and is destroyed, `b` becomes `x`.
+pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
+    let n = b.len();
+    debug_assert_eq!(a.len(), n * n);
+    for k in 0..n {
+        let mut p = k;
+        for i in k + 1..n {
+            if a[i * n + k].abs() > a[p * n + k].abs() {
+                p = i;
+            }
+        }
+        let pivot = a[p * n + k];
+        if pivot == 0.0 || !pivot.is_finite() {
+            return Err(Singular);
+        }
+        if p != k {
+            for j in k..n {
+                a.swap(k * n + j, p * n + j);
+            }
+            b.swap(k, p);
+        }
+        let (head, tail) = a.split_at_mut((k + 1) * n);
+        let row_k = &head[k * n..];
+        for (r, row) in tail.chunks_exact_mut(n).enumerate() {
+            let l = row[k] / pivot;
+            if l != 0.0 {
+                for j in k + 1..n {
+                    row[j] -= l * row_k[j];
+                }
+                b[k + 1 + r] -= l * b[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let mut x = b[k];
+        for j in k + 1..n {
+            x -= a[k * n + j] * b[j];
+        }
+        b[k] = x / a[k * n + k];
+    }
+    Ok(())
+}
+
+/// Coordinates up to which the Newton matrix is formed on the stack.
+const ON_STACK: usize = 8;
+
+/// Newton correction from the matrix formed column by column: `n` tangent products and a dense
+/// elimination. Allocates above eight coordinates.
+pub fn correct_by_columns<S: SecondOrderSystem + ?Sized>(
+    sys: &mut S,
+    at: At<'_>,
+    c: Coeffs,
+    rhs_to_x: &mut [f64],
+) -> Result<(), Singular> {
+    let n = rhs_to_x.len();
+    if n <= ON_STACK {
+        let mut a = [0.0; ON_STACK * ON_STACK];
+        let mut columns = [0.0; 5 * ON_STACK];
+        by_columns(sys, at, c, &mut a[..n * n], &mut columns[..5 * n], rhs_to_x)
+    } else {
+        by_columns(
+            sys,
+            at,
+            c,
+            &mut vec![0.0; n * n],
+            &mut vec![0.0; 5 * n],
+            rhs_to_x,
+        )
+    }
+}
+
+/// `a` has room for the matrix and `columns` for five columns, both zero.
+fn by_columns<S: SecondOrderSystem + ?Sized>(
+    sys: &mut S,
+    at: At<'_>,
+    c: Coeffs,
+    a: &mut [f64],
+    columns: &mut [f64],
+    rhs_to_x: &mut [f64],
+) -> Result<(), Singular> {
+    let n = rhs_to_x.len();
+    let (unit, rest) = columns.split_at_mut(n);
+    let (dq, rest) = rest.split_at_mut(n);
+    let (dv, rest) = rest.split_at_mut(n);
+    let (df, m) = rest.split_at_mut(n);
+    for j in 0..n {
+        unit[j] = 1.0;
+        dq[j] = c.k;
+        dv[j] = c.d;
+        sys.tangent_times(at, dq, dv, df);
+        sys.apply_mass(at, unit, m);
+        for i in 0..n {
+            a[i * n + j] = c.m * m[i] - df[i];
+        }
+        unit[j] = 0.0;
+        dq[j] = 0.0;
+        dv[j] = 0.0;
+    }
+    solve_in_place(a, rhs_to_x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_with_pivoting() {
+        let mut a = vec![0.0, 2.0, 1.0, 1.0, -1.0, 3.0, 4.0, 0.5, -2.0];
+        let x = [1.5, -2.0, 0.25];
+        let mut b: Vec<f64> = (0..3)
+            .map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum())
+            .collect();
+        solve_in_place(&mut a, &mut b).unwrap();
+        for (got, want) in b.iter().zip(x) {
+            assert!((got - want).abs() < 1e-14, "{got} {want}");
+        }
+    }
+
+    #[test]
+    fn refuses_a_singular_matrix() {
+        assert_eq!(
+            solve_in_place(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0]),
+            Err(Singular)
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! Velocity Verlet (central difference): kick-drift-kick with one force per step.
+//!
+//! `q1 = q0 + h v0 + h^2 a0 / 2`, `v1 = v0 + h (a0 + a1) / 2`. Forces that depend on velocity are evaluated
+//! at the predicted `v0 + h a0`, which keeps order two. Symplectic for separable systems, stable for
+//! `omega h < 2`. L. Verlet, *Phys. Rev.* 159 (1967) 98; W. C. Swope et al., *J. Chem. Phys.* 76 (1982) 637.
+
+use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
+use crate::interpolation::hermite_with_acceleration;
+use crate::system::{At, SecondOrderSystem, State};
+
+/// What the method declares.
+pub static INFO: MethodInfo = MethodInfo {
+    id: "velocity-verlet",
+    name: "velocity Verlet",
+    order: 2,
+    implicit: false,
+    stepping: Stepping::Fixed,
+    tolerance_slope: 0.0,
+    dissipative: false,
+    parameters: &[],
+    citation: "Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637",
+};
+
+/// The method; keeps the acceleration at both ends of a step.
+#[derive(Clone, Debug, Default)]
+pub struct VelocityVerlet {
+    a0: Vec<f64>,
+    a1: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl OneStep for VelocityVerlet {
+    fn info(&self) -> &'static MethodInfo {
+        &INFO
+    }
+
+    fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
+        let n = s.q.len();
+        self.a0.resize(n, 0.0);
+        self.a1.resize(n, 0.0);
+        self.v.resize(n, 0.0);
+        sys.force(s.at(), &mut self.a0);
+        sys.solve_mass(s.at(), &mut self.a0);
+        work.force_evaluations += 1;
+    }
+
+    fn step(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        h: f64,
+        _tolerance: &Tolerance,
+        to: &mut State,
+        work: &mut Work,
+    ) -> Result<f64, StepError> {
+        let n = self.a0.len();
+        let half = 0.5 * h;
+        for i in 0..n {
+            to.q[i] = from.q[i] + h * (from.v[i] + half * self.a0[i]);
+            self.v[i] = from.v[i] + h * self.a0[i];
+        }
+        to.t = from.t + h;
+        let at = At {
+            t: to.t,
+            q: &to.q,
+            v: &self.v,
+            memory: &from.memory,
+        };
+        sys.force(at, &mut self.a1);
+        sys.solve_mass(at, &mut self.a1);
+        work.force_evaluations += 1;
+        for i in 0..n {
+            to.v[i] = from.v[i] + half * (self.a0[i] + self.a1[i]);
+        }
+        Ok(0.0)
+    }
+
+    fn advance(&mut self) {
+        std::mem::swap(&mut self.a0, &mut self.a1);
+    }
+
+    fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
+        hermite_with_acceleration(from, to, [&self.a0, &self.a1], theta, q, v);
+    }
+}

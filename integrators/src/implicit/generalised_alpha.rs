@@ -1,0 +1,246 @@
+//! The generalised-alpha family: Newmark-beta, HHT-alpha, generalised-alpha.
+//!
+//! The equations of motion hold at the end of every step, `M a_1 = f(t_1, q_1, v_1)`, and an auxiliary
+//! acceleration `b` carries the weighting (Arnold, Bruels, *Multibody Syst. Dyn.* 18 (2007) 185):
+//!
+//! ```text
+//! (1 - am) b1 + am b0 = (1 - af) a1 + af a0
+//! q1 = q0 + h v0 + h^2 [(1/2 - beta) b0 + beta b1]
+//! v1 = v0 + h [(1 - gamma) b0 + gamma b1]
+//! ```
+//!
+//! | method | parameter | am | af | gamma | beta |
+//! |---|---|---|---|---|---|
+//! | Newmark | beta, gamma | 0 | 0 | gamma | beta |
+//! | HHT | alpha in [0, 1/3] | 0 | alpha | 1/2 + alpha | (1 + alpha)^2 / 4 |
+//! | generalised-alpha | rho = spectral radius at infinity | (2 rho - 1)/(rho + 1) | rho/(rho + 1) | 1/2 + af - am | (1 + af - am)^2 / 4 |
+//!
+//! All are of order two (Newmark with gamma = 1/2). Newton solves for `a1` with the system's analytic
+//! tangent, `(M + gamma' h D + beta' h^2 K) da = f - M a1`, `beta' = beta (1 - af)/(1 - am)` and alike for
+//! gamma. N. M. Newmark (1959); H. M. Hilber, T. J. R. Hughes, R. L. Taylor (1977); J. Chung,
+//! G. M. Hulbert, *J. Appl. Mech.* 60 (1993) 371.
+
+use crate::method::{MethodInfo, OneStep, Parameter, StepError, Stepping, Tolerance, Work};
+use crate::interpolation::hermite_with_acceleration;
+use crate::system::{At, Coeffs, SecondOrderSystem, State};
+
+/// What Newmark declares.
+pub static NEWMARK: MethodInfo = MethodInfo {
+    id: "newmark",
+    name: "Newmark-beta",
+    order: 2,
+    implicit: true,
+    stepping: Stepping::Fixed,
+    tolerance_slope: 0.0,
+    dissipative: false,
+    parameters: &[Parameter {
+        name: "beta",
+        default: 0.25,
+        range: (0.0, 0.5),
+        meaning: "weight of the new acceleration in the displacement; 1/4 is unconditionally stable",
+    }],
+    citation: "Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67",
+};
+
+/// What HHT-alpha declares.
+pub static HHT: MethodInfo = MethodInfo {
+    id: "hht-alpha",
+    name: "HHT-alpha",
+    order: 2,
+    implicit: true,
+    stepping: Stepping::Fixed,
+    tolerance_slope: 0.0,
+    dissipative: true,
+    parameters: &[Parameter {
+        name: "alpha",
+        default: 0.05,
+        range: (0.0, 1.0 / 3.0),
+        meaning: "numerical damping; the spectral radius at infinity is (1 - alpha)/(1 + alpha)",
+    }],
+    citation: "Hilber, Hughes, Taylor, Earthquake Eng. Struct. Dyn. 5 (1977) 283",
+};
+
+/// What generalised-alpha declares.
+pub static GENERALISED_ALPHA: MethodInfo = MethodInfo {
+    id: "generalised-alpha",
+    name: "generalised-alpha",
+    order: 2,
+    implicit: true,
+    stepping: Stepping::Fixed,
+    tolerance_slope: 0.0,
+    dissipative: true,
+    parameters: &[Parameter {
+        name: "rho_inf",
+        default: 0.8,
+        range: (0.0, 1.0),
+        meaning: "spectral radius at infinite frequency",
+    }],
+    citation: "Chung, Hulbert, J. Appl. Mech. 60 (1993) 371; Arnold, Bruels (2007)",
+};
+
+/// Newton iterations before a step is given up.
+const MAX_ITERATIONS: u32 = 25;
+/// Newton stops when the correction is this small against the system's scales.
+const NEWTON_TOLERANCE: f64 = 1e-11;
+
+/// A method of the family.
+#[derive(Clone, Debug)]
+pub struct GeneralisedAlpha {
+    info: &'static MethodInfo,
+    alpha_m: f64,
+    alpha_f: f64,
+    beta: f64,
+    gamma: f64,
+    /// True and auxiliary acceleration at both ends.
+    a0: Vec<f64>,
+    a1: Vec<f64>,
+    b0: Vec<f64>,
+    b1: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+impl GeneralisedAlpha {
+    /// Newmark with gamma = 1/2.
+    pub fn newmark(beta: f64) -> Self {
+        Self::of(&NEWMARK, 0.0, 0.0, beta, 0.5)
+    }
+
+    /// Hilber-Hughes-Taylor; `alpha` in [0, 1/3].
+    pub fn hht(alpha: f64) -> Self {
+        Self::of(&HHT, 0.0, alpha, 0.25 * (1.0 + alpha).powi(2), 0.5 + alpha)
+    }
+
+    /// Chung-Hulbert with spectral radius `rho` at infinity.
+    pub fn chung_hulbert(rho: f64) -> Self {
+        let am = (2.0 * rho - 1.0) / (rho + 1.0);
+        let af = rho / (rho + 1.0);
+        Self::of(
+            &GENERALISED_ALPHA,
+            am,
+            af,
+            0.25 * (1.0 + af - am).powi(2),
+            0.5 + af - am,
+        )
+    }
+
+    fn of(info: &'static MethodInfo, alpha_m: f64, alpha_f: f64, beta: f64, gamma: f64) -> Self {
+        GeneralisedAlpha {
+            info,
+            alpha_m,
+            alpha_f,
+            beta,
+            gamma,
+            a0: Vec::new(),
+            a1: Vec::new(),
+            b0: Vec::new(),
+            b1: Vec::new(),
+            residual: Vec::new(),
+        }
+    }
+}
+
+impl OneStep for GeneralisedAlpha {
+    fn info(&self) -> &'static MethodInfo {
+        self.info
+    }
+
+    fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
+        let n = s.q.len();
+        for x in [
+            &mut self.a0,
+            &mut self.a1,
+            &mut self.b0,
+            &mut self.b1,
+            &mut self.residual,
+        ] {
+            x.resize(n, 0.0);
+        }
+        sys.force(s.at(), &mut self.a0);
+        sys.solve_mass(s.at(), &mut self.a0);
+        work.force_evaluations += 1;
+        // b0 = a0 is off by O(h), which reaches q and v as O(h^2): order two survives restarts.
+        self.b0.copy_from_slice(&self.a0);
+    }
+
+    fn step(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        h: f64,
+        tolerance: &Tolerance,
+        to: &mut State,
+        work: &mut Work,
+    ) -> Result<f64, StepError> {
+        let n = self.a0.len();
+        let (am, af, beta, gamma) = (self.alpha_m, self.alpha_f, self.beta, self.gamma);
+        let (wa, wb) = (1.0 / (1.0 - am), am / (1.0 - am));
+        let c = Coeffs {
+            m: 1.0,
+            d: h * gamma * (1.0 - af) * wa,
+            k: h * h * beta * (1.0 - af) * wa,
+        };
+        to.t = from.t + h;
+        self.a1.copy_from_slice(&self.a0);
+        let mut size = f64::INFINITY;
+        for iteration in 0..MAX_ITERATIONS {
+            for i in 0..n {
+                let b1 = ((1.0 - af) * self.a1[i] + af * self.a0[i]) * wa - wb * self.b0[i];
+                self.b1[i] = b1;
+                to.q[i] = from.q[i] + h * (from.v[i] + h * ((0.5 - beta) * self.b0[i] + beta * b1));
+                to.v[i] = from.v[i] + h * ((1.0 - gamma) * self.b0[i] + gamma * b1);
+            }
+            if size <= NEWTON_TOLERANCE {
+                return Ok(0.0);
+            }
+            let at = At {
+                t: to.t,
+                q: &to.q,
+                v: &to.v,
+                memory: &from.memory,
+            };
+            sys.force(at, &mut self.residual);
+            work.force_evaluations += 1;
+            sys.apply_mass(at, &self.a1, &mut self.b1);
+            for i in 0..n {
+                self.residual[i] -= self.b1[i];
+            }
+            sys.correct(at, c, &mut self.residual)
+                .map_err(|_| StepError::SingularTangent { t: from.t, h })?;
+            work.newton_iterations += 1;
+            work.factorisations += 1;
+            let previous = size;
+            size = 0.0;
+            for i in 0..n {
+                let da = self.residual[i];
+                self.a1[i] += da;
+                let scaled = (c.k * da / tolerance.q[i]).abs() + (c.d * da / tolerance.v[i]).abs();
+                if !scaled.is_finite() {
+                    return Err(StepError::NonFinite { t: to.t, dof: i });
+                }
+                size = size.max(scaled);
+            }
+            // Rounding stalls the correction before it meets the tolerance on stiff systems.
+            if size > 0.5 * previous && size < 1e3 * NEWTON_TOLERANCE {
+                size = 0.0;
+            }
+            if iteration + 1 == MAX_ITERATIONS {
+                return Err(StepError::NewtonDiverged {
+                    t: from.t,
+                    h,
+                    residual: size,
+                    iterations: MAX_ITERATIONS,
+                });
+            }
+        }
+        Ok(0.0)
+    }
+
+    fn advance(&mut self) {
+        std::mem::swap(&mut self.a0, &mut self.a1);
+        std::mem::swap(&mut self.b0, &mut self.b1);
+    }
+
+    fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
+        hermite_with_acceleration(from, to, [&self.a0, &self.a1], theta, q, v);
+    }
+}

@@ -1,0 +1,4 @@
+//! Implicit methods.
+
+pub mod diffsol_methods;
+pub mod generalised_alpha;

@@ -1,0 +1,329 @@
+//! The method seam: what an integrator declares, how it is driven, what it counts, how it fails.
+//!
+//! The method owns the loop and pushes accepted steps to a [`Sink`]: solvers of libraries borrow their
+//! problem, so a pull-style `step()` would be self-referential. One-step methods implement [`OneStep`] and
+//! get the loop, step control and event location from [`crate::stepped::Stepped`].
+
+use crate::system::{SecondOrderSystem, State};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Whether a method runs at fixed steps, under a tolerance, or both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stepping {
+    /// Fixed steps only.
+    Fixed,
+    /// Tolerance only.
+    Adaptive,
+    /// Either.
+    Both,
+}
+
+/// One parameter of a method with its default and admissible range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name as written in `id(name=value)`.
+    pub name: &'static str,
+    /// Default value.
+    pub default: f64,
+    /// Smallest and largest admissible value.
+    pub range: (f64, f64),
+    /// What it does.
+    pub meaning: &'static str,
+}
+
+/// What a method declares of itself; tests read it and hold the method to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodInfo {
+    /// Name on the command line and in records.
+    pub id: &'static str,
+    /// Name in text.
+    pub name: &'static str,
+    /// Order of convergence on smooth problems.
+    pub order: u32,
+    /// Solves equations in each step.
+    pub implicit: bool,
+    /// Fixed steps, tolerance, or both.
+    pub stepping: Stepping,
+    /// Slope of log(error) over log(rtol) under a tolerance; 0 when the method has none.
+    pub tolerance_slope: f64,
+    /// Loses energy on a linear undamped oscillator at finite step.
+    pub dissipative: bool,
+    /// Parameters.
+    pub parameters: &'static [Parameter],
+    /// Where the method comes from.
+    pub citation: &'static str,
+}
+
+/// How finely to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Resolution {
+    /// Fixed step [s].
+    Step(f64),
+    /// Relative tolerance; the absolute one is this times [`SecondOrderSystem::scales`].
+    Tolerance(f64),
+}
+
+/// What to integrate and within which bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct TimePlan<'a> {
+    /// End time [s].
+    pub t_end: f64,
+    /// Step or tolerance.
+    pub resolution: Resolution,
+    /// Locate contact events and restart there.
+    pub events: bool,
+    /// Largest number of steps, rejected ones included.
+    pub max_steps: u64,
+    /// Wall-clock bound.
+    pub deadline: Option<Instant>,
+    /// Set from outside to stop the run.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl TimePlan<'_> {
+    /// A plan to `t_end` with event location and no bounds.
+    pub fn new(t_end: f64, resolution: Resolution) -> Self {
+        TimePlan {
+            t_end,
+            resolution,
+            events: true,
+            max_steps: u64::MAX,
+            deadline: None,
+            cancel: None,
+        }
+    }
+}
+
+/// Counted work of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps rejected by the error estimate or repeated to hit an event.
+    pub rejected: u64,
+    /// Force evaluations (those of the observers are not counted).
+    pub force_evaluations: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Factorisations of the Newton matrix.
+    pub factorisations: u64,
+    /// Events located.
+    pub events: u64,
+    /// Restarts of the method.
+    pub restarts: u64,
+}
+
+/// Why a run ended early. Every variant says when, and how much where that helps.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// Newton's method did not converge.
+    #[error(
+        "Newton diverged at t = {t:.6e} s with step {h:.3e} s: scaled correction {residual:.3e} after {iterations} iterations; use a smaller step"
+    )]
+    NewtonDiverged {
+        /// Time [s].
+        t: f64,
+        /// Step [s].
+        h: f64,
+        /// Last scaled correction.
+        residual: f64,
+        /// Iterations done.
+        iterations: u32,
+    },
+    /// The Newton matrix could not be inverted.
+    #[error("the Newton matrix is singular at t = {t:.6e} s with step {h:.3e} s")]
+    SingularTangent {
+        /// Time [s].
+        t: f64,
+        /// Step [s].
+        h: f64,
+    },
+    /// A coordinate became infinite or not a number.
+    #[error("coordinate {dof} is not finite at t = {t:.6e} s: the run blew up; use a smaller step")]
+    NonFinite {
+        /// Time [s].
+        t: f64,
+        /// Index of the coordinate.
+        dof: usize,
+    },
+    /// The error estimate asked for a step below resolution.
+    #[error("step {h:.3e} s at t = {t:.6e} s is too small to go on: the tolerance cannot be met")]
+    StepTooSmall {
+        /// Time [s].
+        t: f64,
+        /// Step [s].
+        h: f64,
+    },
+    /// Contact modes flip without time going on.
+    #[error("contact chatter at t = {t:.6e} s: {events} events without progress")]
+    Chatter {
+        /// Time [s].
+        t: f64,
+        /// Events seen there.
+        events: u32,
+    },
+    /// The wall-clock or step bound was reached.
+    #[error("stopped at t = {t:.6e} s: {steps} steps reached the bound of the run")]
+    Timeout {
+        /// Time [s].
+        t: f64,
+        /// Steps done.
+        steps: u64,
+    },
+    /// Stopped from outside.
+    #[error("interrupted at t = {t:.6e} s")]
+    Interrupted {
+        /// Time [s].
+        t: f64,
+    },
+    /// The method cannot do what the plan asks.
+    #[error("{method} cannot run {what}")]
+    Unsupported {
+        /// Method id.
+        method: &'static str,
+        /// What was asked.
+        what: &'static str,
+    },
+    /// A library's solver gave up.
+    #[error("{method} failed at t = {t:.6e} s: {message}")]
+    Library {
+        /// Method id.
+        method: &'static str,
+        /// Time [s].
+        t: f64,
+        /// The library's words.
+        message: String,
+    },
+}
+
+/// The solution inside an accepted step.
+pub trait Dense {
+    /// Coordinates and velocities at `theta` in [0, 1] of the step.
+    fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]);
+}
+
+/// An accepted step, before events switch or commit the memory.
+pub struct AcceptedStep<'a> {
+    /// State at the start of the step; its memory held through the step.
+    pub from: &'a State,
+    /// State at its end, with the memory of the step.
+    pub to: &'a State,
+    /// The solution in between.
+    pub dense: &'a dyn Dense,
+}
+
+/// What the sink wants next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// Go on.
+    Continue,
+    /// End the run here without an error.
+    Stop,
+}
+
+/// Receives accepted steps. Observers record; integrators print nothing.
+pub trait Sink {
+    /// A step was accepted.
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control;
+
+    /// The state was switched or handed over at one instant, from `before` to `after`.
+    fn restarted(&mut self, _sys: &mut dyn SecondOrderSystem, _before: &State, _after: &State) {}
+
+    /// False lets the loop skip copies that only observers need.
+    fn wants_restarts(&self) -> bool {
+        true
+    }
+}
+
+/// Ignores everything: for timing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NullSink;
+
+impl Sink for NullSink {
+    #[inline]
+    fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, _step: &AcceptedStep<'_>) -> Control {
+        Control::Continue
+    }
+    fn wants_restarts(&self) -> bool {
+        false
+    }
+}
+
+/// A method that can integrate a system over a plan.
+pub trait Integrator {
+    /// What the method declares.
+    fn info(&self) -> &'static MethodInfo;
+
+    /// Integrates from `s` to the end of the plan; `s` ends at the last accepted state, `work` counts also
+    /// when the run fails.
+    fn run(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        plan: &TimePlan<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError>;
+}
+
+/// A one-step method. `from` is never changed by a step, so a step may be repeated with another size.
+pub trait OneStep {
+    /// What the method declares.
+    fn info(&self) -> &'static MethodInfo;
+
+    /// Sizes buffers and evaluates what the first step needs; called again after every restart.
+    fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work);
+
+    /// One step of size `h` [s]. `to` has the right lengths and the memory of `from`. Returns the error
+    /// estimate scaled by `tolerance` (accepted when <= 1), or 0 for methods without one.
+    fn step(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        h: f64,
+        tolerance: &Tolerance,
+        to: &mut State,
+        work: &mut Work,
+    ) -> Result<f64, StepError>;
+
+    /// The last step was accepted and nothing changed: move cached end values to the start.
+    fn advance(&mut self);
+
+    /// The solution inside the last step; the default is the cubic Hermite interpolant of `q` from both
+    /// ends and its derivative.
+    fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
+        crate::interpolation::hermite(from, to, theta, q, v);
+    }
+}
+
+/// Tolerances per coordinate.
+#[derive(Clone, Debug, Default)]
+pub struct Tolerance {
+    /// Relative tolerance, 0 for fixed steps.
+    pub rtol: f64,
+    /// Magnitudes of coordinates.
+    pub q: Vec<f64>,
+    /// Magnitudes of velocities.
+    pub v: Vec<f64>,
+}
+
+impl Tolerance {
+    /// Reads the system's scales.
+    pub fn of(sys: &dyn SecondOrderSystem, rtol: f64) -> Self {
+        let n = sys.layout().n;
+        let mut tol = Tolerance {
+            rtol,
+            q: vec![1.0; n],
+            v: vec![1.0; n],
+        };
+        sys.scales(&mut tol.q, &mut tol.v);
+        // A scale that is no magnitude would turn the error estimate into infinity or NaN.
+        for scale in tol.q.iter_mut().chain(&mut tol.v) {
+            if !(scale.is_finite() && *scale > 0.0) {
+                *scale = 1.0;
+            }
+        }
+        tol
+    }
+}

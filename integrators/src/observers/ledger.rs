@@ -1,0 +1,101 @@
+//! Energy ledger: what went in, what was lost, what moving stiffness did, and what the integration made up.
+//!
+//! `E(t) - E(0) = W_external - W_dissipated + W_parametric + J + residual`. Powers are integrated over each
+//! step by three-point Gauss quadrature on the method's interpolant; `J` books the jumps of energy where a
+//! branch is switched. The residual is the integration error (and that of the quadrature), in joule.
+
+use crate::method::{AcceptedStep, Control, Sink};
+use crate::system::{At, Energy, Outputs, SecondOrderSystem, State};
+
+/// Gauss-Legendre nodes and weights on [0, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+
+/// Accumulates the energy balance of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    /// Energies at the start; set at the first step.
+    pub start: Option<Energy>,
+    /// Energies at the last accepted state.
+    pub end: Energy,
+    /// Work of loads and prescribed motions [J].
+    pub external: f64,
+    /// Energy lost to damping and friction [J].
+    pub dissipated: f64,
+    /// Work of stiffness that varies with position [J].
+    pub parametric: f64,
+    /// Jumps of energy at switches [J].
+    pub jumps: f64,
+    /// Largest total energy seen [J].
+    pub peak: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    out: Outputs,
+}
+
+impl Ledger {
+    /// Energy that the balance does not explain [J].
+    pub fn residual(&self) -> f64 {
+        let start = self.start.unwrap_or_default().total();
+        self.end.total() - start - self.external + self.dissipated - self.parametric - self.jumps
+    }
+
+    /// The residual over the largest energy that took part.
+    pub fn residual_relative(&self) -> f64 {
+        let scale = self
+            .peak
+            .max(self.external.abs())
+            .max(self.dissipated.abs());
+        if scale > 0.0 {
+            self.residual() / scale
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Sink for Ledger {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let n = step.from.q.len();
+        self.q.resize(n, 0.0);
+        self.v.resize(n, 0.0);
+        if self.start.is_none() {
+            sys.output(step.from.at(), &mut self.out);
+            self.start = Some(self.out.energy);
+            self.peak = self.out.energy.total();
+        }
+        let h = step.to.t - step.from.t;
+        for (theta, weight) in GAUSS {
+            step.dense.eval(theta, &mut self.q, &mut self.v);
+            let at = At {
+                t: step.from.t + theta * h,
+                q: &self.q,
+                v: &self.v,
+                memory: &step.from.memory,
+            };
+            sys.output(at, &mut self.out);
+            self.external += weight * h * self.out.power.external;
+            self.dissipated += weight * h * self.out.power.dissipated;
+            self.parametric += weight * h * self.out.power.parametric;
+        }
+        sys.output(step.to.at(), &mut self.out);
+        self.end = self.out.energy;
+        self.peak = self.peak.max(self.end.total());
+        Control::Continue
+    }
+
+    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        sys.output(before.at(), &mut self.out);
+        let e0 = self.out.energy.total();
+        if self.start.is_none() {
+            self.start = Some(self.out.energy);
+            self.peak = e0;
+        }
+        sys.output(after.at(), &mut self.out);
+        self.end = self.out.energy;
+        self.jumps += self.end.total() - e0;
+    }
+}

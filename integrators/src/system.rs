@@ -1,0 +1,205 @@
+//! The system seam: `q' = v`, `M v' = f(t, q, v; memory)`.
+//!
+//! Conventions, stated once:
+//!
+//! - `q`, `v` hold the free generalised coordinates and their rates only. A prescribed motion is a
+//!   function of time inside the system, not a coordinate.
+//! - [`SecondOrderSystem::force`] is pure in [`At`]: the same arguments give the same bits.
+//! - **Guards**: the system's current branch (which contacts are closed, which tooth pairs lie on the
+//!   path of contact) is held in the memory. Guard `i` is positive while its part of the branch is valid;
+//!   an integrator that locates events stops where a guard falls through zero and calls
+//!   [`SecondOrderSystem::switch`]. Without event location the system uses its clipped,
+//!   memory-free force instead ([`SecondOrderSystem::begin`] says which).
+//! - Only `begin`, `switch` and `commit` change a state's memory, and only between steps.
+
+/// A state: time [s], generalised coordinates, their rates, and what has history.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time [s].
+    pub t: f64,
+    /// Generalised coordinates [rad or m], length `n`.
+    pub q: Vec<f64>,
+    /// Generalised velocities [rad/s or m/s], length `n`.
+    pub v: Vec<f64>,
+    /// Contact modes, impact speeds, tooth slots; constant within a step.
+    pub memory: Vec<f64>,
+}
+
+impl State {
+    /// The borrowed view that the system's functions take.
+    #[inline]
+    pub fn at(&self) -> At<'_> {
+        At {
+            t: self.t,
+            q: &self.q,
+            v: &self.v,
+            memory: &self.memory,
+        }
+    }
+
+    /// Copies without allocating when the lengths agree.
+    #[inline]
+    pub fn copy_from(&mut self, other: &State) {
+        self.t = other.t;
+        self.q.clone_from(&other.q);
+        self.v.clone_from(&other.v);
+        self.memory.clone_from(&other.memory);
+    }
+}
+
+/// A borrowed state: where a force, a tangent or an output is evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    /// Time [s].
+    pub t: f64,
+    /// Generalised coordinates.
+    pub q: &'a [f64],
+    /// Generalised velocities.
+    pub v: &'a [f64],
+    /// Memory, constant within a step.
+    pub memory: &'a [f64],
+}
+
+/// Sizes of a system.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of free generalised coordinates.
+    pub n: usize,
+    /// Number of guards (fixed; a guard that does not apply is held at +1).
+    pub guards: usize,
+    /// Length of the memory.
+    pub memory: usize,
+}
+
+/// Weights of the Newton matrix `m M + d D + k K` with `D = -df/dv`, `K = -df/dq`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coeffs {
+    /// Weight of the mass matrix.
+    pub m: f64,
+    /// Weight of the damping matrix `-df/dv`.
+    pub d: f64,
+    /// Weight of the stiffness matrix `-df/dq`.
+    pub k: f64,
+}
+
+/// What happened to a state between two steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Nothing: multistep history and cached accelerations stay valid.
+    None,
+    /// Coordinates were handed over or the force changed branch: the method starts afresh.
+    Restart,
+}
+
+/// Energies [J].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Strain energy inside the bodies (tooth springs, modes).
+    pub strain: f64,
+    /// Elastic energy stored at the contacts.
+    pub contact: f64,
+}
+
+impl Energy {
+    /// Sum of all parts [J].
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.strain + self.contact
+    }
+}
+
+/// Powers [W] that change the total energy: `dE/dt = external - dissipated + parametric`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Power {
+    /// Applied loads and prescribed motions.
+    pub external: f64,
+    /// Damping and friction; positive when energy is lost.
+    pub dissipated: f64,
+    /// Work of stiffness that varies with position while the force stays on the line of action:
+    /// `k'(s) s' d^2 / 2` for a linear law.
+    pub parametric: f64,
+}
+
+/// What a system reports at a state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outputs {
+    /// Energies.
+    pub energy: Energy,
+    /// Powers.
+    pub power: Power,
+    /// Named quantities, in the order of [`SecondOrderSystem::channels`].
+    pub channels: Vec<f64>,
+}
+
+/// A tangent that could not be inverted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the Newton matrix is singular")]
+pub struct Singular;
+
+/// A second-order system with branches.
+///
+/// Lengths: `f`, `a`, `x`, `q`, `v` have length [`Layout::n`].
+pub trait SecondOrderSystem {
+    /// Sizes; constant over a run.
+    fn layout(&self) -> Layout;
+
+    /// Typical magnitudes of coordinates and velocities; a relative tolerance multiplies them.
+    fn scales(&self, q: &mut [f64], v: &mut [f64]);
+
+    /// A time in which the force changes noticeably [s]: first step after a restart of an adaptive
+    /// method. Infinite when nothing is fast.
+    fn pace(&self, _at: At<'_>) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Generalised forces `f(t, q, v; memory)` without inertia. Pure and bitwise repeatable.
+    fn force(&mut self, at: At<'_>, f: &mut [f64]);
+
+    /// `f <- M^-1 f`.
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]);
+
+    /// `y = M x`.
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]);
+
+    /// `x = (c.m M + c.d D + c.k K)^-1 rhs`, the Newton correction. The default forms the matrix column by
+    /// column from [`Self::tangent_times`]; systems with structure use it.
+    fn correct(&mut self, at: At<'_>, c: Coeffs, rhs_to_x: &mut [f64]) -> Result<(), Singular> {
+        crate::dense_solve::correct_by_columns(self, at, c, rhs_to_x)
+    }
+
+    /// `df = (df/dq) dq + (df/dv) dv`: the tangent applied to a direction.
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]);
+
+    /// Guards of the current branch; `out` has length [`Layout::guards`].
+    fn guards(&mut self, _at: At<'_>, out: &mut [f64]) {
+        out.fill(1.0);
+    }
+
+    /// Next time after `t` at which a load has a knot, or infinity.
+    fn next_knot(&self, _t: f64) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Prepares the memory at the start of a run. `located`: the integrator locates events and relies on
+    /// guards; otherwise the force must be clipped and free of branches in memory.
+    fn begin(&mut self, _s: &mut State, _located: bool) {}
+
+    /// Flips the part of the branch that guard `i` watches.
+    fn switch(&mut self, _s: &mut State, _guard: usize) -> Change {
+        Change::None
+    }
+
+    /// Called once after each accepted step.
+    fn commit(&mut self, _s: &mut State) -> Change {
+        Change::None
+    }
+
+    /// Names of the channels in [`Outputs`].
+    fn channels(&self) -> &[String] {
+        &[]
+    }
+
+    /// Energies, powers and channels at a state.
+    fn output(&mut self, _at: At<'_>, _out: &mut Outputs) {}
+}

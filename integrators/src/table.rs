@@ -1,0 +1,141 @@
+//! The table of methods. A new method is one file and one line in [`METHODS`]; the command line, the
+//! conformance tests and the studies iterate it.
+
+use crate::diffsol_adapter::{Diffsol, Solver};
+use crate::explicit::runge_kutta::{self, RungeKutta};
+use crate::explicit::semi_implicit_euler::{self, SemiImplicitEuler};
+use crate::explicit::tsit45;
+use crate::explicit::velocity_verlet::{self, VelocityVerlet};
+use crate::implicit::diffsol_methods;
+use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
+use crate::method::{Integrator, MethodInfo};
+use crate::stepped::Stepped;
+
+/// A row: what the method declares and how it is made from its parameters (in declared order).
+pub struct Method {
+    /// Declared facts.
+    pub info: &'static MethodInfo,
+    make: fn(&[f64]) -> Box<dyn Integrator>,
+}
+
+/// All methods.
+pub static METHODS: &[Method] = &[
+    Method {
+        info: &semi_implicit_euler::INFO,
+        make: |_| Box::new(Stepped::new(SemiImplicitEuler::default())),
+    },
+    Method {
+        info: &velocity_verlet::INFO,
+        make: |_| Box::new(Stepped::new(VelocityVerlet::default())),
+    },
+    Method {
+        info: &runge_kutta::RK4,
+        make: |_| Box::new(Stepped::new(RungeKutta::rk4())),
+    },
+    Method {
+        info: &runge_kutta::DOPRI5,
+        make: |_| Box::new(Stepped::new(RungeKutta::dopri5())),
+    },
+    Method {
+        info: &generalised_alpha::NEWMARK,
+        make: |p| Box::new(Stepped::new(GeneralisedAlpha::newmark(p[0]))),
+    },
+    Method {
+        info: &generalised_alpha::HHT,
+        make: |p| Box::new(Stepped::new(GeneralisedAlpha::hht(p[0]))),
+    },
+    Method {
+        info: &generalised_alpha::GENERALISED_ALPHA,
+        make: |p| Box::new(Stepped::new(GeneralisedAlpha::chung_hulbert(p[0]))),
+    },
+    Method {
+        info: &tsit45::INFO,
+        make: |_| Box::new(Diffsol::new(&tsit45::INFO, Solver::Tsit45)),
+    },
+    Method {
+        info: &diffsol_methods::BDF,
+        make: |_| Box::new(Diffsol::new(&diffsol_methods::BDF, Solver::Bdf)),
+    },
+    Method {
+        info: &diffsol_methods::TR_BDF2,
+        make: |_| Box::new(Diffsol::new(&diffsol_methods::TR_BDF2, Solver::TrBdf2)),
+    },
+    Method {
+        info: &diffsol_methods::ESDIRK34,
+        make: |_| Box::new(Diffsol::new(&diffsol_methods::ESDIRK34, Solver::Esdirk34)),
+    },
+];
+
+impl Method {
+    /// The method with its default parameters.
+    pub fn build(&self) -> Box<dyn Integrator> {
+        let defaults: Vec<f64> = self.info.parameters.iter().map(|p| p.default).collect();
+        (self.make)(&defaults)
+    }
+
+    /// The method with some parameters given by name.
+    pub fn build_with(&self, given: &[(String, f64)]) -> Result<Box<dyn Integrator>, String> {
+        let mut values: Vec<f64> = self.info.parameters.iter().map(|p| p.default).collect();
+        for (name, value) in given {
+            let Some(i) = self.info.parameters.iter().position(|p| p.name == name) else {
+                let known: Vec<&str> = self.info.parameters.iter().map(|p| p.name).collect();
+                return Err(if known.is_empty() {
+                    format!("{} has no parameters, but `{name}` was given", self.info.id)
+                } else {
+                    format!(
+                        "{} has no parameter `{name}`; it has {}",
+                        self.info.id,
+                        known.join(", ")
+                    )
+                });
+            };
+            let (low, high) = self.info.parameters[i].range;
+            if !(low..=high).contains(value) {
+                return Err(format!(
+                    "{} {name} = {value} lies outside [{low}, {high}]",
+                    self.info.id
+                ));
+            }
+            values[i] = *value;
+        }
+        Ok((self.make)(&values))
+    }
+}
+
+/// Finds a method by `id` or `id(name=value, ...)` and builds it; the error says what is known.
+pub fn method(text: &str) -> Result<(&'static Method, Box<dyn Integrator>), String> {
+    let text = text.trim();
+    let (id, parameters) = match text.split_once('(') {
+        Some((id, rest)) => {
+            let inner = rest
+                .strip_suffix(')')
+                .ok_or_else(|| format!("`{text}`: the closing bracket is missing"))?;
+            (id.trim(), inner)
+        }
+        None => (text, ""),
+    };
+    let row = METHODS.iter().find(|m| m.info.id == id).ok_or_else(|| {
+        let known: Vec<&str> = METHODS.iter().map(|m| m.info.id).collect();
+        format!(
+            "there is no integrator `{id}`; there are {}",
+            known.join(", ")
+        )
+    })?;
+    let mut given = Vec::new();
+    for part in parameters
+        .split(',')
+        .map(str::trim)
+        .filter(|p| !p.is_empty())
+    {
+        let (name, value) = part
+            .split_once('=')
+            .ok_or_else(|| format!("`{part}`: expected name=value, for example rho_inf=0.8"))?;
+        let value: f64 = value
+            .trim()
+            .parse()
+            .map_err(|_| format!("`{part}`: `{}` is not a number", value.trim()))?;
+        given.push((name.trim().to_string(), value));
+    }
+    let built = row.build_with(&given)?;
+    Ok((row, built))
+}

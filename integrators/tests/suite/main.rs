@@ -1,0 +1,15 @@
+//! What the methods of the table declare, held against exact solutions. One binary, one room per question.
+
+#![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
+
+mod contact_order;
+mod dense_output;
+mod energy_and_momentum;
+mod events;
+mod failures;
+mod golden_work;
+mod linear_oscillator;
+mod micro_benchmark;
+mod observers;
+mod problems;
+mod smooth_order;

@@ -1,0 +1,508 @@
+//! Normal and tangential contact laws: force, its derivatives and its elastic energy.
+//!
+//! Convention, stated here once: the gap `g` (m) is positive when open, the penetration is
+//! `d = -g`, the gap rate `g' < 0` while the bodies approach, and the normal force `N >= 0` is
+//! compressive. `v0 > 0` is the approach speed `-g'` at the instant of first touch.
+//!
+//! The normal force is
+//!
+//! ```text
+//! none            N = k d^n
+//! Kelvin-Voigt    N = k d^n + c d'
+//! all others      N = k d^n (1 + chi d' / v0)
+//! ```
+//!
+//! | damping | chi | source |
+//! |---|---|---|
+//! | Hunt-Crossley | 3 (1 - e) / 2 | J. Appl. Mech. 42 (1975) 440-445 |
+//! | Lankarani-Nikravesh | 3 (1 - e^2) / 4 | J. Mech. Des. 112 (1990) 369-376 |
+//! | Flores et al. | 8 (1 - e) / (5 e) | Multibody Syst. Dyn. 25 (2011) 357-375 |
+//! | Gonthier et al. | (1 - e^2) / e | Multibody Syst. Dyn. 11 (2004) 209-233 |
+//!
+//! The restitution `r` such a law really gives in a free impact is the same for every exponent:
+//! it solves `chi (1 + r) = ln((1 + chi) / (1 - chi r))` ([`realised_restitution`]). The first two
+//! factors meet `r = e` only near `e = 1`; the last two stay close to it over the whole range.
+//!
+//! Event-located integration needs a branch that stays smooth while a root is sought, so
+//! [`Law::smooth`] continues the law oddly into the open gap and does not clip; the force that acts
+//! is [`Law::clipped`]: zero when open, zero instead of tensile (contact never pulls).
+
+use thiserror::Error;
+
+/// Default floor of the impact speed `v0` (m/s), see [`Law::with_speed_floor`].
+pub const DEFAULT_SPEED_FLOOR: f64 = 1e-3;
+
+/// Why a law cannot be used as specified.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LawError {
+    /// The exponent `n` of the penetration is outside `[1, 3]`.
+    #[error(
+        "exponent of the contact law is {value}; it must lie in [1, 3] (1 linear, 10/9 line, 3/2 point contact)"
+    )]
+    Exponent {
+        /// The value given.
+        value: f64,
+    },
+    /// The coefficient of restitution is outside `(0, 1]`.
+    #[error("coefficient of restitution of {law} is {value}; it must lie in (0, 1]")]
+    Restitution {
+        /// Id of the damping.
+        law: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A Kelvin-Voigt coefficient or ratio is negative or not finite.
+    #[error("Kelvin-Voigt damping {what} is {value}; it must be finite and not negative")]
+    KelvinVoigt {
+        /// Coefficient or ratio.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A damping ratio reached a law before it became a coefficient.
+    #[error(
+        "a damping ratio needs stiffness and reduced mass: call Damping::resolved first, or give c in N s/m"
+    )]
+    UnresolvedRatio,
+    /// A damping ratio was given for a nonlinear law.
+    #[error(
+        "a damping ratio is defined for the linear law only, the exponent is {exponent}; give c in N s/m, or a restitution law"
+    )]
+    RatioOfNonlinearLaw {
+        /// The exponent of the law.
+        exponent: f64,
+    },
+    /// Stiffness or reduced mass used to resolve a ratio is not positive.
+    #[error("{what} is {value}; it must be finite and positive to resolve a damping ratio")]
+    NotPositive {
+        /// Which quantity.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The floor of the impact speed is not positive.
+    #[error("impact speed floor is {value} m/s; it must be finite and positive")]
+    SpeedFloor {
+        /// The value given (m/s).
+        value: f64,
+    },
+    /// A friction parameter is out of range.
+    #[error("friction {what} is {value}; {rule}")]
+    Friction {
+        /// Which parameter.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        rule: &'static str,
+    },
+}
+
+/// How a contact dissipates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Damping {
+    /// Elastic contact.
+    None,
+    /// Linear dashpot in parallel, `c` (N s/m).
+    KelvinVoigt {
+        /// Coefficient (N s/m).
+        c: f64,
+    },
+    /// Linear dashpot given by its ratio to critical damping, `c = 2 ratio sqrt(k m)`.
+    KelvinVoigtRatio {
+        /// Damping ratio (-).
+        ratio: f64,
+    },
+    /// Hunt and Crossley with restitution `e` (-).
+    HuntCrossley {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+    /// Lankarani and Nikravesh with restitution `e` (-).
+    LankaraniNikravesh {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+    /// Flores, Machado, Silva and Martins with restitution `e` (-).
+    Flores {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+    /// Gonthier, McPhee, Lange and Piedboeuf with restitution `e` (-).
+    Gonthier {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+}
+
+impl Damping {
+    /// Every id [`Damping::id`] can return.
+    pub const IDS: [&'static str; 7] = [
+        "none",
+        "kelvin-voigt",
+        "kelvin-voigt-ratio",
+        "hunt-crossley",
+        "lankarani-nikravesh",
+        "flores",
+        "gonthier",
+    ];
+
+    /// The name used in scenes and reports.
+    pub fn id(&self) -> &'static str {
+        match self {
+            Damping::None => Self::IDS[0],
+            Damping::KelvinVoigt { .. } => Self::IDS[1],
+            Damping::KelvinVoigtRatio { .. } => Self::IDS[2],
+            Damping::HuntCrossley { .. } => Self::IDS[3],
+            Damping::LankaraniNikravesh { .. } => Self::IDS[4],
+            Damping::Flores { .. } => Self::IDS[5],
+            Damping::Gonthier { .. } => Self::IDS[6],
+        }
+    }
+
+    /// The same damping with a ratio turned into `c = 2 ratio sqrt(k m)` (N s/m); every other kind
+    /// is returned as it is. `stiffness` (N/m) is the linear contact stiffness, `reduced_mass`
+    /// (kg) that of the two bodies along the line of action.
+    ///
+    /// # Errors
+    /// [`LawError`] when the law is nonlinear or a value is not positive.
+    pub fn resolved(
+        self,
+        exponent: f64,
+        stiffness: f64,
+        reduced_mass: f64,
+    ) -> Result<Damping, LawError> {
+        let Damping::KelvinVoigtRatio { ratio } = self else {
+            return Ok(self);
+        };
+        if !(ratio.is_finite() && ratio >= 0.0) {
+            return Err(LawError::KelvinVoigt {
+                what: "ratio",
+                value: ratio,
+            });
+        }
+        if exponent != 1.0 {
+            return Err(LawError::RatioOfNonlinearLaw { exponent });
+        }
+        for (what, value) in [("stiffness", stiffness), ("reduced mass", reduced_mass)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(LawError::NotPositive { what, value });
+            }
+        }
+        Ok(Damping::KelvinVoigt {
+            c: 2.0 * ratio * (stiffness * reduced_mass).sqrt(),
+        })
+    }
+
+    /// The factor chi of `1 + chi d'/v0`, zero for laws without it.
+    fn chi(&self) -> f64 {
+        match *self {
+            Damping::HuntCrossley { e } => 1.5 * (1.0 - e),
+            Damping::LankaraniNikravesh { e } => 0.75 * (1.0 - e * e),
+            Damping::Flores { e } => 1.6 * (1.0 - e) / e,
+            Damping::Gonthier { e } => (1.0 - e * e) / e,
+            Damping::None | Damping::KelvinVoigt { .. } | Damping::KelvinVoigtRatio { .. } => 0.0,
+        }
+    }
+
+    fn restitution(&self) -> Option<f64> {
+        match *self {
+            Damping::HuntCrossley { e }
+            | Damping::LankaraniNikravesh { e }
+            | Damping::Flores { e }
+            | Damping::Gonthier { e } => Some(e),
+            Damping::None | Damping::KelvinVoigt { .. } | Damping::KelvinVoigtRatio { .. } => None,
+        }
+    }
+}
+
+/// Normal force of a law and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LawForce {
+    /// Normal force `N` (N).
+    pub n: f64,
+    /// `dN/dg` (N/m).
+    pub dn_dg: f64,
+    /// `dN/dg'` (N s/m).
+    pub dn_dgdot: f64,
+    /// `dN/dk` (m^n).
+    pub dn_dk: f64,
+}
+
+/// The exponents met in practice have cheap powers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Power {
+    One,
+    ThreeHalves,
+    General,
+}
+
+/// A validated normal contact law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    exponent: f64,
+    damping: Damping,
+    power: Power,
+    c: f64,
+    chi: f64,
+    speed_floor: f64,
+}
+
+impl Law {
+    /// A law with the penetration exponent `n` in [1, 3] and a damping.
+    ///
+    /// # Errors
+    /// [`LawError`] names the parameter out of range; a damping ratio must be
+    /// [resolved](Damping::resolved) first.
+    pub fn new(exponent: f64, damping: Damping) -> Result<Law, LawError> {
+        if !(1.0..=3.0).contains(&exponent) {
+            return Err(LawError::Exponent { value: exponent });
+        }
+        let c = match damping {
+            Damping::KelvinVoigt { c } if !(c.is_finite() && c >= 0.0) => {
+                return Err(LawError::KelvinVoigt {
+                    what: "c (N s/m)",
+                    value: c,
+                });
+            }
+            Damping::KelvinVoigt { c } => c,
+            Damping::KelvinVoigtRatio { .. } => return Err(LawError::UnresolvedRatio),
+            _ => 0.0,
+        };
+        if let Some(e) = damping.restitution()
+            && !(e > 0.0 && e <= 1.0)
+        {
+            return Err(LawError::Restitution {
+                law: damping.id(),
+                value: e,
+            });
+        }
+        let power = if exponent == 1.0 {
+            Power::One
+        } else if exponent == 1.5 {
+            Power::ThreeHalves
+        } else {
+            Power::General
+        };
+        Ok(Law {
+            exponent,
+            damping,
+            power,
+            c,
+            chi: damping.chi(),
+            speed_floor: DEFAULT_SPEED_FLOOR,
+        })
+    }
+
+    /// The linear elastic law `N = k d`.
+    pub const fn elastic() -> Law {
+        Law {
+            exponent: 1.0,
+            damping: Damping::None,
+            power: Power::One,
+            c: 0.0,
+            chi: 0.0,
+            speed_floor: DEFAULT_SPEED_FLOOR,
+        }
+    }
+
+    /// The same law with another floor of the impact speed (m/s). A contact that closes from rest
+    /// under load has `v0 = 0` and `d'/v0` would be infinite, so `v0` enters as `max(v0, floor)`;
+    /// impacts slower than the floor are damped less than `e` asks for.
+    ///
+    /// # Errors
+    /// [`LawError::SpeedFloor`] unless finite and positive.
+    pub fn with_speed_floor(mut self, floor: f64) -> Result<Law, LawError> {
+        if !(floor.is_finite() && floor > 0.0) {
+            return Err(LawError::SpeedFloor { value: floor });
+        }
+        self.speed_floor = floor;
+        Ok(self)
+    }
+
+    /// Exponent `n` of the penetration.
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    /// The damping.
+    pub fn damping(&self) -> Damping {
+        self.damping
+    }
+
+    /// Factor chi of `1 + chi d'/v0`; zero for elastic and Kelvin-Voigt contact.
+    pub fn chi(&self) -> f64 {
+        self.chi
+    }
+
+    /// Id of the damping, as in scenes and reports.
+    pub fn id(&self) -> &'static str {
+        self.damping.id()
+    }
+
+    /// Whether the law uses the speed stored at first touch.
+    pub fn needs_impact_speed(&self) -> bool {
+        self.chi > 0.0
+    }
+
+    /// Whether a closed-open cycle loses energy.
+    pub fn is_dissipative(&self) -> bool {
+        self.chi > 0.0 || self.c > 0.0
+    }
+
+    /// `(sign(d) |d|^n, n |d|^(n-1))`.
+    #[inline]
+    fn powers(&self, d: f64) -> (f64, f64) {
+        match self.power {
+            Power::One => (d, 1.0),
+            Power::ThreeHalves => {
+                let root = d.abs().sqrt();
+                (d * root, 1.5 * root)
+            }
+            Power::General => {
+                let below = d.abs().powf(self.exponent - 1.0);
+                (d * below, self.exponent * below)
+            }
+        }
+    }
+
+    /// The smooth branch: odd in the penetration, neither clipped nor switched off when open.
+    /// `k` (N/m^n) is the stiffness at this point, `v0` (m/s) the impact speed (ignored by laws
+    /// that do not [need](Law::needs_impact_speed) it).
+    #[inline]
+    pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
+        let (power, slope) = self.powers(-g);
+        // `max` returns the floor for a NaN v0, which is what an unset memory slot holds.
+        let per_speed = self.chi / v0.max(self.speed_floor);
+        let factor = 1.0 - per_speed * g_rate;
+        LawForce {
+            n: k * power * factor - self.c * g_rate,
+            dn_dg: -k * slope * factor,
+            dn_dgdot: -k * power * per_speed - self.c,
+            dn_dk: power * factor,
+        }
+    }
+
+    /// The force that acts: all zero when the gap is open (`g >= 0`) or the smooth branch would
+    /// pull. NaN passes through so that the caller can detect it.
+    #[inline]
+    pub fn clipped(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
+        if g >= 0.0 {
+            return LawForce::default();
+        }
+        let force = self.smooth(g, g_rate, v0, k);
+        if force.n < 0.0 {
+            return LawForce::default();
+        }
+        force
+    }
+
+    /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
+    #[inline]
+    pub fn potential(&self, g: f64, k: f64) -> f64 {
+        k * self.d_potential_dk(g)
+    }
+
+    /// Derivative of [`Law::potential`] with respect to `k` (m^(n+1)); times `dk/dt` it is the
+    /// parametric power of a varying stiffness.
+    #[inline]
+    pub fn d_potential_dk(&self, g: f64) -> f64 {
+        if g >= 0.0 {
+            return 0.0;
+        }
+        let d = -g;
+        d * self.powers(d).0 / (self.exponent + 1.0)
+    }
+}
+
+/// The restitution a law with factor `chi >= 0` gives in a free impact, whatever its exponent: the
+/// root in `(0, 1]` of `chi (1 + r) = ln((1 + chi) / (1 - chi r))`.
+pub fn realised_restitution(chi: f64) -> f64 {
+    if chi.is_nan() || chi <= 0.0 {
+        return 1.0;
+    }
+    if chi < 1e-4 {
+        // The logarithms cancel here; the series of the root is r = 1 - 2 chi / 3 + O(chi^2).
+        return 1.0 - 2.0 * chi / 3.0 + 4.0 * chi * chi / 9.0;
+    }
+    let residual = |r: f64| chi * (1.0 + r) - chi.ln_1p() + (-chi * r).ln_1p();
+    // The residual is positive at r = 0 and falls to minus infinity (or below zero) at the bound.
+    let (mut low, mut high) = (0.0, (1.0 / chi).min(1.0));
+    for _ in 0..200 {
+        let mid = 0.5 * (low + high);
+        if residual(mid) > 0.0 {
+            low = mid;
+        } else {
+            high = mid;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Regularised Coulomb friction `F_t = -mu N tanh(v / v_ref)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    mu: f64,
+    v_ref: f64,
+}
+
+/// Friction force and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrictionForce {
+    /// Tangential force along the sliding direction (N), opposite in sign to the sliding speed.
+    pub f: f64,
+    /// `dF/dN` (-).
+    pub df_dn: f64,
+    /// `dF/dv` (N s/m).
+    pub df_dv: f64,
+}
+
+impl Friction {
+    /// Friction with coefficient `mu >= 0` (-) and the regularisation speed `v_ref > 0` (m/s) at
+    /// which 76 % of the sliding force is reached.
+    ///
+    /// # Errors
+    /// [`LawError::Friction`] names the parameter out of range.
+    pub fn new(mu: f64, v_ref: f64) -> Result<Friction, LawError> {
+        if !(mu.is_finite() && mu >= 0.0) {
+            return Err(LawError::Friction {
+                what: "coefficient mu",
+                value: mu,
+                rule: "it must be finite and not negative",
+            });
+        }
+        if !(v_ref.is_finite() && v_ref > 0.0) {
+            return Err(LawError::Friction {
+                what: "regularisation speed [m/s]",
+                value: v_ref,
+                rule: "it must be finite and positive (1 % of the sliding speed is usual)",
+            });
+        }
+        Ok(Friction { mu, v_ref })
+    }
+
+    /// Coefficient of friction (-).
+    pub fn mu(&self) -> f64 {
+        self.mu
+    }
+
+    /// Regularisation speed (m/s).
+    pub fn v_ref(&self) -> f64 {
+        self.v_ref
+    }
+
+    /// Force under the normal force `n` (N) at the sliding speed `v` (m/s).
+    #[inline]
+    pub fn force(&self, n: f64, v: f64) -> FrictionForce {
+        let t = (v / self.v_ref).tanh();
+        FrictionForce {
+            f: -self.mu * n * t,
+            df_dn: -self.mu * t,
+            df_dv: -self.mu * n * (1.0 - t * t) / self.v_ref,
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "law_tests.rs"]
+mod tests;

@@ -1,0 +1,8 @@
+//! Contact: candidate points, gaps, rows, laws and the contact solve.
+
+pub mod candidate;
+pub mod law;
+pub mod lines_of_action;
+pub mod row;
+pub mod search;
+pub mod solve;

@@ -1,0 +1,75 @@
+//! The search seam: candidate points between any two gears of a mesh.
+//!
+//! A search owns a part of the mesh's memory: which tooth pairs it looks at. With event location that part
+//! changes only at its guards, so inside a step the set of candidates is fixed.
+
+use super::candidate::{Candidate, Tooth};
+use crate::gear::GearModel;
+use crate::geometry::Side;
+use gearbench_integrators::system::At;
+
+/// A gear with its slice of the state.
+#[derive(Clone, Copy)]
+pub struct Party<'a> {
+    /// The gear.
+    pub gear: &'a dyn GearModel,
+    /// Its own coordinates, velocities and memory.
+    pub at: At<'a>,
+}
+
+/// What a switched guard of a search did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ZoneChange {
+    /// Slot of a pair that became a candidate.
+    pub entered: Option<usize>,
+    /// Slot of a pair that is none any more.
+    pub left: Option<usize>,
+}
+
+/// Which candidates are wanted.
+#[derive(Clone, Copy, Debug)]
+pub enum Wanted<'a> {
+    /// Pairs in the search's memory whose slot is closed; per slot `(mode, impact speed)`.
+    Closed(&'a [f64]),
+    /// All pairs in the search's memory.
+    Listed,
+    /// Pairs that lie in the contact zone at this state, memory aside, with a gap [m] of at most so much.
+    Touching(f64),
+}
+
+/// A search for candidate points; takes any mix of gear models.
+pub trait ContactSearch {
+    /// Number of contact slots: an upper bound of simultaneous candidates.
+    fn slots(&self) -> usize;
+
+    /// Length of the search's memory.
+    fn memory(&self) -> usize;
+
+    /// Number of the search's guards.
+    fn guard_count(&self) -> usize;
+
+    /// Sets the memory from a state.
+    fn begin(&self, a: Party<'_>, b: Party<'_>, memory: &mut [f64]);
+
+    /// Appends candidates.
+    fn candidates(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        memory: &[f64],
+        wanted: Wanted<'_>,
+        out: &mut Vec<Candidate>,
+    );
+
+    /// Gaps [m] of all pairs in the search's memory by slot; other entries of `out` stay as they are.
+    fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]);
+
+    /// Guards of the memory.
+    fn guards(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]);
+
+    /// Flips what guard `i` watches.
+    fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange;
+
+    /// Teeth and flank side of a candidate.
+    fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side);
+}

@@ -1,0 +1,210 @@
+//! The one gear-contact interface: what a gear model must tell the contact and the integrator.
+//!
+//! A gear has generalised coordinates (those of its mount first, then its own), a pose for each tooth,
+//! a contact row, a local compliance, a mass and internal forces. Rigid, movable teeth and elastic bodies
+//! differ in nothing else. A gear may take part in several meshes; the gears of a mesh may have different
+//! models.
+
+pub mod movable_teeth;
+pub mod rigid;
+pub mod table;
+
+use crate::Vec3;
+use crate::contact::candidate::{Point, Tooth};
+use crate::contact::row::Row;
+use crate::geometry::Side;
+use crate::mount::Hub;
+use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
+
+/// How a mesh sees a gear: enough to know the path coordinate and contact radius of a tooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshView {
+    /// Base radius [m]; `None` for a rack.
+    pub base_radius: Option<f64>,
+    /// Direction from this gear's centre to its partner [rad].
+    pub direction: f64,
+    /// Transverse working pressure angle [rad].
+    pub working_pressure_angle: f64,
+    /// Angle between the centreline of a tooth and its flank's origin on the base circle [rad]; for a rack
+    /// half the tooth thickness on the pitch line [m].
+    pub half_angle_base: f64,
+    /// Range of the gear's own path coordinate (from its own tangent point) over the path of contact [m].
+    pub path: [f64; 2],
+    /// Angle [rad] (or travel [m]) between teeth.
+    pub pitch: f64,
+    /// Angle (or travel) of tooth 0 at the assembled position.
+    pub assembled: f64,
+}
+
+impl MeshView {
+    /// Derivative of a left flank's path coordinate by the tooth's angle [m] (travel [-] for a rack).
+    pub fn path_per_travel(&self) -> f64 {
+        self.base_radius.unwrap_or_else(|| -self.working_pressure_angle.cos())
+    }
+
+    /// Path coordinate of a flank from the gear's own tangent point [m], for a tooth at `angle` (or
+    /// travel, where it is the flank's distance from the pitch point along the line of action).
+    #[inline]
+    pub fn path_coordinate(&self, side: Side, angle: f64) -> f64 {
+        let sign = side.sign();
+        match self.base_radius {
+            Some(rb) => {
+                rb * (sign * (angle - self.direction)
+                    + self.working_pressure_angle
+                    + self.half_angle_base)
+            }
+            None => {
+                // The lower side of a rack tooth meets the left flanks of a gear at its left.
+                -(sign * angle - self.half_angle_base) * self.working_pressure_angle.cos()
+            }
+        }
+    }
+}
+
+/// Sizes of a gear model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coordinates {
+    /// Free coordinates, the mount's first.
+    pub n: usize,
+    /// Length of the gear's memory.
+    pub memory: usize,
+}
+
+/// Typical magnitudes that turn a relative tolerance into absolute ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Magnitudes {
+    /// Deflection along the line of action [m].
+    pub deflection: f64,
+    /// Speed along the line of action [m/s].
+    pub speed: f64,
+}
+
+/// Quantities of the hub and the whole body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HubState {
+    /// Angle [rad] or travel [m] of the hub from the assembled position.
+    pub travel: f64,
+    /// Its rate.
+    pub speed: f64,
+    /// Angular momentum about the axis [kg m^2/s], or momentum along the slide [kg m/s].
+    pub momentum: f64,
+}
+
+/// A gear at some fidelity. `at` holds the gear's own coordinates and memory only.
+pub trait GearModel {
+    /// Id of the model.
+    fn id(&self) -> &'static str;
+
+    /// The hub that carries the gear.
+    fn hub(&self) -> &Hub;
+
+    /// Sizes.
+    fn coordinates(&self) -> Coordinates;
+
+    /// Tells the gear of one of its meshes, in order. Called while the scene is assembled, before
+    /// [`Self::coordinates`] counts.
+    fn attach(&mut self, _view: MeshView) {}
+
+    /// Magnitudes of coordinates and velocities.
+    fn scales(&self, magnitudes: Magnitudes, q: &mut [f64], v: &mut [f64]);
+
+    /// Sets the initial state of its coordinates for a hub that moves at `speed`.
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]);
+
+    /// Mass that a contact feels at first, `1 / (w^T M^-1 w)` of its row [kg]; infinite for a gear that is held.
+    fn contact_mass(&self) -> f64;
+
+    /// Shortest natural time of the gear's own coordinates, `1/omega` [s]; infinite without any.
+    fn pace(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Angle of a tooth from its assembled position [rad] (travel [m] for a rack), pitch not included.
+    fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64;
+
+    /// Elastic displacement of a point beyond the motion of its tooth [m].
+    fn displacement(&self, _at: At<'_>, _p: &Point) -> Vec3 {
+        Vec3::zeros()
+    }
+
+    /// False lets the search skip [`Self::displacement`].
+    fn has_displacement(&self) -> bool {
+        false
+    }
+
+    /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear.
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row);
+
+    /// Prescribed part of `d(x_p . n)/dt` [m/s], for driven mounts.
+    fn drift(&self, at: At<'_>, p: &Point, n: &Vec3) -> f64 {
+        let hub = self.hub();
+        if hub.coordinates() > 0 {
+            return 0.0;
+        }
+        hub.lever(&p.x, n) * hub.speed(at.t, at.v)
+    }
+
+    /// Local (massless) compliance [m/N] between two of its points, whatever the meshes:
+    /// displacement of `p` along `n` by a unit force at `r` along `m`.
+    fn compliance(&self, _p: &Point, _n: &Vec3, _r: &Point, _m: &Vec3) -> f64 {
+        0.0
+    }
+
+    /// True when [`Self::compliance`] is not zero everywhere.
+    fn is_compliant(&self) -> bool {
+        false
+    }
+
+    /// Adds internal forces.
+    fn internal_force(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+
+    /// Adds `(df/dq) dq + (df/dv) dv` of the internal forces.
+    fn internal_tangent(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {}
+
+    /// `f <- M^-1 f`.
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]);
+
+    /// `y = M x`.
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]);
+
+    /// `x = (c.m M + c.d D + c.k K)^-1 rhs` without contact and loads, but with `hub_damping` [N m s/rad]
+    /// from viscous loads on the mount's coordinate. The scene adds contacts as low-rank terms.
+    fn correct(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular>;
+
+    /// Kinetic and strain energy [J].
+    fn energy(&self, at: At<'_>) -> Energy;
+
+    /// Power lost inside the gear [W].
+    fn dissipated(&self, _at: At<'_>) -> f64 {
+        0.0
+    }
+
+    /// Power that stiffness varying with position puts in [W].
+    fn parametric(&self, _at: At<'_>) -> f64 {
+        0.0
+    }
+
+    /// Power that a prescribed motion puts into the gear's own coordinates [W].
+    fn driven_power(&self, _at: At<'_>) -> f64 {
+        0.0
+    }
+
+    /// Hub motion and momentum of the whole gear.
+    fn hub_state(&self, at: At<'_>) -> HubState;
+
+    /// A contact of a tooth opened or closed: gears whose springs know the contact radius use it.
+    fn engage(&mut self, _memory: &mut [f64], _tooth: Tooth, _side: Side, _closed: bool) -> Change {
+        Change::None
+    }
+
+    /// After an accepted step: hand teeth over. The slices are the gear's own.
+    fn commit(&mut self, _t: f64, _q: &mut [f64], _v: &mut [f64], _memory: &mut [f64]) -> Change {
+        Change::None
+    }
+}

@@ -1,0 +1,172 @@
+//! Free deviations of the teeth outside the windows from their mean, in closed form.
+//!
+//! `m d'' + c d' + k d = 0` for every such tooth, so `(d, d')` at time `t` follows from its value at a common
+//! reference time by one 2 x 2 matrix. The deviations sum to zero: they do not act on the body.
+//!
+//! Memory: `[t_ref, sum d^2, sum d d', sum d'^2, d_0, d_0', d_1, d_1', ...]`; entries of teeth inside windows
+//! are zero.
+
+use super::springs::ToothSprings;
+
+/// The deviations of a gear with so many teeth; all functions take their own slice of the memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deviations {
+    pub teeth: usize,
+}
+
+/// Cells before the deviations.
+const HEAD: usize = 4;
+
+/// `[d; d'](t) = P [d; d'](t_ref)`, row by row.
+fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
+    let (k, c, m) = (p.stiffness[0], p.damping[0], p.mass[0]);
+    let (w2, a) = (k / m, 0.5 * c / m);
+    let decay = (-a * dt).exp();
+    let inside = w2 - a * a;
+    // Underdamped, overdamped, and the limit between them.
+    let (co, si) = if inside > 1e-12 * w2 {
+        let w = inside.sqrt();
+        ((w * dt).cos(), (w * dt).sin() / w)
+    } else if inside < -1e-12 * w2 {
+        let w = (-inside).sqrt();
+        ((w * dt).cosh(), (w * dt).sinh() / w)
+    } else {
+        (1.0, dt)
+    };
+    [decay * (co + a * si), decay * si, -decay * w2 * si, decay * (co - a * si)]
+}
+
+impl Deviations {
+    /// Length of the memory.
+    pub fn len(&self) -> usize {
+        HEAD + 2 * self.teeth
+    }
+
+    fn cell(&self, index: i64) -> usize {
+        HEAD + 2 * index.rem_euclid(self.teeth as i64) as usize
+    }
+
+    /// Deviation of a tooth at time `t`.
+    pub fn of(&self, p: &ToothSprings, t: f64, memory: &[f64], index: i64) -> f64 {
+        let i = self.cell(index);
+        if memory[i] == 0.0 && memory[i + 1] == 0.0 {
+            return 0.0;
+        }
+        let m = propagator(p, t - memory[0]);
+        m[0] * memory[i] + m[1] * memory[i + 1]
+    }
+
+    /// `(sum d^2, sum d'^2)` at time `t`.
+    pub fn squares(&self, p: &ToothSprings, t: f64, memory: &[f64]) -> (f64, f64) {
+        let [dd, dv, vv] = [memory[1], memory[2], memory[3]];
+        if dd == 0.0 && vv == 0.0 {
+            return (0.0, 0.0);
+        }
+        let m = propagator(p, t - memory[0]);
+        (
+            m[0] * m[0] * dd + 2.0 * m[0] * m[1] * dv + m[1] * m[1] * vv,
+            m[2] * m[2] * dd + 2.0 * m[2] * m[3] * dv + m[3] * m[3] * vv,
+        )
+    }
+
+    /// Exchanges the tooth in a slot: `state = [R, R', S, S']` of the mean over `count` teeth and of the slot;
+    /// `teeth = [leaves, enters]`; `outside` tells which teeth belong to the mean afterwards. Sum of positions
+    /// and sum of velocities are kept.
+    pub fn exchange(
+        &self,
+        p: &ToothSprings,
+        t: f64,
+        memory: &mut [f64],
+        state: &mut [f64; 4],
+        count: f64,
+        teeth: [i64; 2],
+        outside: impl Fn(i64) -> bool,
+    ) {
+        let m = propagator(p, t - memory[0]);
+        memory[0] = t;
+        for cell in memory[HEAD..].chunks_exact_mut(2) {
+            let (d, v) = (cell[0], cell[1]);
+            cell[0] = m[0] * d + m[1] * v;
+            cell[1] = m[2] * d + m[3] * v;
+        }
+        let [leaves, enters] = teeth.map(|i| self.cell(i));
+        let [mean, mean_v, s, v] = *state;
+        let (s_in, v_in) = (mean + memory[enters], mean_v + memory[enters + 1]);
+        let (new, new_v) = (mean + (s - s_in) / count, mean_v + (v - v_in) / count);
+        *state = [new, new_v, s_in, v_in];
+        memory[leaves] = s - mean;
+        memory[leaves + 1] = v - mean_v;
+        memory[enters] = 0.0;
+        memory[enters + 1] = 0.0;
+        let mut sums = [0.0; 3];
+        for i in 0..self.teeth {
+            if !outside(i as i64) {
+                continue;
+            }
+            let cell = &mut memory[HEAD + 2 * i..][..2];
+            cell[0] += mean - new;
+            cell[1] += mean_v - new_v;
+            sums[0] += cell[0] * cell[0];
+            sums[1] += cell[0] * cell[1];
+            sums[2] += cell[1] * cell[1];
+        }
+        memory[1..HEAD].copy_from_slice(&sums);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn springs(damping: f64) -> ToothSprings {
+        ToothSprings {
+            uniform: true,
+            stiffness: vec![5e8],
+            damping: vec![damping],
+            mass: vec![5e-3],
+            radius_squared: 0.035 * 0.035,
+            radius: None,
+        }
+    }
+
+    #[test]
+    fn propagates_the_free_equation() {
+        // Central differences of the closed form satisfy m d'' + c d' + k d = 0, below and above critical.
+        for c in [0.0, 200.0, 1e4] {
+            let p = springs(c);
+            let (t, h) = (3e-6, 1e-9);
+            let d = |t: f64| {
+                let m = propagator(&p, t);
+                m[0] * 1e-6 + m[1] * 0.3
+            };
+            let v = (d(t + h) - d(t - h)) / (2.0 * h);
+            let a = (d(t + h) - 2.0 * d(t) + d(t - h)) / (h * h);
+            let residual = p.mass[0] * a + c * v + p.stiffness[0] * d(t);
+            let m = propagator(&p, t);
+            assert!((m[2] * 1e-6 + m[3] * 0.3 - v).abs() < 1e-5 * 0.3, "c {c}");
+            assert!(residual.abs() < 1e-3 * p.stiffness[0] * 1e-6, "c {c}: {residual}");
+        }
+    }
+
+    #[test]
+    fn exchange_keeps_sums_and_zero_mean_of_deviations() {
+        let p = springs(0.0);
+        let d = Deviations { teeth: 6 };
+        let mut memory = vec![0.0; d.len()];
+        // Teeth 0, 1, 2 in the window, 3, 4, 5 outside with deviations that sum to zero.
+        for (i, x) in [(3, 2e-6), (4, -5e-6), (5, 3e-6)] {
+            memory[HEAD + 2 * i] = x;
+        }
+        let mut state = [1e-4, 2.0, 9e-5, 1.5];
+        let before = 3.0 * state[0] + state[2];
+        let before_v = 3.0 * state[1] + state[3];
+        d.exchange(&p, 0.0, &mut memory, &mut state, 3.0, [0, 3], |i| ![1, 2, 3].contains(&i));
+        assert!((3.0 * state[0] + state[2] - before).abs() < 1e-18);
+        assert!((3.0 * state[1] + state[3] - before_v).abs() < 1e-14);
+        let sum: f64 = (0..6).map(|i| memory[HEAD + 2 * i]).sum();
+        assert!(sum.abs() < 1e-19, "{sum}");
+        assert!((state[2] - (1e-4 + 2e-6)).abs() < 1e-18);
+        // Tooth 0 is where it was, measured from the new mean.
+        assert!((state[0] + memory[HEAD] - 9e-5).abs() < 1e-18);
+    }
+}

@@ -1,0 +1,565 @@
+//! Tangentially movable teeth: one tangential coordinate per tooth (seed 001: S. Ebrahimi, P. Eberhard,
+//! *Contact modeling of meshing gear wheels using tangentially movable teeth*, SIMPACK user meeting 2006).
+//!
+//! Tooth `i` at angle `S_i`, body at `phi`, spring and damper between them on the radius `r_d`:
+//!
+//! ```text
+//! m_t r_d^2 S_i'' + c r_d^2 (S_i' - phi') + k r_d^2 (S_i - phi) = T_i,       T_i = F_t,i r
+//! J_b phi'' = sum_i [k r_d^2 (S_i - phi) + c r_d^2 (S_i' - phi')] + T_hub,   J_b = J - sum_i m_t r_d^2
+//! ```
+//!
+//! The contact force of a tooth is projected on its normal (radial) and tangential direction: the radial part
+//! goes through the body, the tangential part through the spring. On the line of action `F_t r = N r_b`, the
+//! lever arm of the contact row. The total inertia is held: the body is what the teeth leave.
+//!
+//! **Teeth out of contact are not integrated one by one.** With equal teeth the mean `R` of those outside the
+//! contact windows obeys the same equation as each of them, driven by the body, and their deviations
+//! `d_i = S_i - R` obey the free equation `m d'' + c d' + k d = 0`, known in closed form. As `sum d_i = 0` they do
+//! not act on the body. So the state is `[phi, R, window teeth...]`: exact, at a cost that does not grow with
+//! the number of teeth. When the gear turns by a tooth the window moves by one: the tooth that leaves joins
+//! the mean, the tooth that enters takes its place, momentum and energy are kept ([`deviations`]). With
+//! unequal teeth all are integrated.
+//!
+//! A rack is the same with travel for angles and `r_d = 1`.
+//!
+//! `k` may depend on the contact radius (`k(r)` of a tooth in contact, `k(r_0)` otherwise, `r_0` the first
+//! knot); the energy that appears at entry is booked by the ledger as a jump, the work of `k'(r) r'` as
+//! parametric.
+
+mod deviations;
+mod parameters;
+mod springs;
+
+pub use parameters::{PARAMETERS, build};
+
+use super::{Coordinates, GearModel, HubState, Magnitudes, MeshView};
+use crate::Vec3;
+use crate::contact::candidate::{Point, Tooth};
+use crate::contact::row::Row;
+use crate::geometry::Side;
+use crate::mount::Hub;
+use deviations::Deviations;
+use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
+use springs::{RadiusStiffness, ToothSprings};
+
+/// Teeth beyond a whole pitch by this fraction still belong to the window they were in.
+const HYSTERESIS: f64 = 0.05;
+/// Room for deflections in the width of a window, in pitches.
+const MARGIN: f64 = 0.02;
+
+/// Consecutive teeth around a mesh that are integrated one by one.
+#[derive(Clone, Debug, PartialEq)]
+struct Window {
+    /// Teeth on each side of the middle one.
+    half: i64,
+    /// First coordinate of its slots in the gear's own.
+    base: usize,
+    /// First tooth slot, counted over the windows.
+    slot: usize,
+}
+
+impl Window {
+    fn len(&self) -> i64 {
+        2 * self.half + 1
+    }
+}
+
+/// Which teeth have a coordinate of their own.
+#[derive(Clone, Debug, PartialEq)]
+enum Integrated {
+    /// All of them.
+    All,
+    /// Windows around the meshes, and the mean of the rest.
+    Windows(Vec<Window>),
+}
+
+/// A gear or rack with movable teeth.
+#[derive(Clone, Debug)]
+pub struct MovableTeeth {
+    hub: Hub,
+    teeth: usize,
+    /// Inertia of the body without its teeth.
+    body: f64,
+    springs: ToothSprings,
+    /// Converts a deflection on the line of action to an angle.
+    lever: f64,
+    all_wanted: bool,
+    integrated: Integrated,
+    views: Vec<MeshView>,
+    /// Number of teeth in windows.
+    slots: usize,
+}
+
+impl MovableTeeth {
+    /// Coordinates before the teeth: those of the mount.
+    #[inline]
+    fn first(&self) -> usize {
+        self.hub.coordinates()
+    }
+
+    #[inline]
+    fn deviations(&self) -> Deviations {
+        Deviations { teeth: self.teeth }
+    }
+
+    /// Cells of the memory before the deviations: the middle tooth of each mesh, the flank in contact of
+    /// each slot.
+    #[inline]
+    fn head(&self) -> usize {
+        let slots = if self.integrated == Integrated::All { self.teeth } else { self.slots };
+        self.views.len().max(1) + slots
+    }
+
+    /// Memory cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
+    /// (mesh + 1).
+    #[inline]
+    fn engaged_cell(&self, slot: usize) -> usize {
+        self.views.len().max(1) + slot
+    }
+
+    /// Inertia and number of the teeth behind coordinate `first() + i`.
+    #[inline]
+    fn count(&self, i: usize) -> f64 {
+        match &self.integrated {
+            Integrated::Windows(_) if i == 0 => (self.teeth - self.slots) as f64,
+            _ => 1.0,
+        }
+    }
+
+    /// Slot of coordinate `first() + i`, `None` for the mean.
+    #[inline]
+    fn slot(&self, i: usize) -> Option<usize> {
+        match &self.integrated {
+            Integrated::All => Some(i),
+            Integrated::Windows(_) => i.checked_sub(1),
+        }
+    }
+
+    /// Coordinate of a tooth, `None` when it is outside the windows.
+    #[inline]
+    fn coordinate(&self, memory: &[f64], tooth: Tooth) -> Option<usize> {
+        match &self.integrated {
+            Integrated::All => {
+                Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)
+            }
+            Integrated::Windows(windows) => {
+                let w = &windows[tooth.mesh as usize];
+                let centre = memory[tooth.mesh as usize] as i64;
+                ((tooth.index - centre).abs() <= w.half)
+                    .then(|| w.base + (tooth.index as i32).rem_euclid(w.len() as i32) as usize)
+            }
+        }
+    }
+
+    /// Parameters of the spring behind coordinate `first() + i` at angle `s`: count, stiffness and its
+    /// derivative by the angle, damping, tooth inertia; all about the hub (times `r_d^2`).
+    #[inline]
+    fn spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+        let n = self.count(i);
+        let slot = self.slot(i);
+        let p = &self.springs;
+        let tooth = if p.uniform { 0 } else { slot.unwrap_or(0) };
+        let (mut k, mut dk) = (p.stiffness[tooth], 0.0);
+        if let (Some(table), Some(slot)) = (&p.radius, slot) {
+            let engaged = at.memory[self.engaged_cell(slot)];
+            if engaged != 0.0 {
+                let (kr, slope) = self.stiffness_in_contact(at, table, slot, engaged, s);
+                (k, dk) = (kr, slope);
+            }
+        }
+        let r2 = p.radius_squared;
+        Spring {
+            k: n * k * r2,
+            dk: n * dk * r2,
+            c: n * p.damping[tooth] * r2,
+            inertia: n * p.mass[tooth] * r2,
+        }
+    }
+
+    /// `k(r)` and `dk/dS` of a tooth in contact.
+    fn stiffness_in_contact(
+        &self,
+        at: At<'_>,
+        table: &RadiusStiffness,
+        slot: usize,
+        engaged: f64,
+        s: f64,
+    ) -> (f64, f64) {
+        let mesh = engaged.abs() as usize - 1;
+        let side = if engaged > 0.0 { Side::Left } else { Side::Right };
+        let view = &self.views[mesh];
+        let Some(rb) = view.base_radius else { return (table.at(0.0).0, 0.0) };
+        let index = self.tooth_of_slot(at.memory, mesh, slot);
+        let angle = view.assembled + s + index as f64 * view.pitch;
+        let path = view.path_coordinate(side, angle);
+        let r = rb.hypot(path);
+        let (k, dk_dr) = table.at(r);
+        (k, dk_dr * path / r * rb * side.sign())
+    }
+
+    /// Unwrapped index of the tooth in a slot, nearest to the mesh.
+    fn tooth_of_slot(&self, memory: &[f64], mesh: usize, slot: usize) -> i64 {
+        let centre = memory[mesh] as i64;
+        let (local, len) = match &self.integrated {
+            Integrated::All => (slot as i64, self.teeth as i64),
+            Integrated::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
+        };
+        let first = centre - len / 2;
+        first + (local - first).rem_euclid(len)
+    }
+
+    /// Index of the tooth nearest to a mesh, as a real number.
+    fn nearest(&self, mesh: usize, travel: f64) -> f64 {
+        let v = &self.views[mesh];
+        let target = if v.base_radius.is_some() { v.direction } else { 0.0 };
+        (target - v.assembled - travel) / v.pitch
+    }
+
+    /// Teeth that a mesh may touch on either flank, on each side of the nearest one.
+    fn half_window(view: &MeshView) -> i64 {
+        let reach = |s: f64| match view.base_radius {
+            Some(rb) => (s / rb - view.working_pressure_angle - view.half_angle_base).abs(),
+            None => (view.half_angle_base - s / view.working_pressure_angle.cos()).abs(),
+        };
+        let widest = reach(view.path[0]).max(reach(view.path[1])) / view.pitch;
+        (widest - 0.5 + HYSTERESIS + MARGIN).ceil().max(0.0) as i64
+    }
+
+    /// Chooses the windows, or all teeth where windows do not fit.
+    fn arrange(&mut self) {
+        self.integrated = Integrated::All;
+        self.slots = 0;
+        if self.all_wanted || !self.springs.uniform || self.views.is_empty() {
+            return;
+        }
+        let mut windows = Vec::new();
+        let (mut base, mut slot) = (self.first() + 1, 0);
+        for view in &self.views {
+            let w = Window { half: Self::half_window(view), base, slot };
+            base += w.len() as usize;
+            slot += w.len() as usize;
+            windows.push(w);
+        }
+        // Two windows must never own the same tooth.
+        let apart = windows.iter().enumerate().all(|(i, a)| {
+            windows.iter().enumerate().skip(i + 1).all(|(j, b)| {
+                let d = (self.nearest(i, 0.0) - self.nearest(j, 0.0)).rem_euclid(self.teeth as f64);
+                d.min(self.teeth as f64 - d) > (a.half + b.half) as f64 + 2.0
+            })
+        });
+        if apart && slot + 2 <= self.teeth {
+            self.slots = slot;
+            self.integrated = Integrated::Windows(windows);
+        }
+    }
+}
+
+/// One spring of the gear, about the hub.
+#[derive(Clone, Copy, Debug)]
+struct Spring {
+    k: f64,
+    dk: f64,
+    c: f64,
+    inertia: f64,
+}
+
+impl GearModel for MovableTeeth {
+    fn id(&self) -> &'static str {
+        "movable-teeth"
+    }
+
+    fn hub(&self) -> &Hub {
+        &self.hub
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        let own = match &self.integrated {
+            Integrated::All => self.teeth,
+            Integrated::Windows(_) => 1 + self.slots,
+        };
+        Coordinates { n: self.first() + own, memory: self.head() + self.deviations().len() }
+    }
+
+    fn attach(&mut self, view: MeshView) {
+        self.views.push(view);
+        self.arrange();
+    }
+
+    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
+        q.fill(m.deflection / self.lever);
+        v.fill(m.speed / self.lever);
+    }
+
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) {
+        q.fill(0.0);
+        v.fill(speed);
+        memory.fill(0.0);
+        for m in 0..self.views.len() {
+            memory[m] = self.nearest(m, 0.0).round();
+        }
+    }
+
+    fn contact_mass(&self) -> f64 {
+        let lightest = self.springs.mass.iter().copied().fold(f64::INFINITY, f64::min);
+        lightest * self.springs.radius_squared / self.lever.powi(2)
+    }
+
+    fn pace(&self) -> f64 {
+        self.springs.shortest_time()
+    }
+
+    #[inline]
+    fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        match self.coordinate(at.memory, tooth) {
+            Some(i) => at.q[i],
+            None => {
+                let d = self.deviations().of(&self.springs, at.t, &at.memory[self.head()..], tooth.index);
+                at.q[self.first()] + d
+            }
+        }
+    }
+
+    #[inline]
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+        // A tooth outside its window carries no force, so the mean stands for it.
+        let i = self.coordinate(at.memory, p.tooth).unwrap_or(self.first());
+        row.push(i, self.hub.lever(&p.x, n));
+    }
+
+    // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
+    fn drift(&self, _at: At<'_>, _p: &Point, _n: &Vec3) -> f64 {
+        0.0
+    }
+
+    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+        let first = self.first();
+        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let mut on_body = 0.0;
+        for i in 0..at.q.len() - first {
+            let (s, v) = (at.q[first + i], at.v[first + i]);
+            let p = self.spring(at, i, s);
+            let torque = p.k * (s - phi) + p.c * (v - speed);
+            f[first + i] -= torque;
+            on_body += torque;
+        }
+        if first > 0 {
+            f[0] += on_body;
+        }
+    }
+
+    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        let first = self.first();
+        let phi = self.hub.travel(at.t, at.q);
+        let (dphi, dspeed) = if first > 0 { (dq[0], dv[0]) } else { (0.0, 0.0) };
+        let mut on_body = 0.0;
+        for i in 0..at.q.len() - first {
+            let s = at.q[first + i];
+            let p = self.spring(at, i, s);
+            let (ds, du) = (dq[first + i], dv[first + i]);
+            let torque = p.k * (ds - dphi) + p.dk * (s - phi) * ds + p.c * (du - dspeed);
+            df[first + i] -= torque;
+            on_body += torque;
+        }
+        if first > 0 {
+            df[0] += on_body;
+        }
+    }
+
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+        let first = self.first();
+        if first > 0 {
+            f_to_a[0] /= self.body;
+        }
+        for i in 0..at.q.len() - first {
+            f_to_a[first + i] /= self.tooth_inertia(i);
+        }
+    }
+
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        let first = self.first();
+        if first > 0 {
+            y[0] = self.body * x[0];
+        }
+        for i in 0..at.q.len() - first {
+            y[first + i] = self.tooth_inertia(i) * x[first + i];
+        }
+    }
+
+    /// Arrow matrix: the teeth are coupled through the hub only.
+    fn correct(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let first = self.first();
+        let phi = self.hub.travel(at.t, at.q);
+        let (mut hub, mut rhs) = (c.m * self.body + c.d * hub_damping, 0.0);
+        for i in 0..at.q.len() - first {
+            let s = at.q[first + i];
+            let p = self.spring(at, i, s);
+            let spring = c.d * p.c + c.k * p.k;
+            let turning = spring + c.k * p.dk * (s - phi);
+            let diagonal = c.m * p.inertia + turning;
+            if diagonal == 0.0 {
+                return Err(Singular);
+            }
+            hub += spring - turning * spring / diagonal;
+            rhs += turning * x[first + i] / diagonal;
+        }
+        if first > 0 {
+            if hub == 0.0 {
+                return Err(Singular);
+            }
+            x[0] = (x[0] + rhs) / hub;
+        }
+        let dphi = if first > 0 { x[0] } else { 0.0 };
+        for i in 0..at.q.len() - first {
+            let s = at.q[first + i];
+            let p = self.spring(at, i, s);
+            let spring = c.d * p.c + c.k * p.k;
+            let diagonal = c.m * p.inertia + spring + c.k * p.dk * (s - phi);
+            x[first + i] = (x[first + i] + spring * dphi) / diagonal;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        let first = self.first();
+        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let mut e = Energy::default();
+        if first > 0 {
+            e.kinetic += 0.5 * self.body * speed * speed;
+        }
+        for i in 0..at.q.len() - first {
+            let (s, v) = (at.q[first + i], at.v[first + i]);
+            let p = self.spring(at, i, s);
+            e.kinetic += 0.5 * p.inertia * v * v;
+            e.strain += 0.5 * p.k * (s - phi).powi(2);
+        }
+        if self.slots > 0 {
+            // The cross terms with the mean vanish because the deviations sum to zero.
+            let (dd, vv) = self.deviations().squares(&self.springs, at.t, &at.memory[self.head()..]);
+            let (k, m, r2) =
+                (self.springs.stiffness[0], self.springs.mass[0], self.springs.radius_squared);
+            e.strain += 0.5 * k * r2 * dd;
+            e.kinetic += 0.5 * m * r2 * vv;
+        }
+        e
+    }
+
+    fn dissipated(&self, at: At<'_>) -> f64 {
+        let first = self.first();
+        let speed = self.hub.speed(at.t, at.v);
+        let mut power = 0.0;
+        for i in 0..at.q.len() - first {
+            let p = self.spring(at, i, at.q[first + i]);
+            power += p.c * (at.v[first + i] - speed).powi(2);
+        }
+        if self.slots > 0 && self.springs.damping[0] > 0.0 {
+            let (_, vv) = self.deviations().squares(&self.springs, at.t, &at.memory[self.head()..]);
+            power += self.springs.damping[0] * self.springs.radius_squared * vv;
+        }
+        power
+    }
+
+    fn parametric(&self, at: At<'_>) -> f64 {
+        if self.springs.radius.is_none() {
+            return 0.0;
+        }
+        let first = self.first();
+        let phi = self.hub.travel(at.t, at.q);
+        (0..at.q.len() - first)
+            .map(|i| {
+                let s = at.q[first + i];
+                0.5 * self.spring(at, i, s).dk * at.v[first + i] * (s - phi).powi(2)
+            })
+            .sum()
+    }
+
+    fn driven_power(&self, at: At<'_>) -> f64 {
+        if self.first() > 0 {
+            return 0.0;
+        }
+        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        -(0..at.q.len())
+            .map(|i| {
+                let p = self.spring(at, i, at.q[i]);
+                (p.k * (at.q[i] - phi) + p.c * (at.v[i] - speed)) * speed
+            })
+            .sum::<f64>()
+    }
+
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let first = self.first();
+        let speed = self.hub.speed(at.t, at.v);
+        let teeth: f64 =
+            (0..at.q.len() - first).map(|i| self.tooth_inertia(i) * at.v[first + i]).sum();
+        HubState { travel: self.hub.travel(at.t, at.q), speed, momentum: self.body * speed + teeth }
+    }
+
+    fn engage(&mut self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
+        if self.springs.radius.is_none() {
+            return Change::None;
+        }
+        let Some(i) = self.coordinate(memory, tooth) else { return Change::None };
+        let Some(slot) = self.slot(i - self.first()) else { return Change::None };
+        let cell = self.engaged_cell(slot);
+        memory[cell] = if closed { side.sign() * f64::from(tooth.mesh + 1) } else { 0.0 };
+        Change::Restart
+    }
+
+    fn commit(&mut self, t: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) -> Change {
+        let travel = self.hub.travel(t, q);
+        let mut change = Change::None;
+        for m in 0..self.views.len() {
+            let x = self.nearest(m, travel);
+            let mut centre = memory[m];
+            while (x - centre).abs() > 0.5 + HYSTERESIS {
+                let step = (x - centre).signum();
+                let before = centre as i64;
+                centre += step;
+                memory[m] = centre;
+                if let Integrated::Windows(windows) = &self.integrated {
+                    let w = &windows[m];
+                    let leaves = before - step as i64 * w.half;
+                    let enters = before + step as i64 * (w.half + 1);
+                    let local = enters.rem_euclid(w.len()) as usize;
+                    let engaged = self.engaged_cell(w.slot + local);
+                    memory[engaged] = 0.0;
+                    let (mean, i) = (self.first(), w.base + local);
+                    let mut state = [q[mean], v[mean], q[i], v[i]];
+                    let (head, free) = memory.split_at_mut(self.head());
+                    let outside = |tooth: i64| {
+                        windows.iter().zip(head.iter()).all(|(w, &centre)| {
+                            let from_first = tooth - (centre as i64 - w.half);
+                            from_first.rem_euclid(self.teeth as i64) >= w.len()
+                        })
+                    };
+                    self.deviations().exchange(
+                        &self.springs,
+                        t,
+                        free,
+                        &mut state,
+                        self.count(0),
+                        [leaves, enters],
+                        outside,
+                    );
+                    [q[mean], v[mean], q[i], v[i]] = state;
+                    change = Change::Restart;
+                }
+            }
+        }
+        change
+    }
+}
+
+impl MovableTeeth {
+    #[inline]
+    fn tooth_inertia(&self, i: usize) -> f64 {
+        let p = &self.springs;
+        let tooth = if p.uniform { 0 } else { self.slot(i).unwrap_or(0) };
+        self.count(i) * p.mass[tooth] * p.radius_squared
+    }
+}

@@ -1,0 +1,188 @@
+//! Parameters of the model and its construction.
+
+use super::springs::{RadiusStiffness, ToothSprings};
+use super::{Integrated, MovableTeeth};
+use crate::gear::GearModel;
+use crate::gear::table::{GearContext, ParameterInfo};
+use crate::scene::spec::{Body, BuildError, Value};
+
+const MODEL: &str = "movable-teeth";
+
+/// Parameters of the model.
+pub static PARAMETERS: &[ParameterInfo] = &[
+    ParameterInfo {
+        key: "tooth_stiffness_n_per_m",
+        meaning: "tangential spring k of a tooth on the radius r_d; a list gives one per tooth",
+        required: true,
+    },
+    ParameterInfo {
+        key: "tooth_mass_kg",
+        meaning: "mass m_t of a tooth; a list gives one per tooth",
+        required: true,
+    },
+    ParameterInfo {
+        key: "tooth_damping_ns_per_m",
+        meaning: "damper c of a tooth on the radius r_d; a list gives one per tooth; default 0",
+        required: false,
+    },
+    ParameterInfo {
+        key: "spring_radius_m",
+        meaning: "radius r_d of spring and damper; default the root (dedendum) radius",
+        required: false,
+    },
+    ParameterInfo {
+        key: "stiffness_radius_m",
+        meaning: "contact radii of a table k(r), ascending; with stiffness_at_radius_n_per_m",
+        required: false,
+    },
+    ParameterInfo {
+        key: "stiffness_at_radius_n_per_m",
+        meaning: "values of the table k(r); out of contact a tooth keeps the first",
+        required: false,
+    },
+    ParameterInfo {
+        key: "integrate",
+        meaning: "\"active\" (default): teeth near a mesh one by one, the rest in closed form; \"all\"",
+        required: false,
+    },
+];
+
+fn positive(key: &str, x: &[f64], zero_allowed: bool) -> Result<(), BuildError> {
+    let bad = x.iter().find(|x| !x.is_finite() || **x < 0.0 || (**x == 0.0 && !zero_allowed));
+    match bad {
+        Some(x) => Err(BuildError::parameter(
+            MODEL,
+            key,
+            format!("{x} is not {}; give a value in SI units", if zero_allowed { "zero or positive" } else { "positive" }),
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Builds the model for a gear.
+pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
+    let teeth = match context.body {
+        Body::Gear(g) => g.teeth() as usize,
+        Body::Rack(r) => r.teeth() as usize,
+    };
+    let per_tooth = |key: &str| -> Result<Option<Vec<f64>>, BuildError> {
+        match context.parameters.get(key) {
+            None => Ok(None),
+            Some(Value::Number(x)) => Ok(Some(vec![*x])),
+            Some(Value::List(x)) if x.len() == teeth => Ok(Some(x.clone())),
+            Some(Value::List(x)) => Err(BuildError::parameter(
+                MODEL,
+                key,
+                format!("{} values for {teeth} teeth; give one number or one per tooth", x.len()),
+            )),
+            Some(Value::Text(x)) => {
+                Err(BuildError::parameter(MODEL, key, format!("expected a number, found \"{x}\"")))
+            }
+        }
+    };
+    let list = |key: &str| -> Result<Option<Vec<f64>>, BuildError> {
+        match context.parameters.get(key) {
+            None => Ok(None),
+            Some(Value::List(x)) => Ok(Some(x.clone())),
+            Some(_) => Err(BuildError::parameter(MODEL, key, "expected a list of numbers")),
+        }
+    };
+
+    let radius = match (list("stiffness_radius_m")?, list("stiffness_at_radius_n_per_m")?) {
+        (None, None) => None,
+        (Some(r), Some(k)) => {
+            if r.len() != k.len() || r.len() < 2 || r.windows(2).any(|w| w[1].partial_cmp(&w[0]) != Some(std::cmp::Ordering::Greater)) {
+                return Err(BuildError::parameter(
+                    MODEL,
+                    "stiffness_radius_m",
+                    "needs at least two ascending radii and as many stiffnesses",
+                ));
+            }
+            positive("stiffness_at_radius_n_per_m", &k, false)?;
+            positive("stiffness_radius_m", &r, true)?;
+            Some(RadiusStiffness::new(r, k))
+        }
+        _ => {
+            return Err(BuildError::parameter(
+                MODEL,
+                "stiffness_radius_m",
+                "a table k(r) needs both stiffness_radius_m and stiffness_at_radius_n_per_m",
+            ));
+        }
+    };
+    let stiffness = match (per_tooth("tooth_stiffness_n_per_m")?, &radius) {
+        (Some(k), _) => k,
+        (None, Some(table)) => vec![table.rest()],
+        (None, None) => {
+            return Err(BuildError::parameter(
+                MODEL,
+                "tooth_stiffness_n_per_m",
+                "is missing; `gearbench identify` finds it against a reference, a tooth of steel has about 5e8 N/m per 10 mm of width",
+            ));
+        }
+    };
+    let mass = per_tooth("tooth_mass_kg")?.ok_or_else(|| {
+        BuildError::parameter(MODEL, "tooth_mass_kg", "is missing; `gearbench identify` finds it against a reference")
+    })?;
+    let damping = per_tooth("tooth_damping_ns_per_m")?.unwrap_or_else(|| vec![0.0]);
+    positive("tooth_stiffness_n_per_m", &stiffness, false)?;
+    positive("tooth_mass_kg", &mass, false)?;
+    positive("tooth_damping_ns_per_m", &damping, true)?;
+
+    let r_d = match (context.parameters.get("spring_radius_m"), context.body) {
+        (Some(Value::Number(r)), Body::Gear(_)) => *r,
+        (Some(_), Body::Gear(_)) => {
+            return Err(BuildError::parameter(MODEL, "spring_radius_m", "expected a number in metres"));
+        }
+        (None, Body::Gear(g)) => g.r_root(),
+        (_, Body::Rack(_)) => 1.0,
+    };
+    positive("spring_radius_m", &[r_d], false)?;
+
+    let all_wanted = match context.parameters.get("integrate") {
+        None => false,
+        Some(Value::Text(x)) if x == "active" => false,
+        Some(Value::Text(x)) if x == "all" => true,
+        Some(_) => {
+            return Err(BuildError::parameter(MODEL, "integrate", "expected \"active\" or \"all\""));
+        }
+    };
+
+    let uniform = stiffness.len() == 1 && mass.len() == 1 && damping.len() == 1;
+    let springs = if uniform {
+        ToothSprings { uniform, stiffness, damping, mass, radius_squared: r_d * r_d, radius }
+    } else {
+        let spread = |x: Vec<f64>| if x.len() == 1 { vec![x[0]; teeth] } else { x };
+        ToothSprings {
+            uniform,
+            stiffness: spread(stiffness),
+            damping: spread(damping),
+            mass: spread(mass),
+            radius_squared: r_d * r_d,
+            radius,
+        }
+    };
+    let taken: f64 = (0..teeth).map(|i| springs.mass[if uniform { 0 } else { i }]).sum::<f64>() * r_d * r_d;
+    let body = context.hub.inertia - taken;
+    if body <= 0.0 && context.hub.coordinates() > 0 {
+        return Err(BuildError::parameter(
+            MODEL,
+            "tooth_mass_kg",
+            format!(
+                "{teeth} teeth take an inertia of {taken:.4e}, more than the {:.4e} of gear `{}`; use a smaller tooth mass",
+                context.hub.inertia, context.name
+            ),
+        ));
+    }
+    Ok(Box::new(MovableTeeth {
+        hub: context.hub.clone(),
+        teeth,
+        body,
+        springs,
+        lever: context.lever,
+        all_wanted,
+        integrated: Integrated::All,
+        views: Vec::new(),
+        slots: 0,
+    }))
+}

@@ -1,0 +1,107 @@
+//! The rigid gear: the mount's coordinate only; all compliance sits in the contact law.
+//!
+//! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the lever arm is the base radius.
+
+use super::{Coordinates, GearModel, HubState, Magnitudes};
+use crate::Vec3;
+use crate::contact::candidate::{Point, Tooth};
+use crate::contact::row::Row;
+use crate::mount::Hub;
+use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
+
+/// A rigid gear or rack.
+#[derive(Clone, Debug)]
+pub struct Rigid {
+    hub: Hub,
+    /// Converts a deflection on the line of action to the hub's coordinate.
+    lever: f64,
+}
+
+impl Rigid {
+    /// A rigid body on its hub; `lever` is the base radius [m], or `cos(alpha)` for a rack.
+    pub fn new(hub: Hub, lever: f64) -> Self {
+        Rigid { hub, lever }
+    }
+}
+
+impl GearModel for Rigid {
+    fn id(&self) -> &'static str {
+        "rigid"
+    }
+
+    fn hub(&self) -> &Hub {
+        &self.hub
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        Coordinates { n: self.hub.coordinates(), memory: 0 }
+    }
+
+    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
+        q.fill(m.deflection / self.lever);
+        v.fill(m.speed / self.lever);
+    }
+
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
+        q.fill(0.0);
+        v.fill(speed);
+    }
+
+    fn contact_mass(&self) -> f64 {
+        if self.hub.coordinates() > 0 { self.hub.inertia / self.lever.powi(2) } else { f64::INFINITY }
+    }
+
+    #[inline]
+    fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
+        self.hub.travel(at.t, at.q)
+    }
+
+    #[inline]
+    fn row(&self, _at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+        if self.hub.coordinates() > 0 {
+            row.push(0, self.hub.lever(&p.x, n));
+        }
+    }
+
+    #[inline]
+    fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+        for f in f_to_a {
+            *f /= self.hub.inertia;
+        }
+    }
+
+    #[inline]
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        for (y, x) in y.iter_mut().zip(x) {
+            *y = self.hub.inertia * x;
+        }
+    }
+
+    fn correct(
+        &mut self,
+        _at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let a = c.m * self.hub.inertia + c.d * hub_damping;
+        for x in rhs_to_x {
+            if a == 0.0 {
+                return Err(Singular);
+            }
+            *x /= a;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        let speed = self.hub.speed(at.t, at.v);
+        let kinetic = if self.hub.coordinates() > 0 { 0.5 * self.hub.inertia * speed * speed } else { 0.0 };
+        Energy { kinetic, ..Energy::default() }
+    }
+
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let speed = self.hub.speed(at.t, at.v);
+        HubState { travel: self.hub.travel(at.t, at.q), speed, momentum: self.hub.inertia * speed }
+    }
+}

@@ -1,0 +1,80 @@
+//! The table of gear models. A new model is one file and one line in [`MODELS`].
+
+use super::{GearModel, movable_teeth, rigid};
+use crate::mount::Hub;
+use crate::scene::spec::{Body, BuildError, Parameters};
+
+/// What a model is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct GearContext<'a> {
+    /// Name of the gear.
+    pub name: &'a str,
+    /// Its toothing.
+    pub body: &'a Body,
+    /// Its hub, with total inertia.
+    pub hub: &'a Hub,
+    /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action over hub coordinate.
+    pub lever: f64,
+    /// Parameters from the scene.
+    pub parameters: &'a Parameters,
+}
+
+/// A parameter of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParameterInfo {
+    /// Key with its unit.
+    pub key: &'static str,
+    /// What it does.
+    pub meaning: &'static str,
+    /// Must be given.
+    pub required: bool,
+}
+
+/// Builds a gear model.
+pub type Build = fn(&GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError>;
+
+/// A row of the table.
+#[derive(Clone, Copy)]
+pub struct Model {
+    /// Id in scenes and records.
+    pub id: &'static str,
+    /// One line for lists and help.
+    pub title: &'static str,
+    /// Parameters it takes; others are refused.
+    pub parameters: &'static [ParameterInfo],
+    /// Builds it.
+    pub build: Build,
+}
+
+fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
+    Ok(Box::new(rigid::Rigid::new(context.hub.clone(), context.lever)))
+}
+
+/// The models of this crate.
+pub static MODELS: &[Model] = &[
+    Model { id: "rigid", title: "rigid gear; all compliance in the contact law", parameters: &[], build: build_rigid },
+    Model {
+        id: "movable-teeth",
+        title: "one tangential coordinate per tooth (Ebrahimi, Eberhard 2006)",
+        parameters: movable_teeth::PARAMETERS,
+        build: movable_teeth::build,
+    },
+];
+
+impl Model {
+    /// Builds the model after checking that every parameter is known.
+    pub fn build(&self, context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
+        for key in context.parameters.keys() {
+            if !self.parameters.iter().any(|p| p.key == key) {
+                let known: Vec<&str> = self.parameters.iter().map(|p| p.key).collect();
+                let way_out = if known.is_empty() {
+                    "it takes none".to_string()
+                } else {
+                    format!("it takes {}", known.join(", "))
+                };
+                return Err(BuildError::parameter(self.id, key, format!("is not known; {way_out}")));
+            }
+        }
+        (self.build)(context)
+    }
+}

@@ -1,0 +1,414 @@
+//! An external involute gear: what a user gives and every derived quantity.
+//!
+//! ```text
+//! tan(alpha_t) = tan(alpha_n) / cos(beta)     sin(beta_b) = sin(beta) cos(alpha_n)
+//! r = z m_n / (2 cos(beta))    r_b = r cos(alpha_t)
+//! r_a = r + m_n (h_a* + x)     r_f = r + m_n (x - h_f*)
+//! psi = (pi/2 + 2 x tan(alpha_n)) / z - thinning / (2 r)       chi = psi + inv(alpha_t)
+//! half angle at r (involute): chi - inv(acos(r_b / r))
+//! ```
+//!
+//! ISO 21771-1. The involute starts where the straight flank of the rack tool ends: at depth `d_j`
+//! below the rolling line the length of roll is `s_form = r sin(alpha_t) - d_j / sin(alpha_t)`,
+//! and undercut means `s_form < 0`. Below it lies the trochoid of the `fillet` module. Thinning is
+//! made by a wider tool tooth at unchanged depth, so the root circle keeps its radius.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use super::error::{GeometryError, check, finite, not_negative, positive};
+use super::fillet::{Fillet, ToolTip};
+use super::involute::{inv, inv_inverse, inv_of_tangent};
+use super::modification::Modifications;
+
+/// What a user gives to describe a gear. SI units; factors are multiples of the normal module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GearParams {
+    /// Number of teeth, 3 to 10000. The default is 0 and has to be set.
+    pub teeth: u32,
+    /// Normal module (m).
+    pub module: f64,
+    /// Normal pressure angle (rad).
+    pub pressure_angle: f64,
+    /// Profile shift coefficient x.
+    pub profile_shift: f64,
+    /// Helix angle at the reference circle (rad); right hand positive, 0 for a spur gear.
+    pub helix_angle: f64,
+    /// Face width (m).
+    pub face_width: f64,
+    /// Addendum factor h_a* of the basic rack.
+    pub addendum: f64,
+    /// Dedendum factor h_f* of the basic rack (depth of the tool tip).
+    pub dedendum: f64,
+    /// Tip radius factor of the rack tool, which rounds the tooth root.
+    pub tip_radius: f64,
+    /// Reduction of the transverse arc tooth thickness at the reference circle (m).
+    pub thinning: f64,
+    /// Radius of the bore (m); 0 for a solid gear.
+    pub bore_radius: f64,
+    /// Tip relief and crowning.
+    pub modifications: Modifications,
+}
+
+impl Default for GearParams {
+    /// Basic rack of ISO 53 profile A (20 degrees, 1.0, 1.25, 0.38), module 1 mm, width 10 mm.
+    fn default() -> Self {
+        Self {
+            teeth: 0,
+            module: 1e-3,
+            pressure_angle: 20f64.to_radians(),
+            profile_shift: 0.0,
+            helix_angle: 0.0,
+            face_width: 10e-3,
+            addendum: 1.0,
+            dedendum: 1.25,
+            tip_radius: 0.38,
+            thinning: 0.0,
+            bore_radius: 0.0,
+            modifications: Modifications::default(),
+        }
+    }
+}
+
+/// Largest number of teeth accepted: beyond it the input is a mistake.
+pub(super) const MAX_TEETH: u32 = 10_000;
+
+/// Checks what gears and racks have in common; `factors` are addendum, dedendum and tip radius.
+pub(super) fn check_basic_rack(
+    module: f64,
+    pressure_angle: f64,
+    helix_angle: f64,
+    factors: [f64; 3],
+    thinning: f64,
+    face_width: f64,
+) -> Result<(), GeometryError> {
+    check(
+        "normal module [m]",
+        module,
+        (1e-6..=10.0).contains(&module),
+        "a length from 1e-6 to 10 m (4 mm is 0.004)",
+    )?;
+    check(
+        "normal pressure angle [rad]",
+        pressure_angle,
+        pressure_angle > 0.0 && pressure_angle < FRAC_PI_4,
+        "an angle between 0 and 45 degrees (0.785 rad), ends excluded",
+    )?;
+    check(
+        "helix angle [rad]",
+        helix_angle,
+        helix_angle.abs() <= PI / 3.0,
+        "an angle from -60 to 60 degrees (1.047 rad)",
+    )?;
+    positive("addendum factor", factors[0])?;
+    positive("dedendum factor", factors[1])?;
+    not_negative("tip radius factor", factors[2])?;
+    not_negative("thinning [m]", thinning)?;
+    positive("face width [m]", face_width)
+}
+
+impl GearParams {
+    fn check(&self) -> Result<(), GeometryError> {
+        check(
+            "number of teeth",
+            f64::from(self.teeth),
+            (3..=MAX_TEETH).contains(&self.teeth),
+            "a whole number from 3 to 10000",
+        )?;
+        check_basic_rack(
+            self.module,
+            self.pressure_angle,
+            self.helix_angle,
+            [self.addendum, self.dedendum, self.tip_radius],
+            self.thinning,
+            self.face_width,
+        )?;
+        finite("profile shift coefficient", self.profile_shift)?;
+        not_negative("bore radius [m]", self.bore_radius)
+    }
+}
+
+/// An external involute gear that can be cut: parameters and derived quantities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gear {
+    params: GearParams,
+    alpha_t: f64,
+    beta_b: f64,
+    r: f64,
+    r_base: f64,
+    r_tip: f64,
+    r_root: f64,
+    r_form: f64,
+    psi: f64,
+    chi: f64,
+    /// Length of roll at the form circle, at the tip and at the start of the tip relief (m).
+    roll: [f64; 3],
+    pub(super) fillet: Fillet,
+}
+
+impl Gear {
+    /// Derives a gear from its parameters.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for values out of range, undercut, pointed teeth, a tool tip that does not
+    /// fit, a vanishing involute, a bore beyond the root, or modifications off the flank.
+    pub fn new(params: GearParams) -> Result<Self, GeometryError> {
+        params.check()?;
+        let p = &params;
+        let z = f64::from(p.teeth);
+        let (m, x, beta) = (p.module, p.profile_shift, p.helix_angle);
+        let tan_alpha_n = p.pressure_angle.tan();
+        let alpha_t = (tan_alpha_n / beta.cos()).atan();
+        let beta_b = (beta.sin() * p.pressure_angle.cos()).asin();
+        let r = 0.5 * z * m / beta.cos();
+        let r_base = r * alpha_t.cos();
+        let r_tip = r + m * (p.addendum + x);
+        let r_root = r + m * (x - p.dedendum);
+        for (what, value) in [
+            ("reference radius [m]", r),
+            ("tip radius [m]", r_tip),
+            ("root radius [m]", r_root),
+        ] {
+            finite(what, value)?;
+        }
+        if r_root <= 0.0 {
+            return Err(GeometryError::NoRoot { r_root });
+        }
+        if p.bore_radius >= r_root {
+            return Err(GeometryError::BoreTooLarge {
+                bore: p.bore_radius,
+                r_root,
+            });
+        }
+        let psi_full = (FRAC_PI_2 + 2.0 * x * tan_alpha_n) / z;
+        let psi = psi_full - p.thinning / (2.0 * r);
+        let chi = psi + inv(alpha_t);
+        // Where the flanks meet: chi = inv(alpha). Not above the base circle when chi <= 0.
+        let r_pointed = r_base / inv_inverse(chi.max(0.0)).cos();
+        if p.thinning > 0.0 && psi <= 0.0 && psi_full > 0.0 {
+            return Err(GeometryError::NoToothLeft {
+                thinning: p.thinning,
+                thickness: 2.0 * r * psi_full,
+            });
+        }
+        if chi <= 0.0 || r_pointed <= r_tip {
+            return Err(GeometryError::PointedTooth {
+                r_tip,
+                r_pointed,
+                max_addendum: (r_pointed - r) / m - x,
+            });
+        }
+
+        // The tool tooth fills the tooth space: its half width at the rolling line.
+        let half_space = r * (PI / z - psi) * beta.cos();
+        let d_tip = m * (p.dedendum - x);
+        let alpha_n = p.pressure_angle;
+        let tip = ToolTip::new(
+            half_space,
+            d_tip,
+            p.tip_radius,
+            m,
+            p.dedendum,
+            alpha_n,
+            beta,
+        )?;
+        let d_j = tip.flank_end_depth();
+        let (sin_t, cos_t) = alpha_t.sin_cos();
+        let s_form = r * sin_t - d_j / sin_t;
+        if s_form < -1e-12 * r {
+            return Err(undercut(p, d_j, r, sin_t));
+        }
+        let s_form = s_form.max(0.0);
+        let r_form = (r - d_j).hypot(d_j * cos_t / sin_t).max(r_base);
+        if r_form >= r_tip {
+            return Err(GeometryError::NoInvolute { r_form, r_tip });
+        }
+        let fillet = Fillet::new(tip, r)?;
+
+        params.modifications.check(r_form, r_tip)?;
+        let roll_of = |radius: f64| (radius * radius - r_base * r_base).max(0.0).sqrt();
+        let s_tip = roll_of(r_tip);
+        let s_relief = params
+            .modifications
+            .tip_relief
+            .map_or(s_tip, |relief| roll_of(relief.start_radius));
+        let gear = Self {
+            params,
+            alpha_t,
+            beta_b,
+            r,
+            r_base,
+            r_tip,
+            r_root,
+            r_form,
+            psi,
+            chi,
+            roll: [s_form, s_tip, s_relief],
+            fillet,
+        };
+        gear.check_depth_of_modifications()?;
+        Ok(gear)
+    }
+
+    /// The modifications must leave some tooth at the tip.
+    fn check_depth_of_modifications(&self) -> Result<(), GeometryError> {
+        let removed = self.flank_deviation(self.r_tip, 1.0);
+        // The tooth centreline is r_b times the half angle away, measured along the line of action.
+        let available = self.r_base * self.half_angle_at(self.r_tip) * self.beta_b.cos();
+        if removed < available {
+            Ok(())
+        } else {
+            Err(GeometryError::ModificationTooDeep { removed, available })
+        }
+    }
+
+    /// What the user gave.
+    #[must_use]
+    pub fn params(&self) -> &GearParams {
+        &self.params
+    }
+
+    /// Number of teeth.
+    #[must_use]
+    pub fn teeth(&self) -> u32 {
+        self.params.teeth
+    }
+
+    /// Face width (m).
+    #[must_use]
+    pub fn face_width(&self) -> f64 {
+        self.params.face_width
+    }
+
+    /// Transverse pressure angle at the reference circle (rad).
+    #[must_use]
+    pub fn transverse_pressure_angle(&self) -> f64 {
+        self.alpha_t
+    }
+
+    /// Helix angle on the base cylinder (rad), signed as the helix angle.
+    #[must_use]
+    pub fn base_helix_angle(&self) -> f64 {
+        self.beta_b
+    }
+
+    /// Transverse module (m).
+    #[must_use]
+    pub fn transverse_module(&self) -> f64 {
+        self.params.module / self.params.helix_angle.cos()
+    }
+
+    /// Reference radius (m).
+    #[must_use]
+    pub fn r_reference(&self) -> f64 {
+        self.r
+    }
+
+    /// Base radius (m).
+    #[must_use]
+    pub fn r_base(&self) -> f64 {
+        self.r_base
+    }
+
+    /// Tip radius (m).
+    #[must_use]
+    pub fn r_tip(&self) -> f64 {
+        self.r_tip
+    }
+
+    /// Root radius (m).
+    #[must_use]
+    pub fn r_root(&self) -> f64 {
+        self.r_root
+    }
+
+    /// Form radius (m): where the fillet ends and the involute begins.
+    #[must_use]
+    pub fn r_form(&self) -> f64 {
+        self.r_form
+    }
+
+    /// Transverse base pitch (m).
+    #[must_use]
+    pub fn base_pitch(&self) -> f64 {
+        self.r_base * self.pitch_angle()
+    }
+
+    /// Angular pitch 2 pi / z (rad).
+    #[must_use]
+    pub fn pitch_angle(&self) -> f64 {
+        2.0 * PI / f64::from(self.params.teeth)
+    }
+
+    /// Half tooth thickness angle at the reference circle (rad), thinning included.
+    #[must_use]
+    pub fn half_angle_reference(&self) -> f64 {
+        self.psi
+    }
+
+    /// Angle between the tooth centreline and the origin of the flank on the base circle (rad).
+    #[must_use]
+    pub fn half_angle_base(&self) -> f64 {
+        self.chi
+    }
+
+    /// Length of roll (path coordinate) (m) of the involute at radius `r` (m); 0 below the base.
+    #[must_use]
+    pub fn roll_length(&self, r: f64) -> f64 {
+        ((r - self.r_base) * (r + self.r_base)).max(0.0).sqrt()
+    }
+
+    /// Length of roll at the form circle (m).
+    #[must_use]
+    pub fn roll_length_form(&self) -> f64 {
+        self.roll[0]
+    }
+
+    /// Length of roll at the tip circle (m).
+    #[must_use]
+    pub fn roll_length_tip(&self) -> f64 {
+        self.roll[1]
+    }
+
+    /// Half tooth thickness angle (rad) on the involute at length of roll `s` (m).
+    pub(super) fn half_angle_at_roll(&self, s: f64) -> f64 {
+        self.chi - inv_of_tangent(s / self.r_base)
+    }
+
+    /// Half tooth thickness angle (rad) at radius `r` (m): involute above the form radius,
+    /// trochoidal fillet below. `r` is held within root and tip radius.
+    #[must_use]
+    pub fn half_angle_at(&self, r: f64) -> f64 {
+        if r >= self.r_form {
+            return self.half_angle_at_roll(self.roll_length(r.min(self.r_tip)));
+        }
+        let r = r.max(self.r_root);
+        0.5 * self.pitch_angle() - self.fillet.delta_at((r - self.r_root) * (r + self.r_root))
+    }
+
+    /// Material removed normal to the flank (m), 0 or above, by relief and crowning at radius `r`
+    /// (m) and at `zeta` in [-1, 1] over the face width. Below the form radius the value there.
+    #[must_use]
+    pub fn flank_deviation(&self, r: f64, zeta: f64) -> f64 {
+        if self.params.modifications.is_none() {
+            return 0.0;
+        }
+        let [s_form, s_tip, s_relief] = self.roll;
+        let s = self.roll_length(r);
+        self.params
+            .modifications
+            .removed(s, s_form, s_tip, s_relief, zeta)
+    }
+}
+
+/// The refusal of undercut, with the limits of profile shift and tooth number.
+fn undercut(p: &GearParams, d_j: f64, r: f64, sin_t: f64) -> GeometryError {
+    // Free of undercut when d_j <= r sin^2(alpha_t); d_j falls by m for each unit of x.
+    let short = (d_j - r * sin_t * sin_t) / p.module;
+    let teeth = f64::from(p.teeth) * d_j / (r * sin_t * sin_t);
+    GeometryError::Undercut {
+        teeth: p.teeth,
+        profile_shift: p.profile_shift,
+        min_profile_shift: p.profile_shift + short,
+        min_teeth: teeth.ceil() as u64,
+    }
+}

@@ -1,0 +1,80 @@
+//! Geometry of external involute cylindrical gears and racks.
+//!
+//! Owns every length and angle that follows from what a user gives (teeth, module, pressure
+//! angle, profile shift, helix angle, width, rack factors, thinning, centre distance), and refuses
+//! what cannot be cut or cannot mesh with a [`GeometryError`] that names the cause and a way out.
+//!
+//! Conventions, stated here once:
+//!
+//! - SI units: metre, radian, kilogram. Lengths and angles lie in the transverse plane unless a
+//!   name says normal.
+//! - The gear axis is z and angles count counter-clockwise. A gear's own frame has the centreline
+//!   of tooth 0 on +x. [`Side::Left`] is the counter-clockwise flank of a tooth, [`Side::Right`]
+//!   the clockwise one.
+//! - A pair has gear 1 at the origin and gear 2 at `(a, 0)`. The path coordinate `s` runs along
+//!   the line of action from the tangent point T1 on the base circle of gear 1 towards T2; a flank
+//!   point of gear 1 at `s` has radius `sqrt(r_b1^2 + s^2)`.
+//! - A rack stands at `x = distance`, its teeth point to -x and it moves along y.
+//!
+//! Nomenclature and equations of the involute follow ISO 21771-1 and F. L. Litvin, A. Fuentes,
+//! *Gear Geometry and Applied Theory* (2nd ed., 2004), chapters 6, 10 and 11; each module names
+//! its own.
+
+mod error;
+mod fillet;
+mod gear;
+mod involute;
+mod modification;
+mod outline;
+mod pair;
+mod rack;
+mod rack_pair;
+#[cfg(test)]
+mod reference_tests;
+#[cfg(test)]
+mod refusal_tests;
+#[cfg(test)]
+mod sweep_tests;
+
+pub use error::GeometryError;
+pub use gear::{Gear, GearParams};
+pub use involute::{inv, inv_inverse};
+pub use modification::{Modifications, ReliefShape, TipRelief};
+pub use outline::MassProperties;
+pub use pair::Pair;
+pub use rack::{Rack, RackParams};
+pub use rack_pair::RackPair;
+
+/// Flank of a tooth, seen along -z with the tooth pointing outwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Side {
+    /// The counter-clockwise flank; it drives when a gear turns counter-clockwise.
+    Left,
+    /// The clockwise flank; mirror image of the left one.
+    Right,
+}
+
+impl Side {
+    /// Both flanks.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// +1 for the left flank, -1 for the right one.
+    #[inline]
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+
+    /// The other flank.
+    #[inline]
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! An involute rack: straight flanks, circular root fillets, finite number of teeth.
+//!
+//! Frame of a rack: its reference line is the y axis, the teeth point to -x and the body lies at
+//! +x. Tooth `k` has its centreline at `y = k p_t`, with `k` from `-(n-1)/2` (rounded towards 0)
+//! upwards. Height `h` counts from the reference line towards the tooth tips:
+//!
+//! ```text
+//! w(h) = (pi m_t / 2 - thinning) / 2 - h tan(alpha_t)       -h_form <= h <= h_a* m
+//! ```
+//!
+//! and below it the arc of the tool tip that cut it. ISO 53 (basic rack), ISO 21771-1.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::error::{GeometryError, check, positive};
+use super::fillet::ToolTip;
+use super::gear::{MAX_TEETH, check_basic_rack};
+
+/// What a user gives to describe a rack. SI units; factors are multiples of the normal module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RackParams {
+    /// Number of teeth, 1 to 10000. The default is 0 and has to be set.
+    pub teeth: u32,
+    /// Normal module (m).
+    pub module: f64,
+    /// Normal pressure angle (rad).
+    pub pressure_angle: f64,
+    /// Face width (m).
+    pub face_width: f64,
+    /// Addendum factor h_a*.
+    pub addendum: f64,
+    /// Dedendum factor h_f*.
+    pub dedendum: f64,
+    /// Root fillet radius factor.
+    pub tip_radius: f64,
+    /// Reduction of the transverse tooth thickness at the reference line (m).
+    pub thinning: f64,
+    /// Height of the body below the root line (m).
+    pub body_height: f64,
+    /// Helix angle (rad); opposite in sign to that of the mating gear.
+    pub helix_angle: f64,
+}
+
+impl Default for RackParams {
+    /// Basic rack of ISO 53 profile A, module 1 mm, width 10 mm, body 3 mm high.
+    fn default() -> Self {
+        Self {
+            teeth: 0,
+            module: 1e-3,
+            pressure_angle: 20f64.to_radians(),
+            face_width: 10e-3,
+            addendum: 1.0,
+            dedendum: 1.25,
+            tip_radius: 0.38,
+            thinning: 0.0,
+            body_height: 3e-3,
+            helix_angle: 0.0,
+        }
+    }
+}
+
+/// A rack that can be cut: parameters and derived quantities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rack {
+    params: RackParams,
+    alpha_t: f64,
+    beta_b: f64,
+    half_thickness: f64,
+    tip: ToolTip,
+}
+
+impl Rack {
+    /// Derives a rack from its parameters.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for values out of range, pointed teeth or a fillet that does not fit.
+    pub fn new(params: RackParams) -> Result<Self, GeometryError> {
+        let p = &params;
+        check(
+            "number of rack teeth",
+            f64::from(p.teeth),
+            (1..=MAX_TEETH).contains(&p.teeth),
+            "a whole number from 1 to 10000",
+        )?;
+        check_basic_rack(
+            p.module,
+            p.pressure_angle,
+            p.helix_angle,
+            [p.addendum, p.dedendum, p.tip_radius],
+            p.thinning,
+            p.face_width,
+        )?;
+        positive("height of the rack body [m]", p.body_height)?;
+        let cos_beta = p.helix_angle.cos();
+        let alpha_t = (p.pressure_angle.tan() / cos_beta).atan();
+        let beta_b = (p.helix_angle.sin() * p.pressure_angle.cos()).asin();
+        let thickness = FRAC_PI_2 * p.module / cos_beta;
+        let half_thickness = 0.5 * (thickness - p.thinning);
+        if half_thickness <= 0.0 {
+            return Err(GeometryError::NoToothLeft {
+                thinning: p.thinning,
+                thickness,
+            });
+        }
+        let h_pointed = half_thickness / alpha_t.tan();
+        if h_pointed <= p.addendum * p.module {
+            return Err(GeometryError::PointedTooth {
+                r_tip: p.addendum * p.module,
+                r_pointed: h_pointed,
+                max_addendum: h_pointed / p.module,
+            });
+        }
+        let half_space = (thickness - half_thickness) * cos_beta;
+        let tip = ToolTip::new(
+            half_space,
+            p.dedendum * p.module,
+            p.tip_radius,
+            p.module,
+            p.dedendum,
+            p.pressure_angle,
+            p.helix_angle,
+        )?;
+        Ok(Self {
+            params,
+            alpha_t,
+            beta_b,
+            half_thickness,
+            tip,
+        })
+    }
+
+    /// What the user gave.
+    #[must_use]
+    pub fn params(&self) -> &RackParams {
+        &self.params
+    }
+
+    /// Number of teeth.
+    #[must_use]
+    pub fn teeth(&self) -> u32 {
+        self.params.teeth
+    }
+
+    /// Face width (m).
+    #[must_use]
+    pub fn face_width(&self) -> f64 {
+        self.params.face_width
+    }
+
+    /// Index of the first tooth, the one at the lowest y.
+    #[must_use]
+    pub fn first_tooth(&self) -> i64 {
+        -((i64::from(self.params.teeth) - 1) / 2)
+    }
+
+    /// Transverse pressure angle (rad).
+    #[must_use]
+    pub fn transverse_pressure_angle(&self) -> f64 {
+        self.alpha_t
+    }
+
+    /// Base helix angle (rad), signed as the helix angle.
+    #[must_use]
+    pub fn base_helix_angle(&self) -> f64 {
+        self.beta_b
+    }
+
+    /// Transverse pitch along the reference line (m).
+    #[must_use]
+    pub fn pitch(&self) -> f64 {
+        2.0 * FRAC_PI_2 * self.params.module / self.params.helix_angle.cos()
+    }
+
+    /// Transverse base pitch (m).
+    #[must_use]
+    pub fn base_pitch(&self) -> f64 {
+        self.pitch() * self.alpha_t.cos()
+    }
+
+    /// Height of the tips above the reference line (m).
+    #[must_use]
+    pub fn tip_height(&self) -> f64 {
+        self.params.addendum * self.params.module
+    }
+
+    /// Depth of the root below the reference line (m).
+    #[must_use]
+    pub fn root_depth(&self) -> f64 {
+        self.params.dedendum * self.params.module
+    }
+
+    /// Depth below the reference line (m) at which the straight flank ends and the fillet begins.
+    #[must_use]
+    pub fn form_depth(&self) -> f64 {
+        self.tip.flank_end_depth()
+    }
+
+    /// Half tooth thickness at the reference line (m), thinning included.
+    #[must_use]
+    pub fn half_thickness_reference(&self) -> f64 {
+        self.half_thickness
+    }
+
+    /// Transverse half tooth thickness (m) at `height` (m) above the reference line: straight
+    /// flank, below it the fillet. `height` is held between root and tip.
+    #[must_use]
+    pub fn half_thickness_at(&self, height: f64) -> f64 {
+        if height >= -self.form_depth() {
+            return self.half_thickness_on_flank(height.min(self.tip_height()));
+        }
+        let depth = (-height).min(self.root_depth());
+        0.5 * self.pitch() - self.tip.half_width_at(depth)
+    }
+
+    /// Half thickness (m) of the straight flank, extended beyond both ends.
+    pub(super) fn half_thickness_on_flank(&self, height: f64) -> f64 {
+        self.half_thickness - height * self.alpha_t.tan()
+    }
+
+    /// Area (m^2) of one pitch of the transverse section: tooth, fillets and body.
+    fn pitch_area(&self) -> f64 {
+        let (ha, form, root) = (self.tip_height(), self.form_depth(), self.root_depth());
+        // Straight part: its mean half thickness stands at mid height.
+        let straight = 2.0 * (ha + form) * self.half_thickness_on_flank(0.5 * (ha - form));
+        // Fillet: pitch minus the tool tip, a flat of half length w_c and a circular segment of
+        // opening angle pi/2 - alpha_n, stretched by 1/cos(beta) along the rack.
+        let p = &self.params;
+        let rho = p.tip_radius * p.module;
+        let opening = FRAC_PI_2 - p.pressure_angle;
+        let segment = 0.5 * rho * rho * (opening + opening.sin() * opening.cos())
+            - rho * rho * p.pressure_angle.sin() * p.pressure_angle.cos();
+        let tool = 2.0 * (self.tip.flat() * (root - form) + segment / p.helix_angle.cos());
+        straight + (root - form) * self.pitch() - tool + p.body_height * self.pitch()
+    }
+
+    /// Mass (kg) of the rack, cut square in the middle of the outer tooth spaces, for a density
+    /// (kg/m^3).
+    #[must_use]
+    pub fn mass(&self, density: f64) -> f64 {
+        density * self.params.face_width * f64::from(self.params.teeth) * self.pitch_area()
+    }
+
+    /// The closed outline polygon (m), counter-clockwise, in the rack's own frame (reference line
+    /// at x = 0, teeth towards -x), with `points` (at least 2) on each fillet.
+    #[must_use]
+    pub fn outline(&self, points: usize) -> Vec<[f64; 2]> {
+        let n = points.max(2);
+        let half_pitch = 0.5 * self.pitch();
+        let mut half = vec![(
+            -self.tip_height(),
+            self.half_thickness_at(self.tip_height()),
+        )];
+        for k in 0..n {
+            let q = self.tip.q_max() * (1.0 - k as f64 / (n - 1) as f64);
+            let (u, d) = self.tip.point(q);
+            half.push((d, half_pitch - u));
+        }
+        let first = self.first_tooth();
+        let last = first + i64::from(self.params.teeth) - 1;
+        let back = self.root_depth() + self.params.body_height;
+        let low = (first as f64 - 0.5) * self.pitch();
+        let high = (last as f64 + 0.5) * self.pitch();
+        // Counter-clockwise with the teeth on the -x side: down along the teeth, up at the back.
+        let mut all = vec![[back, low], [back, high], [self.root_depth(), high]];
+        for k in (first..=last).rev() {
+            let y = k as f64 * self.pitch();
+            all.extend(half.iter().rev().map(|&(x, w)| [x, y + w]));
+            all.extend(half.iter().map(|&(x, w)| [x, y - w]));
+        }
+        all.push([self.root_depth(), low]);
+        // A full-radius fillet ends in the middle of the space, where the next one begins.
+        all.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9 * half_pitch);
+        all
+    }
+}

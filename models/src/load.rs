@@ -1,0 +1,139 @@
+//! Loads on a hub and prescribed motions: constant, ramp, table, viscous.
+//!
+//! A profile is piecewise linear in time. Its knots are reported, so that integrators land on them and a
+//! kink never lies inside a step.
+
+/// A piecewise linear function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Profile {
+    /// The same value at all times.
+    Constant(f64),
+    /// `from` until `start`, then linear to `to` at `end`, then constant.
+    Ramp {
+        /// Value before the ramp.
+        from: f64,
+        /// Value after the ramp.
+        to: f64,
+        /// Time at which the ramp starts [s].
+        start: f64,
+        /// Time at which the ramp ends [s].
+        end: f64,
+    },
+    /// Linear between knots, constant outside.
+    Table {
+        /// Strictly ascending times [s].
+        time: Vec<f64>,
+        /// Values at the times.
+        value: Vec<f64>,
+    },
+}
+
+impl Profile {
+    /// What is wrong with the profile, if anything.
+    pub fn problem(&self) -> Option<String> {
+        let finite = |x: &f64| x.is_finite();
+        match self {
+            Profile::Constant(x) => (!x.is_finite()).then(|| format!("the value {x} is not a number")),
+            Profile::Ramp { from, to, start, end } => {
+                if ![from, to, start, end].into_iter().all(finite) {
+                    Some("a ramp needs four finite numbers".into())
+                } else {
+                    (end <= start).then(|| format!("a ramp from {start} s to {end} s has no length"))
+                }
+            }
+            Profile::Table { time, value } => {
+                if time.len() != value.len() || time.is_empty() {
+                    Some(format!("{} times but {} values", time.len(), value.len()))
+                } else if !time.iter().chain(value).all(finite) {
+                    Some("a table needs finite numbers".into())
+                } else {
+                    time.windows(2)
+                        .find(|w| w[1] <= w[0])
+                        .map(|w| format!("times must ascend, but {} s follows {} s", w[1], w[0]))
+                }
+            }
+        }
+    }
+
+    /// Value at time `t` [s].
+    pub fn value(&self, t: f64) -> f64 {
+        match self {
+            Profile::Constant(x) => *x,
+            Profile::Ramp { from, to, start, end } => {
+                from + (to - from) * ((t - start) / (end - start)).clamp(0.0, 1.0)
+            }
+            Profile::Table { time, value } => {
+                let i = time.partition_point(|&x| x <= t);
+                if i == 0 {
+                    value[0]
+                } else if i == time.len() {
+                    value[i - 1]
+                } else {
+                    let w = (t - time[i - 1]) / (time[i] - time[i - 1]);
+                    value[i - 1] + w * (value[i] - value[i - 1])
+                }
+            }
+        }
+    }
+
+    /// Integral from 0 to `t`, exact for the piecewise linear function.
+    pub fn integral(&self, t: f64) -> f64 {
+        // Knots up to t, then the trapezoid rule, which is exact between knots.
+        let mut sum = 0.0;
+        let mut a = 0.0_f64.min(t);
+        let b = 0.0_f64.max(t);
+        while a < b {
+            let next = self.next_knot(a).min(b);
+            sum += 0.5 * (next - a) * (self.value(a) + self.value(next));
+            a = next;
+        }
+        if t < 0.0 { -sum } else { sum }
+    }
+
+    /// Next knot after `t` [s], or infinity.
+    pub fn next_knot(&self, t: f64) -> f64 {
+        match self {
+            Profile::Constant(_) => f64::INFINITY,
+            Profile::Ramp { start, end, .. } => {
+                [*start, *end].into_iter().find(|&k| k > t).unwrap_or(f64::INFINITY)
+            }
+            Profile::Table { time, .. } => {
+                time.get(time.partition_point(|&k| k <= t)).copied().unwrap_or(f64::INFINITY)
+            }
+        }
+    }
+}
+
+/// A load on a hub: torque about the axis [N m], or force along the slide [N] for a prismatic mount.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Load {
+    /// A function of time.
+    Applied(Profile),
+    /// `-c v`, c in N m s/rad or N s/m.
+    Viscous(f64),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integral_is_exact_over_kinks() {
+        let p = Profile::Table { time: vec![1.0, 2.0, 4.0], value: vec![0.0, 3.0, -1.0] };
+        // 0 until 1, triangle 1.5 to 2, then (3 - 1)/2 * 2 = 2 to 4, then -1 per second.
+        assert!((p.integral(5.0) - (1.5 + 2.0 - 1.0)).abs() < 1e-14);
+        assert_eq!(p.next_knot(1.0), 2.0);
+        assert_eq!(p.next_knot(4.0), f64::INFINITY);
+        let r = Profile::Ramp { from: 2.0, to: 4.0, start: 1.0, end: 3.0 };
+        assert!((r.integral(3.0) - (2.0 + 6.0)).abs() < 1e-14);
+        assert_eq!(r.value(2.0), 3.0);
+    }
+
+    #[test]
+    fn names_what_is_wrong() {
+        let p = Profile::Table { time: vec![0.0, 0.0], value: vec![1.0, 2.0] };
+        assert!(p.problem().unwrap().contains("ascend"));
+        assert!(Profile::Constant(f64::NAN).problem().is_some());
+        assert!(Profile::Constant(1.0).problem().is_none());
+    }
+}

@@ -1,0 +1,560 @@
+//! Assembly of a scene: positions, initial angles, lines of action, models, loads.
+
+use super::contacts::Workspace;
+use super::outputs::channel_names;
+use super::spec::{Body, BuildError, ContactSpec, GearSpec, MeshSpec, Modelling, SceneSpec};
+use super::{Scene, SceneGear, SceneMesh};
+use crate::Vec3;
+use crate::contact::law::{Damping, Law};
+use crate::contact::lines_of_action::{Deviation, LinesOfAction, MeshGeometry, Slice};
+use crate::gear::table::{GearContext, Model};
+use crate::gear::{Magnitudes, MeshView};
+use crate::geometry::{Gear, Pair, RackPair};
+use crate::load::Load;
+use crate::mount::{Hub, Mount};
+use crate::stiffness::{self, PairOrMesh, StiffnessCurve};
+use gearbench_integrators::system::State;
+
+/// Slices of a mesh whose contact varies over the width.
+const DEFAULT_SLICES: usize = 16;
+/// Samples of a flank modification along the path.
+const DEVIATION_SAMPLES: usize = 257;
+
+/// Quantities of a pair that do not depend on the model.
+#[derive(Clone, Debug)]
+pub struct MeshLayout {
+    /// Direction from the first gear to the second [rad].
+    pub direction: f64,
+    /// Centre distance, or distance to the rack's reference line [m].
+    pub distance: f64,
+    /// Transverse working pressure angle [rad].
+    pub working_pressure_angle: f64,
+    /// Length of the line of action between the tangent points [m].
+    pub length: f64,
+    /// Path of contact on the first gear's path coordinate [m].
+    pub path: [f64; 2],
+    /// Pitch point [m].
+    pub pitch_point: f64,
+    /// Base pitch [m].
+    pub base_pitch: f64,
+    /// Contact ratio in the transverse plane.
+    pub contact_ratio: f64,
+    /// Backlash along the line of action [m].
+    pub backlash: f64,
+    /// Common face width [m].
+    pub face_width: f64,
+    /// Offset of a rack's reference point along its slide, seen from the first gear [m].
+    rack_offset: f64,
+}
+
+/// Base radius [m] of a gear, or `cos(alpha)` of a rack: deflection on the line of action per hub coordinate.
+pub fn lever(body: &Body) -> f64 {
+    match body {
+        Body::Gear(g) => g.r_base() * g.base_helix_angle().cos(),
+        Body::Rack(r) => r.transverse_pressure_angle().cos() * r.base_helix_angle().cos(),
+    }
+}
+
+/// The mesh of two gears at their positions.
+pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
+    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let Body::Gear(ga) = &a.body else {
+        return Err(error("the first gear of a mesh may not be a rack; name the gear first".into()));
+    };
+    let (dx, dy) = (b.position[0] - a.position[0], b.position[1] - a.position[1]);
+    match &b.body {
+        Body::Gear(gb) => {
+            let distance = dx.hypot(dy);
+            let pair = Pair::new(ga, gb, distance).map_err(|e| error(e.to_string()))?;
+            Ok(MeshLayout {
+                direction: dy.atan2(dx),
+                distance,
+                working_pressure_angle: pair.working_pressure_angle(),
+                length: pair.line_length(),
+                path: [pair.s_start(), pair.s_end()],
+                pitch_point: pair.s_pitch(),
+                base_pitch: pair.base_pitch(),
+                contact_ratio: pair.contact_ratio(),
+                backlash: pair.backlash_base(),
+                face_width: ga.face_width().min(gb.face_width()),
+                rack_offset: 0.0,
+            })
+        }
+        Body::Rack(rack) => {
+            let direction = b.facing + std::f64::consts::PI;
+            let distance = dx * direction.cos() + dy * direction.sin();
+            let pair = RackPair::new(ga, rack, distance).map_err(|e| error(e.to_string()))?;
+            Ok(MeshLayout {
+                direction,
+                distance,
+                working_pressure_angle: pair.working_pressure_angle(),
+                length: distance * pair.working_pressure_angle().sin(),
+                path: [pair.s_start(), pair.s_end()],
+                pitch_point: pair.s_pitch(),
+                base_pitch: pair.base_pitch(),
+                contact_ratio: pair.contact_ratio(),
+                backlash: pair.backlash_base(),
+                face_width: ga.face_width().min(rack.face_width()),
+                rack_offset: -dx * direction.sin() + dy * direction.cos(),
+            })
+        }
+    }
+}
+
+/// How gear a and gear b are seen by a mesh, given their phases (angle or travel of tooth 0).
+fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
+    let gear_view = |g: &Gear, direction: f64, path: [f64; 2], assembled: f64| MeshView {
+        base_radius: Some(g.r_base()),
+        direction,
+        working_pressure_angle: l.working_pressure_angle,
+        half_angle_base: g.half_angle_base(),
+        path,
+        pitch: g.pitch_angle(),
+        assembled,
+    };
+    let other = [l.length - l.path[1], l.length - l.path[0]];
+    let first = match &a.body {
+        Body::Gear(g) => gear_view(g, l.direction, l.path, phase[0]),
+        Body::Rack(_) => unreachable!("mesh_layout refuses a rack as the first gear"),
+    };
+    let second = match &b.body {
+        Body::Gear(g) => gear_view(g, l.direction + std::f64::consts::PI, other, phase[1]),
+        Body::Rack(r) => MeshView {
+            base_radius: None,
+            direction: 0.0,
+            working_pressure_angle: l.working_pressure_angle,
+            half_angle_base: r.half_thickness_reference(),
+            path: other,
+            pitch: r.pitch(),
+            assembled: l.rack_offset + phase[1],
+        },
+    };
+    [first, second]
+}
+
+/// Angle (or travel) that puts a flank of tooth 0 at a path coordinate of its own.
+fn phase_at(view: &MeshView, sign: f64, s: f64) -> f64 {
+    match view.base_radius {
+        Some(rb) => {
+            view.direction + sign * (s / rb - view.working_pressure_angle - view.half_angle_base)
+        }
+        None => sign * (view.half_angle_base - s / view.working_pressure_angle.cos()),
+    }
+}
+
+/// Places gears one mesh after another; returns the phase of each.
+fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f64>, BuildError> {
+    let mut phase: Vec<Option<f64>> = vec![None; spec.gears.len()];
+    for (mesh, l) in spec.meshes.iter().zip(layouts) {
+        let [ia, ib] = mesh.gears;
+        let (a, b) = (&spec.gears[ia], &spec.gears[ib]);
+        let sign = mesh.start.side.sign();
+        let wanted = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
+        if !(l.path[0]..=l.path[1]).contains(&wanted) {
+            return Err(BuildError::mesh(
+                &a.name,
+                &b.name,
+                format!(
+                    "the start lies at {wanted:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
+                    l.path[0], l.path[1]
+                ),
+            ));
+        }
+        let [va, vb] = views(l, a, b, [0.0, 0.0]);
+        // The pitch in path coordinates brings a placed gear's tooth nearest to where the start is wanted.
+        let nearest = |view: &MeshView, phase: f64, s: f64| {
+            let placed = MeshView { assembled: phase, ..*view };
+            let s0 = placed.path_coordinate(mesh.start.side, phase);
+            s0 + ((s - s0) / l.base_pitch).round() * l.base_pitch
+        };
+        match (phase[ia], phase[ib]) {
+            (None, None) => {
+                phase[ia] = Some(phase_at(&va, sign, wanted));
+                phase[ib] = Some(phase_at(&vb, sign, l.length - wanted - mesh.start.gap) - l.rack_offset);
+            }
+            (Some(p), None) => {
+                let s = nearest(&va, p, wanted);
+                phase[ib] = Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
+            }
+            (None, Some(p)) => {
+                let s = nearest(&vb, p + l.rack_offset, l.length - wanted);
+                phase[ia] = Some(phase_at(&va, sign, l.length - s - mesh.start.gap));
+            }
+            (Some(_), Some(_)) => {}
+        }
+    }
+    Ok(phase.into_iter().map(|p| p.unwrap_or(0.0)).collect())
+}
+
+fn deviation(body: &Body, own_path: [f64; 2], zeta: f64) -> Option<Deviation> {
+    let Body::Gear(g) = body else { return None };
+    if g.params().modifications.is_none() {
+        return None;
+    }
+    let rb = g.r_base();
+    Some(Deviation::sample(own_path, DEVIATION_SAMPLES, |s| g.flank_deviation(rb.hypot(s), zeta)))
+}
+
+fn varies_over_width(body: &Body) -> bool {
+    match body {
+        Body::Gear(g) => {
+            g.params().helix_angle != 0.0 || g.params().modifications.lead_crowning != 0.0
+        }
+        Body::Rack(r) => r.params().helix_angle != 0.0,
+    }
+}
+
+fn lines_of_action(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    l: &MeshLayout,
+    contact: &ContactSpec,
+    phases: &[f64],
+    mesh_of_gear: [u8; 2],
+) -> Result<LinesOfAction, BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let curve = stiffness_curve(a, b, l, contact).map_err(|e| error(e.to_string()))?;
+    let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
+    let many = varies_over_width(&a.body) || varies_over_width(&b.body);
+    let count = contact.slices.unwrap_or(if many { DEFAULT_SLICES } else { 1 });
+    if count == 0 || count > 1000 {
+        return Err(error(format!("{count} slices over the width; use 1 to 1000")));
+    }
+    let base_helix = match &a.body {
+        Body::Gear(g) => g.base_helix_angle(),
+        Body::Rack(r) => r.base_helix_angle(),
+    };
+    let slices = (0..count)
+        .map(|i| {
+            let zeta = (2 * i + 1) as f64 / count as f64 - 1.0;
+            let z = 0.5 * l.face_width * zeta;
+            Slice {
+                zeta,
+                z,
+                weight: 1.0 / count as f64,
+                offset: z * base_helix.tan(),
+                deviation: [
+                    deviation(&a.body, views[0].path, zeta),
+                    deviation(&b.body, views[1].path, zeta),
+                ],
+            }
+        })
+        .collect();
+    let whole_mesh = curve.of() == PairOrMesh::Mesh;
+    let geometry = MeshGeometry {
+        views,
+        mesh_of_gear,
+        centre_a: Vec3::new(a.position[0], a.position[1], 0.0),
+        length: l.length,
+        base_pitch: l.base_pitch,
+        zone: l.path,
+        base_helix,
+    };
+    Ok(LinesOfAction::new(geometry, curve, whole_mesh, slices))
+}
+
+/// Stiffness of a tooth pair along the path of contact of a mesh.
+pub fn stiffness_curve(
+    a: &GearSpec,
+    b: &GearSpec,
+    l: &MeshLayout,
+    contact: &ContactSpec,
+) -> Result<StiffnessCurve, stiffness::StiffnessError> {
+    let Body::Gear(ga) = &a.body else {
+        unreachable!("mesh_layout refuses a rack as the first gear")
+    };
+    let materials = [a.material, b.material];
+    match &b.body {
+        Body::Gear(gb) => {
+            let pair = Pair::new(ga, gb, l.distance)
+                .expect("the pair was built when the mesh was laid out");
+            stiffness::build(&contact.stiffness, ga, gb, &pair, materials, l.face_width)
+        }
+        Body::Rack(rack) => {
+            let pair = RackPair::new(ga, rack, l.distance)
+                .expect("the pair was built when the mesh was laid out");
+            stiffness::build_rack(&contact.stiffness, ga, rack, &pair, materials, l.face_width)
+        }
+    }
+}
+
+fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
+    let own = g.inertia.unwrap_or_else(|| match &g.body {
+        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
+        Body::Rack(rack) => rack.mass(g.material.density),
+    });
+    let inertia = own + g.added_inertia;
+    if !(inertia > 0.0 && inertia.is_finite()) {
+        return Err(BuildError::gear(&g.name, format!("inertia {inertia} is not positive")));
+    }
+    let rack = matches!(g.body, Body::Rack(_));
+    match (&g.mount, rack) {
+        (Mount::Prismatic, false) => {
+            return Err(BuildError::gear(&g.name, "a prismatic mount is for racks; use revolute"));
+        }
+        (Mount::Revolute, true) => {
+            return Err(BuildError::gear(&g.name, "a rack cannot turn; use prismatic or fixed"));
+        }
+        _ => {}
+    }
+    // The slide points counter-clockwise as seen from a gear in front of the teeth.
+    let slide = rack.then(|| Vec3::new(g.facing.sin(), -g.facing.cos(), 0.0));
+    Ok(Hub {
+        mount: g.mount.clone(),
+        centre: Vec3::new(g.position[0], g.position[1], 0.0),
+        slide,
+        inertia,
+    })
+}
+
+impl Scene {
+    /// Assembles a scene with the given models.
+    ///
+    /// # Errors
+    /// [`BuildError`] names the gear, mesh or parameter and a way out.
+    pub fn build(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> Result<Scene, BuildError> {
+        if modelling.gears.len() != spec.gears.len() || modelling.contacts.len() != spec.meshes.len() {
+            return Err(BuildError {
+                subject: "scene".into(),
+                gear: None,
+                parameter: None,
+                message: format!(
+                    "{} gears and {} meshes, but {} models and {} contacts",
+                    spec.gears.len(),
+                    spec.meshes.len(),
+                    modelling.gears.len(),
+                    modelling.contacts.len()
+                ),
+            });
+        }
+        let layouts = spec
+            .meshes
+            .iter()
+            .map(|m| mesh_layout(&spec.gears[m.gears[0]], &spec.gears[m.gears[1]]))
+            .collect::<Result<Vec<_>, _>>()?;
+        let phases = assemble(spec, &layouts)?;
+
+        let mut gears = Vec::new();
+        for (g, model) in spec.gears.iter().zip(&modelling.gears) {
+            for load in &g.loads {
+                check_load(&g.name, load)?;
+            }
+            if let Mount::Driven(p) = &g.mount
+                && let Some(problem) = p.problem()
+            {
+                return Err(BuildError::gear(&g.name, format!("driven motion: {problem}")));
+            }
+            let hub = hub_of(g)?;
+            let row = models.iter().find(|m| m.id == model.id).ok_or_else(|| {
+                let known: Vec<&str> = models.iter().map(|m| m.id).collect();
+                BuildError::gear(
+                    &g.name,
+                    format!("there is no model `{}`; there are {}", model.id, known.join(", ")),
+                )
+            })?;
+            let context = GearContext {
+                name: &g.name,
+                body: &g.body,
+                hub: &hub,
+                lever: lever(&g.body),
+                parameters: &model.parameters,
+            };
+            gears.push(SceneGear {
+                name: g.name.clone(),
+                model: row.build(&context)?,
+                loads: g.loads.clone(),
+                offset: 0,
+                n: 0,
+                memory: (0, 0),
+            });
+        }
+
+        let mut meshes = Vec::new();
+        let mut seen = vec![0u8; spec.gears.len()];
+        let mut scales = Scales::default();
+        for ((mesh, l), contact) in spec.meshes.iter().zip(&layouts).zip(&modelling.contacts) {
+            let [ia, ib] = mesh.gears;
+            let of_gear = [seen[ia], seen[ib]];
+            let search = lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
+            for (k, i) in mesh.gears.into_iter().enumerate() {
+                seen[i] += 1;
+                gears[i].model.attach(search.views[k]);
+            }
+            let k_max = search.stiffness.maximum().1;
+            let law = law_of(spec, mesh, contact, k_max)?;
+            scales.add(spec, mesh, &gears, k_max);
+            meshes.push(SceneMesh {
+                gears: mesh.gears,
+                search: Box::new(search),
+                law,
+                friction: contact.friction,
+                memory: 0,
+                guards: 0,
+            });
+        }
+        Ok(Self::lay_out(spec, gears, meshes, &scales))
+    }
+
+    /// Offsets, initial state, buffers.
+    fn lay_out(
+        spec: &SceneSpec,
+        mut gears: Vec<SceneGear>,
+        mut meshes: Vec<SceneMesh>,
+        scales: &Scales,
+    ) -> Scene {
+        let (mut n, mut memory, mut guards) = (0, 1, 0);
+        for g in &mut gears {
+            let c = g.model.coordinates();
+            (g.offset, g.n) = (n, c.n);
+            g.memory = (memory, c.memory);
+            n += c.n;
+            memory += c.memory;
+        }
+        for m in &mut meshes {
+            (m.memory, m.guards) = (memory, guards);
+            memory += m.search.memory() + 2 * m.search.slots();
+            guards += m.search.guard_count() + m.search.slots();
+        }
+        let mut initial =
+            State { t: 0.0, q: vec![0.0; n], v: vec![0.0; n], memory: vec![0.0; memory] };
+        for (g, s) in gears.iter().zip(&spec.gears) {
+            let range = g.range();
+            g.model.initialise(
+                s.speed,
+                &mut initial.q[range.clone()],
+                &mut initial.v[range],
+                &mut initial.memory[g.memory.0..][..g.memory.1],
+            );
+        }
+        let pace = gears.iter().map(|g| g.model.pace()).fold(scales.pace, f64::min);
+        let channels = channel_names(&gears, meshes.len());
+        let compliant = gears.iter().any(|g| g.model.is_compliant());
+        Scene {
+            gears,
+            meshes,
+            channels,
+            magnitudes: scales.magnitudes(),
+            pace,
+            n,
+            memory,
+            guards,
+            compliant,
+            work: Workspace::default(),
+            initial,
+        }
+    }
+}
+
+/// Typical deflection, speed and time of the meshes of a scene.
+#[derive(Clone, Copy, Debug)]
+struct Scales {
+    deflection: f64,
+    speed: f64,
+    pace: f64,
+}
+
+impl Default for Scales {
+    fn default() -> Self {
+        Scales { deflection: 0.0, speed: 0.0, pace: f64::INFINITY }
+    }
+}
+
+impl Scales {
+    fn add(&mut self, spec: &SceneSpec, mesh: &MeshSpec, gears: &[SceneGear], k: f64) {
+        let sides = mesh.gears.map(|i| (&spec.gears[i], &gears[i]));
+        let mass = reduced_mass(sides.map(|(s, g)| hub_mass(s, g.model.hub())));
+        let own = reduced_mass(sides.map(|(_, g)| g.model.contact_mass()));
+        let along = sides.map(|(s, g)| {
+            let speed = match &s.mount {
+                Mount::Driven(p) => p.value(0.0),
+                Mount::Fixed => 0.0,
+                _ => s.speed,
+            };
+            let force = s.loads.iter().map(|l| g.load_bound(l)).sum::<f64>() / lever(&s.body);
+            (speed * lever(&s.body), force)
+        });
+        let fastest = along[0].0.abs().max(along[1].0.abs());
+        // Gears mesh with opposite turning; a rack goes along with its gear.
+        let closing = match sides[1].0.body {
+            Body::Gear(_) => (along[0].0 + along[1].0).abs(),
+            Body::Rack(_) => (along[0].0 - along[1].0).abs(),
+        };
+        let force = along[0].1.max(along[1].1);
+        let m = if mass.is_finite() { mass } else { 1.0 };
+        let speed = closing.max(force / (k * m).sqrt()).max(1e-3 * fastest).max(1e-6);
+        self.speed = self.speed.max(speed);
+        self.deflection = self.deflection.max(speed * (m / k).sqrt());
+        let light = if own.is_finite() { own.min(m) } else { m };
+        self.pace = self.pace.min((light / k).sqrt());
+    }
+
+    fn magnitudes(&self) -> Magnitudes {
+        Magnitudes {
+            deflection: if self.deflection > 0.0 { self.deflection } else { 1e-6 },
+            speed: if self.speed > 0.0 { self.speed } else { 1e-3 },
+        }
+    }
+}
+
+impl SceneGear {
+    /// Largest magnitude of a load.
+    fn load_bound(&self, load: &Load) -> f64 {
+        match load {
+            Load::Applied(p) => match p {
+                crate::load::Profile::Constant(x) => x.abs(),
+                crate::load::Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
+                crate::load::Profile::Table { value, .. } => {
+                    value.iter().fold(0.0, |m, x| x.abs().max(m))
+                }
+            },
+            Load::Viscous(_) => 0.0,
+        }
+    }
+}
+
+/// Mass along the line of action that a hub stands for [kg]; infinite when it is held.
+fn hub_mass(spec: &GearSpec, hub: &Hub) -> f64 {
+    if hub.coordinates() == 0 { f64::INFINITY } else { hub.inertia / lever(&spec.body).powi(2) }
+}
+
+fn reduced_mass(m: [f64; 2]) -> f64 {
+    1.0 / (1.0 / m[0] + 1.0 / m[1])
+}
+
+fn check_load(gear: &str, load: &Load) -> Result<(), BuildError> {
+    let problem = match load {
+        Load::Applied(p) => p.problem(),
+        Load::Viscous(c) if !(c.is_finite() && *c >= 0.0) => {
+            Some(format!("viscous coefficient {c} is not zero or positive"))
+        }
+        Load::Viscous(_) => None,
+    };
+    match problem {
+        Some(p) => Err(BuildError::gear(gear, format!("load: {p}"))),
+        None => Ok(()),
+    }
+}
+
+fn law_of(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    contact: &ContactSpec,
+    k: f64,
+) -> Result<Law, BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let damping = match contact.damping {
+        Damping::KelvinVoigtRatio { .. } => {
+            let mass = reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]);
+            if !mass.is_finite() {
+                return Err(error(
+                    "a damping ratio needs a gear that can move; both are held, give the damper in N s/m".into(),
+                ));
+            }
+            contact.damping.resolved(contact.exponent, k, mass).map_err(|e| error(e.to_string()))?
+        }
+        other => other,
+    };
+    Law::new(contact.exponent, damping).map_err(|e| error(e.to_string()))
+}

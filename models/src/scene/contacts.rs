@@ -1,0 +1,316 @@
+//! Evaluation of all contacts of a scene at one state.
+
+use super::{Scene, SceneGear, SceneMesh, parties};
+use crate::Vec3;
+use crate::contact::candidate::{Candidate, Tooth};
+use crate::contact::law::{FrictionForce, LawForce};
+use crate::contact::row::Row;
+use crate::contact::search::{Party, Wanted};
+use crate::contact::solve::{CompliantSolve, SolvePoint};
+use gearbench_integrators::system::{At, Singular};
+
+/// A contact that carries (or may carry) a force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Active {
+    pub mesh: usize,
+    /// Index into the candidates.
+    pub candidate: usize,
+    /// Gap with local compliance [m].
+    pub gap: f64,
+    /// Gap rate before local compliance [m/s].
+    pub rate: f64,
+    pub impact_speed: f64,
+    pub force: LawForce,
+    pub friction: FrictionForce,
+    /// Sliding speed of gear b over gear a [m/s].
+    pub sliding: f64,
+}
+
+/// The contact force at a point, for pictures and reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactForce {
+    /// Index of the mesh.
+    pub mesh: usize,
+    /// Teeth of both gears, unwrapped.
+    pub teeth: [Tooth; 2],
+    /// Where [m].
+    pub x: Vec3,
+    /// Force on the second gear of the mesh [N].
+    pub force: Vec3,
+    /// Normal force [N].
+    pub normal_force: f64,
+    /// Gap [m].
+    pub gap: f64,
+}
+
+/// Buffers; they grow to the largest number of contacts and stay.
+#[derive(Default)]
+pub(super) struct Workspace {
+    pub candidates: Vec<Candidate>,
+    pub active: Vec<Active>,
+    /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
+    pub rows: Vec<[Row; 3]>,
+    pub points: Vec<SolvePoint>,
+    pub compliance: Vec<f64>,
+    pub solve: CompliantSolve,
+    pub failed: bool,
+    /// Newton correction: rows V, columns Z, small matrix, small vector.
+    pub v: Vec<f64>,
+    pub z: Vec<f64>,
+    pub small: Vec<f64>,
+    pub rhs: Vec<f64>,
+    /// Row for a gap rate on its own.
+    pub scratch: Row,
+}
+
+/// In-plane direction of sliding: the normal's transverse part turned by 90 degrees.
+pub(super) fn sliding_direction(n: &Vec3) -> Vec3 {
+    let t = Vec3::new(-n.y, n.x, 0.0);
+    t / t.norm()
+}
+
+fn fill_rows(gears: &[SceneGear], mesh: &SceneMesh, sides: [Party<'_>; 2], c: &Candidate, rows: &mut [Row; 3]) {
+    let [a, b] = sides;
+    let offset = |k: usize| gears[mesh.gears[k]].offset;
+    let row = &mut rows[0];
+    row.clear();
+    row.target(offset(0), -c.scale[0]);
+    a.gear.row(a.at, &c.points[0], &c.normal, row);
+    row.mark_split();
+    row.target(offset(1), c.scale[1]);
+    b.gear.row(b.at, &c.points[1], &c.normal, row);
+    if mesh.friction.is_none() {
+        return;
+    }
+    let t = sliding_direction(&c.normal);
+    for (k, shift) in [(1, 0.0), (2, 1.0)] {
+        let row = &mut rows[k];
+        row.clear();
+        let moved = |i: usize| {
+            let mut p = c.points[i];
+            p.x += shift * Vec3::new(t.y, -t.x, 0.0);
+            p
+        };
+        row.target(offset(0), -1.0);
+        a.gear.row(a.at, &moved(0), &t, row);
+        row.mark_split();
+        row.target(offset(1), 1.0);
+        b.gear.row(b.at, &moved(1), &t, row);
+    }
+}
+
+impl Scene {
+    /// Fills `work.active` and its rows with the contacts at a state.
+    pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
+        if self.compliant {
+            self.evaluate_compliant(at);
+            return;
+        }
+        let located = at.memory[0] != 0.0;
+        let Scene { gears, meshes, work, .. } = self;
+        work.active.clear();
+        work.candidates.clear();
+        for (m, mesh) in meshes.iter().enumerate() {
+            let (a, b) = parties(gears, mesh, at);
+            let first = work.candidates.len();
+            let memory = &at.memory[mesh.search_memory()];
+            let wanted = if located {
+                Wanted::Closed(&at.memory[mesh.modes()])
+            } else {
+                Wanted::Touching(0.0)
+            };
+            mesh.search.candidates(a, b, memory, wanted, &mut work.candidates);
+            for k in first..work.candidates.len() {
+                let c = &work.candidates[k];
+                let slot = mesh.slot(c.slot);
+                let i = work.active.len();
+                if i == work.rows.len() {
+                    work.rows.push(Default::default());
+                }
+                let rows = &mut work.rows[i];
+                fill_rows(gears, mesh, [a, b], c, rows);
+                let rate = rows[0].dot(at.v) + c.gap_t;
+                let stored = at.memory[slot + 1];
+                let impact_speed = if stored > 0.0 { stored } else { -rate };
+                let force = if located {
+                    mesh.law.smooth(c.gap, rate, impact_speed, c.stiffness)
+                } else {
+                    mesh.law.clipped(c.gap, rate, impact_speed, c.stiffness)
+                };
+                if !located && force.n == 0.0 {
+                    continue;
+                }
+                let mut active = Active {
+                    mesh: m,
+                    candidate: k,
+                    gap: c.gap,
+                    rate,
+                    impact_speed,
+                    force,
+                    friction: FrictionForce::default(),
+                    sliding: 0.0,
+                };
+                if mesh.friction.is_some() {
+                    slide(mesh, [a, b], at, c, rows, &mut active);
+                }
+                work.active.push(active);
+            }
+        }
+    }
+
+    /// The same with local compliance: all points are solved for together.
+    fn evaluate_compliant(&mut self, at: At<'_>) {
+        let located = at.memory[0] != 0.0;
+        let Scene { gears, meshes, work, .. } = self;
+        work.active.clear();
+        work.points.clear();
+        work.candidates.clear();
+        for (m, mesh) in meshes.iter().enumerate() {
+            let (a, b) = parties(gears, mesh, at);
+            let first = work.candidates.len();
+            let memory = &at.memory[mesh.search_memory()];
+            let wanted = if located { Wanted::Listed } else { Wanted::Touching(f64::INFINITY) };
+            mesh.search.candidates(a, b, memory, wanted, &mut work.candidates);
+            for k in first..work.candidates.len() {
+                let c = &work.candidates[k];
+                let i = work.active.len();
+                if i == work.rows.len() {
+                    work.rows.push(Default::default());
+                }
+                fill_rows(gears, mesh, [a, b], c, &mut work.rows[i]);
+                let slot = mesh.slot(c.slot);
+                let rate = work.rows[i][0].dot(at.v) + c.gap_t;
+                let stored = at.memory[slot + 1];
+                let impact_speed = if stored > 0.0 { stored } else { -rate };
+                work.points.push(SolvePoint {
+                    gap0: c.gap,
+                    rate,
+                    impact_speed,
+                    stiffness: c.stiffness,
+                    closed: located.then(|| at.memory[slot] != 0.0),
+                    ..SolvePoint::default()
+                });
+                work.active.push(Active {
+                    mesh: m,
+                    candidate: k,
+                    gap: c.gap,
+                    rate,
+                    impact_speed,
+                    force: LawForce::default(),
+                    friction: FrictionForce::default(),
+                    sliding: 0.0,
+                });
+            }
+        }
+        let n = work.active.len();
+        work.compliance.clear();
+        for i in 0..n {
+            for j in 0..n {
+                let (ci, cj) = (&work.candidates[i], &work.candidates[j]);
+                let (mi, mj) = (&meshes[work.active[i].mesh], &meshes[work.active[j].mesh]);
+                let mut sum = 0.0;
+                for k in 0..2 {
+                    for l in 0..2 {
+                        if mi.gears[k] != mj.gears[l] {
+                            continue;
+                        }
+                        // The force on gear a is -n N and its displacement opens the gap by -x.n.
+                        let sign = if k == l { 1.0 } else { -1.0 };
+                        sum += sign
+                            * gears[mi.gears[k]].model.compliance(
+                                &ci.points[k],
+                                &ci.normal,
+                                &cj.points[l],
+                                &cj.normal,
+                            );
+                    }
+                }
+                work.compliance.push(sum);
+            }
+        }
+        // One law per scene is assumed across an island; it is that of the first mesh.
+        let law = meshes[0].law;
+        work.failed = work.solve.solve(&law, &work.compliance, &mut work.points).is_err();
+        for i in 0..n {
+            let active = &mut work.active[i];
+            active.gap = work.points[i].gap;
+            active.force = work.points[i].force;
+            if work.failed {
+                active.force.n = f64::NAN;
+            }
+            let mesh = &meshes[active.mesh];
+            let (a, b) = parties(gears, mesh, at);
+            slide(mesh, [a, b], at, &work.candidates[i], &work.rows[i], active);
+        }
+    }
+
+    /// Applies `x += N w + F t` of all active contacts.
+    pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
+        for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
+            rows[0].add_to(c.force.n, f);
+            if self.meshes[c.mesh].friction.is_some() {
+                rows[1].add_to(c.friction.f, f);
+            }
+        }
+    }
+
+    /// Derivative of the normal forces in a direction, one per active contact, into `work.rhs`.
+    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) -> Result<(), Singular> {
+        let work = &mut self.work;
+        work.rhs.clear();
+        for (c, rows) in work.active.iter().zip(&work.rows) {
+            let candidate = &work.candidates[c.candidate];
+            let along = -rows[0].dot_first(dq) / candidate.scale[0];
+            work.rhs.push(
+                c.force.dn_dg * rows[0].dot(dq)
+                    + c.force.dn_dgdot * rows[0].dot(dv)
+                    + c.force.dn_dk * candidate.stiffness_s * along,
+            );
+        }
+        if self.compliant {
+            work.solve.couple(&work.compliance, &work.points, &mut work.rhs, 1)?;
+        }
+        Ok(())
+    }
+
+    /// Contact forces at a state, for pictures and reports.
+    pub fn contact_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
+        self.evaluate_contacts(at);
+        self.work
+            .active
+            .iter()
+            .filter(|c| c.force.n > 0.0)
+            .map(|c| {
+                let candidate = &self.work.candidates[c.candidate];
+                let (teeth, _) = self.meshes[c.mesh].search.flank_of(candidate);
+                let n = &candidate.normal;
+                ContactForce {
+                    mesh: c.mesh,
+                    teeth,
+                    x: candidate.points[0].x,
+                    force: c.force.n * n + c.friction.f * sliding_direction(n),
+                    normal_force: c.force.n,
+                    gap: c.gap,
+                }
+            })
+            .collect()
+    }
+}
+
+fn slide(
+    mesh: &SceneMesh,
+    sides: [Party<'_>; 2],
+    at: At<'_>,
+    c: &Candidate,
+    rows: &[Row; 3],
+    active: &mut Active,
+) {
+    if let Some(friction) = &mesh.friction {
+        let t = sliding_direction(&c.normal);
+        let [a, b] = sides;
+        let drift =
+            b.gear.drift(b.at, &c.points[1], &t) - a.gear.drift(a.at, &c.points[0], &t);
+        active.sliding = rows[1].dot(at.v) + drift;
+        active.friction = friction.force(active.force.n, active.sliding);
+    }
+}

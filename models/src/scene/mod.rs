@@ -1,0 +1,153 @@
+//! The assembled scene: gears on their mounts, loads, meshes, as one second-order system.
+//!
+//! `M q'' = f_int(q, q') + f_load(t, q') + sum_c (w_c N_c + t_c F_c)`: `w = dg/dq` is the contact row, `t` the
+//! sliding row. Newton corrections solve the gears' own blocks and add the contacts as low-rank terms
+//! (Woodbury), so a gear brings whatever structure its coordinates have.
+//!
+//! Memory layout: `[located, gears..., meshes...]`; a mesh holds its search's memory and then per contact
+//! slot `(mode, impact speed)`, mode 1 closed and 0 open.
+
+pub mod build;
+pub mod spec;
+
+mod contacts;
+mod outputs;
+mod system;
+
+pub use contacts::ContactForce;
+
+use crate::contact::law::{Friction, Law};
+use crate::contact::search::{ContactSearch, Party};
+use crate::gear::{GearModel, Magnitudes};
+use crate::load::Load;
+use contacts::Workspace;
+use gearbench_integrators::system::{At, State};
+
+/// A gear in the scene.
+pub struct SceneGear {
+    /// Name from the scene.
+    pub name: String,
+    /// The model.
+    pub model: Box<dyn GearModel>,
+    /// Loads on its hub.
+    pub loads: Vec<Load>,
+    /// Its coordinates are `q[offset.0 .. offset.0 + n]`.
+    offset: usize,
+    n: usize,
+    memory: (usize, usize),
+}
+
+impl SceneGear {
+    /// The gear's own slice of a state.
+    #[inline]
+    pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
+        At {
+            t: at.t,
+            q: &at.q[self.offset..][..self.n],
+            v: &at.v[self.offset..][..self.n],
+            memory: &at.memory[self.memory.0..][..self.memory.1],
+        }
+    }
+
+    /// Load on the hub [N m] or [N] at a time and hub speed.
+    fn load(&self, t: f64, speed: f64) -> f64 {
+        self.loads
+            .iter()
+            .map(|l| match l {
+                Load::Applied(p) => p.value(t),
+                Load::Viscous(c) => -c * speed,
+            })
+            .sum()
+    }
+
+    fn viscous(&self) -> f64 {
+        self.loads.iter().map(|l| if let Load::Viscous(c) = l { *c } else { 0.0 }).sum()
+    }
+
+    /// Range of its coordinates in the scene's.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.offset..self.offset + self.n
+    }
+}
+
+/// A mesh in the scene.
+pub struct SceneMesh {
+    /// Indices of the gears; the first is never a rack.
+    pub gears: [usize; 2],
+    /// Finds candidate points.
+    pub search: Box<dyn ContactSearch>,
+    /// Normal law.
+    pub law: Law,
+    /// Sliding friction.
+    pub friction: Option<Friction>,
+    /// Offset of its memory, and of its guards.
+    memory: usize,
+    guards: usize,
+}
+
+impl SceneMesh {
+    fn search_memory(&self) -> std::ops::Range<usize> {
+        self.memory..self.memory + self.search.memory()
+    }
+
+    /// Modes and impact speeds of its slots.
+    fn modes(&self) -> std::ops::Range<usize> {
+        self.slot(0)..self.slot(self.search.slots())
+    }
+
+    fn slot(&self, slot: usize) -> usize {
+        self.memory + self.search.memory() + 2 * slot
+    }
+}
+
+/// The assembled system.
+pub struct Scene {
+    gears: Vec<SceneGear>,
+    meshes: Vec<SceneMesh>,
+    channels: Vec<String>,
+    magnitudes: Magnitudes,
+    pace: f64,
+    n: usize,
+    memory: usize,
+    guards: usize,
+    compliant: bool,
+    work: Workspace,
+    initial: State,
+}
+
+impl Scene {
+    /// The gears.
+    pub fn gears(&self) -> &[SceneGear] {
+        &self.gears
+    }
+
+    /// The meshes.
+    pub fn meshes(&self) -> &[SceneMesh] {
+        &self.meshes
+    }
+
+    /// The initial state.
+    pub fn initial(&self) -> State {
+        self.initial.clone()
+    }
+
+    /// Replaces the loads of a gear, for sweeps.
+    pub fn set_loads(&mut self, gear: usize, loads: Vec<Load>) {
+        self.gears[gear].loads = loads;
+    }
+
+    /// Index of a channel by name.
+    pub fn channel(&self, name: &str) -> Option<usize> {
+        self.channels.iter().position(|c| c == name)
+    }
+
+    /// Typical deflection and speed along the lines of action.
+    pub fn magnitudes(&self) -> Magnitudes {
+        self.magnitudes
+    }
+}
+
+fn parties<'a>(gears: &'a [SceneGear], mesh: &SceneMesh, at: At<'a>) -> (Party<'a>, Party<'a>) {
+    let party = |i: usize| Party { gear: gears[i].model.as_ref(), at: gears[i].at(at) };
+    (party(mesh.gears[0]), party(mesh.gears[1]))
+}

@@ -1,0 +1,98 @@
+//! What a scene reports: energies, powers, and named channels.
+//!
+//! Channels, in order: per mesh `force:I` (magnitude of the vector sum over its contacts on the second gear),
+//! `force_x:I`, `force_y:I`; per gear `speed:NAME` (momentum over inertia, the momentum mean),
+//! `hub_speed:NAME`, `travel:NAME`, `contact_torque:NAME` (torque of its contact forces about its axis, or
+//! force along its slide).
+
+use super::contacts::sliding_direction;
+use super::{Scene, SceneGear};
+use gearbench_integrators::system::{At, Energy, Outputs, Power};
+
+/// Names of the channels of a scene.
+pub(super) fn channel_names(gears: &[SceneGear], meshes: usize) -> Vec<String> {
+    let mut names = Vec::new();
+    for m in 0..meshes {
+        names.extend([format!("force:{m}"), format!("force_x:{m}"), format!("force_y:{m}")]);
+    }
+    for g in gears {
+        for what in ["speed", "hub_speed", "travel", "contact_torque"] {
+            names.push(format!("{what}:{}", g.name));
+        }
+    }
+    names
+}
+
+impl Scene {
+    pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs) {
+        self.evaluate_contacts(at);
+        let mut energy = Energy::default();
+        let mut power = Power::default();
+        out.channels.clear();
+        out.channels.resize(self.channels.len(), 0.0);
+        let per_gear = 3 * self.meshes.len();
+
+        for (i, g) in self.gears.iter().enumerate() {
+            let own = g.at(at);
+            let e = g.model.energy(own);
+            energy.kinetic += e.kinetic;
+            energy.strain += e.strain;
+            power.dissipated += g.model.dissipated(own);
+            power.parametric += g.model.parametric(own);
+            power.external += g.model.driven_power(own);
+            let hub = g.model.hub_state(own);
+            if g.model.hub().coordinates() > 0 {
+                power.external += g.load(at.t, hub.speed) * hub.speed;
+            }
+            let c = &mut out.channels[per_gear + 4 * i..][..4];
+            c[0] = hub.momentum / g.model.hub().inertia;
+            c[1] = hub.speed;
+            c[2] = hub.travel;
+        }
+        for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
+            let mesh = &self.meshes[a.mesh];
+            let c = &self.work.candidates[a.candidate];
+            let released = a.force.n == 0.0;
+            if !released {
+                energy.contact += mesh.law.potential(a.gap, c.stiffness);
+            }
+            if self.compliant {
+                let n = self.work.active.len();
+                let deflection: f64 =
+                    (0..n).map(|j| self.work.compliance[i * n + j] * self.work.active[j].force.n).sum();
+                energy.contact += 0.5 * a.force.n * deflection;
+            }
+            let elastic = if released {
+                0.0
+            } else {
+                mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n
+            };
+            power.dissipated -= (a.force.n - elastic) * a.rate;
+            power.external -= a.force.n * c.gap_t;
+            let ds = -rows[0].dot_first(at.v) / c.scale[0];
+            if !released {
+                power.parametric += mesh.law.d_potential_dk(a.gap) * c.stiffness_s * ds;
+            }
+            let mut force = a.force.n * c.normal;
+            if mesh.friction.is_some() {
+                power.dissipated -= a.friction.f * a.sliding;
+                power.external -= a.friction.f * (a.sliding - rows[1].dot(at.v));
+                force += a.friction.f * sliding_direction(&c.normal);
+            }
+            out.channels[3 * a.mesh + 1] += force.x;
+            out.channels[3 * a.mesh + 2] += force.y;
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                let i = mesh.gears[k];
+                let hub = self.gears[i].model.hub();
+                let lever = hub.lever(&c.points[k].x, &(sign * c.normal));
+                let along = hub.lever(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
+                out.channels[per_gear + 4 * i + 3] += a.force.n * lever + a.friction.f * along;
+            }
+        }
+        for m in 0..self.meshes.len() {
+            out.channels[3 * m] = out.channels[3 * m + 1].hypot(out.channels[3 * m + 2]);
+        }
+        out.energy = energy;
+        out.power = power;
+    }
+}

@@ -1,0 +1,165 @@
+//! What a scene is made of: plain data, SI units, no files.
+
+use crate::contact::law::{Damping, Friction};
+use crate::geometry::{Gear, Rack, Side};
+use crate::load::Load;
+use crate::mount::Mount;
+use crate::stiffness::{Material, PairStiffness};
+use std::collections::BTreeMap;
+
+/// The toothed body of a gear.
+#[derive(Clone, Debug)]
+pub enum Body {
+    /// An external gear.
+    Gear(Gear),
+    /// A rack.
+    Rack(Rack),
+}
+
+/// A gear, its hub and what drives it.
+#[derive(Clone, Debug)]
+pub struct GearSpec {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Toothing.
+    pub body: Body,
+    /// Material.
+    pub material: Material,
+    /// Inertia about the axis [kg m^2] (mass [kg] of a rack); `None` takes the toothing's own.
+    pub inertia: Option<f64>,
+    /// Inertia added at the hub [kg m^2] or [kg].
+    pub added_inertia: f64,
+    /// Mount.
+    pub mount: Mount,
+    /// Position of the axis; for a rack a point of its reference line, at zero travel [m].
+    pub position: [f64; 2],
+    /// For a rack: direction from its body to its teeth [rad]. It slides at right angles to it,
+    /// counter-clockwise positive as seen from the gear in front of it.
+    pub facing: f64,
+    /// Initial speed [rad/s] or [m/s].
+    pub speed: f64,
+    /// Loads on the hub.
+    pub loads: Vec<Load>,
+}
+
+/// Where a mesh starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Flank whose pair is placed.
+    pub side: Side,
+    /// Gap along the line of action, positive when open [m].
+    pub gap: f64,
+    /// Path coordinate of the pair from the first gear's tangent point [m]; `None` is the pitch point.
+    pub path_coordinate: Option<f64>,
+}
+
+/// Two gears in mesh. The first may not be a rack.
+#[derive(Clone, Debug)]
+pub struct MeshSpec {
+    /// Indices of the gears.
+    pub gears: [usize; 2],
+    /// Initial position; the first mesh of a gear places it.
+    pub start: Start,
+}
+
+/// Stiffness and law of the contacts of a mesh.
+#[derive(Clone, Debug)]
+pub struct ContactSpec {
+    /// Stiffness of a tooth pair along the path.
+    pub stiffness: PairStiffness,
+    /// Exponent of the normal law.
+    pub exponent: f64,
+    /// Damping of the normal law; a ratio is resolved with the reduced mass of the pair.
+    pub damping: Damping,
+    /// Friction.
+    pub friction: Option<Friction>,
+    /// Slices over the face width; `None` chooses: 1 for a spur gear without lead crowning, else 16.
+    pub slices: Option<usize>,
+}
+
+/// A parameter value of a gear model.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Text(String),
+    /// Numbers, one per tooth or knot.
+    List(Vec<f64>),
+}
+
+/// Parameters of a gear model by name, in SI units.
+pub type Parameters = BTreeMap<String, Value>;
+
+/// Which model a gear takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelSpec {
+    /// Id in the table of models.
+    pub id: String,
+    /// Its parameters.
+    pub parameters: Parameters,
+}
+
+/// A scene without its models.
+#[derive(Clone, Debug)]
+pub struct SceneSpec {
+    /// Gears.
+    pub gears: Vec<GearSpec>,
+    /// Meshes.
+    pub meshes: Vec<MeshSpec>,
+}
+
+/// How the gears and contacts of a scene are modelled.
+#[derive(Clone, Debug)]
+pub struct Modelling {
+    /// One model per gear.
+    pub gears: Vec<ModelSpec>,
+    /// One contact per mesh.
+    pub contacts: Vec<ContactSpec>,
+}
+
+/// Why a scene cannot be assembled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{subject}: {message}")]
+pub struct BuildError {
+    /// What the error is about, a gear, a mesh or `gear NAME, parameter KEY`.
+    pub subject: String,
+    /// Gear it concerns, if one.
+    pub gear: Option<String>,
+    /// Parameter it concerns, if one.
+    pub parameter: Option<String>,
+    /// What is wrong and a way out.
+    pub message: String,
+}
+
+impl BuildError {
+    /// An error about a gear.
+    pub fn gear(name: &str, message: impl Into<String>) -> Self {
+        BuildError {
+            subject: format!("gear `{name}`"),
+            gear: Some(name.into()),
+            parameter: None,
+            message: message.into(),
+        }
+    }
+
+    /// An error about a model's parameter.
+    pub fn parameter(model: &str, key: &str, message: impl Into<String>) -> Self {
+        BuildError {
+            subject: format!("model `{model}`, parameter `{key}`"),
+            gear: None,
+            parameter: Some(key.into()),
+            message: message.into(),
+        }
+    }
+
+    /// An error about a mesh.
+    pub fn mesh(a: &str, b: &str, message: impl Into<String>) -> Self {
+        BuildError {
+            subject: format!("mesh of `{a}` and `{b}`"),
+            gear: None,
+            parameter: None,
+            message: message.into(),
+        }
+    }
+}

@@ -1,0 +1,495 @@
+//! The scene as a second-order system: force, tangent, Newton correction, guards, switches.
+
+use super::{Scene, parties};
+use crate::contact::candidate::Candidate;
+use crate::contact::law::Law;
+use crate::contact::row::Row;
+use crate::contact::search::Wanted;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{
+    At, Change, Coeffs, Layout, Outputs, SecondOrderSystem, Singular, State,
+};
+
+/// Guard of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
+/// the law is from pushing again; in metres.
+#[inline]
+fn open_guard(law: &Law, c: &Candidate, gap: f64, rate: f64, impact_speed: f64) -> f64 {
+    if gap > 0.0 {
+        return gap;
+    }
+    let n = law.smooth(gap, rate, impact_speed, c.stiffness).n;
+    gap.max(-as_length(law, n, c.stiffness))
+}
+
+/// A force as the length that the elastic law would need for it, with sign.
+#[inline]
+fn as_length(law: &Law, n: f64, k: f64) -> f64 {
+    let x = n / k;
+    if law.exponent() == 1.0 { x } else { x.signum() * x.abs().powf(1.0 / law.exponent()) }
+}
+
+impl SecondOrderSystem for Scene {
+    fn layout(&self) -> Layout {
+        Layout { n: self.n, guards: self.guards, memory: self.memory }
+    }
+
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        for g in &self.gears {
+            g.model.scales(self.magnitudes, &mut q[g.range()], &mut v[g.range()]);
+        }
+    }
+
+    fn pace(&self, _at: At<'_>) -> f64 {
+        self.pace
+    }
+
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        f.fill(0.0);
+        for g in &mut self.gears {
+            let own = g.at(at);
+            let range = g.range();
+            g.model.internal_force(own, &mut f[range]);
+            if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
+                f[g.offset] += g.load(at.t, own.v[0]);
+            }
+        }
+        self.evaluate_contacts(at);
+        self.add_contact_forces(f);
+    }
+
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+        for g in &mut self.gears {
+            let own = g.at(at);
+            let range = g.range();
+            g.model.solve_mass(own, &mut f_to_a[range]);
+        }
+    }
+
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        for g in &mut self.gears {
+            let own = g.at(at);
+            let range = g.range();
+            g.model.apply_mass(own, &x[range.clone()], &mut y[range]);
+        }
+    }
+
+    fn correct(&mut self, at: At<'_>, c: Coeffs, rhs_to_x: &mut [f64]) -> Result<(), Singular> {
+        self.evaluate_contacts(at);
+        let n = self.n;
+        self.correct_gears(at, c, rhs_to_x)?;
+        let m = self.work.active.len();
+        if m == 0 {
+            return Ok(());
+        }
+        let friction = self.work.active.iter().any(|a| self.meshes[a.mesh].friction.is_some());
+        let terms = if friction { 2 * m } else { m };
+
+        // Rows V (how the forces answer to x) and columns Z = A0^-1 U (how x answers to the forces).
+        let mut v = std::mem::take(&mut self.work.v);
+        let mut z = std::mem::take(&mut self.work.z);
+        v.clear();
+        v.resize(terms * n, 0.0);
+        z.clear();
+        z.resize(terms * n, 0.0);
+        for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
+            let candidate = &self.work.candidates[a.candidate];
+            let row = &mut v[i * n..][..n];
+            rows[0].add_to(c.k * a.force.dn_dg + c.d * a.force.dn_dgdot, row);
+            rows[0].add_first_to(
+                -c.k * a.force.dn_dk * candidate.stiffness_s / candidate.scale[0],
+                row,
+            );
+            rows[0].add_to(1.0, &mut z[i * n..][..n]);
+        }
+        let mut result = Ok(());
+        if self.compliant {
+            let work = &mut self.work;
+            result = work.solve.couple(&work.compliance, &work.points, &mut v[..m * n], n);
+        }
+        if friction {
+            for i in 0..m {
+                self.friction_terms(at, c, i, m, &mut v, &mut z);
+            }
+        }
+        let mut small = std::mem::take(&mut self.work.small);
+        let mut rhs = std::mem::take(&mut self.work.rhs);
+        small.clear();
+        rhs.clear();
+        for i in 0..terms {
+            if result.is_ok() {
+                result = self.correct_gears(at, c, &mut z[i * n..][..n]);
+            }
+        }
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+        for i in 0..terms {
+            let vi = &v[i * n..][..n];
+            for j in 0..terms {
+                // A = A0 - U V: the forces enter the residual with the opposite sign of stiffness.
+                let unit = if i == j { 1.0 } else { 0.0 };
+                small.push(unit - dot(vi, &z[j * n..][..n]));
+            }
+            rhs.push(dot(vi, rhs_to_x));
+        }
+        if result.is_ok() {
+            result = solve_in_place(&mut small, &mut rhs);
+        }
+        if result.is_ok() {
+            for (y, zi) in rhs.iter().zip(z.chunks_exact(n)) {
+                for (x, zij) in rhs_to_x.iter_mut().zip(zi) {
+                    *x += y * zij;
+                }
+            }
+        }
+        let work = &mut self.work;
+        (work.v, work.z, work.small, work.rhs) = (v, z, small, rhs);
+        result
+    }
+
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        df.fill(0.0);
+        for g in &mut self.gears {
+            let own = g.at(at);
+            let range = g.range();
+            g.model.internal_tangent(
+                own,
+                &dq[range.clone()],
+                &dv[range.clone()],
+                &mut df[range],
+            );
+            if g.model.hub().coordinates() > 0 {
+                df[g.offset] -= g.viscous() * dv[g.offset];
+            }
+        }
+        self.evaluate_contacts(at);
+        if self.normal_tangent(dq, dv).is_err() {
+            df.fill(f64::NAN);
+            return;
+        }
+        let work = &self.work;
+        for (i, (a, rows)) in work.active.iter().zip(&work.rows).enumerate() {
+            rows[0].add_to(work.rhs[i], df);
+            if self.meshes[a.mesh].friction.is_some() {
+                // The contact point moves along the line of action and takes the sliding row with it.
+                let candidate = &work.candidates[a.candidate];
+                let ds = -rows[0].dot_first(dq) / (candidate.scale[0] * transverse(candidate));
+                let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
+                let dslide = rows[1].dot(dv) + ds * turn;
+                let dforce = a.friction.df_dn * work.rhs[i] + a.friction.df_dv * dslide;
+                rows[1].add_to(dforce - ds * a.friction.f, df);
+                rows[2].add_to(ds * a.friction.f, df);
+            }
+        }
+    }
+
+    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+        out.fill(1.0);
+        if self.compliant {
+            self.evaluate_contacts(at);
+        }
+        let Scene { gears, meshes, work, compliant, .. } = self;
+        for (m, mesh) in meshes.iter().enumerate() {
+            let (a, b) = parties(gears, mesh, at);
+            let memory = &at.memory[mesh.search_memory()];
+            let zones = mesh.search.guard_count();
+            let (zone, slots) = out[mesh.guards..].split_at_mut(zones);
+            mesh.search.guards(a, b, memory, zone);
+            if *compliant {
+                for active in work.active.iter().filter(|x| x.mesh == m) {
+                    let c = &work.candidates[active.candidate];
+                    let closed = at.memory[mesh.slot(c.slot)] != 0.0;
+                    slots[c.slot] = if closed {
+                        as_length(&mesh.law, active.force.n, c.stiffness)
+                    } else {
+                        open_guard(&mesh.law, c, active.gap, active.rate, active.impact_speed)
+                    };
+                }
+                continue;
+            }
+            // Gaps are all that open contacts and contacts without damping need.
+            slots[..mesh.search.slots()].fill(f64::INFINITY);
+            mesh.search.gaps(a, b, memory, &mut slots[..mesh.search.slots()]);
+            let modes = &at.memory[mesh.modes()];
+            let damped = mesh.law.is_dissipative();
+            let mut look_closer = false;
+            for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
+                if *g == f64::INFINITY {
+                    *g = 1.0;
+                } else if mode[0] != 0.0 {
+                    look_closer |= damped;
+                    *g = -*g;
+                } else {
+                    look_closer |= damped && *g <= 0.0;
+                }
+            }
+            if !look_closer {
+                continue;
+            }
+            work.candidates.clear();
+            mesh.search.candidates(a, b, memory, Wanted::Listed, &mut work.candidates);
+            for c in &work.candidates {
+                let (mode, stored) = (modes[2 * c.slot], modes[2 * c.slot + 1]);
+                if mode == 0.0 && c.gap > 0.0 {
+                    continue;
+                }
+                let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);
+                let v0 = if stored > 0.0 { stored } else { -rate };
+                slots[c.slot] = if mode != 0.0 {
+                    let n = mesh.law.smooth(c.gap, rate, v0, c.stiffness).n;
+                    as_length(&mesh.law, n, c.stiffness)
+                } else {
+                    open_guard(&mesh.law, c, c.gap, rate, v0)
+                };
+            }
+        }
+    }
+
+    fn next_knot(&self, t: f64) -> f64 {
+        let mut next = f64::INFINITY;
+        for g in &self.gears {
+            next = next.min(g.model.hub().next_knot(t));
+            for l in &g.loads {
+                if let crate::load::Load::Applied(p) = l {
+                    next = next.min(p.next_knot(t));
+                }
+            }
+        }
+        next
+    }
+
+    fn begin(&mut self, s: &mut State, located: bool) {
+        s.memory[0] = f64::from(u8::from(located));
+        for i in 0..self.meshes.len() {
+            let mesh = &self.meshes[i];
+            let range = mesh.search_memory();
+            let mut zone = vec![0.0; range.len()];
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            mesh.search.begin(a, b, &mut zone);
+            s.memory[range].copy_from_slice(&zone);
+            for slot in 0..mesh.search.slots() {
+                let at = mesh.slot(slot);
+                s.memory[at] = 0.0;
+                s.memory[at + 1] = 0.0;
+            }
+        }
+        self.refresh_modes(s, None);
+    }
+
+    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
+        let m = self.meshes.iter().rposition(|mesh| guard >= mesh.guards).unwrap_or(0);
+        let mesh = &self.meshes[m];
+        let local = guard - mesh.guards;
+        let zones = mesh.search.guard_count();
+        if local < zones {
+            let range = mesh.search_memory();
+            let change = mesh.search.switch(local, &mut s.memory[range]);
+            if let Some(slot) = change.left {
+                let at = mesh.slot(slot);
+                if s.memory[at] != 0.0 {
+                    self.engage(s, m, slot, false);
+                }
+                let at = self.meshes[m].slot(slot);
+                s.memory[at] = 0.0;
+                s.memory[at + 1] = 0.0;
+            }
+            if let Some(slot) = change.entered {
+                self.refresh_modes(s, Some((m, slot)));
+            }
+        } else {
+            let slot = local - zones;
+            let at = mesh.slot(slot);
+            let closing = s.memory[at] == 0.0;
+            if closing {
+                if s.memory[at + 1] <= 0.0 {
+                    let speed = self.approach_speed(s, m, slot);
+                    s.memory[at + 1] = speed;
+                }
+                s.memory[at] = 1.0;
+            } else {
+                s.memory[at] = 0.0;
+                // A contact that opened with its flanks apart forgets its impact speed; one that a damper
+                // released early keeps it until they part.
+                if self.gap_of(s, m, slot).is_none_or(|g| g >= -1e-15) {
+                    s.memory[at + 1] = 0.0;
+                }
+            }
+            self.engage(s, m, slot, closing);
+        }
+        Change::Restart
+    }
+
+    fn commit(&mut self, s: &mut State) -> Change {
+        let mut change = Change::None;
+        for g in &mut self.gears {
+            let range = g.range();
+            let State { t, q, v, memory } = s;
+            let own = &mut memory[g.memory.0..][..g.memory.1];
+            if g.model.commit(*t, &mut q[range.clone()], &mut v[range], own) == Change::Restart {
+                change = Change::Restart;
+            }
+        }
+        if s.memory[0] == 0.0 {
+            self.track_modes(s);
+        }
+        change
+    }
+
+    fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+        self.fill_output(at, out);
+    }
+}
+
+/// Length of the transverse part of a candidate's normal.
+fn transverse(c: &Candidate) -> f64 {
+    c.normal.x.hypot(c.normal.y)
+}
+
+fn gap_rate(
+    gears: &[super::SceneGear],
+    mesh: &super::SceneMesh,
+    c: &Candidate,
+    at: At<'_>,
+    row: &mut Row,
+) -> f64 {
+    let (a, b) = parties(gears, mesh, at);
+    row.clear();
+    row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
+    a.gear.row(a.at, &c.points[0], &c.normal, row);
+    row.target(gears[mesh.gears[1]].offset, c.scale[1]);
+    b.gear.row(b.at, &c.points[1], &c.normal, row);
+    row.dot(at.v) + c.gap_t
+}
+
+impl Scene {
+    fn correct_gears(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+        for g in &mut self.gears {
+            let own = g.at(at);
+            let range = g.range();
+            let viscous = g.viscous();
+            g.model.correct(own, c, viscous, &mut x[range])?;
+        }
+        Ok(())
+    }
+
+    /// Rows of the sliding force of contact `i` in the Newton correction: terms `m..2m`.
+    fn friction_terms(&mut self, at: At<'_>, c: Coeffs, i: usize, m: usize, v: &mut [f64], z: &mut [f64]) {
+        let n = self.n;
+        let (a, rows) = (&self.work.active[i], &self.work.rows[i]);
+        if self.meshes[a.mesh].friction.is_none() {
+            return;
+        }
+        let candidate = &self.work.candidates[a.candidate];
+        let per_s = -1.0 / (candidate.scale[0] * transverse(candidate));
+        let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
+        // dF = df_dn dN + df_dv dslide on the sliding row; dt F follows the contact point.
+        let (normal, sliding) = v.split_at_mut(m * n);
+        let row = &mut sliding[i * n..][..n];
+        for (x, y) in row.iter_mut().zip(&normal[i * n..][..n]) {
+            *x = a.friction.df_dn * y;
+        }
+        rows[1].add_to(c.d * a.friction.df_dv, row);
+        rows[0].add_first_to(c.k * a.friction.df_dv * turn * per_s, row);
+        rows[1].add_to(1.0, &mut z[(m + i) * n..][..n]);
+        // The turning of the sliding row (dt/ds F) is left out of the Newton matrix: it is of the size of
+        // F / r_b against a contact stiffness, and costs a further rank.
+    }
+
+    /// Sets the modes of all slots (or of one) from the clipped force at a state.
+    fn refresh_modes(&mut self, s: &mut State, only: Option<(usize, usize)>) {
+        for m in 0..self.meshes.len() {
+            let mut found = std::mem::take(&mut self.work.candidates);
+            found.clear();
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            let memory = &s.memory[mesh.search_memory()];
+            mesh.search.candidates(a, b, memory, Wanted::Listed, &mut found);
+            for c in &found {
+                if only.is_some_and(|x| x != (m, c.slot)) {
+                    continue;
+                }
+                let mesh = &self.meshes[m];
+                let rate = gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch);
+                let pushes = mesh.law.clipped(c.gap, rate, -rate, c.stiffness).n > 0.0
+                    // Touching and approaching counts as closed, or the first step would start open.
+                    || (c.gap <= 0.0 && rate < 0.0);
+                if pushes {
+                    let slot = mesh.slot(c.slot);
+                    s.memory[slot] = 1.0;
+                    s.memory[slot + 1] = (-rate).max(0.0);
+                    let slot = c.slot;
+                    self.engage(s, m, slot, true);
+                }
+            }
+            self.work.candidates = found;
+        }
+    }
+
+    /// Without event location: impact speeds and engagement follow the accepted states.
+    fn track_modes(&mut self, s: &mut State) {
+        for m in 0..self.meshes.len() {
+            let mut found = std::mem::take(&mut self.work.candidates);
+            found.clear();
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            let memory = &s.memory[mesh.search_memory()];
+            mesh.search.candidates(a, b, memory, Wanted::Touching(0.0), &mut found);
+            for slot in 0..mesh.search.slots() {
+                let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
+                let at = self.meshes[m].slot(slot);
+                match touching {
+                    Some(c) if s.memory[at] == 0.0 => {
+                        let rate = gap_rate(&self.gears, &self.meshes[m], c, s.at(), &mut self.work.scratch);
+                        s.memory[at] = 1.0;
+                        s.memory[at + 1] = (-rate).max(0.0);
+                        self.engage(s, m, slot, true);
+                    }
+                    None if s.memory[at] != 0.0 => {
+                        s.memory[at] = 0.0;
+                        s.memory[at + 1] = 0.0;
+                        self.engage(s, m, slot, false);
+                    }
+                    _ => {}
+                }
+            }
+            self.work.candidates = found;
+        }
+    }
+
+    fn find(&mut self, s: &State, m: usize, slot: usize) -> Option<Candidate> {
+        let mesh = &self.meshes[m];
+        let (a, b) = parties(&self.gears, mesh, s.at());
+        let mut found = std::mem::take(&mut self.work.candidates);
+        found.clear();
+        let wanted =
+            if s.memory[0] != 0.0 { Wanted::Listed } else { Wanted::Touching(f64::INFINITY) };
+        let memory = &s.memory[mesh.search_memory()];
+        mesh.search.candidates(a, b, memory, wanted, &mut found);
+        let c = found.iter().find(|c| c.slot == slot).copied();
+        self.work.candidates = found;
+        c
+    }
+
+    fn gap_of(&mut self, s: &State, m: usize, slot: usize) -> Option<f64> {
+        self.find(s, m, slot).map(|c| c.gap)
+    }
+
+    fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
+        let Some(c) = self.find(s, m, slot) else { return 0.0 };
+        let rate = gap_rate(&self.gears, &self.meshes[m], &c, s.at(), &mut self.work.scratch);
+        (-rate).max(0.0)
+    }
+
+    /// Tells both gears that a contact of a slot closed or opened.
+    fn engage(&mut self, s: &mut State, m: usize, slot: usize, closed: bool) {
+        let Some(c) = self.find(s, m, slot) else { return };
+        let (teeth, side) = self.meshes[m].search.flank_of(&c);
+        for k in 0..2 {
+            let g = &mut self.gears[self.meshes[m].gears[k]];
+            let own = &mut s.memory[g.memory.0..][..g.memory.1];
+            g.model.engage(own, teeth[k], side, closed);
+        }
+    }
+}

@@ -1,0 +1,541 @@
+//! A stiffness along the path of contact, evaluated in constant time without allocation.
+//!
+//! Between knots the curve is a cubic, twice continuously differentiable, or a straight line; outside
+//! its range it is held at the end values (slope zero), or continued periodically. The slopes `m_i` at
+//! the knots of the cubic solve the usual tridiagonal system of the interpolating spline,
+//!
+//! ```text
+//! m_(i-1)/h_(i-1) + 2 (1/h_(i-1) + 1/h_i) m_i + m_(i+1)/h_i = 3 (D_(i-1)/h_(i-1) + D_i/h_i)
+//! ```
+//!
+//! with `D_i` the divided differences; the end slopes are those of the cubic through the four
+//! outermost points. (C. de Boor, A Practical Guide to Splines, ch. IV.)
+
+use super::error::StiffnessError;
+
+/// Whether a stiffness is that of one tooth pair or of the whole mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PairOrMesh {
+    /// One spring per tooth pair; pairs in contact act in parallel.
+    #[default]
+    Pair,
+    /// One spring whatever the number of pairs in contact.
+    Mesh,
+}
+
+/// What happens outside the knots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ends {
+    /// Held at the end values.
+    #[default]
+    Clamped,
+    /// Continued with the period `s_last - s_first`; first and last value must agree.
+    Periodic,
+}
+
+/// What happens between the knots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interpolation {
+    /// Cubic spline, C2.
+    #[default]
+    Cubic,
+    /// Straight lines; the slope jumps at every knot.
+    Linear,
+}
+
+/// Stiffness (N/m) over the path coordinate `s` (m), for the whole face width.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StiffnessCurve {
+    of: PairOrMesh,
+    ends: Ends,
+    smooth: bool,
+    range: [f64; 2],
+    pieces: Vec<Piece>,
+    last: f64,
+    /// Interval in which each of equally wide buckets begins; empty when the intervals are equal.
+    buckets: Vec<u32>,
+    buckets_per_metre: f64,
+}
+
+/// `k = c0 + u (c1 + u (c2 + u c3))`, `u = s - begin`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Piece {
+    begin: f64,
+    end: f64,
+    c: [f64; 4],
+}
+
+impl StiffnessCurve {
+    /// The same stiffness (N/m) everywhere.
+    ///
+    /// # Errors
+    /// [`StiffnessError::NotPositive`].
+    pub fn constant(k: f64, of: PairOrMesh) -> Result<StiffnessCurve, StiffnessError> {
+        super::error::positive("stiffness [N/m]", k)?;
+        Ok(StiffnessCurve {
+            of,
+            ends: Ends::Clamped,
+            smooth: true,
+            range: [0.0; 2],
+            pieces: Vec::new(),
+            last: k,
+            buckets: Vec::new(),
+            buckets_per_metre: 0.0,
+        })
+    }
+
+    /// Interpolates `k` (N/m) at the increasing path coordinates `s` (m).
+    ///
+    /// # Errors
+    /// [`StiffnessError`] when lengths differ, fewer than two points are given, `s` does not increase,
+    /// a value is not finite and positive, or the spline dips to zero between the points.
+    pub fn interpolate(
+        s: &[f64],
+        k: &[f64],
+        of: PairOrMesh,
+        ends: Ends,
+        interpolation: Interpolation,
+    ) -> Result<StiffnessCurve, StiffnessError> {
+        check_points(s, k, ends)?;
+        let n = s.len() - 1;
+        let slopes = match interpolation {
+            Interpolation::Cubic => spline_slopes(s, k, ends),
+            Interpolation::Linear => Vec::new(),
+        };
+        let pieces: Vec<Piece> = (0..n)
+            .map(|i| {
+                let h = s[i + 1] - s[i];
+                let d = (k[i + 1] - k[i]) / h;
+                let c = if slopes.is_empty() {
+                    [k[i], d, 0.0, 0.0]
+                } else {
+                    let (m0, m1) = (slopes[i], slopes[i + 1]);
+                    let c2 = (3.0 * d - 2.0 * m0 - m1) / h;
+                    [k[i], m0, c2, (m0 + m1 - 2.0 * d) / (h * h)]
+                };
+                Piece {
+                    begin: s[i],
+                    end: s[i + 1],
+                    c,
+                }
+            })
+            .collect();
+        let length = s[n] - s[0];
+        let step = length / n as f64;
+        let equal = s
+            .iter()
+            .enumerate()
+            .all(|(i, x)| (x - s[0] - i as f64 * step).abs() < 1e-12 * length);
+        // Eight buckets per interval keep the walk from a bucket to its interval short for any usual
+        // table; equal intervals need neither.
+        let count = if equal { n } else { 8 * n };
+        let buckets_per_metre = count as f64 / length;
+        let mut interval = 0;
+        let buckets = (0..if equal { 0 } else { count })
+            .map(|b| {
+                let begin = s[0] + b as f64 / buckets_per_metre;
+                while interval + 1 < n && s[interval + 1] <= begin {
+                    interval += 1;
+                }
+                interval as u32
+            })
+            .collect();
+        let curve = StiffnessCurve {
+            of,
+            ends,
+            smooth: interpolation == Interpolation::Cubic,
+            range: [s[0], s[n]],
+            pieces,
+            last: k[n],
+            buckets,
+            buckets_per_metre,
+        };
+        let (at, value) = curve.minimum();
+        if value <= 0.0 {
+            return Err(StiffnessError::NotPositiveBetween { s: at, value });
+        }
+        Ok(curve)
+    }
+
+    /// Whether it is the stiffness of a pair or of the mesh.
+    pub fn of(&self) -> PairOrMesh {
+        self.of
+    }
+
+    /// Whether the stiffness does not vary.
+    pub fn is_constant(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Path coordinates (m) between which the curve varies; `None` for a constant one.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        (!self.is_constant()).then_some(self.range)
+    }
+
+    /// Path coordinates (m) at which the slope jumps: every knot of a linear table, only the ends of
+    /// a clamped cubic, none of a constant or periodic cubic. Event location may stop here.
+    pub fn kinks(&self) -> Vec<f64> {
+        match self.range() {
+            None => Vec::new(),
+            Some([_, end]) if !self.smooth => {
+                self.pieces.iter().map(|p| p.begin).chain([end]).collect()
+            }
+            Some(range) if self.ends == Ends::Clamped => range.to_vec(),
+            Some(_) => Vec::new(),
+        }
+    }
+
+    /// Stiffness (N/m) and its slope (N/m^2) at `s` (m). Constant time, no allocation.
+    #[inline]
+    pub fn eval(&self, s: f64) -> (f64, f64) {
+        let Some(first) = self.pieces.first() else {
+            return (self.last, 0.0);
+        };
+        let [start, end] = self.range;
+        let mut s = s;
+        if s < start || s > end {
+            match self.ends {
+                Ends::Clamped if s < start => return (first.c[0], 0.0),
+                Ends::Clamped => return (self.last, 0.0),
+                Ends::Periodic => s = start + (s - start).rem_euclid(end - start),
+            }
+        }
+        // The cast saturates, and turns NaN into 0: NaN then comes out of the polynomial.
+        let bucket = ((s - start) * self.buckets_per_metre) as i32 as usize;
+        let i = if self.buckets.is_empty() {
+            // Equal intervals. Rounding may name a neighbour just beside a knot, where both agree.
+            bucket.min(self.pieces.len() - 1)
+        } else {
+            let mut i = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
+            while i + 1 < self.pieces.len() && s >= self.pieces[i].end {
+                i += 1;
+            }
+            i
+        };
+        let Piece {
+            begin,
+            c: [c0, c1, c2, c3],
+            ..
+        } = &self.pieces[i];
+        let u = s - begin;
+        (
+            c0 + u * (c1 + u * (c2 + u * c3)),
+            c1 + u * (2.0 * c2 + u * 3.0 * c3),
+        )
+    }
+
+    /// Least stiffness as (where in m, value in N/m).
+    pub fn minimum(&self) -> (f64, f64) {
+        self.extreme(|a, b| a < b)
+    }
+
+    /// Greatest stiffness as (where in m, value in N/m).
+    pub fn maximum(&self) -> (f64, f64) {
+        self.extreme(|a, b| a > b)
+    }
+
+    /// The best value over all knots and all stationary points of the cubics.
+    fn extreme(&self, better: impl Fn(f64, f64) -> bool) -> (f64, f64) {
+        let mut best = (self.range[1], self.last);
+        for piece in &self.pieces {
+            let [c0, c1, c2, c3] = piece.c;
+            let h = piece.end - piece.begin;
+            let root = (c2 * c2 - 3.0 * c1 * c3).max(0.0).sqrt();
+            // Roots of c1 + 2 c2 u + 3 c3 u^2, both forms to stay clear of c3 = 0 and cancellation.
+            let q = -(c2 + root.copysign(c2));
+            for u in [0.0, q / (3.0 * c3), c1 / q] {
+                if (0.0..=h).contains(&u) {
+                    let k = c0 + u * (c1 + u * (c2 + u * c3));
+                    if better(k, best.1) {
+                        best = (piece.begin + u, k);
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+fn check_points(s: &[f64], k: &[f64], ends: Ends) -> Result<(), StiffnessError> {
+    let refuse = |reason: String| Err(StiffnessError::Table { reason });
+    if s.len() != k.len() {
+        return refuse(format!(
+            "{} path coordinates but {} stiffnesses; give one stiffness per coordinate",
+            s.len(),
+            k.len()
+        ));
+    }
+    if s.len() < 2 {
+        return refuse(format!("{} points; give two or more", s.len()));
+    }
+    if let Some(i) = s.iter().position(|x| !x.is_finite()) {
+        return refuse(format!("s[{i}] is {}; give finite coordinates", s[i]));
+    }
+    if let Some(i) = s.windows(2).position(|w| w[1] <= w[0]) {
+        return refuse(format!(
+            "s[{}] = {} does not exceed s[{i}] = {}; sort the points and drop doubles",
+            i + 1,
+            s[i + 1],
+            s[i]
+        ));
+    }
+    if let Some(i) = k.iter().position(|x| !(x.is_finite() && *x > 0.0)) {
+        return refuse(format!(
+            "k[{i}] is {} N/m; it must be finite and positive",
+            k[i]
+        ));
+    }
+    let (first, last) = (k[0], k[k.len() - 1]);
+    if ends == Ends::Periodic && (first - last).abs() > 1e-9 * first {
+        return refuse(format!(
+            "periodic, but the first value {first} N/m and the last {last} N/m differ"
+        ));
+    }
+    Ok(())
+}
+
+/// Slopes at the knots of the interpolating cubic spline.
+fn spline_slopes(s: &[f64], k: &[f64], ends: Ends) -> Vec<f64> {
+    let n = s.len() - 1;
+    let h: Vec<f64> = s.windows(2).map(|w| w[1] - w[0]).collect();
+    let d: Vec<f64> = (0..n).map(|i| (k[i + 1] - k[i]) / h[i]).collect();
+    if n == 1 {
+        return if ends == Ends::Periodic {
+            vec![0.0; 2]
+        } else {
+            vec![d[0]; 2]
+        };
+    }
+    if ends == Ends::Periodic {
+        return periodic_slopes(&h, &d);
+    }
+    let mut m = vec![0.0; n + 1];
+    let points = s.len().min(4);
+    m[0] = end_slope(&s[..points], &k[..points], 0);
+    m[n] = end_slope(&s[s.len() - points..], &k[s.len() - points..], points - 1);
+    let interior = n - 1;
+    let diagonal: Vec<f64> = (1..n)
+        .map(|i| 2.0 * (1.0 / h[i - 1] + 1.0 / h[i]))
+        .collect();
+    let off: Vec<f64> = (1..n - 1).map(|i| 1.0 / h[i]).collect();
+    let mut rhs: Vec<f64> = (1..n)
+        .map(|i| 3.0 * (d[i - 1] / h[i - 1] + d[i] / h[i]))
+        .collect();
+    rhs[0] -= m[0] / h[0];
+    rhs[interior - 1] -= m[n] / h[n - 1];
+    solve_symmetric_tridiagonal(&diagonal, &off, &mut rhs);
+    m[1..n].copy_from_slice(&rhs);
+    m
+}
+
+/// Slope at point `at` of the polynomial through all points (Lagrange).
+fn end_slope(s: &[f64], k: &[f64], at: usize) -> f64 {
+    let mut slope = 0.0;
+    for j in 0..s.len() {
+        if j == at {
+            for i in (0..s.len()).filter(|&i| i != at) {
+                slope += k[j] / (s[at] - s[i]);
+            }
+        } else {
+            let mut term = k[j] / (s[j] - s[at]);
+            for i in (0..s.len()).filter(|&i| i != j && i != at) {
+                term *= (s[at] - s[i]) / (s[j] - s[i]);
+            }
+            slope += term;
+        }
+    }
+    slope
+}
+
+/// Periodic spline by Sherman-Morrison on the cyclic system; `n >= 2` intervals.
+fn periodic_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
+    let n = h.len();
+    let before = |i: usize| (i + n - 1) % n;
+    let mut diagonal: Vec<f64> = (0..n)
+        .map(|i| 2.0 * (1.0 / h[before(i)] + 1.0 / h[i]))
+        .collect();
+    let mut rhs: Vec<f64> = (0..n)
+        .map(|i| 3.0 * (d[before(i)] / h[before(i)] + d[i] / h[i]))
+        .collect();
+    let mut off: Vec<f64> = (0..n - 1).map(|i| 1.0 / h[i]).collect();
+    let corner = 1.0 / h[n - 1];
+    if n == 2 {
+        // Both neighbours of a knot are the same one.
+        off[0] += corner;
+        solve_symmetric_tridiagonal(&diagonal, &off, &mut rhs);
+    } else {
+        diagonal[0] -= corner;
+        diagonal[n - 1] -= corner;
+        let mut ones = vec![0.0; n];
+        ones[0] = 1.0;
+        ones[n - 1] = 1.0;
+        solve_symmetric_tridiagonal(&diagonal, &off, &mut rhs);
+        solve_symmetric_tridiagonal(&diagonal, &off, &mut ones);
+        let factor = corner * (rhs[0] + rhs[n - 1]) / (1.0 + corner * (ones[0] + ones[n - 1]));
+        for i in 0..n {
+            rhs[i] -= factor * ones[i];
+        }
+    }
+    rhs.push(rhs[0]);
+    rhs
+}
+
+/// Thomas algorithm; the systems here are strictly diagonally dominant, so no pivoting is needed.
+fn solve_symmetric_tridiagonal(diagonal: &[f64], off: &[f64], rhs: &mut [f64]) {
+    let n = diagonal.len();
+    let mut pivots = diagonal.to_vec();
+    for i in 1..n {
+        let w = off[i - 1] / pivots[i - 1];
+        pivots[i] -= w * off[i - 1];
+        rhs[i] -= w * rhs[i - 1];
+    }
+    rhs[n - 1] /= pivots[n - 1];
+    for i in (0..n - 1).rev() {
+        rhs[i] = (rhs[i] - off[i] * rhs[i + 1]) / pivots[i];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uneven(n: usize) -> Vec<f64> {
+        (0..=n)
+            .map(|i| {
+                let u = i as f64 / n as f64;
+                0.004 + 0.018 * (u + 0.3 * u * (1.0 - u))
+            })
+            .collect()
+    }
+
+    fn cubic(s: &[f64], k: &[f64], ends: Ends) -> StiffnessCurve {
+        StiffnessCurve::interpolate(s, k, PairOrMesh::Pair, ends, Interpolation::Cubic).unwrap()
+    }
+
+    #[test]
+    fn reproduces_cubics_and_their_slopes_on_uneven_knots() {
+        let s = uneven(9);
+        let f = |x: f64| 4e8 + 3e9 * x - 8e11 * x * x + 1e13 * x * x * x;
+        let df = |x: f64| 3e9 - 16e11 * x + 3e13 * x * x;
+        let k: Vec<f64> = s.iter().map(|&x| f(x)).collect();
+        let curve = cubic(&s, &k, Ends::Clamped);
+        for i in 0..=1000 {
+            let x = s[0] + (s[9] - s[0]) * f64::from(i) / 1000.0;
+            let (v, slope) = curve.eval(x);
+            assert!((v / f(x) - 1.0).abs() < 1e-12);
+            assert!(
+                (slope - df(x)).abs() < 1e-10 * 3e10,
+                "{x}: {slope} {}",
+                df(x)
+            );
+        }
+        assert_eq!(curve.eval(0.0), (k[0], 0.0));
+        assert_eq!(curve.eval(1.0), (k[9], 0.0));
+        assert!(curve.eval(f64::NAN).0.is_nan());
+    }
+
+    #[test]
+    fn is_twice_continuously_differentiable() {
+        let s = uneven(12);
+        let k: Vec<f64> = s.iter().map(|x| 1e8 * (2.0 + (700.0 * x).sin())).collect();
+        let curve = cubic(&s, &k, Ends::Clamped);
+        for i in 0..11 {
+            let h = s[i + 1] - s[i];
+            let [c0, c1, c2, c3] = curve.pieces[i].c;
+            let next = curve.pieces[i + 1].c;
+            assert!((c0 + h * (c1 + h * (c2 + h * c3)) - next[0]).abs() < 1e-6);
+            assert!((c1 + h * (2.0 * c2 + 3.0 * h * c3) - next[1]).abs() < 1e-3);
+            assert!((c2 + 3.0 * h * c3 - next[2]).abs() < 1e-9 * 1e8 * 700.0 * 700.0);
+        }
+    }
+
+    #[test]
+    fn periodic_curve_repeats_smoothly_and_converges_at_fourth_order() {
+        let period = 0.0118;
+        let f = |x: f64| 2e8 * (1.0 + 0.2 * (2.0 * std::f64::consts::PI * x / period).cos());
+        let error = |n: usize| {
+            let s: Vec<f64> = (0..=n).map(|i| period * i as f64 / n as f64).collect();
+            let k: Vec<f64> = s.iter().map(|&x| f(x)).collect();
+            let curve = cubic(&s, &k, Ends::Periodic);
+            assert!(curve.kinks().is_empty());
+            (0..500)
+                .map(|i| {
+                    let x = -period + 3.0 * period * f64::from(i) / 499.0;
+                    (curve.eval(x).0 - f(x)).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let order = (error(16) / error(32)).log2();
+        assert!((order - 4.0).abs() < 0.2, "{order}");
+        for n in [2, 3] {
+            assert!(error(n).is_finite());
+        }
+    }
+
+    #[test]
+    fn linear_table_passes_its_points_and_names_its_kinks() {
+        let (s, k) = (vec![0.0, 1e-3, 5e-3], vec![1e8, 3e8, 2e8]);
+        let curve = StiffnessCurve::interpolate(
+            &s,
+            &k,
+            PairOrMesh::Mesh,
+            Ends::Clamped,
+            Interpolation::Linear,
+        )
+        .unwrap();
+        assert!((curve.eval(3e-3).0 - 2.5e8).abs() < 1e-6);
+        assert!((curve.eval(3e-3).1 + 2.5e10).abs() < 1e-2);
+        assert_eq!(curve.kinks(), s);
+        assert_eq!(
+            (curve.of(), curve.minimum(), curve.maximum()),
+            (PairOrMesh::Mesh, (0.0, 1e8), (1e-3, 3e8))
+        );
+    }
+
+    /// Very uneven intervals exhaust the buckets; the walk must still find the interval.
+    #[test]
+    fn finds_the_interval_on_any_spacing() {
+        let s = [0.0, 1e-9, 2e-9, 1.0, 1.0 + 1e-9, 5.0];
+        let k = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let line = Interpolation::Linear;
+        let curve =
+            StiffnessCurve::interpolate(&s, &k, PairOrMesh::Pair, Ends::Clamped, line).unwrap();
+        for i in 0..5 {
+            for u in [0.0, 0.25, 0.75] {
+                let x = s[i] + u * (s[i + 1] - s[i]);
+                assert!((curve.eval(x).0 - (k[i] + u)).abs() < 1e-6, "{x}");
+            }
+        }
+        assert_eq!(curve.eval(5.0).0, 6.0);
+    }
+
+    #[test]
+    fn extremes_between_the_knots_are_found() {
+        let s = uneven(8);
+        let k: Vec<f64> = s.iter().map(|x| 1e8 * (2.0 + (500.0 * x).sin())).collect();
+        let curve = cubic(&s, &k, Ends::Clamped);
+        let dense = (0..=100_000).map(|i| curve.eval(s[0] + (s[8] - s[0]) * f64::from(i) / 1e5).0);
+        let (low, high) = dense.fold((f64::MAX, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+        assert!((curve.minimum().1 / low - 1.0).abs() < 1e-8);
+        assert!((curve.maximum().1 / high - 1.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn refusals_name_the_place() {
+        let build = |s: &[f64], k: &[f64], ends| {
+            StiffnessCurve::interpolate(s, k, PairOrMesh::Pair, ends, Interpolation::Cubic)
+                .unwrap_err()
+                .to_string()
+        };
+        let c = Ends::Clamped;
+        assert!(build(&[0.0, 1.0], &[1.0], c).contains("one stiffness per coordinate"));
+        assert!(build(&[0.0], &[1.0], c).contains("two or more"));
+        assert!(build(&[0.0, 2.0, 1.0], &[1.0; 3], c).contains("s[2] = 1"));
+        assert!(build(&[0.0, f64::NAN], &[1.0; 2], c).contains("s[1]"));
+        assert!(build(&[0.0, 1.0, 2.0], &[1.0, -2.0, 1.0], c).contains("k[1]"));
+        assert!(build(&[0.0, 1.0], &[1.0, 2.0], Ends::Periodic).contains("differ"));
+        let dips = build(&[0.0, 1.0, 2.0, 3.0], &[100.0, 1e-3, 1e-3, 100.0], c);
+        assert!(dips.contains("linear interpolation"), "{dips}");
+        assert!(StiffnessCurve::constant(0.0, PairOrMesh::Pair).is_err());
+    }
+}

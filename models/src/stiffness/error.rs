@@ -1,0 +1,211 @@
+//! Refusals and warnings of the stiffness models.
+
+use std::fmt;
+
+use thiserror::Error;
+
+/// Why a stiffness cannot be built.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum StiffnessError {
+    /// A value that has to be positive is not.
+    #[error("{what} is {value}; it must be finite and positive")]
+    NotPositive {
+        /// Which quantity, with its unit.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// Poisson's ratio out of range.
+    #[error("Poisson's ratio is {value}; it must lie in [0, 0.5)")]
+    Poisson {
+        /// The value given.
+        value: f64,
+    },
+    /// A table is malformed.
+    #[error("stiffness table: {reason}")]
+    Table {
+        /// What is wrong and where.
+        reason: String,
+    },
+    /// The interpolated stiffness is not positive everywhere.
+    #[error(
+        "interpolated stiffness falls to {value:.4e} N/m near s = {s:.6e} m; refine the table or choose linear interpolation"
+    )]
+    NotPositiveBetween {
+        /// Path coordinate of the minimum (m).
+        s: f64,
+        /// Stiffness there (N/m).
+        value: f64,
+    },
+    /// Radzimovsky's Hertz law needs curved bodies.
+    #[error(
+        "the logarithmic Hertz law needs two curved flanks and a rack is flat; use the linear or the Weber-Banaschek one"
+    )]
+    HertzFlat,
+    /// The contact is wider than the tooth allows.
+    #[error(
+        "Hertz half-width {half_width:.3e} m at the reference load {load} N does not fit the tooth (depth {depth:.3e} m); lower the reference load"
+    )]
+    HertzTooWide {
+        /// Contact half-width (m).
+        half_width: f64,
+        /// Reference load of the pair (N).
+        load: f64,
+        /// Depth available in the tooth (m).
+        depth: f64,
+    },
+    /// The path of contact is empty or not finite.
+    #[error("path of contact runs from {start} m to {end} m; the end must lie beyond the start")]
+    Path {
+        /// Start (m).
+        start: f64,
+        /// End (m).
+        end: f64,
+    },
+    /// ISO 6336 gives no positive stiffness for these teeth.
+    #[error(
+        "ISO 6336-1 gives the tooth flexibility q' = {q:.4} mm um/N for these teeth; outside its range, use another stiffness"
+    )]
+    IsoRange {
+        /// The flexibility (mm um/N).
+        q: f64,
+    },
+    /// The foundation fit of Sainsot and Velex gives a negative compliance.
+    #[error(
+        "Sainsot-Velex foundation of gear {gear} is {value:.3e} m/N, far outside its fit (theta_f = {theta_f:.4} rad, h = {ratio:.3}); use another foundation"
+    )]
+    FoundationRange {
+        /// Gear number, 1 or 2.
+        gear: usize,
+        /// Compliance found (m/N).
+        value: f64,
+        /// Half angle of the tooth at the root circle (rad).
+        theta_f: f64,
+        /// Root over bore radius.
+        ratio: f64,
+    },
+}
+
+/// What a user should know about a stiffness that was built all the same.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum StiffnessWarning {
+    /// ISO 6336-1 is fitted for `x1 >= x2` (1: pinion).
+    IsoShiftOrder {
+        /// Profile shift coefficients of pinion and wheel.
+        x: [f64; 2],
+    },
+    /// ISO 6336-1 is fitted for `-0.5 <= x1 + x2 <= 2`.
+    IsoShiftSum {
+        /// The sum found.
+        sum: f64,
+    },
+    /// ISO 6336-1 gives the mean mesh stiffness for transverse contact ratios of 1.2 and above.
+    IsoContactRatio {
+        /// The transverse contact ratio found.
+        value: f64,
+    },
+    /// A coefficient of the Sainsot-Velex fit is outside the range it was fitted in.
+    FoundationFit {
+        /// Gear number, 1 or 2.
+        gear: usize,
+        /// `L*`, `M*`, `P*` or `Q*`.
+        coefficient: &'static str,
+        /// Value found.
+        value: f64,
+        /// Range of the fit.
+        range: [f64; 2],
+    },
+    /// The root to bore ratio was held at the end of the Sainsot-Velex fit.
+    FoundationRatioHeld {
+        /// Gear number, 1 or 2.
+        gear: usize,
+        /// Root over bore radius (infinite for a solid gear).
+        ratio: f64,
+        /// Ratio used.
+        used: f64,
+    },
+    /// The Sainsot-Velex fit holds for Poisson's ratio 0.3.
+    FoundationPoisson {
+        /// Gear number, 1 or 2.
+        gear: usize,
+        /// Poisson's ratio given.
+        poisson: f64,
+    },
+    /// A rack has no ring foundation.
+    RackFoundationOmitted,
+    /// A table does not cover the path of contact and is held constant beyond its ends.
+    TableShort {
+        /// Range of the table (m).
+        table: [f64; 2],
+        /// Path of contact (m).
+        path: [f64; 2],
+    },
+    /// The period of a periodic table differs from the base pitch.
+    TablePeriod {
+        /// Period of the table (m).
+        period: f64,
+        /// Base pitch (m).
+        base_pitch: f64,
+    },
+}
+
+impl fmt::Display for StiffnessWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::IsoShiftOrder { x } => write!(
+                f,
+                "ISO 6336-1 stiffness is fitted for x1 >= x2; pinion {}, wheel {}",
+                x[0], x[1]
+            ),
+            Self::IsoShiftSum { sum } => write!(
+                f,
+                "ISO 6336-1 stiffness is fitted for -0.5 <= x1 + x2 <= 2; the sum is {sum}"
+            ),
+            Self::IsoContactRatio { value } => write!(
+                f,
+                "ISO 6336-1 mesh stiffness holds for a transverse contact ratio of 1.2 and above; it is {value:.3}"
+            ),
+            Self::FoundationFit {
+                gear,
+                coefficient,
+                value,
+                range,
+            } => write!(
+                f,
+                "Sainsot-Velex foundation of gear {gear}: {coefficient} = {value:.3} lies outside the fit [{}, {}]",
+                range[0], range[1]
+            ),
+            Self::FoundationRatioHeld { gear, ratio, used } => write!(
+                f,
+                "Sainsot-Velex foundation of gear {gear}: root/bore radius {ratio:.3} lies beyond the fit, {used} is used"
+            ),
+            Self::FoundationPoisson { gear, poisson } => write!(
+                f,
+                "Sainsot-Velex foundation of gear {gear} is fitted for Poisson's ratio 0.3, given {poisson}"
+            ),
+            Self::RackFoundationOmitted => write!(
+                f,
+                "the Sainsot-Velex foundation is that of a ring: the rack's foundation is left out"
+            ),
+            Self::TableShort { table, path } => write!(
+                f,
+                "stiffness table covers s = [{:.6e}, {:.6e}] m, the path of contact is [{:.6e}, {:.6e}] m: held constant beyond its ends",
+                table[0], table[1], path[0], path[1]
+            ),
+            Self::TablePeriod { period, base_pitch } => write!(
+                f,
+                "periodic stiffness table has the period {period:.6e} m, the base pitch is {base_pitch:.6e} m"
+            ),
+        }
+    }
+}
+
+/// Refuses a value that is not finite and positive.
+pub(super) fn positive(what: &'static str, value: f64) -> Result<f64, StiffnessError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(StiffnessError::NotPositive { what, value })
+    }
+}

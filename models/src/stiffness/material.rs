@@ -1,0 +1,54 @@
+//! Linear elastic isotropic material.
+
+use super::error::{StiffnessError, positive};
+
+/// Material of a gear or rack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus E (Pa).
+    pub young: f64,
+    /// Poisson's ratio nu (-).
+    pub poisson: f64,
+    /// Density (kg/m^3).
+    pub density: f64,
+}
+
+impl Material {
+    /// The steel of the stored finite-element reference data: E = 210 GPa, nu = 0.3, 7850 kg/m^3.
+    pub const STEEL: Material = Material {
+        young: 2.1e11,
+        poisson: 0.3,
+        density: 7850.0,
+    };
+
+    /// The steel of ISO 6336: as [`Material::STEEL`] with E = 206 GPa.
+    pub const STEEL_ISO: Material = Material {
+        young: 2.06e11,
+        ..Material::STEEL
+    };
+
+    /// Checks all three values.
+    ///
+    /// # Errors
+    /// [`StiffnessError`] names the value out of range.
+    pub fn check(&self) -> Result<(), StiffnessError> {
+        positive("Young's modulus [Pa]", self.young)?;
+        positive("density [kg/m^3]", self.density)?;
+        if !(0.0..0.5).contains(&self.poisson) {
+            return Err(StiffnessError::Poisson {
+                value: self.poisson,
+            });
+        }
+        Ok(())
+    }
+
+    /// Shear modulus G (Pa).
+    pub fn shear_modulus(&self) -> f64 {
+        self.young / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// Plane-strain modulus `E / (1 - nu^2)` (Pa).
+    pub fn plane_strain(&self) -> f64 {
+        self.young / (1.0 - self.poisson * self.poisson)
+    }
+}

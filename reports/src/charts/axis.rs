@@ -1,0 +1,244 @@
+//! Axes: ranges, ticks at 1-2-5 steps or decades, and the frame of a plot.
+
+use super::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type};
+use crate::numbers::short;
+
+/// Font size of tick labels.
+pub const TICK_SIZE: f64 = 12.5;
+/// Font size of axis names and legends.
+pub const NAME_SIZE: f64 = 13.5;
+
+/// One axis: a range, linear or logarithmic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Lower end.
+    pub min: f64,
+    /// Upper end.
+    pub max: f64,
+    /// Logarithmic.
+    pub log: bool,
+}
+
+impl Axis {
+    /// A linear axis over exactly this range; an empty or broken range is widened.
+    pub fn linear(min: f64, max: f64) -> Self {
+        let (min, max) = if min.is_finite() && max.is_finite() {
+            (min.min(max), min.max(max))
+        } else {
+            (0.0, 1.0)
+        };
+        let least = 1e-9 * min.abs().max(max.abs()).max(1e-300);
+        let (min, max) = if max - min > least {
+            (min, max)
+        } else if min == 0.0 {
+            (0.0, 1.0)
+        } else {
+            (min - 0.05 * min.abs(), max + 0.05 * max.abs())
+        };
+        Self {
+            min,
+            max,
+            log: false,
+        }
+    }
+
+    /// A linear axis with the part `margin` of the range added at both ends.
+    pub fn padded(min: f64, max: f64, margin: f64) -> Self {
+        let axis = Self::linear(min, max);
+        let pad = margin * (axis.max - axis.min);
+        Self::linear(axis.min - pad, axis.max + pad)
+    }
+
+    /// A linear axis from zero to a little more than `max`.
+    pub fn from_zero(max: f64) -> Self {
+        Self::linear(0.0, if max > 0.0 { 1.08 * max } else { 1.0 })
+    }
+
+    /// A logarithmic axis around positive values, a fifth of a decade wider at both ends.
+    pub fn logarithmic(min: f64, max: f64) -> Self {
+        if !(min > 0.0 && max.is_finite()) {
+            return Self::linear(0.0, 1.0);
+        }
+        Self {
+            min: 10f64.powf(min.log10() - 0.2),
+            max: 10f64.powf(max.max(min).log10() + 0.2),
+            log: true,
+        }
+    }
+
+    /// Place in 0 .. 1 from the lower to the upper end.
+    pub fn place(&self, x: f64) -> f64 {
+        if self.log {
+            (x.max(1e-300) / self.min).log10() / (self.max / self.min).log10()
+        } else {
+            (x - self.min) / (self.max - self.min)
+        }
+    }
+
+    /// Main ticks, at most about `most`.
+    pub fn ticks(&self, most: usize) -> Vec<f64> {
+        if self.log {
+            let (low, high) = (self.min.log10(), self.max.log10());
+            let mantissas: &[f64] = if high - low < 2.2 {
+                &[1.0, 2.0, 5.0]
+            } else {
+                &[1.0]
+            };
+            let every = (((high - low) / most.max(1) as f64).ceil() as i32).max(1);
+            return ((low.floor() as i32)..=(high.ceil() as i32))
+                .filter(|e| e % every == 0)
+                .flat_map(|e| mantissas.iter().map(move |m| m * 10f64.powi(e)))
+                .filter(|x| *x >= self.min * (1.0 - 1e-9) && *x <= self.max * (1.0 + 1e-9))
+                .collect();
+        }
+        let range = self.max - self.min;
+        let mut step = nice_step(range / most.max(1) as f64);
+        if range / step < 2.5 {
+            step = nice_step(0.45 * step);
+        }
+        let (first, last) = (
+            (self.min / step - 1e-6).ceil(),
+            (self.max / step + 1e-6).floor(),
+        );
+        if !(first.is_finite() && last - first < 1000.0) {
+            return Vec::new();
+        }
+        (0..=(last - first).max(0.0) as usize)
+            .map(|i| (first + i as f64) * step)
+            .collect()
+    }
+}
+
+/// The least of 1, 2, 5 times a power of ten that is not below `x`.
+pub fn nice_step(x: f64) -> f64 {
+    if !(x.is_finite() && x > 0.0) {
+        return 1.0;
+    }
+    let power = 10f64.powf(x.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|m| m * power)
+        .find(|s| *s >= x * (1.0 - 1e-9))
+        .unwrap_or(10.0 * power)
+}
+
+/// Text of a tick; neighbours decide how many digits it takes.
+pub fn tick_label(x: f64, ticks: &[f64], log: bool) -> String {
+    if log {
+        return short(x, 2);
+    }
+    let step = ticks.windows(2).map(|w| w[1] - w[0]).next().unwrap_or(x);
+    if x.abs() < 1e-6 * step.abs() {
+        return "0".into();
+    }
+    let decimals = (-step.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    if x.abs() >= 1e6 {
+        short(x, 4)
+    } else {
+        format!("{x:.decimals$}").replace('-', "\u{2212}")
+    }
+}
+
+/// A plot on the page with its two axes.
+pub struct Frame {
+    /// Where it lies on the page.
+    pub area: Rect,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+}
+
+impl Frame {
+    /// The point on the page of a point in data.
+    pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        (
+            self.area.x0 + self.x.place(x) * self.area.width(),
+            self.area.y1 - self.y.place(y) * self.area.height(),
+        )
+    }
+
+    /// Grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
+    pub fn paint(&self, c: &mut Canvas<'_>, x_name: &str, y_name: &str, x_labels: bool) {
+        let r = &self.area;
+        let grid = Stroke::new(Ink::GRID, 0.8);
+        let small = |anchor| Type::new(TICK_SIZE, anchor).ink(Ink::GREY);
+        let ticks = self.x.ticks((r.width() / 85.0) as usize);
+        for &t in &ticks {
+            let (x, _) = self.at(t, self.y.min);
+            c.line(&[(x, r.y0), (x, r.y1)], grid);
+            if x_labels {
+                c.text(
+                    &tick_label(t, &ticks, self.x.log),
+                    (x, r.y1 + 12.0),
+                    small(Anchor::Middle),
+                );
+            }
+        }
+        let ticks = self.y.ticks((r.height() / 38.0).max(3.0) as usize);
+        for &t in &ticks {
+            let (_, y) = self.at(self.x.min, t);
+            c.line(&[(r.x0, y), (r.x1, y)], grid);
+            c.text(
+                &tick_label(t, &ticks, self.y.log),
+                (r.x0 - 7.0, y),
+                small(Anchor::End),
+            );
+        }
+        if !self.y.log && self.y.min < 0.0 && self.y.max > 0.0 {
+            let (_, y) = self.at(self.x.min, 0.0);
+            c.line(&[(r.x0, y), (r.x1, y)], Stroke::new(Ink::PALE, 1.0));
+        }
+        c.frame(r, Stroke::new(Ink::PALE, 1.0));
+        if x_labels {
+            let middle = 0.5 * (r.x0 + r.x1);
+            c.text(
+                x_name,
+                (middle, r.y1 + 30.0),
+                Type::new(NAME_SIZE, Anchor::Middle),
+            );
+        }
+        let middle = 0.5 * (r.y0 + r.y1);
+        c.text(
+            y_name,
+            (14.0, middle),
+            Type::new(NAME_SIZE, Anchor::Middle).upwards(),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let a = Axis::linear(-0.31, 1.02);
+        assert_eq!(a.ticks(7).len(), 7);
+        let labels: Vec<String> = (a.ticks(7).iter())
+            .map(|t| tick_label(*t, &a.ticks(7), false))
+            .collect();
+        assert_eq!(labels[1], "0");
+        assert_eq!(labels[6], "1.0");
+        let l = Axis::logarithmic(2e-4, 3e-1);
+        assert_eq!(l.ticks(8), [1e-3, 1e-2, 1e-1]);
+        assert!((l.place(l.min)).abs() < 1e-12 && (l.place(l.max) - 1.0).abs() < 1e-12);
+        assert_eq!(nice_step(0.031), 0.05);
+    }
+
+    #[test]
+    fn broken_ranges_give_an_axis() {
+        for (a, b) in [
+            (0.0, 0.0),
+            (f64::NAN, 1.0),
+            (3.0, 3.0),
+            (f64::NEG_INFINITY, 0.0),
+            (1e300, -1e300),
+        ] {
+            let axis = Axis::linear(a, b);
+            assert!(axis.max > axis.min);
+            let _ = axis.ticks(5);
+        }
+        assert!(!Axis::logarithmic(0.0, 1.0).log);
+    }
+}

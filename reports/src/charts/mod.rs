@@ -1,0 +1,52 @@
+//! Charts as self-contained SVG documents, each a pure function of a record.
+//!
+//! Every model has one colour, dash pattern and marker in all charts ([`style`]); a reference is the
+//! thick dark line. Axes carry units; long histories are decimated so that peaks stay.
+
+mod axis;
+mod canvas;
+mod cost;
+mod histories;
+mod lines;
+mod mesh;
+mod style;
+
+pub use canvas::DrawError;
+
+use crate::record::Results;
+use crate::view::View;
+
+/// One chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// File name.
+    pub file: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// How to read it, in plain text.
+    pub caption: String,
+    /// The SVG document.
+    pub svg: String,
+}
+
+/// The charts a record has data for, in the order of the report.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
+    let view = View::new(results);
+    let all = [
+        histories::force(&view)?,
+        histories::speeds(&view)?,
+        mesh::mesh(&view)?,
+        cost::runtime(&view)?,
+        cost::accuracy(&view)?,
+    ];
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// The colour of a model, for HTML.
+pub(crate) fn swatch(style: usize) -> String {
+    let canvas::Ink(r, g, b, _) = style::look(style).ink;
+    format!("#{r:02x}{g:02x}{b:02x}")
+}

@@ -1,0 +1,83 @@
+//! What a record must satisfy to be saved, and the form in which it is saved.
+
+use crate::record::{ContactSnapshot, Results, SCHEMA};
+use crate::series::TimeSeries;
+
+impl Results {
+    /// Checks the rules that the types do not enforce.
+    ///
+    /// # Errors
+    /// A sentence that names the run or reference and the rule.
+    pub fn validate(&self) -> Result<(), String> {
+        if self.schema != SCHEMA {
+            return Err(format!("schema is {}, must be {SCHEMA}", self.schema));
+        }
+        for reference in &self.references {
+            (reference.series.validate())
+                .map_err(|e| format!("reference {}: {e}", reference.id))?;
+        }
+        for (i, run) in self.runs.iter().enumerate() {
+            let name = || format!("run {} ({}, {})", i + 1, run.model_label(), run.integrator);
+            if run.model.is_empty() || run.integrator.is_empty() {
+                return Err(format!("run {} lacks model or integrator", i + 1));
+            }
+            if let Some(series) = &run.series {
+                series.validate().map_err(|e| format!("{}: {e}", name()))?;
+            }
+            for (k, m) in run.metrics.iter().enumerate() {
+                if run.metrics[..k].iter().any(|o| o.against == m.against) {
+                    return Err(format!("{}: two metrics against {}", name(), m.against));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The record as it is saved: histories end before their first number that is not finite and
+    /// keep ten significant digits; points that are not finite are gone from the pictures.
+    #[must_use]
+    pub fn sanitised(&self) -> Self {
+        let mut clean = self.clone();
+        clean.tolerance = clean.tolerance.filter(|t| t.limit.is_finite());
+        for reference in &mut clean.references {
+            reference.series = ten_digits(&reference.series);
+        }
+        for run in &mut clean.runs {
+            run.wall_spread_s = (run.wall_spread_s).filter(|s| s.iter().all(|x| x.is_finite()));
+            run.series = run.series.as_ref().map(ten_digits);
+            run.contacts = run.contacts.take().and_then(finite_picture);
+        }
+        clean
+    }
+}
+
+fn ten_digits(series: &TimeSeries) -> TimeSeries {
+    let mut s = series.finite_prefix();
+    let standard = [
+        &mut s.time_s,
+        &mut s.contact_force_n,
+        &mut s.omega1_rad_s,
+        &mut s.omega2_rad_s,
+    ];
+    let further = s.columns.iter_mut().map(|c| &mut c.values);
+    for column in standard.into_iter().chain(further) {
+        for x in column.iter_mut() {
+            *x = format!("{x:.9e}").parse().unwrap_or(*x);
+        }
+    }
+    s
+}
+
+fn finite_picture(mut picture: ContactSnapshot) -> Option<ContactSnapshot> {
+    let finite = |p: &[f64; 2]| p[0].is_finite() && p[1].is_finite();
+    for outline in &mut picture.outlines {
+        outline.points.retain(finite);
+    }
+    picture
+        .contacts
+        .retain(|c| finite(&c.point) && finite(&c.force));
+    picture.line_of_action = picture
+        .line_of_action
+        .filter(|l| finite(&l[0]) && finite(&l[1]));
+    picture.time_s.is_finite().then_some(picture)
+}

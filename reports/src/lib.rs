@@ -1,0 +1,25 @@
+//! Result records, metrics, charts and the report of gearbench.
+//!
+//! A report is a pure function of saved data: `results.json` ([`record`]) holds everything that the
+//! comparison ([`metrics`]), the charts and the page need, so it can be drawn again at any time.
+//! This crate knows neither models nor integrators; its tables iterate the records.
+
+pub mod charts;
+mod checks;
+mod html;
+pub mod metrics;
+mod numbers;
+mod picture;
+pub mod record;
+pub mod series;
+pub mod store;
+mod view;
+
+pub use charts::{Chart, charts};
+pub use metrics::{CompareOptions, compare, compare_with};
+pub use record::{
+    ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,
+    Run, SCHEMA, Status, Tolerance, finite,
+};
+pub use series::{Column, TimeSeries, decimate};
+pub use store::{ReportError, load_results, report_from, write_results};

@@ -1,0 +1,173 @@
+//! Numbers as people read them: significant digits, SI prefixes, grouped counts.
+
+/// What stands where there is no number.
+pub const ABSENT: &str = "\u{2013}";
+
+/// `x` to `digits` significant digits; powers of ten outside 1e-4 .. 1e6. Absent if not finite.
+pub fn significant(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return ABSENT.into();
+    }
+    if x == 0.0 {
+        return "0".into();
+    }
+    let digits = digits.max(1);
+    // Through the exponent form, so that 9.996 to three digits becomes 10.0 and not 10.00.
+    let scientific = format!("{:.*e}", digits - 1, x);
+    let (mantissa, exponent) = match scientific.split_once('e') {
+        Some((m, e)) => (m, e.parse::<i32>().unwrap_or(0)),
+        None => return scientific,
+    };
+    let text = if !(-4..6).contains(&exponent) {
+        format!("{mantissa}e{exponent}")
+    } else {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        let rounded: f64 = scientific.parse().unwrap_or(x);
+        format!("{rounded:.decimals$}")
+    };
+    minus(text)
+}
+
+/// `x` with a power of ten, whatever its size.
+pub fn power(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        ABSENT.into()
+    } else if x == 0.0 {
+        "0".into()
+    } else {
+        minus(format!("{:.*e}", digits.max(1) - 1, x))
+    }
+}
+
+/// As [`significant`], without trailing zeros: for labels and prose.
+pub fn short(x: f64, digits: usize) -> String {
+    let text = significant(x, digits);
+    let (mantissa, exponent) = text
+        .split_once('e')
+        .map_or((&*text, None), |(m, e)| (m, Some(e)));
+    let mantissa = if mantissa.contains('.') {
+        mantissa.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        mantissa
+    };
+    match exponent {
+        Some(e) => format!("{mantissa}e{e}"),
+        None => mantissa.to_owned(),
+    }
+}
+
+/// A ratio in per cent, without the sign.
+pub fn percent(ratio: f64, digits: usize) -> String {
+    significant(100.0 * ratio, digits)
+}
+
+/// A count in groups of three.
+pub fn count(n: u64) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            out.push('\u{202f}');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// A factor and the prefix that goes with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prefix {
+    /// Multiply SI values with this.
+    pub factor: f64,
+    /// Put this before the unit.
+    pub symbol: &'static str,
+}
+
+impl Prefix {
+    /// The prefix under which a magnitude reads as 1 .. 1000. `small_from` moves the boundary: 20
+    /// keeps 15 000 N as `15000` and calls 25 000 N `25 kN`.
+    pub fn of(magnitude: f64, small_from: f64) -> Self {
+        const TABLE: [(f64, &str); 8] = [
+            (1e-9, "n"),
+            (1e-6, "\u{b5}"),
+            (1e-3, "m"),
+            (1.0, ""),
+            (1e3, "k"),
+            (1e6, "M"),
+            (1e9, "G"),
+            (1e12, "T"),
+        ];
+        let magnitude = magnitude.abs();
+        let mut best = (1.0, "");
+        if magnitude.is_finite() && magnitude > 0.0 {
+            best = TABLE[0];
+            for entry in TABLE {
+                if magnitude >= small_from * entry.0 * (1.0 - 1e-9) {
+                    best = entry;
+                }
+            }
+        }
+        Self {
+            factor: 1.0 / best.0,
+            symbol: best.1,
+        }
+    }
+}
+
+/// A quantity with prefix and unit, such as `1.23 ms`.
+pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
+    if !x.is_finite() {
+        return ABSENT.into();
+    }
+    if x == 0.0 {
+        return format!("0\u{a0}{unit}");
+    }
+    let p = Prefix::of(x, 1.0);
+    format!(
+        "{}\u{a0}{}{unit}",
+        significant(x * p.factor, digits),
+        p.symbol
+    )
+}
+
+/// The true minus sign, also in the exponent.
+fn minus(text: String) -> String {
+    text.replace('-', "\u{2212}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn significant_digits() {
+        for (x, digits, expected) in [
+            (0.0, 3, "0"),
+            (9.996, 3, "10.0"),
+            (0.048_61, 3, "0.0486"),
+            (1234.5, 3, "1230"),
+            (123_456.0, 4, "123500"),
+            (2.5e7, 3, "2.50e7"),
+            (-1.0e-9, 2, "\u{2212}1.0e\u{2212}9"),
+            (f64::NAN, 3, ABSENT),
+            (f64::INFINITY, 3, ABSENT),
+        ] {
+            assert_eq!(significant(x, digits), expected);
+        }
+        assert_eq!(short(5.0, 3), "5");
+        assert_eq!(short(100.0, 3), "100");
+        assert_eq!(short(2.50e7, 3), "2.5e7");
+        assert_eq!(percent(0.0486, 3), "4.86");
+        assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
+    }
+
+    #[test]
+    fn prefixes() {
+        assert_eq!(quantity(1.234e-3, "s", 3), "1.23\u{a0}ms");
+        assert_eq!(quantity(1e-6, "s", 3), "1.00\u{a0}\u{b5}s");
+        assert_eq!(quantity(0.0, "s", 3), "0\u{a0}s");
+        assert_eq!(Prefix::of(2.7e4, 20.0).symbol, "k");
+        assert_eq!(Prefix::of(3.7e3, 20.0).symbol, "");
+        assert_eq!(Prefix::of(0.0, 1.0).symbol, "");
+    }
+}

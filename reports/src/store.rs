@@ -1,0 +1,253 @@
+//! Files of a study: `results.json`, CSV per history, charts and the page.
+//!
+//! Everything but `results.json` is drawn from the text of `results.json`, also when it was just
+//! made, so that [`report_from`] gives the same bytes at any later time. A file is written whole or
+//! not at all: all go to a staging folder first and are renamed into place.
+
+use crate::charts::{DrawError, charts};
+use crate::html::page;
+use crate::record::{Results, Run, SCHEMA, slug};
+use crate::series::TimeSeries;
+use serde::Serialize;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Name of the record in a study's folder.
+pub const RECORD: &str = "results.json";
+/// Name of the page in a study's folder.
+pub const PAGE: &str = "index.html";
+
+/// A report could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A file or folder refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// Reason.
+        source: io::Error,
+    },
+    /// A record is not what this version reads.
+    #[error("{}: {reason}", path.display())]
+    Record {
+        /// The record.
+        path: PathBuf,
+        /// Reason, with line and column where there is one.
+        reason: String,
+    },
+    /// A chart could not be drawn.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+}
+
+/// Writes all files of a study into a folder, made if missing, and returns the path of the page.
+///
+/// Files of an earlier study in the same folder are replaced, and removed when they have no
+/// successor; other files are left alone.
+///
+/// # Errors
+/// [`ReportError`] when a file cannot be written or the record breaks its own rules.
+pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportError> {
+    let path = dir.join(RECORD);
+    results.validate().map_err(|reason| ReportError::Record {
+        path: path.clone(),
+        reason,
+    })?;
+    let text = to_json(&results.sanitised()).map_err(|e| ReportError::Record {
+        path: path.clone(),
+        reason: e.to_string(),
+    })?;
+    let saved = parse(&text, &path)?;
+    let mut files = vec![(RECORD.to_owned(), text)];
+    files.extend(render(&saved)?);
+    let stale = match fs::read_to_string(&path) {
+        Ok(old) => parse(&old, &path).map_or(Vec::new(), |old| file_names(&old)),
+        Err(_) => Vec::new(),
+    };
+    put(dir, &files)?;
+    for name in stale {
+        if !files.iter().any(|(new, _)| *new == name) {
+            // A file that is gone already is what is wanted.
+            let _ = fs::remove_file(dir.join(name));
+        }
+    }
+    Ok(dir.join(PAGE))
+}
+
+/// Draws charts, CSV and page of a folder again from its `results.json` alone.
+///
+/// # Errors
+/// [`ReportError`] when the record cannot be read or a file cannot be written.
+pub fn report_from(dir: &Path) -> Result<PathBuf, ReportError> {
+    let results = load_results(dir)?;
+    put(dir, &render(&results)?)?;
+    Ok(dir.join(PAGE))
+}
+
+/// Reads the record of a folder, or the record at a path that ends in `.json`.
+///
+/// # Errors
+/// [`ReportError`] with line and column when it is not a record of a schema this version reads.
+pub fn load_results(path: &Path) -> Result<Results, ReportError> {
+    let file = if path.extension().is_some_and(|e| e == "json") {
+        path.to_owned()
+    } else {
+        path.join(RECORD)
+    };
+    let text = fs::read_to_string(&file).map_err(|source| ReportError::Io {
+        path: file.clone(),
+        source,
+    })?;
+    parse(&text, &file)
+}
+
+fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
+    #[derive(serde::Deserialize)]
+    struct Version {
+        schema: u32,
+    }
+    let refuse = |reason: String| ReportError::Record {
+        path: path.to_owned(),
+        reason,
+    };
+    // The schema first: a record of another one may not parse at all.
+    let version: Version = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+    if version.schema != SCHEMA {
+        return Err(refuse(format!(
+            "the record has schema {}, this version reads schema {SCHEMA}",
+            version.schema
+        )));
+    }
+    let results: Results = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+    results.validate().map_err(refuse)?;
+    Ok(results)
+}
+
+fn render(results: &Results) -> Result<Vec<(String, String)>, ReportError> {
+    let charts = charts(results)?;
+    let mut files: Vec<(String, String)> = histories(results)
+        .map(|(name, series)| (name, series_csv(series)))
+        .collect();
+    files.extend(charts.iter().map(|c| (c.file.to_owned(), c.svg.clone())));
+    files.push((PAGE.to_owned(), page(results, &charts)));
+    Ok(files)
+}
+
+fn histories(results: &Results) -> impl Iterator<Item = (String, &TimeSeries)> {
+    let references = results.references.iter().enumerate().map(|(i, r)| {
+        let name = format!("reference{:02}-{}.csv", i + 1, slug(&r.id));
+        (name, &r.series)
+    });
+    let runs = results
+        .runs
+        .iter()
+        .enumerate()
+        .filter_map(|(i, r): (_, &Run)| {
+            let series = r.series.as_ref()?;
+            Some((format!("{}.csv", r.file_stem(i)), series))
+        });
+    references.chain(runs)
+}
+
+/// Names of all files a record makes, charts by their fixed names.
+fn file_names(results: &Results) -> Vec<String> {
+    let charts = ["force", "speeds", "mesh", "runtime", "accuracy"];
+    histories(results)
+        .map(|(name, _)| name)
+        .chain(charts.iter().map(|c| format!("{c}.svg")))
+        .collect()
+}
+
+fn series_csv(series: &TimeSeries) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header: Vec<&str> = std::iter::once("time_s")
+        .chain(series.named_columns().map(|(name, _)| name))
+        .collect();
+    // Writing to memory cannot fail; a refused row would be one of unequal length.
+    let _ = writer.write_record(header);
+    for (i, t) in series.time_s.iter().enumerate() {
+        let row: Vec<String> = std::iter::once(t)
+            .chain(series.named_columns().filter_map(|(_, c)| c.get(i)))
+            .map(|x| format!("{x:.9e}"))
+            .collect();
+        let _ = writer.write_record(row);
+    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
+}
+
+/// Writes files to a staging folder and renames them into place, the page last.
+fn put(dir: &Path, files: &[(String, String)]) -> Result<(), ReportError> {
+    let io = |path: &Path| {
+        let path = path.to_owned();
+        move |source| ReportError::Io { path, source }
+    };
+    fs::create_dir_all(dir).map_err(io(dir))?;
+    let staging = dir.join(format!(".staging-{}", std::process::id()));
+    fs::create_dir_all(&staging).map_err(io(&staging))?;
+    let work = || {
+        for (name, text) in files {
+            let path = staging.join(name);
+            fs::write(&path, text).map_err(io(&path))?;
+        }
+        for (name, _) in files {
+            let path = dir.join(name);
+            fs::rename(staging.join(name), &path).map_err(io(&path))?;
+        }
+        Ok(())
+    };
+    let result = work();
+    // Left-overs of a failure are no result; that they cannot be removed is not the reader's news.
+    let _ = fs::remove_dir_all(&staging);
+    result
+}
+
+/// JSON with objects on lines and arrays of numbers in one line.
+fn to_json(results: &Results) -> serde_json::Result<String> {
+    let mut bytes = Vec::new();
+    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Layout { depth: 0 });
+    results.serialize(&mut serializer)?;
+    bytes.push(b'\n');
+    Ok(String::from_utf8(bytes).unwrap_or_default())
+}
+
+struct Layout {
+    depth: usize,
+}
+
+impl Layout {
+    fn line<W: ?Sized + io::Write>(&self, out: &mut W) -> io::Result<()> {
+        out.write_all(b"\n")?;
+        for _ in 0..self.depth {
+            out.write_all(b" ")?;
+        }
+        Ok(())
+    }
+}
+
+impl serde_json::ser::Formatter for Layout {
+    fn begin_object<W: ?Sized + io::Write>(&mut self, out: &mut W) -> io::Result<()> {
+        self.depth += 1;
+        out.write_all(b"{")
+    }
+    fn end_object<W: ?Sized + io::Write>(&mut self, out: &mut W) -> io::Result<()> {
+        self.depth -= 1;
+        self.line(out)?;
+        out.write_all(b"}")
+    }
+    fn begin_object_key<W: ?Sized + io::Write>(
+        &mut self,
+        out: &mut W,
+        first: bool,
+    ) -> io::Result<()> {
+        if !first {
+            out.write_all(b",")?;
+        }
+        self.line(out)
+    }
+    fn begin_object_value<W: ?Sized + io::Write>(&mut self, out: &mut W) -> io::Result<()> {
+        out.write_all(b": ")
+    }
+}

@@ -1,0 +1,167 @@
+//! What charts and page both ask of a record: models in order, their best runs, the reference.
+
+use crate::record::{ReferenceSeries, Results, Run, Status};
+
+/// The runs of one model variant.
+pub struct Group<'a> {
+    /// Model and variant.
+    pub label: String,
+    /// Place in the order of appearance: decides colour, dash and marker everywhere.
+    pub style: usize,
+    /// Runs with their index in the record.
+    pub runs: Vec<(usize, &'a Run)>,
+}
+
+/// A record seen by the report.
+pub struct View<'a> {
+    /// The record.
+    pub results: &'a Results,
+    /// Models in order of appearance.
+    pub groups: Vec<Group<'a>>,
+    /// Id of the reference that errors refer to.
+    pub against: Option<String>,
+    /// Key of the error metric.
+    pub metric: String,
+}
+
+impl<'a> View<'a> {
+    /// Sorts a record for the report.
+    pub fn new(results: &'a Results) -> Self {
+        let mut groups: Vec<Group<'a>> = Vec::new();
+        for (index, run) in results.runs.iter().enumerate() {
+            let label = run.model_label();
+            match groups.iter_mut().find(|g| g.label == label) {
+                Some(group) => group.runs.push((index, run)),
+                None => groups.push(Group {
+                    label,
+                    style: groups.len(),
+                    runs: vec![(index, run)],
+                }),
+            }
+        }
+        let compared = |id: &str| results.runs.iter().any(|r| r.against(id).is_some());
+        let against = (results.tolerance.iter().map(|t| &t.against))
+            .chain(results.references.iter().map(|r| &r.id))
+            .find(|id| compared(id))
+            .or_else(|| {
+                let mut metrics = results.runs.iter().flat_map(|r| &r.metrics);
+                metrics.next().map(|m| &m.against)
+            })
+            .cloned();
+        let metric = match &results.tolerance {
+            Some(t) => t.metric.clone(),
+            None => "force_l2_aligned".into(),
+        };
+        Self {
+            results,
+            groups,
+            against,
+            metric,
+        }
+    }
+
+    /// The reference drawn as the dark line.
+    pub fn reference(&self) -> Option<&'a ReferenceSeries> {
+        let all = &self.results.references;
+        let id = self.against.as_deref();
+        all.iter()
+            .find(|r| Some(r.id.as_str()) == id)
+            .or(all.first())
+            .filter(|r| !r.series.is_empty())
+    }
+
+    /// Name of a reference for prose and legends.
+    pub fn reference_name(&self, id: &str) -> String {
+        if id == "self" {
+            return "the model's own converged solution".into();
+        }
+        match self.results.references.iter().find(|r| r.id == id) {
+            Some(r) if !r.title.is_empty() => r.title.clone(),
+            _ => id.to_owned(),
+        }
+    }
+
+    /// The error of a run, as a magnitude.
+    pub fn error(&self, run: &Run) -> Option<f64> {
+        let metrics = run.against(self.against.as_deref()?)?;
+        metrics
+            .get(&self.metric)
+            .filter(|e| e.is_finite())
+            .map(f64::abs)
+    }
+
+    /// Whether a run ended well and its error, if one is asked for, is within the tolerance.
+    pub fn adequate(&self, run: &Run) -> bool {
+        run.status == Status::Converged
+            && match &self.results.tolerance {
+                Some(t) => self.error(run).is_some_and(|e| e <= t.limit),
+                None => true,
+            }
+    }
+
+    /// The run that stands for its model: the least error among runs that did not fail, the
+    /// cheapest of equals (to one per cent of the error).
+    pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        let usable = || group.runs.iter().filter(|(_, r)| !r.status.is_failure());
+        let least = usable()
+            .filter_map(|(_, r)| self.error(r))
+            .min_by(f64::total_cmp);
+        match least {
+            Some(least) => usable()
+                .filter(|(_, r)| self.error(r).is_some_and(|e| e <= 1.01 * least))
+                .min_by(|a, b| a.1.wall_s.total_cmp(&b.1.wall_s)),
+            None => usable().min_by(|a, b| {
+                let drift = |r: &Run| r.ledger.residual_rel.map_or(f64::INFINITY, f64::abs);
+                drift(a.1).total_cmp(&drift(b.1))
+            }),
+        }
+    }
+
+    /// The run whose histories are drawn for a model: the best one with a series, failing that the
+    /// longest failed one.
+    pub fn drawn<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
+        let has = |r: &Run| r.series.as_ref().is_some_and(|s| s.len() > 1);
+        if let Some(best) = self.best(group).filter(|(_, r)| has(r)) {
+            return Some(best);
+        }
+        let mut candidates: Vec<_> = group.runs.iter().filter(|(_, r)| has(r)).collect();
+        candidates.sort_by(|a, b| {
+            let rank = |r: &Run| {
+                (
+                    r.status.is_failure(),
+                    self.error(r).unwrap_or(f64::INFINITY),
+                )
+            };
+            let (fa, ea) = rank(a.1);
+            let (fb, eb) = rank(b.1);
+            fa.cmp(&fb)
+                .then(ea.total_cmp(&eb))
+                .then(b.1.simulated_s.total_cmp(&a.1.simulated_s))
+        });
+        candidates.first().copied()
+    }
+}
+
+/// What a metric is called in prose.
+pub fn metric_name(key: &str) -> &str {
+    match key {
+        "force_l2" => "force-history error",
+        "force_l2_aligned" => "time-aligned force-history error",
+        "peak_force_rel" => "peak-force error",
+        "impulse_rel" => "impulse error",
+        "energy_drift_rel" => "energy drift",
+        "peak_force_n" => "peak force",
+        "impulse_ns" => "impulse",
+        "duration_s" => "contact duration",
+        other => other,
+    }
+}
+
+/// Step or tolerance of a run, for labels.
+pub fn resolution(run: &Run) -> String {
+    match (run.step, run.rtol) {
+        (Some(h), _) => format!("h = {}", crate::numbers::quantity(h, "s", 3)).replace(".00", ""),
+        (None, Some(r)) => format!("rtol {}", crate::numbers::short(r, 3)),
+        (None, None) => String::new(),
+    }
+}
