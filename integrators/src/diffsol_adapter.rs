@@ -85,7 +85,7 @@ struct Shared<'a> {
     /// Start of the current solver.
     start: RefCell<(Vec<f64>, Vec<f64>)>,
     evaluations: Cell<u64>,
-    /// Time and coordinate of the last force that was not finite, since it was last cleared.
+    /// Time and coordinate of the first force that was not finite since the step began.
     not_finite: Cell<Option<(f64, usize)>>,
 }
 
@@ -106,8 +106,9 @@ impl Shared<'_> {
         sys.force(at, a);
         sys.solve_mass(at, a);
         self.evaluations.set(self.evaluations.get() + 1);
-        if let Some(dof) = a.iter().position(|x| !x.is_finite()) {
-            self.not_finite.set(Some((t, dof)));
+        if self.not_finite.get().is_none() {
+            let dof = a.iter().position(|x| !x.is_finite());
+            self.not_finite.set(dof.map(|dof| (t, dof)));
         }
     }
 
@@ -472,7 +473,8 @@ impl Diffsol {
             copy(kernel.y(), &mut to.q, &mut to.v);
             to.t = if reached { stop } else { kernel.time() };
             if let Some(dof) = first_not_finite(to) {
-                return Err(StepError::NonFinite { t: to.t, dof }.into());
+                let (t, dof) = shared.not_finite.get().unwrap_or((to.t, dof));
+                return Err(StepError::NonFinite { t, dof }.into());
             }
 
             let mut located = false;

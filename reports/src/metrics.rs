@@ -23,7 +23,7 @@ pub const CONTACT_THRESHOLD: f64 = 1e-6;
 /// Choices of the comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompareOptions {
-    /// Greatest shift that is tried to either side [s]; by default twice the width at half height
+    /// Greatest shift that is tried to either side \[s\]; by default twice the width at half height
     /// of the reference's highest peak.
     pub max_shift_s: Option<f64>,
 }

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ContactSnapshot {
-    /// The instant, usually that of the peak force [s].
+    /// The instant, usually that of the peak force \[s\].
     pub time_s: f64,
     /// Flank outlines of the gears, already turned and placed.
     pub outlines: Vec<Outline>,
-    /// Ends of the line of action [m].
+    /// Ends of the line of action \[m\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_of_action: Option<[[f64; 2]; 2]>,
     /// Contacts that carry force.
@@ -23,7 +23,7 @@ pub struct ContactSnapshot {
 pub struct Outline {
     /// Name of the gear.
     pub gear: String,
-    /// Corner points; the last joins the first [m].
+    /// Corner points; the last joins the first \[m\].
     pub points: Vec<[f64; 2]>,
 }
 
@@ -31,9 +31,9 @@ pub struct Outline {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ContactPoint {
-    /// Where it is [m].
+    /// Where it is \[m\].
     pub point: [f64; 2],
-    /// Force on the second gear [N].
+    /// Force on the second gear \[N\].
     pub force: [f64; 2],
     /// The tooth pair, for example `1-20`.
     pub pair: String,

@@ -130,7 +130,7 @@ pub struct ReferenceSeries {
     /// Command that regenerates it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// Processor time it cost [s].
+    /// Processor time it cost \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub cpu_s: Option<f64>,
     /// The data.
@@ -229,7 +229,7 @@ pub struct Run {
     /// Whether the integrator is implicit.
     #[serde(default)]
     pub implicit: bool,
-    /// Fixed step [s].
+    /// Fixed step \[s\].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub step: Option<f64>,
     /// Relative tolerance of an adaptive method [-].
@@ -240,19 +240,19 @@ pub struct Run {
     /// Why it did not converge: when, and how much.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
-    /// Wall time, the median of the repeats [s].
+    /// Wall time, the median of the repeats \[s\].
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub wall_s: f64,
-    /// Shortest and longest wall time of the repeats [s].
+    /// Shortest and longest wall time of the repeats \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_spread_s: Option<[f64; 2]>,
     /// Number of timed repeats.
     #[serde(default)]
     pub repeats: u32,
-    /// Fixed cost before the first step: mesh, modes, factorisation [s].
+    /// Fixed cost before the first step: mesh, modes, factorisation \[s\].
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub setup_s: f64,
-    /// Simulated time reached [s].
+    /// Simulated time reached \[s\].
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub simulated_s: f64,
     /// Accepted steps.
@@ -347,10 +347,10 @@ pub struct Metrics {
     /// The same after the best shift in time [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2_aligned: Option<f64>,
-    /// That shift: add it to the run's time to meet the reference [s].
+    /// That shift: add it to the run's time to meet the reference \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub time_shift_s: Option<f64>,
-    /// Peak force of the run [N].
+    /// Peak force of the run \[N\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub peak_force_n: Option<f64>,
     /// Deviation of the peak from the reference, over the reference [-].
@@ -362,7 +362,7 @@ pub struct Metrics {
     /// Deviation of the impulse from the reference, over the reference [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub impulse_rel: Option<f64>,
-    /// Time in contact [s].
+    /// Time in contact \[s\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub duration_s: Option<f64>,
     /// Last angular velocity of gear 1 [rad/s].
@@ -403,31 +403,31 @@ impl Metrics {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Ledger {
-    /// Total energy at the start [J].
+    /// Total energy at the start \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub energy_start_j: Option<f64>,
-    /// Total energy at the end [J].
+    /// Total energy at the end \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub energy_end_j: Option<f64>,
-    /// Kinetic energy at the end [J].
+    /// Kinetic energy at the end \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub kinetic_j: Option<f64>,
-    /// Strain energy of bodies and tooth springs at the end [J].
+    /// Strain energy of bodies and tooth springs at the end \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub strain_j: Option<f64>,
-    /// Energy stored by the contact laws at the end [J].
+    /// Energy stored by the contact laws at the end \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub contact_j: Option<f64>,
-    /// Work of loads and drives [J].
+    /// Work of loads and drives \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub external_work_j: Option<f64>,
-    /// Energy taken out by damping and friction [J].
+    /// Energy taken out by damping and friction \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub dissipated_j: Option<f64>,
-    /// Work of stiffness that varies along the path of contact [J].
+    /// Work of stiffness that varies along the path of contact \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub parametric_work_j: Option<f64>,
-    /// What the balance leaves over: the integrator's doing [J].
+    /// What the balance leaves over: the integrator's doing \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_j: Option<f64>,
     /// The residual over the largest energy in the ledger [-].

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TimeSeries {
-    /// Time [s].
+    /// Time \[s\].
     pub time_s: Vec<f64>,
-    /// Contact force, the magnitude of the vector sum over the tooth pairs [N].
+    /// Contact force, the magnitude of the vector sum over the tooth pairs \[N\].
     pub contact_force_n: Vec<f64>,
     /// Angular velocity of gear 1 [rad/s].
     pub omega1_rad_s: Vec<f64>,

@@ -2,6 +2,9 @@
 
 use crate::record::{ReferenceSeries, Results, Run, Status};
 
+/// A relative error below this is rounding, not a result.
+pub const NOTHING: f64 = 1e-10;
+
 /// The runs of one model variant.
 pub struct Group<'a> {
     /// Model and variant.
@@ -100,7 +103,7 @@ impl<'a> View<'a> {
     }
 
     /// The run that stands for its model: the least error among runs that did not fail, the
-    /// cheapest of equals (to one per cent of the error).
+    /// cheapest of those that share its three leading digits.
     pub fn best<'g>(&self, group: &'g Group<'a>) -> Option<&'g (usize, &'a Run)> {
         let usable = || group.runs.iter().filter(|(_, r)| !r.status.is_failure());
         let least = usable()
@@ -108,7 +111,11 @@ impl<'a> View<'a> {
             .min_by(f64::total_cmp);
         match least {
             Some(least) => usable()
-                .filter(|(_, r)| self.error(r).is_some_and(|e| e <= 1.01 * least))
+                .filter(|(_, r)| {
+                    let shown = |e: f64| format!("{e:.2e}");
+                    self.error(r)
+                        .is_some_and(|e| shown(e) == shown(least) || e < NOTHING)
+                })
                 .min_by(|a, b| a.1.wall_s.total_cmp(&b.1.wall_s)),
             None => usable().min_by(|a, b| {
                 let drift = |r: &Run| r.ledger.residual_rel.map_or(f64::INFINITY, f64::abs);

@@ -210,9 +210,14 @@ impl OneStep for GeneralisedAlpha {
             work.factorisations += 1;
             let previous = size;
             size = 0.0;
+            let mut rounding = 0.0_f64;
             for i in 0..n {
                 let da = self.residual[i];
                 self.a1[i] += da;
+                // What one unit of rounding in the accelerations does to the coordinates: no correction
+                // can be smaller, and with omega h >> 1 that is above the tolerance.
+                let a = self.a1[i].abs() + self.b0[i].abs();
+                rounding = rounding.max(h * h * a / tolerance.q[i] + h * a / tolerance.v[i]);
                 let scaled = (c.k * da / tolerance.q[i]).abs() + (c.d * da / tolerance.v[i]).abs();
                 if !scaled.is_finite() {
                     return Err(StepError::NonFinite { t: to.t, dof: i });
@@ -220,7 +225,8 @@ impl OneStep for GeneralisedAlpha {
                 size = size.max(scaled);
             }
             // Rounding stalls the correction before it meets the tolerance on stiff systems.
-            if size > 0.5 * previous && size < 1e3 * NEWTON_TOLERANCE {
+            let stalled = size > 0.5 * previous && size < 1e3 * NEWTON_TOLERANCE;
+            if stalled || size < 4.0 * f64::EPSILON * rounding {
                 size = 0.0;
             }
             if iteration + 1 == MAX_ITERATIONS {

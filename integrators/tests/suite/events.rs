@@ -1,1 +1,408 @@
-//! .
+//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; knots; hand-overs.
+
+use crate::problems::*;
+use gearbench_integrators::{
+    AcceptedStep, At, Change, Control, Layout, METHODS, Method, SecondOrderSystem, Sink, State,
+    StepError, Stepping, TimePlan, Work,
+};
+
+fn plan_for(m: &Method, t_end: f64) -> TimePlan<'static> {
+    match m.info.stepping {
+        Stepping::Adaptive => tolerance(t_end, 1e-8),
+        _ => steps(t_end, 1000.0),
+    }
+}
+
+/// Balls that fall on a floor and lose part of their speed there.
+struct Balls {
+    n: usize,
+    restitution: f64,
+}
+
+impl SecondOrderSystem for Balls {
+    fn layout(&self) -> Layout {
+        Layout {
+            n: self.n,
+            guards: self.n,
+            memory: 0,
+        }
+    }
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        q.fill(1.0);
+        v.fill(1.0);
+    }
+    fn pace(&self, _at: At<'_>) -> f64 {
+        0.1
+    }
+    fn force(&mut self, _at: At<'_>, f: &mut [f64]) {
+        f.fill(-2.0);
+    }
+    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+    }
+    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+        df.fill(0.0);
+    }
+    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+        out.copy_from_slice(at.q);
+    }
+    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
+        s.v[guard] *= -self.restitution;
+        Change::Restart
+    }
+}
+
+/// From height one with acceleration two: floor at one second, back up at three, and so on.
+#[test]
+fn simultaneous_events_are_switched_together() {
+    for m in METHODS {
+        let mut balls = Balls {
+            n: 3,
+            restitution: 1.0,
+        };
+        // Half a second of drift apart for the third ball.
+        let s = state(&[1.0, 1.0, 1.0], &[0.0, 0.0, 1.0]);
+        let (s, work) = solve(m, &mut balls, s, &plan_for(m, 4.0));
+        assert_eq!(work.events, 6, "{}: {work:?}", m.info.id);
+        assert_eq!(work.restarts, 4, "{}: {work:?}", m.info.id);
+        assert_eq!(s.q[0].to_bits(), s.q[1].to_bits(), "{}", m.info.id);
+        let allowed = if m.info.order == 1 { 2e-2 } else { 1e-6 };
+        assert!((s.q[0] - 1.0).abs() < allowed, "{}: {:?}", m.info.id, s.q);
+    }
+}
+
+/// The floor is reached at one second, where a step ends: one event, not two and not none.
+#[test]
+fn an_event_at_the_end_of_a_step_counts_once() {
+    for m in fixed_step() {
+        let mut balls = Balls {
+            n: 1,
+            restitution: 1.0,
+        };
+        let s = state(&[1.0], &[0.0]);
+        let (s, work) = solve(m, &mut balls, s, &steps(2.0, 64.0));
+        assert_eq!(work.events, 1, "{}", m.info.id);
+        let allowed = if m.info.order == 1 { 0.2 } else { 1e-12 };
+        assert!((s.q[0] - 1.0).abs() < allowed, "{}: {:?}", m.info.id, s);
+    }
+}
+
+/// Bounces accumulate at 1 + 2 e/(1 - e) = 3 seconds.
+#[test]
+fn accumulating_events_end_as_chatter() {
+    for m in METHODS {
+        let mut balls = Balls {
+            n: 1,
+            restitution: 0.5,
+        };
+        let (_, work, result) = run(m, &mut balls, state(&[1.0], &[0.0]), &plan_for(m, 4.0));
+        let Err(StepError::Chatter { t, .. }) = result else {
+            panic!("{}: {result:?}", m.info.id)
+        };
+        // The last bounces lie closer together than time or height resolves.
+        let allowed = if m.info.order == 1 { 0.1 } else { 1e-3 };
+        assert!((t - 3.0).abs() < allowed, "{}: {t}", m.info.id);
+        assert!(work.events > 30);
+    }
+}
+
+/// A mass on a spring that just reaches a stiff wall at the turn of its motion.
+struct Graze {
+    wall: f64,
+}
+
+impl SecondOrderSystem for Graze {
+    fn layout(&self) -> Layout {
+        Layout {
+            n: 1,
+            guards: 1,
+            memory: 1,
+        }
+    }
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        q.fill(1.0);
+        v.fill(1.0);
+    }
+    fn pace(&self, at: At<'_>) -> f64 {
+        if at.memory[0] == 0.0 { 1.0 } else { 0.01 }
+    }
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        f[0] = -at.q[0] - at.memory[0] * 1e4 * (at.q[0] - self.wall);
+    }
+    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+    }
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+        df[0] = -(1.0 + at.memory[0] * 1e4) * dq[0];
+    }
+    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+        let gap = self.wall - at.q[0];
+        out[0] = if at.memory[0] == 0.0 { gap } else { -gap };
+    }
+    fn switch(&mut self, s: &mut State, _guard: usize) -> Change {
+        s.memory[0] = 1.0 - s.memory[0];
+        Change::Restart
+    }
+}
+
+#[test]
+fn grazing_contact_goes_through() {
+    let t_end = 6.0 * std::f64::consts::PI;
+    for m in METHODS {
+        for depth in [0.0, 1e-16, 1e-13, 1e-9, 1e-6, -1e-9] {
+            let mut s = state(&[0.0], &[1.0]);
+            s.memory = vec![0.0];
+            let plan = match m.info.stepping {
+                Stepping::Adaptive => tolerance(t_end, 1e-8),
+                _ => steps(t_end, 6000.0),
+            };
+            let mut sys = Graze { wall: 1.0 - depth };
+            let (s, work) = solve(m, &mut sys, s, &plan);
+            // The push of a graze of this depth: the speed it takes away, sqrt(2 depth), is turned round
+            // within a hundredth of a second at most.
+            let allowed = if m.info.order == 1 { 3e-2 } else { 1e-3 } + 2.0 * f64::abs(depth).sqrt();
+            assert!(
+                (s.v[0] - 1.0).abs() < allowed && s.q[0].abs() < allowed,
+                "{} at depth {depth:.0e}: {s:?} {work:?}",
+                m.info.id
+            );
+        }
+    }
+}
+
+/// A force table with jumps at its knots: constant acceleration in between.
+struct Table {
+    knots: Vec<f64>,
+    landed: Vec<f64>,
+}
+
+impl Table {
+    fn acceleration(&self, t: f64) -> f64 {
+        let i = self.knots.iter().filter(|&&k| k <= t).count();
+        [1.0, -2.0, 5.0, 0.5][i % 4]
+    }
+}
+
+impl SecondOrderSystem for Table {
+    fn layout(&self) -> Layout {
+        Layout {
+            n: 1,
+            guards: 0,
+            memory: 1,
+        }
+    }
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        q.fill(1.0);
+        v.fill(1.0);
+    }
+    fn pace(&self, _at: At<'_>) -> f64 {
+        0.1
+    }
+    /// The branch of the table is held in memory, so that it is right on both sides of a knot.
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        f[0] = at.memory[0];
+    }
+    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+    }
+    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+        df.fill(0.0);
+    }
+    fn next_knot(&self, t: f64) -> f64 {
+        self.knots
+            .iter()
+            .copied()
+            .find(|&k| k > t)
+            .unwrap_or(f64::INFINITY)
+    }
+    fn begin(&mut self, s: &mut State, _located: bool) {
+        s.memory[0] = self.acceleration(s.t);
+    }
+    fn commit(&mut self, s: &mut State) -> Change {
+        if self.knots.contains(&s.t) {
+            self.landed.push(s.t);
+        }
+        s.memory[0] = self.acceleration(s.t);
+        Change::None
+    }
+}
+
+#[test]
+fn steps_land_on_the_knots_of_a_table() {
+    // Two knots closer than a step, one next to nothing apart, one at a step's end.
+    let knots = vec![0.3, 0.7, 0.700_000_1, 0.700_000_100_000_000_1, 1.25];
+    let (mut x, mut v, mut t) = (0.0, 0.0, 0.0);
+    let table = Table {
+        knots: knots.clone(),
+        landed: Vec::new(),
+    };
+    for k in knots.iter().copied().chain([2.0]) {
+        let (a, h) = (table.acceleration(t), k - t);
+        x += v * h + 0.5 * a * h * h;
+        v += a * h;
+        t = k;
+    }
+    for m in METHODS {
+        let mut table = Table {
+            knots: knots.clone(),
+            landed: Vec::new(),
+        };
+        let mut s = state(&[0.0], &[0.0]);
+        s.memory = vec![0.0];
+        let plan = match m.info.stepping {
+            Stepping::Adaptive => tolerance(2.0, 1e-8),
+            _ => steps(2.0, 40.0),
+        };
+        let (s, _) = solve(m, &mut table, s, &plan);
+        assert_eq!(table.landed, knots, "{}", m.info.id);
+        assert!((s.v[0] - v).abs() < 1e-12, "{}: {} {v}", m.info.id, s.v[0]);
+        // Constant acceleration is exact from order two on.
+        let allowed = match m.info.order {
+            1 => 0.2,
+            _ if m.info.stepping == Stepping::Adaptive => 1e-6,
+            _ => 1e-12,
+        };
+        assert!((s.q[0] - x).abs() < allowed, "{}: {} {x}", m.info.id, s.q[0]);
+    }
+}
+
+/// Counts its commits into the memory and asks for a restart at some; the force insists on the memory
+/// being the committed one.
+struct Counting {
+    commits: f64,
+    restart_every: u32,
+    seen: u32,
+}
+
+impl SecondOrderSystem for Counting {
+    fn layout(&self) -> Layout {
+        Layout {
+            memory: 1,
+            ..Duffing.layout()
+        }
+    }
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        Duffing.scales(q, v);
+    }
+    fn pace(&self, at: At<'_>) -> f64 {
+        Duffing.pace(at)
+    }
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
+        Duffing.force(at, f);
+    }
+    fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
+        Duffing.solve_mass(at, f);
+    }
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        Duffing.apply_mass(at, x, y);
+    }
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
+        Duffing.tangent_times(at, dq, dv, df);
+    }
+    fn commit(&mut self, s: &mut State) -> Change {
+        self.commits += 1.0;
+        s.memory[0] = self.commits;
+        self.seen += 1;
+        if self.seen.is_multiple_of(self.restart_every) {
+            Change::Restart
+        } else {
+            Change::None
+        }
+    }
+}
+
+#[test]
+fn commits_reach_the_force_and_restarts_keep_the_solution() {
+    for m in METHODS {
+        for restart_every in [7, u32::MAX] {
+            let mut sys = Counting {
+                commits: 0.0,
+                restart_every,
+                seen: 0,
+            };
+            let mut s = Duffing::start();
+            s.memory = vec![0.0];
+            let plan = match m.info.stepping {
+                Stepping::Adaptive => tolerance(5.0, 1e-7),
+                _ => steps(5.0, 2000.0),
+            };
+            let (s, work) = solve(m, &mut sys, s, &plan);
+            assert_eq!(f64::from(sys.seen), sys.commits);
+            assert_eq!(u64::from(sys.seen), work.steps, "{}", m.info.id);
+            if restart_every == 7 {
+                assert!(work.restarts >= work.steps / 7 - 1, "{work:?}");
+            }
+            let allowed = if m.info.order == 1 { 5e-3 } else { 1e-3 };
+            let error = Duffing::error(&s);
+            assert!(error < allowed, "{}: {error:.1e}", m.info.id);
+        }
+    }
+}
+
+/// Steps follow on each other without gap or overlap, through events as well.
+#[derive(Default)]
+struct Seamless {
+    last: Option<State>,
+    restarts: u64,
+}
+
+impl Sink for Seamless {
+    fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        if let Some(last) = &self.last {
+            assert_eq!(last, step.from);
+        }
+        assert!(step.to.t > step.from.t);
+        assert_eq!(step.from.memory, step.to.memory);
+        self.last = Some(step.to.clone());
+        Control::Continue
+    }
+    fn restarted(&mut self, _sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.restarts += 1;
+        assert_eq!(self.last.as_ref(), Some(before));
+        self.last = Some(after.clone());
+    }
+}
+
+#[test]
+fn the_sink_sees_every_step_and_every_switch() {
+    for m in METHODS {
+        let mut hammer = Hammer::gears(0.05);
+        let (mut s, mut work, mut sink) = (hammer.start(), Work::default(), Seamless::default());
+        let plan = match m.info.stepping {
+            Stepping::Adaptive => tolerance(0.02, 1e-6),
+            _ => steps(0.02, 4000.0),
+        };
+        m.build()
+            .run(&mut hammer, &mut s, &plan, &mut sink, &mut work)
+            .unwrap();
+        assert_eq!(sink.last, Some(s), "{}", m.info.id);
+        assert_eq!(sink.restarts, work.restarts, "{}", m.info.id);
+    }
+}
+
+/// A sink may end a run without an error.
+#[test]
+fn a_sink_can_stop_a_run() {
+    struct Stop;
+    impl Sink for Stop {
+        fn accepted(&mut self, _: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+            if step.to.t > 0.5 {
+                Control::Stop
+            } else {
+                Control::Continue
+            }
+        }
+    }
+    for m in METHODS {
+        let (mut s, mut work) = (Duffing::start(), Work::default());
+        m.build()
+            .run(&mut Duffing, &mut s, &plan_for(m, 5.0), &mut Stop, &mut work)
+            .unwrap();
+        assert!(s.t > 0.5 && s.t < 4.0, "{}: {}", m.info.id, s.t);
+    }
+}

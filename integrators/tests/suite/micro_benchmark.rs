@@ -1,19 +1,61 @@
-//! .
+//! Time per step, for reading: `cargo test --release -p gearbench-integrators -- --ignored --nocapture
+//! time_per_step`.
+
 use crate::problems::*;
+use gearbench_integrators::{METHODS, Method, SecondOrderSystem, State, Stepping, TimePlan, Work};
+use std::time::Instant;
+
+/// Least time of five runs, per accepted step [ns], and the work of one.
+fn time(
+    m: &Method,
+    mut sys: impl FnMut() -> Box<dyn SecondOrderSystem>,
+    s: &State,
+    plan: &TimePlan<'_>,
+) -> (f64, Work) {
+    let mut best = f64::INFINITY;
+    let mut work = Work::default();
+    for _ in 0..5 {
+        let mut sys = sys();
+        let now = Instant::now();
+        work = solve(m, &mut *sys, s.clone(), plan).1;
+        best = best.min(now.elapsed().as_secs_f64());
+    }
+    (best / work.steps as f64 * 1e9, work)
+}
+
 #[test]
-fn probe() {
-    for zeta in [0.0, 0.05] {
-    let hammer = Hammer::one_impact(zeta);
-    let t_end = after_impact(&hammer);
-    for method in adaptive() {
-        let mut last = 0.0f64;
-        for i in 0..10 {
-            let rtol = 10f64.powf(-4.0 - f64::from(i));
-            if rtol < 1e-12 {break;}
-            let (s, work, r) = run(method, &mut hammer.clone(), hammer.start(), &tolerance(t_end, rtol));
-            let e = hammer.error(&s);
-            println!("{:10} {rtol:.0e} {e:.2e} slope {:.2} steps {} rej {} f {} ev {} {:?}", method.info.id, (last/e).log10(), work.steps, work.rejected, work.force_evaluations, work.events, r.err());
-            last = e;
+#[ignore = "measures time"]
+fn time_per_step() {
+    println!("ns per step (force evaluations per step)");
+    println!("{:20} {:>16} {:>16} {:>22}", "", "chain, n = 2", "chain, n = 10", "24 impacts: us, ns/step");
+    for m in METHODS {
+        let adaptive = m.info.stepping == Stepping::Adaptive;
+        print!("{:20}", m.info.id);
+        for n in [2, 10] {
+            let chain = || {
+                Box::new(Chain {
+                    masses: vec![1.0; n],
+                    damping: 0.1,
+                }) as Box<dyn SecondOrderSystem>
+            };
+            let mut s = state(&vec![0.0; n], &vec![0.0; n]);
+            s.q[0] = -0.3;
+            let plan = if adaptive {
+                tolerance(100.0, 1e-6)
+            } else {
+                steps(100.0, 10_000.0)
+            };
+            let (ns, work) = time(m, chain, &s, &plan);
+            let f = work.force_evaluations as f64 / work.steps as f64;
+            print!(" {ns:9.1} ({f:4.1})");
         }
-    }}
+        let hammer = Hammer::gears(0.05);
+        let plan = if m.info.stepping == Stepping::Fixed {
+            steps(0.25, 25_000.0)
+        } else {
+            tolerance(0.25, 1e-6)
+        };
+        let (ns, work) = time(m, || Box::new(hammer.clone()), &hammer.start(), &plan);
+        println!(" {:11.1} {ns:10.1}", ns * work.steps as f64 * 1e-3);
+    }
 }

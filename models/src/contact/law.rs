@@ -29,13 +29,18 @@
 
 use thiserror::Error;
 
+#[path = "law_friction.rs"]
+mod friction;
+
+pub use friction::{Friction, FrictionForce};
+
 /// Default floor of the impact speed `v0` (m/s), see [`Law::with_speed_floor`].
 pub const DEFAULT_SPEED_FLOOR: f64 = 1e-3;
 
 /// Why a law cannot be used as specified.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LawError {
-    /// The exponent `n` of the penetration is outside `[1, 3]`.
+    /// The penetration exponent is outside `[1, 3]`.
     #[error(
         "exponent of the contact law is {value}; it must lie in [1, 3] (1 linear, 10/9 line, 3/2 point contact)"
     )]
@@ -72,18 +77,12 @@ pub enum LawError {
         /// The exponent of the law.
         exponent: f64,
     },
-    /// Stiffness or reduced mass used to resolve a ratio is not positive.
-    #[error("{what} is {value}; it must be finite and positive to resolve a damping ratio")]
+    /// A quantity that must be positive is not.
+    #[error("{what} is {value}; it must be finite and positive")]
     NotPositive {
-        /// Which quantity.
+        /// Which quantity, with its unit.
         what: &'static str,
         /// The value given.
-        value: f64,
-    },
-    /// The floor of the impact speed is not positive.
-    #[error("impact speed floor is {value} m/s; it must be finite and positive")]
-    SpeedFloor {
-        /// The value given (m/s).
         value: f64,
     },
     /// A friction parameter is out of range.
@@ -149,15 +148,16 @@ impl Damping {
 
     /// The name used in scenes and reports.
     pub fn id(&self) -> &'static str {
-        match self {
-            Damping::None => Self::IDS[0],
-            Damping::KelvinVoigt { .. } => Self::IDS[1],
-            Damping::KelvinVoigtRatio { .. } => Self::IDS[2],
-            Damping::HuntCrossley { .. } => Self::IDS[3],
-            Damping::LankaraniNikravesh { .. } => Self::IDS[4],
-            Damping::Flores { .. } => Self::IDS[5],
-            Damping::Gonthier { .. } => Self::IDS[6],
-        }
+        let index = match self {
+            Damping::None => 0,
+            Damping::KelvinVoigt { .. } => 1,
+            Damping::KelvinVoigtRatio { .. } => 2,
+            Damping::HuntCrossley { .. } => 3,
+            Damping::LankaraniNikravesh { .. } => 4,
+            Damping::Flores { .. } => 5,
+            Damping::Gonthier { .. } => 6,
+        };
+        Self::IDS[index]
     }
 
     /// The same damping with a ratio turned into `c = 2 ratio sqrt(k m)` (N s/m); every other kind
@@ -184,7 +184,10 @@ impl Damping {
         if exponent != 1.0 {
             return Err(LawError::RatioOfNonlinearLaw { exponent });
         }
-        for (what, value) in [("stiffness", stiffness), ("reduced mass", reduced_mass)] {
+        for (what, value) in [
+            ("contact stiffness (N/m)", stiffness),
+            ("reduced mass (kg)", reduced_mass),
+        ] {
             if !(value.is_finite() && value > 0.0) {
                 return Err(LawError::NotPositive { what, value });
             }
@@ -269,12 +272,10 @@ impl Law {
             Damping::KelvinVoigtRatio { .. } => return Err(LawError::UnresolvedRatio),
             _ => 0.0,
         };
-        if let Some(e) = damping.restitution()
-            && !(e > 0.0 && e <= 1.0)
-        {
+        if let Some(value) = damping.restitution().filter(|e| !(*e > 0.0 && *e <= 1.0)) {
             return Err(LawError::Restitution {
                 law: damping.id(),
-                value: e,
+                value,
             });
         }
         let power = if exponent == 1.0 {
@@ -311,10 +312,13 @@ impl Law {
     /// impacts slower than the floor are damped less than `e` asks for.
     ///
     /// # Errors
-    /// [`LawError::SpeedFloor`] unless finite and positive.
+    /// [`LawError::NotPositive`] unless finite and positive.
     pub fn with_speed_floor(mut self, floor: f64) -> Result<Law, LawError> {
         if !(floor.is_finite() && floor > 0.0) {
-            return Err(LawError::SpeedFloor { value: floor });
+            return Err(LawError::NotPositive {
+                what: "floor of the impact speed (m/s)",
+                value: floor,
+            });
         }
         self.speed_floor = floor;
         Ok(self)
@@ -437,70 +441,6 @@ pub fn realised_restitution(chi: f64) -> f64 {
         }
     }
     0.5 * (low + high)
-}
-
-/// Regularised Coulomb friction `F_t = -mu N tanh(v / v_ref)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Friction {
-    mu: f64,
-    v_ref: f64,
-}
-
-/// Friction force and its derivatives.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FrictionForce {
-    /// Tangential force along the sliding direction (N), opposite in sign to the sliding speed.
-    pub f: f64,
-    /// `dF/dN` (-).
-    pub df_dn: f64,
-    /// `dF/dv` (N s/m).
-    pub df_dv: f64,
-}
-
-impl Friction {
-    /// Friction with coefficient `mu >= 0` (-) and the regularisation speed `v_ref > 0` (m/s) at
-    /// which 76 % of the sliding force is reached.
-    ///
-    /// # Errors
-    /// [`LawError::Friction`] names the parameter out of range.
-    pub fn new(mu: f64, v_ref: f64) -> Result<Friction, LawError> {
-        if !(mu.is_finite() && mu >= 0.0) {
-            return Err(LawError::Friction {
-                what: "coefficient mu",
-                value: mu,
-                rule: "it must be finite and not negative",
-            });
-        }
-        if !(v_ref.is_finite() && v_ref > 0.0) {
-            return Err(LawError::Friction {
-                what: "regularisation speed [m/s]",
-                value: v_ref,
-                rule: "it must be finite and positive (1 % of the sliding speed is usual)",
-            });
-        }
-        Ok(Friction { mu, v_ref })
-    }
-
-    /// Coefficient of friction (-).
-    pub fn mu(&self) -> f64 {
-        self.mu
-    }
-
-    /// Regularisation speed (m/s).
-    pub fn v_ref(&self) -> f64 {
-        self.v_ref
-    }
-
-    /// Force under the normal force `n` (N) at the sliding speed `v` (m/s).
-    #[inline]
-    pub fn force(&self, n: f64, v: f64) -> FrictionForce {
-        let t = (v / self.v_ref).tanh();
-        FrictionForce {
-            f: -self.mu * n * t,
-            df_dn: -self.mu * t,
-            df_dv: -self.mu * n * (1.0 - t * t) / self.v_ref,
-        }
-    }
 }
 
 #[cfg(test)]

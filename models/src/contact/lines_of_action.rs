@@ -255,12 +255,6 @@ impl LinesOfAction {
         self.length - a - vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch)
     }
 
-    /// Tangent point on gear a and far end of the line of a flank, for pictures [m].
-    pub fn line(&self, side: Side) -> [Vec3; 2] {
-        let line = self.lines.iter().find(|l| l.side == side).expect("both flanks have lines");
-        [line.origin, line.origin + self.length * line.transverse]
-    }
-
     #[inline]
     fn teeth(&self, side: Side, pair: i64) -> [Tooth; 2] {
         let i = if side == Side::Left { pair } else { -pair };
@@ -515,6 +509,13 @@ impl ContactSearch for LinesOfAction {
             }
         }
         change
+    }
+
+    fn line(&self, side: Side) -> Option<[Vec3; 2]> {
+        let line = self.lines.iter().find(|l| l.side == side)?;
+        // A rack has no tangent point: the line is shown as far as the path of contact reaches.
+        let end = if self.views[1].base_radius.is_some() { self.length } else { 1.2 * self.zone[1] };
+        Some([line.origin, line.origin + end * line.transverse])
     }
 
     fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {

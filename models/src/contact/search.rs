@@ -70,6 +70,11 @@ pub trait ContactSearch {
     /// Flips what guard `i` watches.
     fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange;
 
+    /// Ends of the line of action of a flank [m], for pictures; `None` for searches without lines.
+    fn line(&self, _side: Side) -> Option<[crate::Vec3; 2]> {
+        None
+    }
+
     /// Teeth and flank side of a candidate.
     fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side);
 }

@@ -34,7 +34,7 @@ pub struct ParameterInfo {
 pub type Build = fn(&GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError>;
 
 /// A row of the table.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Model {
     /// Id in scenes and records.
     pub id: &'static str,

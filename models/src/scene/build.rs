@@ -393,7 +393,7 @@ impl Scene {
                 guards: 0,
             });
         }
-        Ok(Self::lay_out(spec, gears, meshes, &scales))
+        Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
     }
 
     /// Offsets, initial state, buffers.
@@ -402,6 +402,7 @@ impl Scene {
         mut gears: Vec<SceneGear>,
         mut meshes: Vec<SceneMesh>,
         scales: &Scales,
+        phases: Vec<f64>,
     ) -> Scene {
         let (mut n, mut memory, mut guards) = (0, 1, 0);
         for g in &mut gears {
@@ -442,6 +443,7 @@ impl Scene {
             compliant,
             work: Workspace::default(),
             initial,
+            phases,
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::contact::candidate::{Candidate, Tooth};
 use crate::contact::law::{FrictionForce, LawForce};
 use crate::contact::row::Row;
 use crate::contact::search::{Party, Wanted};
+use crate::geometry::Side;
 use crate::contact::solve::{CompliantSolve, SolvePoint};
 use gearbench_integrators::system::{At, Singular};
 
@@ -33,6 +34,8 @@ pub struct ContactForce {
     pub mesh: usize,
     /// Teeth of both gears, unwrapped.
     pub teeth: [Tooth; 2],
+    /// Flank side that is in contact.
+    pub side: Side,
     /// Where [m].
     pub x: Vec3,
     /// Force on the second gear of the mesh [N].
@@ -282,11 +285,12 @@ impl Scene {
             .filter(|c| c.force.n > 0.0)
             .map(|c| {
                 let candidate = &self.work.candidates[c.candidate];
-                let (teeth, _) = self.meshes[c.mesh].search.flank_of(candidate);
+                let (teeth, side) = self.meshes[c.mesh].search.flank_of(candidate);
                 let n = &candidate.normal;
                 ContactForce {
                     mesh: c.mesh,
                     teeth,
+                    side,
                     x: candidate.points[0].x,
                     force: c.force.n * n + c.friction.f * sliding_direction(n),
                     normal_force: c.force.n,

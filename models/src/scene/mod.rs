@@ -113,6 +113,7 @@ pub struct Scene {
     compliant: bool,
     work: Workspace,
     initial: State,
+    phases: Vec<f64>,
 }
 
 impl Scene {
@@ -129,6 +130,17 @@ impl Scene {
     /// The initial state.
     pub fn initial(&self) -> State {
         self.initial.clone()
+    }
+
+    /// Angle [rad] (travel [m] of a rack) of each gear's tooth 0 at the assembled position.
+    pub fn phases(&self) -> &[f64] {
+        &self.phases
+    }
+
+    /// Ends of the line of action that a contact lies on [m], in the transverse plane.
+    pub fn line_of_action(&self, contact: &ContactForce) -> Option<[[f64; 2]; 2]> {
+        let ends = self.meshes.get(contact.mesh)?.search.line(contact.side)?;
+        Some(ends.map(|p| [p.x, p.y]))
     }
 
     /// Replaces the loads of a gear, for sweeps.

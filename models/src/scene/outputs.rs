@@ -1,7 +1,7 @@
 //! What a scene reports: energies, powers, and named channels.
 //!
 //! Channels, in order: per mesh `force:I` (magnitude of the vector sum over its contacts on the second gear),
-//! `force_x:I`, `force_y:I`; per gear `speed:NAME` (momentum over inertia, the momentum mean),
+//! `force_x:I`, `force_y:I`, `normal_min:I` (least normal force of its contacts, 0 without any); per gear `speed:NAME` (momentum over inertia, the momentum mean),
 //! `hub_speed:NAME`, `travel:NAME`, `contact_torque:NAME` (torque of its contact forces about its axis, or
 //! force along its slide).
 
@@ -9,11 +9,16 @@ use super::contacts::sliding_direction;
 use super::{Scene, SceneGear};
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
 
+/// Channels of a mesh.
+const PER_MESH: usize = 4;
+
 /// Names of the channels of a scene.
 pub(super) fn channel_names(gears: &[SceneGear], meshes: usize) -> Vec<String> {
     let mut names = Vec::new();
     for m in 0..meshes {
-        names.extend([format!("force:{m}"), format!("force_x:{m}"), format!("force_y:{m}")]);
+        for what in ["force", "force_x", "force_y", "normal_min"] {
+            names.push(format!("{what}:{m}"));
+        }
     }
     for g in gears {
         for what in ["speed", "hub_speed", "travel", "contact_torque"] {
@@ -30,7 +35,7 @@ impl Scene {
         let mut power = Power::default();
         out.channels.clear();
         out.channels.resize(self.channels.len(), 0.0);
-        let per_gear = 3 * self.meshes.len();
+        let per_gear = PER_MESH * self.meshes.len();
 
         for (i, g) in self.gears.iter().enumerate() {
             let own = g.at(at);
@@ -79,8 +84,10 @@ impl Scene {
                 power.external -= a.friction.f * (a.sliding - rows[1].dot(at.v));
                 force += a.friction.f * sliding_direction(&c.normal);
             }
-            out.channels[3 * a.mesh + 1] += force.x;
-            out.channels[3 * a.mesh + 2] += force.y;
+            let of_mesh = &mut out.channels[PER_MESH * a.mesh..][..PER_MESH];
+            of_mesh[1] += force.x;
+            of_mesh[2] += force.y;
+            of_mesh[3] = of_mesh[3].min(a.force.n);
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 let i = mesh.gears[k];
                 let hub = self.gears[i].model.hub();
@@ -90,7 +97,8 @@ impl Scene {
             }
         }
         for m in 0..self.meshes.len() {
-            out.channels[3 * m] = out.channels[3 * m + 1].hypot(out.channels[3 * m + 2]);
+            let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
+            of_mesh[0] = of_mesh[1].hypot(of_mesh[2]);
         }
         out.energy = energy;
         out.power = power;

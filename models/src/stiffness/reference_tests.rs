@@ -213,7 +213,7 @@ fn ross_pair_in_its_conventions_and_in_ours() {
 }
 
 /// Known limit: with two pairs in contact the bodies act once, but the series counts them per pair.
-/// CalculiX has 19.4 to 20.1 N/(mm um) there (secant), the sum of the pairs 17 to 24 % more; ISO's mean
+/// CalculiX has 19.4 to 20.1 N/(mm um) there (secant), the sum of the pairs 19 to 22 % more; ISO's mean
 /// mesh stiffness has the coupling in it.
 #[test]
 fn sum_of_pairs_is_too_stiff_where_two_pairs_share_a_body() {

@@ -94,7 +94,7 @@ impl Axis {
         let range = self.max - self.min;
         let mut step = nice_step(range / most.max(1) as f64);
         if range / step < 2.5 {
-            step = nice_step(0.45 * step);
+            step = nice_step(0.4 * step);
         }
         let (first, last) = (
             (self.min / step - 1e-6).ceil(),
@@ -132,7 +132,7 @@ pub fn tick_label(x: f64, ticks: &[f64], log: bool) -> String {
         return "0".into();
     }
     let decimals = (-step.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    if x.abs() >= 1e6 {
+    if x.abs() >= 1e6 || step.abs() < 1e-4 {
         short(x, 4)
     } else {
         format!("{x:.decimals$}").replace('-', "\u{2212}")

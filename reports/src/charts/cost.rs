@@ -7,7 +7,7 @@ use super::lines::{LEFT, RIGHT, WIDTH};
 use super::style::{cross, look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{Run, Status};
-use crate::view::{View, metric_name, resolution};
+use crate::view::{NOTHING, View, metric_name, resolution};
 
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
@@ -178,7 +178,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         .flat_map(|g| g.runs.iter().map(move |(_, r)| (g.style, *r)))
         .filter(|(_, r)| !r.status.is_failure() && measured(r))
         .filter_map(|(s, r)| Some((s, r, view.error(r)?)))
-        .filter(|p| p.2 > 0.0)
+        .filter(|p| p.2 > NOTHING)
         .collect();
     if good.is_empty() {
         return Ok(None);

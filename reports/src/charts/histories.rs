@@ -113,7 +113,7 @@ impl<'a> Histories<'a> {
     }
 }
 
-/// Time axis: window [s], prefix, name.
+/// Time axis: window \[s\], prefix, name.
 #[derive(PartialEq)]
 struct TimeAxis {
     axis: Axis,
@@ -209,7 +209,8 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     match &h.zoom {
         None => panels.push(panel(&h.time, 240.0)),
         Some(zoom) => {
-            let top = Axis::from_zero(h.peak() * unit.factor);
+            // Head room for the name of the curve.
+            let top = Axis::from_zero(1.3 * h.peak() * unit.factor);
             let lines = h.lines(|s| &s.contact_force_n, unit.factor, &h.time);
             let last = h.curves.len() - 1;
             for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {

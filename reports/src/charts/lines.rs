@@ -140,7 +140,7 @@ impl Panel {
             .collect()
     }
 
-    /// Range of all visible ordinates with a margin.
+    /// Range of all visible ordinates with a margin, and head room for the remark.
     fn range(&self) -> Axis {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for line in &self.lines {
@@ -151,6 +151,10 @@ impl Panel {
                 }
             }
         }
-        Axis::padded(range.0, range.1, 0.07)
+        let mut axis = Axis::padded(range.0, range.1, 0.07);
+        if !self.remark.is_empty() {
+            axis.max += 0.22 * (axis.max - axis.min);
+        }
+        axis
     }
 }

@@ -1,6 +1,6 @@
 //! Charts as self-contained SVG documents, each a pure function of a record.
 //!
-//! Every model has one colour, dash pattern and marker in all charts ([`style`]); a reference is the
+//! Every model has one colour, dash pattern and marker in all charts; a reference is the
 //! thick dark line. Axes carry units; long histories are decimated so that peaks stay.
 
 mod axis;

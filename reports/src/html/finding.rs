@@ -3,7 +3,7 @@
 use super::escape;
 use crate::numbers::{percent, quantity, short, significant};
 use crate::record::Run;
-use crate::view::{View, metric_name, resolution};
+use crate::view::{NOTHING, View, metric_name, resolution};
 
 /// The two sentences, as HTML.
 pub fn finding(view: &View<'_>) -> String {
@@ -12,7 +12,6 @@ pub fn finding(view: &View<'_>) -> String {
 
 /// An error of the view's metric with its unit.
 pub fn error_text(view: &View<'_>, error: f64) -> String {
-    const NOTHING: f64 = 1e-10;
     match view.metric.as_str() {
         "peak_force_n" => quantity(error, "N", 3),
         "impulse_ns" => quantity(error, "N s", 3),
@@ -141,8 +140,12 @@ fn second(view: &View<'_>) -> String {
         ),
         [] => String::new(),
     };
+    let kind = match view.against.as_deref() {
+        Some("self") => "integration error",
+        _ => "error",
+    };
     format!(
-        "Least error per model: {}{ratio}; {failures}.",
+        "Least {kind} per model: {}{ratio}; {failures}.",
         best.join(", ")
     )
 }

@@ -1,0 +1,42 @@
+"""Checks the record that the main job wrote: keys, references, runs, figures. Usage: check_record.py FILE"""
+
+import json
+import sys
+
+RUN_KEYS = """model integrator status wall_s setup_s simulated_s steps rejected force_evaluations
+newton_iterations factorisations dofs metrics""".split()
+METRIC_KEYS = """force_l2 force_l2_aligned peak_force_n peak_force_rel impulse_ns impulse_rel duration_s
+omega1_end omega2_end energy_drift_rel against""".split()
+
+
+def main(path):
+    with open(path, encoding="utf-8") as file:
+        record = json.load(file)
+    assert record["schema"] == 1, record["schema"]
+    for key in "scene machine commit runs".split():
+        assert record.get(key), f"no {key}"
+    runs = record["runs"]
+    for model in "rigid", "movable-teeth":
+        for implicit in False, True:
+            found = {r["integrator"] for r in runs if r["model"] == model and r["implicit"] == implicit}
+            assert len(found) >= 4, f"{model}, implicit {implicit}: only {sorted(found)}"
+    for run in runs:
+        name = f"{run['model']} {run['integrator']}"
+        for key in RUN_KEYS:
+            assert key in run, f"{name}: no {key}"
+        assert ("step" in run) != ("rtol" in run), f"{name}: step or rtol"
+        assert run["status"] == "converged", f"{name}: {run['status']}: {run.get('message')}"
+        against = {m["against"]: m for m in run["metrics"]}
+        assert {"calculix", "self"} <= set(against), f"{name}: compared with {sorted(against)}"
+        for key in METRIC_KEYS:
+            assert key in against["calculix"], f"{name}: no {key}"
+        limit = {"rigid": 0.05, "movable-teeth": 0.035}[run["model"]]
+        error = against["calculix"]["force_l2_aligned"]
+        assert error <= limit, f"{name}: aligned force error {error:.4f} beyond {limit}"
+        drift = run["ledger"]["invariant_drift_rel"]
+        assert abs(drift) <= 1e-10, f"{name}: momentum invariant drifts by {drift:.1e}"
+    print(f"{len(runs)} runs checked, all within their limits")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

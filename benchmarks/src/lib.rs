@@ -1,0 +1,3 @@
+//! The library behind the command `gearbench`: scenes and studies.
+
+pub mod study;

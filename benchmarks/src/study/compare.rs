@@ -1,0 +1,302 @@
+//! The comparison: every model of a scene under every integrator, against its reference and against the
+//! model's own converged solution.
+//!
+//! Two errors, never mixed: `against` the external reference is the model's error, `against: "self"` the
+//! integrator's. The converged solution is Dormand-Prince at a tolerance of 1e-10 with located events.
+
+use super::machine;
+use super::run::{Job, Method, RunError, run};
+use gearbench_integrators::{METHODS, Resolution};
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Status, Tolerance};
+use gearbench_reports::series::TimeSeries;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// Tolerance of the converged solution.
+const SELF_RTOL: f64 = 1e-10;
+/// Time allowed for the converged solution of one model.
+const SELF_TIMEOUT: Duration = Duration::from_secs(4);
+/// Samples of a history in the record.
+const KEPT_BUCKETS: usize = 1500;
+
+/// A model of the comparison with its scene (a calibration may place the gears its own way).
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Name in records and on the command line.
+    pub label: String,
+    /// Model id of the record: that of the gears, or `mixed`.
+    pub model: String,
+    /// Calibration it takes its constants from.
+    pub calibration: Option<String>,
+    /// The scene.
+    pub scene: SceneSpec,
+    /// Its models.
+    pub modelling: Modelling,
+}
+
+/// What to compare.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Command that makes the record again.
+    pub command: String,
+    /// Models.
+    pub entries: Vec<Entry>,
+    /// Integrators.
+    pub methods: Vec<Method>,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// End [s].
+    pub duration: f64,
+    /// Samples of the histories over the duration.
+    pub samples: usize,
+    /// External reference.
+    pub reference: Option<ReferenceSeries>,
+    /// What the scene calls accurate enough.
+    pub tolerance: Option<Tolerance>,
+    /// Settings to show.
+    pub settings: Vec<(String, String)>,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Locate events.
+    pub events: bool,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+}
+
+impl Plan<'_> {
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        self.entries.len() * self.methods.len()
+    }
+
+    /// True when there is nothing to run.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Times to record at: those of the reference, and an even grid.
+    fn grid(&self) -> Vec<f64> {
+        let n = self.samples.max(2) - 1;
+        let mut grid: Vec<f64> = (0..=n).map(|i| self.duration * i as f64 / n as f64).collect();
+        if let Some(r) = &self.reference {
+            let last = r.series.time_s.last().copied().unwrap_or(0.0);
+            grid.retain(|&t| t > last);
+            let own = r.series.time_s.iter().copied().filter(|&t| t <= self.duration);
+            let mut all: Vec<f64> = own.collect();
+            all.append(&mut grid);
+            grid = all;
+        }
+        grid
+    }
+}
+
+/// Runs the comparison. `progress` is told the number of runs done and the name of the next.
+pub fn compare(
+    plan: &Plan<'_>,
+    cancel: Option<&AtomicBool>,
+    mut progress: impl FnMut(usize, &str),
+) -> Result<Results, RunError> {
+    let grid = plan.grid();
+    let mut runs = Vec::with_capacity(plan.len());
+    for entry in &plan.entries {
+        let job = |method| Job {
+            scene: &entry.scene,
+            modelling: &entry.modelling,
+            models: plan.models,
+            method,
+            t_end: plan.duration,
+            grid: &grid,
+            also_steps: true,
+            events: plan.events,
+            repeats: plan.repeats,
+            timeout: plan.timeout,
+            cancel,
+        };
+        progress(runs.len(), &format!("{}, converged solution", entry.label));
+        let converged = converged(&job)?;
+        let mut pictured = false;
+        for method in &plan.methods {
+            progress(runs.len(), &format!("{}, {}", entry.label, method.text));
+            let mut row = run(&job(method))?;
+            row.model.clone_from(&entry.model);
+            row.variant = (entry.label != entry.model).then(|| entry.label.clone());
+            row.calibration.clone_from(&entry.calibration);
+            measure_against(&mut row, plan, converged.as_ref());
+            // Outlines are the same for every integrator: one picture per model is enough.
+            if pictured || row.status.is_failure() {
+                row.contacts = None;
+            } else {
+                pictured = row.contacts.is_some();
+            }
+            row.series = row.series.map(|s| s.thinned(KEPT_BUCKETS));
+            runs.push(row);
+        }
+    }
+    progress(runs.len(), "report");
+    Ok(Results {
+        scene: plan.name.clone(),
+        title: plan.title.clone(),
+        study: "compare".into(),
+        command: plan.command.clone(),
+        machine: machine::machine(),
+        commit: machine::COMMIT.into(),
+        created: machine::now(),
+        settings: plan.settings.clone(),
+        tolerance: plan.tolerance.clone(),
+        references: plan.reference.iter().cloned().collect(),
+        runs,
+        ..Results::default()
+    })
+}
+
+/// The model's own converged solution; `None` when it is not to be had in reasonable time.
+fn converged<'a>(job: &impl Fn(&'a Method) -> Job<'a>) -> Result<Option<TimeSeries>, RunError> {
+    static TIGHT: std::sync::LazyLock<Method> = std::sync::LazyLock::new(|| Method {
+        text: "dopri5".into(),
+        resolution: Resolution::Tolerance(SELF_RTOL),
+    });
+    let job = Job { repeats: 0, timeout: SELF_TIMEOUT, events: true, ..job(&TIGHT) };
+    let row = run(&job)?;
+    Ok(row.series.filter(|_| !row.status.is_failure()))
+}
+
+fn measure_against(row: &mut Run, plan: &Plan<'_>, converged: Option<&TimeSeries>) {
+    let Some(series) = &row.series else { return };
+    if let Some(reference) = &plan.reference {
+        row.metrics.push(measure(series, &row.ledger, &reference.series, &reference.id));
+    }
+    if let Some(own) = converged {
+        row.metrics.push(measure(series, &row.ledger, own, "self"));
+    }
+    if row.status == Status::Converged
+        && let Some(t) = &plan.tolerance
+    {
+        let found = row.against(&t.against).and_then(|m| m.get(&t.metric));
+        if let Some(x) = found
+            && x.abs() > t.limit
+        {
+            row.status = Status::Inaccurate;
+            row.message = Some(format!(
+                "{} against {} is {:.3}, beyond the scene's {:.3}",
+                t.metric, t.against, x, t.limit
+            ));
+        }
+    }
+}
+
+/// Integrators asked for on the command line: `id`, `id(name=value)`, each optionally followed by `@` and a
+/// step [s] (fixed-step methods) or a tolerance (adaptive ones). Without `@` the scene's own resolution for
+/// that method is taken, or that of its nearest kin.
+pub fn methods_from(text: &str, scene: &[Method]) -> Result<Vec<Method>, String> {
+    let mut found = Vec::new();
+    for part in split_outside_brackets(text) {
+        let (name, resolution) = match part.split_once('@') {
+            Some((name, value)) => {
+                let x: f64 = value
+                    .trim()
+                    .parse()
+                    .map_err(|_| format!("`{part}`: `{value}` after @ is not a number"))?;
+                (name.trim(), Some(x))
+            }
+            None => (part, None),
+        };
+        let (row, _) = gearbench_integrators::method(name)?;
+        let adaptive = |r: &Resolution| matches!(r, Resolution::Tolerance(_));
+        use gearbench_integrators::Stepping;
+        let resolution = match resolution {
+            Some(x) if !(x > 0.0 && x.is_finite()) => {
+                return Err(format!("`{part}`: a step or tolerance must be positive"));
+            }
+            // A method that can do both takes small numbers that look like tolerances as such only when
+            // it is declared adaptive; its fixed-step form is for convergence tests.
+            Some(x) => match row.info.stepping {
+                Stepping::Fixed => Resolution::Step(x),
+                Stepping::Adaptive | Stepping::Both => Resolution::Tolerance(x),
+            },
+            None => scene
+                .iter()
+                .find(|m| m.text == name)
+                .or_else(|| scene.iter().find(|m| id_of(&m.text) == row.info.id))
+                .map(|m| m.resolution)
+                .or_else(|| {
+                    let fixed = row.info.stepping == Stepping::Fixed;
+                    scene.iter().map(|m| m.resolution).find(|r| adaptive(r) != fixed)
+                })
+                .unwrap_or(match row.info.stepping {
+                    Stepping::Fixed => Resolution::Step(1e-6),
+                    _ => Resolution::Tolerance(1e-6),
+                }),
+        };
+        found.push(Method { text: name.to_string(), resolution });
+    }
+    if found.is_empty() {
+        let known: Vec<&str> = METHODS.iter().map(|m| m.info.id).collect();
+        return Err(format!("no integrator named; there are {}", known.join(", ")));
+    }
+    Ok(found)
+}
+
+fn id_of(text: &str) -> &str {
+    text.split('(').next().unwrap_or(text).trim()
+}
+
+/// Splits at commas that are not inside brackets.
+fn split_outside_brackets(text: &str) -> Vec<&str> {
+    let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0i32);
+    for (i, c) in text.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(text[start..i].trim());
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(text[start..].trim());
+    parts.retain(|p| !p.is_empty());
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> Vec<Method> {
+        vec![
+            Method { text: "rk4".into(), resolution: Resolution::Step(2e-6) },
+            Method { text: "dopri5".into(), resolution: Resolution::Tolerance(1e-5) },
+        ]
+    }
+
+    #[test]
+    fn integrators_from_the_command_line() {
+        let m = methods_from("rk4, generalised-alpha(rho_inf=0.5), dopri5@1e-8,hht-alpha@1e-7", &scene())
+            .unwrap();
+        let want = [
+            ("rk4", Resolution::Step(2e-6)),
+            ("generalised-alpha(rho_inf=0.5)", Resolution::Step(2e-6)),
+            ("dopri5", Resolution::Tolerance(1e-8)),
+            ("hht-alpha", Resolution::Step(1e-7)),
+        ];
+        for (got, (text, resolution)) in m.iter().zip(want) {
+            assert_eq!((got.text.as_str(), got.resolution), (text, resolution));
+        }
+    }
+
+    #[test]
+    fn refusals_say_what_there_is() {
+        assert!(methods_from("rk5", &scene()).unwrap_err().contains("rk4"));
+        assert!(methods_from("rk4@-1", &scene()).unwrap_err().contains("positive"));
+        assert!(methods_from("rk4@x", &scene()).unwrap_err().contains("not a number"));
+        assert!(methods_from(",", &scene()).unwrap_err().contains("dopri5"));
+    }
+}

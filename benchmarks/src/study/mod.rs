@@ -1,0 +1,13 @@
+//! Studies: what the command does with a scene.
+//!
+//! | module | study |
+//! |---|---|
+//! | [`compare`] | all models and integrators of a scene against its references |
+//! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
+//! | [`run`] | one model under one integrator: a row of the record, failed or not |
+
+pub mod compare;
+pub mod history;
+pub mod identify;
+pub mod machine;
+pub mod run;

@@ -1,0 +1,385 @@
+//! One model under one integrator: a row of the record. A run that fails is a row as well.
+
+use super::history::History;
+use gearbench_integrators::observers::Tee;
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::system::{Outputs, SecondOrderSystem};
+use gearbench_integrators::{
+    Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
+};
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::{lever, mesh_layout};
+use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec};
+use gearbench_reports::record::{
+    self, ContactPoint, ContactSnapshot, Outline, Run, Status, finite,
+};
+use gearbench_reports::series::TimeSeries;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Energy that the integration may make up, over the largest energy, before a run counts as growth.
+const ENERGY_GROWTH: f64 = 0.02;
+/// Penetration beyond which teeth have passed through each other, in modules.
+const TUNNELLING: f64 = 0.1;
+
+/// An integrator with its resolution, as a scene or the command line asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Method {
+    /// `id` or `id(name=value)`.
+    pub text: String,
+    /// Step or tolerance.
+    pub resolution: Resolution,
+}
+
+/// What a run needs to know.
+#[derive(Clone, Copy)]
+pub struct Job<'a> {
+    /// The scene.
+    pub scene: &'a SceneSpec,
+    /// Its models.
+    pub modelling: &'a Modelling,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// Integrator.
+    pub method: &'a Method,
+    /// End [s].
+    pub t_end: f64,
+    /// Times to record at [s].
+    pub grid: &'a [f64],
+    /// Record accepted steps in contact as well.
+    pub also_steps: bool,
+    /// Locate events.
+    pub events: bool,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+    /// Stops the study from outside.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl Job<'_> {
+    fn plan(&self) -> TimePlan<'_> {
+        TimePlan {
+            t_end: self.t_end,
+            resolution: self.method.resolution,
+            events: self.events,
+            max_steps: u64::MAX,
+            deadline: Some(Instant::now() + self.timeout),
+            cancel: self.cancel,
+        }
+    }
+}
+
+/// Why a run could not even start, or was stopped by the user.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The integrator is not known or its parameters are wrong.
+    #[error("{0}")]
+    Method(String),
+    /// Stopped from outside.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Runs a job and fills a row; model names and metrics are the caller's.
+pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
+    let started = Instant::now();
+    let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
+    let setup = started.elapsed();
+    let (row, mut method) =
+        gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
+
+    let channel = |name: &str| scene.channel(name).unwrap_or(0);
+    let (force, least) = (channel("force:0"), channel("normal_min:0"));
+    let mut history = History::new(job.grid.to_vec(), force, least, job.also_steps);
+    let mut ledger = Ledger::default();
+    let mut state = scene.initial();
+    let start_momenta = momenta(&mut scene, &state);
+    let mut work = Work::default();
+    let outcome = {
+        let mut sinks = Tee(vec![&mut history, &mut ledger]);
+        method.run(&mut scene, &mut state, &job.plan(), &mut sinks, &mut work)
+    };
+    if let Err(StepError::Interrupted { .. }) = outcome {
+        return Err(RunError::Interrupted);
+    }
+    if let Err(StepError::Unsupported { .. }) = outcome {
+        return Err(RunError::Method(outcome.unwrap_err().to_string()));
+    }
+
+    let series = time_series(job, &scene, &history);
+    let end_momenta = momenta(&mut scene, &state);
+    let (mut status, mut message) = match &outcome {
+        Ok(()) => (Status::Converged, None),
+        Err(e) => (status_of(e), Some(e.to_string())),
+    };
+    if outcome.is_ok()
+        && let Some((s, m)) = judge(job, &history, &ledger, &series)
+    {
+        (status, message) = (s, Some(m));
+    }
+
+    // Timings come from runs without observers; a failed run is timed once, as far as it went.
+    let repeats = if outcome.is_ok() { job.repeats.max(1) } else { 1 };
+    let mut walls = Vec::new();
+    for _ in 0..repeats {
+        let mut s = scene.initial();
+        let plan = job.plan();
+        let begin = Instant::now();
+        let _ = method.run(&mut scene, &mut s, &plan, &mut NullSink, &mut Work::default());
+        walls.push(begin.elapsed().as_secs_f64());
+        if job.cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed)) {
+            return Err(RunError::Interrupted);
+        }
+    }
+    walls.sort_by(f64::total_cmp);
+    let wall_s = walls[walls.len() / 2];
+
+    let (step, rtol) = match job.method.resolution {
+        Resolution::Step(h) => (Some(h), None),
+        Resolution::Tolerance(r) => (None, Some(r)),
+    };
+    Ok(Run {
+        integrator: job.method.text.clone(),
+        implicit: row.info.implicit,
+        step,
+        rtol,
+        status,
+        message,
+        wall_s,
+        wall_spread_s: Some([walls[0], walls[walls.len() - 1]]),
+        repeats,
+        setup_s: setup.as_secs_f64(),
+        simulated_s: state.t,
+        steps: work.steps,
+        rejected: work.rejected,
+        force_evaluations: work.force_evaluations,
+        newton_iterations: work.newton_iterations,
+        factorisations: work.factorisations,
+        events: work.events,
+        dofs: scene.layout().n,
+        ledger: ledger_record(job, &ledger, &series, start_momenta, end_momenta),
+        contacts: history.peak_state.as_ref().map(|s| snapshot(job.scene, &mut scene, s)),
+        series: Some(series),
+        ..Run::default()
+    })
+}
+
+/// Integrates without timing or judging and returns the force at the grid times: for fits.
+pub fn force_on_grid(
+    scene: &mut Scene,
+    method: &mut dyn Integrator,
+    resolution: Resolution,
+    grid: &[f64],
+) -> Result<Vec<f64>, StepError> {
+    let (force, least) =
+        (scene.channel("force:0").unwrap_or(0), scene.channel("normal_min:0").unwrap_or(0));
+    let mut history = History::new(grid.to_vec(), force, least, false);
+    let mut state = scene.initial();
+    let plan = TimePlan::new(grid.last().copied().unwrap_or(0.0), resolution);
+    let sink: &mut dyn Sink = &mut history;
+    method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
+    Ok(history.column(force))
+}
+
+fn status_of(e: &StepError) -> Status {
+    match e {
+        StepError::NewtonDiverged { .. } | StepError::SingularTangent { .. } => Status::NewtonFailure,
+        StepError::NonFinite { .. } => Status::BlowUp,
+        StepError::StepTooSmall { .. } => Status::StepUnderflow,
+        StepError::Chatter { .. } => Status::Chatter,
+        StepError::Timeout { .. } | StepError::Interrupted { .. } => Status::Timeout,
+        StepError::Unsupported { .. } | StepError::Library { .. } => Status::NewtonFailure,
+    }
+}
+
+/// Failures that only the whole run shows.
+fn judge(
+    job: &Job<'_>,
+    history: &History,
+    ledger: &Ledger,
+    series: &TimeSeries,
+) -> Option<(Status, String)> {
+    if let Some((mesh, depth)) = deepest(job.scene, series) {
+        return Some((
+            Status::Tunnelling,
+            format!("the teeth of mesh {mesh} overlap by {:.3} mm: a contact was missed", depth * 1e3),
+        ));
+    }
+    if history.least_normal < -1e-6 * history.peak {
+        return Some((
+            Status::AdhesiveForce,
+            format!("a contact pulls with {:.3e} N", -history.least_normal),
+        ));
+    }
+    let residual = ledger.residual_relative();
+    if residual > ENERGY_GROWTH || !residual.is_finite() {
+        return Some((
+            Status::EnergyGrowth,
+            format!("the energy ledger gained {:.1} % that nothing put in", residual * 100.0),
+        ));
+    }
+    None
+}
+
+/// Mesh whose teeth overlap beyond all reason, with the depth [m].
+fn deepest(scene: &SceneSpec, series: &TimeSeries) -> Option<(usize, f64)> {
+    let column = |name: &str| series.columns.iter().find(|c| c.name.starts_with(name));
+    for (m, mesh) in scene.meshes.iter().enumerate() {
+        let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
+        let Ok(layout) = mesh_layout(a, b) else { continue };
+        let (Some(qa), Some(qb)) = (
+            column(&format!("travel_{}_", a.name)),
+            column(&format!("travel_{}_", b.name)),
+        ) else {
+            continue;
+        };
+        let Body::Gear(gear) = &a.body else { continue };
+        let sign = mesh.start.side.sign();
+        let along_b = if matches!(b.body, Body::Gear(_)) { 1.0 } else { -1.0 };
+        for (x, y) in qa.values.iter().zip(&qb.values) {
+            // Approach of the flanks that started `gap` apart; the others are one backlash away.
+            let approach = sign * (lever(&a.body) * x + along_b * lever(&b.body) * y);
+            let depth = (approach - mesh.start.gap)
+                .max(-approach - (layout.backlash - mesh.start.gap));
+            if depth > TUNNELLING * gear.params().module {
+                return Some((m, depth));
+            }
+        }
+    }
+    None
+}
+
+fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
+    let column = |name: String| {
+        scene.channel(&name).map_or_else(Vec::new, |c| history.column(c))
+    };
+    let names: Vec<&str> = job.scene.gears.iter().map(|g| g.name.as_str()).collect();
+    let mut series = TimeSeries {
+        time_s: history.time.clone(),
+        contact_force_n: column("force:0".into()),
+        omega1_rad_s: names.first().map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        omega2_rad_s: names.get(1).map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        columns: Vec::new(),
+    };
+    for g in &job.scene.gears {
+        let unit = if matches!(g.body, Body::Gear(_)) { "rad" } else { "m" };
+        series.columns.push(gearbench_reports::series::Column {
+            name: format!("travel_{}_{unit}", g.name),
+            values: column(format!("travel:{}", g.name)),
+        });
+    }
+    series.finite_prefix()
+}
+
+/// Momentum of each gear along its line of action, `L / r_b` [N s].
+fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
+    let mut out = Outputs::default();
+    scene.output(state.at(), &mut out);
+    scene
+        .gears()
+        .iter()
+        .map(|g| g.model.hub_state(g.at(state.at())).momentum)
+        .collect()
+}
+
+fn ledger_record(
+    job: &Job<'_>,
+    ledger: &Ledger,
+    series: &TimeSeries,
+    start: Vec<f64>,
+    end: Vec<f64>,
+) -> record::Ledger {
+    let impulse: f64 = series
+        .time_s
+        .windows(2)
+        .zip(series.contact_force_n.windows(2))
+        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
+        .sum();
+    // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive).
+    let two_free = job.scene.gears.len() == 2
+        && job.scene.gears.iter().all(|g| {
+            g.loads.is_empty()
+                && matches!(
+                    g.mount,
+                    gearbench_models::mount::Mount::Revolute | gearbench_models::mount::Mount::Prismatic
+                )
+        });
+    let drift = two_free.then(|| {
+        let r = [lever(&job.scene.gears[0].body), lever(&job.scene.gears[1].body)];
+        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) { -1.0 } else { 1.0 };
+        let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
+        let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);
+        (change[0] / r[0] + sign * change[1] / r[1]) / moved
+    });
+    let e = ledger.end;
+    record::Ledger {
+        energy_start_j: ledger.start.and_then(|e| finite(e.total())),
+        energy_end_j: finite(e.total()),
+        kinetic_j: finite(e.kinetic),
+        strain_j: finite(e.strain),
+        contact_j: finite(e.contact),
+        external_work_j: finite(ledger.external),
+        // What a damper leaves in the contact when it lets go is lost there and then.
+        dissipated_j: finite(ledger.dissipated - ledger.jumps),
+        parametric_work_j: finite(ledger.parametric),
+        residual_j: finite(ledger.residual()),
+        residual_rel: finite(ledger.residual_relative()),
+        impulse_ns: finite(impulse),
+        invariant_drift_rel: drift.and_then(finite),
+    }
+}
+
+/// The mesh at one state: outlines turned and placed, contacts with their forces.
+fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
+    let phases = scene.phases().to_vec();
+    let mut outlines = Vec::new();
+    for ((g, s), phase) in spec.gears.iter().zip(scene.gears()).zip(&phases) {
+        let travel = s.model.hub_state(s.at(state.at())).travel;
+        let (turn, shift, points) = match &g.body {
+            Body::Gear(gear) => (phase + travel, 0.0, gear.outline(24)),
+            Body::Rack(rack) => {
+                // Outline: teeth towards -x, travel along +y.
+                (g.facing + std::f64::consts::PI, phase + travel, rack.outline(24))
+            }
+        };
+        let (sin, cos) = turn.sin_cos();
+        let points = points
+            .into_iter()
+            .map(|[x, y]| {
+                let y = y + shift;
+                [g.position[0] + cos * x - sin * y, g.position[1] + sin * x + cos * y]
+            })
+            .collect();
+        outlines.push(Outline { gear: g.name.clone(), points });
+    }
+    let forces = scene.contact_forces(state.at());
+    let line = forces.first().and_then(|f| scene.line_of_action(f));
+    let contacts = forces
+        .iter()
+        .map(|f| ContactPoint {
+            point: [f.x.x, f.x.y],
+            force: [f.force.x, f.force.y],
+            pair: pair_name(spec, f),
+        })
+        .collect();
+    ContactSnapshot { time_s: state.t, outlines, line_of_action: line, contacts }
+}
+
+/// Teeth of a contact, counted from 1 within each gear.
+fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
+    let gears = spec.meshes[f.mesh].gears;
+    let name = |k: usize| {
+        let teeth = match &spec.gears[gears[k]].body {
+            Body::Gear(g) => i64::from(g.teeth()),
+            Body::Rack(r) => i64::from(r.teeth()),
+        };
+        f.teeth[k].index.rem_euclid(teeth) + 1
+    };
+    format!("{}-{}", name(0), name(1))
+}

@@ -1,0 +1,163 @@
+//! The stored references. A further one is a folder with its files and one line in [`REFERENCES`].
+
+use crate::external::{ExternalReference, ReferenceError};
+
+/// A stored reference before it is read: the embedded files.
+#[derive(Clone, Copy, Debug)]
+pub struct StoredReference {
+    /// Id, `program/case`.
+    pub id: &'static str,
+    /// One line for legends and lists.
+    pub title: &'static str,
+    /// Command that computes it again, from the root of the repository.
+    pub regenerate: &'static str,
+    pub(crate) source: &'static str,
+    pub(crate) params: &'static str,
+    pub(crate) summary: &'static str,
+    pub(crate) results: &'static str,
+    pub(crate) deck: &'static [u8],
+}
+
+/// Embeds the folder of a case.
+macro_rules! stored {
+    ($program:literal, $case:literal, $deck:literal, $title:literal) => {
+        StoredReference {
+            id: concat!($program, "/", $case),
+            title: $title,
+            regenerate: concat!("reference/", $program, "/regenerate.sh ", $case),
+            source: include_str!(concat!("../", $program, "/", $case, "/SOURCE.md")),
+            params: include_str!(concat!("../", $program, "/", $case, "/params.json")),
+            summary: include_str!(concat!("../", $program, "/", $case, "/summary.json")),
+            results: include_str!(concat!("../", $program, "/", $case, "/results.csv")),
+            deck: include_bytes!(concat!("../", $program, "/", $case, "/", $deck, ".inp.gz")),
+        }
+    };
+}
+
+/// All stored references.
+pub static REFERENCES: &[StoredReference] = &[
+    stored!("calculix", "case-a-fine", "AF8_d05", "CalculiX 2.20, C3D8, impact of z = 20/30, m = 4 mm at 20 rad/s"),
+    stored!("calculix", "case-c", "C8_d25", "CalculiX 2.20, C3D8, impact of z = 30/30, m = 10 mm at 3 rad/s"),
+];
+
+impl StoredReference {
+    /// Reads the embedded files.
+    ///
+    /// # Errors
+    /// [`ReferenceError::Damaged`] names the file and what is wrong.
+    pub fn load(&self) -> Result<ExternalReference, ReferenceError> {
+        ExternalReference::read(self)
+    }
+}
+
+/// Finds a stored reference by its id and reads it.
+///
+/// # Errors
+/// [`ReferenceError::Unknown`] lists the ids there are.
+pub fn reference(id: &str) -> Result<ExternalReference, ReferenceError> {
+    match REFERENCES.iter().find(|r| r.id == id) {
+        Some(stored) => stored.load(),
+        None => Err(ReferenceError::Unknown {
+            id: id.into(),
+            known: REFERENCES.iter().map(|r| r.id).collect::<Vec<_>>().join(", "),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::external::trapezoid;
+
+    fn close(found: f64, expected: f64, relative: f64) {
+        assert!(
+            (found - expected).abs() <= relative * expected.abs(),
+            "found {found}, expected {expected} within {relative}"
+        );
+    }
+
+    #[test]
+    fn every_reference_is_consistent_with_its_summary() {
+        for stored in REFERENCES {
+            let r = stored.load().unwrap();
+            let (h, s, p) = (&r.history, &r.summary, &r.parameters);
+            let last = h.len() - 1;
+            assert_eq!(h.len() as u32, s.increments + 1, "{}", r.id);
+            close(h.time[last], s.end_s, 1e-8);
+            close(h.impulse(), s.impulse_ns, 1e-6);
+            assert_eq!(h.peak().1, s.peak_time_s);
+            close(h.peak().0, s.peak_force_n, 1e-8);
+            assert_eq!(h.contact_interval(), Some((s.first_contact_s, s.last_contact_s)));
+            close(h.omega1_mean[last], s.omega1_mean_end_rad_s, 1e-7);
+            close(h.omega2_mean[last], s.omega2_mean_end_rad_s, 1e-7);
+            close(h.omega1_hub[last], s.omega1_hub_end_rad_s, 1e-7);
+            close(h.energy(last), s.energy_end_j, 1e-7);
+            close(h.energy(0), s.energy_start_j, 1e-7);
+            assert_eq!(h.contact_force[0], 0.0);
+            assert_eq!([h.omega1_mean[0], h.omega2_mean[0]], [p.gears[0].speed, p.gears[1].speed]);
+            // Angular momentum of each gear against the integrated moment on it.
+            let x: Vec<f64> = h.moment.clone();
+            close(trapezoid(&h.time, &x), s.angular_impulse1_nms, 1e-6);
+            for (gear, mean, impulse) in [
+                (0, &h.omega1_mean, s.angular_impulse1_nms),
+                (1, &h.omega2_mean, s.angular_impulse2_nms),
+            ] {
+                close(p.gears[gear].inertia * (mean[last] - mean[0]), impulse, 2e-6);
+            }
+            // The moment on gear 2 is that of the opposite force about its own axis.
+            let about_2: Vec<f64> = h
+                .moment
+                .iter()
+                .zip(&h.force[1])
+                .map(|(m, fy)| -(m - p.centre_distance * fy))
+                .collect();
+            close(trapezoid(&h.time, &about_2), s.angular_impulse2_nms, 1e-6);
+            let [m1, m2] = [0, 1].map(|i| p.gears[i].inertia / p.gears[i].base_radius.powi(2));
+            let reduced = m1 * m2 / (m1 + m2);
+            close(reduced, s.reduced_mass_kg, 1e-12);
+            close(2.0 * reduced * s.approach_speed_m_s, s.impulse_rigid_elastic_ns, 1e-12);
+            close(-s.separation_speed_m_s / s.approach_speed_m_s, s.restitution, 1e-12);
+            close(p.working_pressure_angle.cos(), (p.gears[0].base_radius + p.gears[1].base_radius) / p.centre_distance, 1e-12);
+            assert!(p.gap_effective > p.gap_exact && p.gap_effective < 2e-5);
+            assert_eq!(r.deck[..2], [0x1f, 0x8b], "a gzip file");
+            assert!(r.source.contains(&stored.id["calculix/".len()..]) && r.source.contains("CalculiX"));
+            assert!(r.solver.starts_with("CalculiX 2.20"));
+        }
+    }
+
+    /// The figures printed where the data were published with their solver notes.
+    #[test]
+    fn published_figures() {
+        let a = reference("calculix/case-a-fine").unwrap();
+        close(a.history.impulse(), 0.22575, 5e-6);
+        close(a.history.peak().0, 3725.0, 5e-5);
+        assert_eq!(a.history.peak().1, 56e-6);
+        assert_eq!(a.history.contact_interval(), Some((4.5e-6, 103.5e-6)));
+        close(a.summary.omega1_mean_end_rad_s, -7.3385, 1e-5);
+        close(a.summary.omega2_mean_end_rad_s, -8.2467, 1e-5);
+        close(a.summary.restitution, 0.9854, 5e-5);
+        close(a.parameters.gears[0].inertia, 3.102056e-4, 1e-7);
+        close(a.parameters.gears[1].inertia, 1.5432706e-3, 1e-7);
+        close(a.parameters.gap_effective, 3.107e-6, 1e-4);
+        assert_eq!(a.parameters.gears.clone().map(|g| g.teeth), [20, 30]);
+
+        let c = reference("calculix/case-c").unwrap();
+        close(c.history.impulse(), 5.17656, 1e-6);
+        close(c.history.peak().0, 27162.0, 1e-5);
+        assert_eq!(c.history.peak().1, 192.5e-6);
+        assert_eq!(c.history.contact_interval(), Some((35e-6, 345e-6)));
+        close(c.summary.omega1_mean_end_rad_s, 0.0291, 1e-3);
+        close(c.summary.omega2_mean_end_rad_s, -2.9703, 2e-5);
+        close(c.summary.restitution, 0.9804, 5e-5);
+        close(c.parameters.gears[0].inertia, 0.24557573, 1e-7);
+    }
+
+    #[test]
+    fn an_unknown_id_lists_the_known_ones() {
+        let message = reference("calculix/case-b").unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "there is no reference `calculix/case-b`; there are calculix/case-a-fine, calculix/case-c"
+        );
+    }
+}
