@@ -255,8 +255,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
                 if !fixed && !located {
                     let e = err.max(1e-10);
                     let largest = if after_rejection { 1.0 } else { 10.0 };
-                    let factor =
-                        0.9 * e.powf(-0.85 * exponent) * err_old.powf(0.2 * exponent);
+                    let factor = 0.9 * e.powf(-0.85 * exponent) * err_old.powf(0.2 * exponent);
                     // A step cut by a knot or the end says nothing about the step to take next.
                     let uncut = if t_new == stop { h_next } else { 0.0 };
                     h_next = (h * factor.clamp(0.2, largest)).max(uncut);
@@ -360,8 +359,7 @@ impl<M: OneStep> Stepped<M> {
         let mut stretch = 1.0;
         for location in 1..=MAX_LOCATIONS {
             if theta < 1.0 {
-                self.method
-                    .step(sys, s, theta * h, tolerance, end, work)?;
+                self.method.step(sys, s, theta * h, tolerance, end, work)?;
                 end.t = s.t + theta * h;
                 work.rejected += 1;
             } else if end.t != t_full {

@@ -6,7 +6,7 @@
 //! ```text
 //! force_l2         = sqrt( int (f(t) - f_r(t))^2 dt / int f_r(t)^2 dt )
 //! force_l2_aligned = min over tau of the same with f(t - tau);  time_shift_s = tau
-//! impulse          = int f dt                    (on the run's own grid)
+//! impulse          = int f dt                    (on the run's own grid, while the reference lasts)
 //! duration         = time in which f exceeds 1e-6 of its own peak
 //! ```
 //!
@@ -55,12 +55,15 @@ pub fn compare_with(
     against: &str,
     options: &CompareOptions,
 ) -> Metrics {
-    let run = Force::of(series);
     let target = Force::of(reference);
+    // What a run does after its reference ends can not be judged by it.
+    let window = target.t.last().copied().unwrap_or(f64::INFINITY);
+    let run = Force::of(series).until(window);
+    let end = |column: &[f64]| last_finite(&column[..run.t.len().min(column.len())]);
     let mut metrics = Metrics {
         against: against.to_owned(),
-        omega1_end: last_finite(&series.omega1_rad_s),
-        omega2_end: last_finite(&series.omega2_rad_s),
+        omega1_end: end(&series.omega1_rad_s),
+        omega2_end: end(&series.omega2_rad_s),
         energy_drift_rel: ledger.residual_rel.and_then(finite),
         ..Metrics::default()
     };
@@ -113,6 +116,15 @@ impl<'a> Force<'a> {
         Self {
             t: &t[..n],
             y: &y[..n],
+        }
+    }
+
+    /// The samples up to a time \[s\].
+    fn until(self, end: f64) -> Self {
+        let n = self.t.partition_point(|&t| t <= end);
+        Self {
+            t: &self.t[..n],
+            y: &self.y[..n],
         }
     }
 
@@ -349,5 +361,19 @@ mod tests {
             ..Ledger::default()
         };
         assert_eq!(compare(&r, &ledger, &r, "fe").energy_drift_rel, None);
+    }
+
+    #[test]
+    fn what_follows_the_reference_is_not_compared_with_it() {
+        let reference = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
+        let mut run = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
+        let end = reference.time_s[reference.len() - 1];
+        for i in 1..50 {
+            run.push(end + f64::from(i) * 1e-6, 9000.0, 5.0, 5.0);
+        }
+        let m = compare(&run, &Ledger::default(), &reference, "calculix");
+        assert!(m.peak_force_rel.is_some_and(|x| x.abs() < 1e-12), "{m:?}");
+        assert!(m.impulse_rel.is_some_and(|x| x.abs() < 1e-9), "{m:?}");
+        assert_eq!(m.omega1_end, reference.omega1_rad_s.last().copied());
     }
 }

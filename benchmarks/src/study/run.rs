@@ -175,13 +175,15 @@ pub fn force_on_grid(
     scene: &mut Scene,
     method: &mut dyn Integrator,
     resolution: Resolution,
+    max_steps: u64,
     grid: &[f64],
 ) -> Result<Vec<f64>, StepError> {
     let (force, least) =
         (scene.channel("force:0").unwrap_or(0), scene.channel("normal_min:0").unwrap_or(0));
     let mut history = History::new(grid.to_vec(), force, least, false);
     let mut state = scene.initial();
-    let plan = TimePlan::new(grid.last().copied().unwrap_or(0.0), resolution);
+    let end = grid.last().copied().unwrap_or(0.0);
+    let plan = TimePlan { max_steps, ..TimePlan::new(end, resolution) };
     let sink: &mut dyn Sink = &mut history;
     method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
     Ok(history.column(force))

@@ -5,8 +5,8 @@
 //! fourth-order interpolant. W. Kutta (1901); J. R. Dormand, P. J. Prince, *J. Comp. Appl. Math.* 6 (1980)
 //! 19; interpolant from L. F. Shampine, *Math. Comp.* 46 (1986) 135.
 
-use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
 use crate::interpolation::hermite_with_acceleration;
+use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
 use crate::system::{At, SecondOrderSystem, State};
 
 /// What RK4 declares.
@@ -162,29 +162,45 @@ impl RungeKutta {
 /// `out = base + h sum_j a_j k_j` over the first stages of `k`, each as long as `out`.
 #[inline]
 fn combine(out: &mut [f64], base: &[f64], h: f64, a: &[f64], k: &[f64]) {
-    // A number of terms known to the compiler is worth a factor of three with two coordinates.
-    match a.len() {
-        1 => combine_terms::<1>(out, base, h, a, k),
-        2 => combine_terms::<2>(out, base, h, a, k),
-        3 => combine_terms::<3>(out, base, h, a, k),
-        4 => combine_terms::<4>(out, base, h, a, k),
-        5 => combine_terms::<5>(out, base, h, a, k),
-        6 => combine_terms::<6>(out, base, h, a, k),
-        _ => combine_terms::<7>(out, base, h, a, k),
+    // Numbers of terms and of coordinates known to the compiler are worth a factor of three to five in a
+    // step of two coordinates.
+    match out.len() {
+        1 => terms::<1>(out, base, h, a, k),
+        2 => terms::<2>(out, base, h, a, k),
+        3 => terms::<3>(out, base, h, a, k),
+        4 => terms::<4>(out, base, h, a, k),
+        _ => terms::<0>(out, base, h, a, k),
     }
 }
 
 #[inline]
-fn combine_terms<const S: usize>(out: &mut [f64], base: &[f64], h: f64, a: &[f64], k: &[f64]) {
-    let n = out.len();
-    let base = &base[..n];
-    let mut weight = [0.0; S];
-    weight.copy_from_slice(a);
-    let stage: [&[f64]; S] = std::array::from_fn(|j| &k[j * n..][..n]);
+fn terms<const N: usize>(out: &mut [f64], base: &[f64], h: f64, a: &[f64], k: &[f64]) {
+    match a.len() {
+        1 => sum::<1, N>(out, base, h, a, k),
+        2 => sum::<2, N>(out, base, h, a, k),
+        3 => sum::<3, N>(out, base, h, a, k),
+        4 => sum::<4, N>(out, base, h, a, k),
+        5 => sum::<5, N>(out, base, h, a, k),
+        6 => sum::<6, N>(out, base, h, a, k),
+        _ => sum::<7, N>(out, base, h, a, k),
+    }
+}
+
+/// `S` terms of `N` coordinates; `N = 0` means a number of coordinates known at run time only.
+#[inline(always)]
+fn sum<const S: usize, const N: usize>(
+    out: &mut [f64],
+    base: &[f64],
+    h: f64,
+    a: &[f64],
+    k: &[f64],
+) {
+    let n = if N == 0 { out.len() } else { N };
+    let (out, base, a, k) = (&mut out[..n], &base[..n], &a[..S], &k[..S * n]);
     for i in 0..n {
         let mut sum = 0.0;
         for j in 0..S {
-            sum += weight[j] * stage[j][i];
+            sum += a[j] * k[j * n + i];
         }
         out[i] = base[i] + h * sum;
     }

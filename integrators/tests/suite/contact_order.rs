@@ -82,7 +82,10 @@ fn adaptive_methods_follow_their_tolerance_through_an_impact() {
             let tolerances = (0..11).map(|i| 10f64.powf(-5.0 - 0.5 * f64::from(i)));
             let observed = tolerance_slope(method, &hammer, after_impact(&hammer), tolerances);
             let declared = method.info.tolerance_slope;
-            println!("{:20} slope {observed:.3}, declared {declared:.3}", method.info.id);
+            println!(
+                "{:20} slope {observed:.3}, declared {declared:.3}",
+                method.info.id
+            );
             assert!(
                 (observed - declared).abs() <= 0.15,
                 "{}: error falls with rtol^{observed:.3}, declared {declared}",
@@ -103,7 +106,10 @@ fn adaptive_methods_follow_their_tolerance_through_24_impacts() {
         let tolerances = (0..9).map(|i| 10f64.powf(-5.0 - 0.5 * f64::from(i)));
         let observed = tolerance_slope(method, &hammer, t_end, tolerances);
         let declared = method.info.tolerance_slope;
-        println!("{:20} slope {observed:.3}, declared {declared:.3}", method.info.id);
+        println!(
+            "{:20} slope {observed:.3}, declared {declared:.3}",
+            method.info.id
+        );
         assert!(
             (observed - declared).abs() <= 0.2,
             "{}: error falls with rtol^{observed:.3}, declared {declared}",

@@ -28,7 +28,9 @@ impl Sink for Inside {
         let mut mismatch = |theta: f64, s: &State| {
             step.dense.eval(theta, &mut q, &mut v);
             for i in 0..2 {
-                self.ends = self.ends.max((q[i] - s.q[i]).abs().max((v[i] - s.v[i]).abs()));
+                self.ends = self
+                    .ends
+                    .max((q[i] - s.q[i]).abs().max((v[i] - s.v[i]).abs()));
             }
         };
         mismatch(1.0, step.to);
@@ -64,7 +66,10 @@ fn dense_output_does_not_spoil_the_order() {
             v.push((5.0 / n, e.v));
         }
         let (q, v) = (slope(&q), slope(&v));
-        println!("{:20} interpolant of order {q:.2} in q, {v:.2} in v", info.id);
+        println!(
+            "{:20} interpolant of order {q:.2} in q, {v:.2} in v",
+            info.id
+        );
         let wanted = f64::from(info.order.min(4)) - 0.15;
         assert!(q >= wanted && v >= wanted, "{}: {q:.2} {v:.2}", info.id);
     }
@@ -73,7 +78,10 @@ fn dense_output_does_not_spoil_the_order() {
 /// Under a tolerance the error inside steps stays near the error at the end of the run.
 #[test]
 fn dense_output_of_adaptive_methods_follows_the_tolerance() {
-    for method in METHODS.iter().filter(|m| m.info.stepping != Stepping::Fixed) {
+    for method in METHODS
+        .iter()
+        .filter(|m| m.info.stepping != Stepping::Fixed)
+    {
         for rtol in [1e-5, 1e-7, 1e-9] {
             let plan = TimePlan::new(20.0, Resolution::Tolerance(rtol));
             let (e, end) = inside(method, &plan);
@@ -82,7 +90,13 @@ fn dense_output_of_adaptive_methods_follows_the_tolerance() {
                 method.info.id, e.q, e.v, e.ends
             );
             let allowed = 5e3 * rtol.powf(method.info.tolerance_slope.min(0.8));
-            assert!(e.q.max(e.v) < allowed, "{} at {rtol:.0e}: {:.1e} {:.1e}", method.info.id, e.q, e.v);
+            assert!(
+                e.q.max(e.v) < allowed,
+                "{} at {rtol:.0e}: {:.1e} {:.1e}",
+                method.info.id,
+                e.q,
+                e.v
+            );
         }
     }
 }

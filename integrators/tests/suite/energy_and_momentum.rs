@@ -49,17 +49,19 @@ fn symplectic_methods_hold_energy_on_long_runs() {
         let mut work = Work::default();
         by_id(id)
             .build()
-            .run(
-                &mut chain,
-                &mut s,
-                &steps(t_end, 1e6),
-                &mut band,
-                &mut work,
-            )
+            .run(&mut chain, &mut s, &steps(t_end, 1e6), &mut band, &mut work)
             .unwrap();
-        println!("{id:20} energy within {:.2e} early, {:.2e} late", band.first, band.last);
+        println!(
+            "{id:20} energy within {:.2e} early, {:.2e} late",
+            band.first, band.last
+        );
         // The band is as wide in the end as in the beginning, after eight thousand periods.
-        assert!(band.last < 1.02 * band.first + 1e-12, "{id}: {:.3e} {:.3e}", band.first, band.last);
+        assert!(
+            band.last < 1.02 * band.first + 1e-12,
+            "{id}: {:.3e} {:.3e}",
+            band.first,
+            band.last
+        );
     }
 }
 
@@ -95,7 +97,12 @@ fn every_method_keeps_the_gears_invariant_through_impacts() {
         };
         let (s, work) = solve(method, &mut hammer, s, &plan);
         let drift = (hammer.momentum(&s.v) / before - 1.0).abs();
-        assert!(work.events >= 10, "{}: {} events", method.info.id, work.events);
+        assert!(
+            work.events >= 10,
+            "{}: {} events",
+            method.info.id,
+            work.events
+        );
         assert!(drift <= 1e-12, "{}: {drift:.1e}", method.info.id);
     }
 }
@@ -104,15 +111,18 @@ fn every_method_keeps_the_gears_invariant_through_impacts() {
 fn dissipated_energy_of_an_elastic_impact_falls_with_the_order() {
     let hammer = Hammer::one_impact(0.0);
     let t_end = after_impact(&hammer);
-    let energy = |v: &[f64]| {
-        hammer.inertia[0] * v[0] * v[0] + hammer.inertia[1] * v[1] * v[1]
-    };
+    let energy = |v: &[f64]| hammer.inertia[0] * v[0] * v[0] + hammer.inertia[1] * v[1] * v[1];
     for method in fixed_step() {
         let info = method.info;
         let loss: Vec<(f64, f64)> = (0..8)
             .map(|i| {
                 let n = (200.0 * f64::powf(1.25, f64::from(i))).round();
-                let (s, _) = solve(method, &mut hammer.clone(), hammer.start(), &steps(t_end, n));
+                let (s, _) = solve(
+                    method,
+                    &mut hammer.clone(),
+                    hammer.start(),
+                    &steps(t_end, n),
+                );
                 let change = energy(&s.v) / energy(&hammer.start().v) - 1.0;
                 (t_end / n, change.abs().max(1e-16))
             })
@@ -120,7 +130,10 @@ fn dissipated_energy_of_an_elastic_impact_falls_with_the_order() {
         let finest = loss[7].1;
         // Either at rounding or falling at least as fast as the order.
         let observed = slope(&loss);
-        println!("{:20} energy error {finest:.1e}, order {observed:.2}", info.id);
+        println!(
+            "{:20} energy error {finest:.1e}, order {observed:.2}",
+            info.id
+        );
         assert!(
             finest < 1e-12 || observed > f64::from(info.order) - 0.3,
             "{}: {observed:.2} {loss:?}",

@@ -162,7 +162,8 @@ fn grazing_contact_goes_through() {
             let (s, work) = solve(m, &mut sys, s, &plan);
             // The push of a graze of this depth: the speed it takes away, sqrt(2 depth), is turned round
             // within a hundredth of a second at most.
-            let allowed = if m.info.order == 1 { 3e-2 } else { 1e-3 } + 2.0 * f64::abs(depth).sqrt();
+            let allowed =
+                if m.info.order == 1 { 3e-2 } else { 1e-3 } + 2.0 * f64::abs(depth).sqrt();
             assert!(
                 (s.v[0] - 1.0).abs() < allowed && s.q[0].abs() < allowed,
                 "{} at depth {depth:.0e}: {s:?} {work:?}",
@@ -265,7 +266,12 @@ fn steps_land_on_the_knots_of_a_table() {
             _ if m.info.stepping == Stepping::Adaptive => 1e-6,
             _ => 1e-12,
         };
-        assert!((s.q[0] - x).abs() < allowed, "{}: {} {x}", m.info.id, s.q[0]);
+        assert!(
+            (s.q[0] - x).abs() < allowed,
+            "{}: {} {x}",
+            m.info.id,
+            s.q[0]
+        );
     }
 }
 
@@ -308,7 +314,7 @@ impl SecondOrderSystem for Counting {
         self.commits += 1.0;
         s.memory[0] = self.commits;
         self.seen += 1;
-        if self.seen.is_multiple_of(self.restart_every) {
+        if self.seen % self.restart_every == 0 {
             Change::Restart
         } else {
             Change::None
@@ -401,7 +407,13 @@ fn a_sink_can_stop_a_run() {
     for m in METHODS {
         let (mut s, mut work) = (Duffing::start(), Work::default());
         m.build()
-            .run(&mut Duffing, &mut s, &plan_for(m, 5.0), &mut Stop, &mut work)
+            .run(
+                &mut Duffing,
+                &mut s,
+                &plan_for(m, 5.0),
+                &mut Stop,
+                &mut work,
+            )
             .unwrap();
         assert!(s.t > 0.5 && s.t < 4.0, "{}: {}", m.info.id, s.t);
     }

@@ -102,7 +102,13 @@ fn newton_with_a_wrong_tangent_diverges() {
             tangent: |_| 0.0,
         };
         let (s, _, result) = run(by_id(id), &mut sys, state(&[1.0], &[0.0]), &steps(3.0, 3.0));
-        let Err(StepError::NewtonDiverged { t: 0.0, h, residual, iterations: 25 }) = result else {
+        let Err(StepError::NewtonDiverged {
+            t: 0.0,
+            h,
+            residual,
+            iterations: 25,
+        }) = result
+        else {
             panic!("{id}: {result:?}")
         };
         assert!(h == 1.0 && residual > 1.0);
@@ -128,7 +134,10 @@ fn a_singular_newton_matrix_is_named() {
 
 #[test]
 fn a_singular_force_drives_the_step_to_zero() {
-    for m in METHODS.iter().filter(|m| m.info.stepping != Stepping::Fixed) {
+    for m in METHODS
+        .iter()
+        .filter(|m| m.info.stepping != Stepping::Fixed)
+    {
         let mut sys = Scalar {
             force: |t, _| (0.5 - t).abs().powf(-1.5).min(1e300),
             tangent: |_| 0.0,
@@ -211,7 +220,10 @@ fn a_run_of_no_length_does_nothing() {
                 ..plan_for(m, 1.0)
             };
             let (s, work, result) = run(m, &mut Duffing, Duffing::start(), &plan);
-            assert_eq!((s, work, result), (Duffing::start(), Work::default(), Ok(())));
+            assert_eq!(
+                (s, work, result),
+                (Duffing::start(), Work::default(), Ok(()))
+            );
         }
     }
 }

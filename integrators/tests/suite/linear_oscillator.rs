@@ -64,7 +64,11 @@ fn dormand_prince_is_stable_to_one_on_the_imaginary_axis() {
     };
     for y in [0.3, 0.9, 1.0, 1.5, 3.0] {
         let observed = spectral_radius(m, y);
-        assert!((observed - exact(y)).abs() < 1e-12, "{y}: {observed} {}", exact(y));
+        assert!(
+            (observed - exact(y)).abs() < 1e-12,
+            "{y}: {observed} {}",
+            exact(y)
+        );
     }
     let limit = stability_limit(m);
     assert!((0.9..1.1).contains(&limit), "{limit}");
@@ -94,7 +98,10 @@ fn spectral_radius_at_infinity_is_the_declared_one() {
     for alpha in [0.0, 0.01, 0.02] {
         let observed = decay(&format!("hht-alpha(alpha={alpha})"), 1e6);
         let declared = (1.0 - alpha) / (1.0 + alpha);
-        assert!((observed - declared).abs() < 3e-3, "alpha {alpha}: {observed}");
+        assert!(
+            (observed - declared).abs() < 3e-3,
+            "alpha {alpha}: {observed}"
+        );
     }
     let observed = decay("newmark", 1e6);
     assert!((observed - 1.0).abs() < 3e-3, "newmark: {observed}");
@@ -115,7 +122,10 @@ fn strong_damping_dies_out_within_a_few_steps() {
         // A triple root grows with the square of the number of steps beside its power.
         let decay = (left(24.0) / left(12.0)).powf(1.0 / 12.0);
         let bound = rho * 4f64.powf(1.0 / 12.0) + 0.05;
-        assert!(decay < bound || left(24.0) < 1e-12, "rho_inf {rho}: {decay:.3} above {bound:.3}");
+        assert!(
+            decay < bound || left(24.0) < 1e-12,
+            "rho_inf {rho}: {decay:.3} above {bound:.3}"
+        );
     }
 }
 

@@ -2,7 +2,9 @@
 //! time_per_step`.
 
 use crate::problems::*;
-use gearbench_integrators::{METHODS, Method, SecondOrderSystem, State, Stepping, TimePlan, Work};
+use gearbench_integrators::{
+    At, Change, Layout, METHODS, Method, SecondOrderSystem, State, Stepping, TimePlan, Work,
+};
 use std::time::Instant;
 
 /// Least time of five runs, per accepted step [ns], and the work of one.
@@ -27,7 +29,10 @@ fn time(
 #[ignore = "measures time"]
 fn time_per_step() {
     println!("ns per step (force evaluations per step)");
-    println!("{:20} {:>16} {:>16} {:>22}", "", "chain, n = 2", "chain, n = 10", "24 impacts: us, ns/step");
+    println!(
+        "{:20} {:>16} {:>16} {:>22}",
+        "", "chain, n = 2", "chain, n = 10", "24 impacts: us, ns/step"
+    );
     for m in METHODS {
         let adaptive = m.info.stepping == Stepping::Adaptive;
         print!("{:20}", m.info.id);
@@ -58,4 +63,70 @@ fn time_per_step() {
         let (ns, work) = time(m, || Box::new(hammer.clone()), &hammer.start(), &plan);
         println!(" {:11.1} {ns:10.1}", ns * work.steps as f64 * 1e-3);
     }
+}
+
+/// A chain that asks for a restart after every step.
+struct Restarting(Chain);
+
+impl SecondOrderSystem for Restarting {
+    fn layout(&self) -> Layout {
+        self.0.layout()
+    }
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        self.0.scales(q, v);
+    }
+    fn pace(&self, at: At<'_>) -> f64 {
+        self.0.pace(at)
+    }
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.0.force(at, f);
+    }
+    fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.0.solve_mass(at, f);
+    }
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        self.0.apply_mass(at, x, y);
+    }
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        self.0.tangent_times(at, dq, dv, df);
+    }
+    fn commit(&mut self, _s: &mut State) -> Change {
+        Change::Restart
+    }
+}
+
+#[test]
+#[ignore = "measures time"]
+fn time_per_restart() {
+    for m in METHODS {
+        let chain = || Chain {
+            masses: vec![1.0; 2],
+            damping: 0.1,
+        };
+        let s = state(&[-0.3, 0.0], &[0.0, 0.0]);
+        let plan = if m.info.stepping == Stepping::Adaptive {
+            tolerance(20.0, 1e-6)
+        } else {
+            steps(20.0, 2000.0)
+        };
+        let (plain, _) = time(m, || Box::new(chain()), &s, &plan);
+        let (restarting, _) = time(m, || Box::new(Restarting(chain())), &s, &plan);
+        println!("{:20} {:9.1} ns per restart", m.info.id, restarting - plain);
+    }
+}
+#[test]
+#[ignore]
+fn probe() {
+    let hammer = Hammer::gears(0.05);
+    for (what, plan) in [("fixed", steps(0.25, 2_500_000.0)), ("noev", TimePlan{events:false, ..steps(0.25, 25_000.0)}), ("tol", tolerance(0.25, 1e-12))] {
+        let (ns, work) = time(by_id("dopri5"), || Box::new(hammer.clone()), &hammer.start(), &plan);
+        println!("{what} {ns} {work:?}");
+    }
+    let mut h: Box<dyn SecondOrderSystem> = Box::new(hammer.clone());
+    let mut s = hammer.start();
+    s.memory[0] = 1.0;
+    let mut f = [0.0; 2];
+    let now = Instant::now();
+    for _ in 0..1_000_000 { h.force(s.at(), &mut f); h.solve_mass(s.at(), &mut f); s.q[0] += 1e-9 * f[0]; }
+    println!("force {} ns {}", now.elapsed().as_secs_f64() * 1e3, s.q[0]);
 }

@@ -24,8 +24,15 @@ fn the_ledger_closes_through_damped_impacts() {
             .run(&mut hammer, &mut s, &plan, &mut ledger, &mut work)
             .unwrap();
         let residual = ledger.residual_relative();
-        println!("{:20} residual {residual:.1e}, lost {:.3e} J", method.info.id, ledger.dissipated);
-        assert!(residual.abs() < allowed, "{}: {residual:.1e}", method.info.id);
+        println!(
+            "{:20} residual {residual:.1e}, lost {:.3e} J",
+            method.info.id, ledger.dissipated
+        );
+        assert!(
+            residual.abs() < allowed,
+            "{}: {residual:.1e}",
+            method.info.id
+        );
         assert!(ledger.dissipated > 0.0);
         assert_eq!(ledger.parametric, 0.0);
     }
@@ -82,7 +89,13 @@ fn a_recorder_of_a_run_that_ends_early_is_short() {
     let (mut s, mut work) = (state(&[1.0], &[0.0]), Work::default());
     by_id("rk4")
         .build()
-        .run(&mut sys, &mut s, &steps(4.5, 450.0), &mut recorder, &mut work)
+        .run(
+            &mut sys,
+            &mut s,
+            &steps(4.5, 450.0),
+            &mut recorder,
+            &mut work,
+        )
         .unwrap();
     assert_eq!(recorder.rows.len(), 5);
 }

@@ -1,8 +1,8 @@
 //! Test systems, each bound to its exact solution where it has one.
 
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Energy, Layout, METHODS, Method, NullSink, Outputs, Power, Resolution,
-    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work,
+    AcceptedStep, At, Change, Control, Energy, Layout, METHODS, Method, NullSink, Outputs, Power,
+    Resolution, SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work,
 };
 
 /// Runs a method of the table; the state is where it ended.
@@ -332,7 +332,10 @@ impl Hammer {
 
     fn relative(&self, at: At<'_>) -> (f64, f64) {
         let r = self.radius;
-        (r[0] * at.q[0] - r[1] * at.q[1], r[0] * at.v[0] - r[1] * at.v[1])
+        (
+            r[0] * at.q[0] - r[1] * at.q[1],
+            r[0] * at.v[0] - r[1] * at.v[1],
+        )
     }
 
     /// Force on the line of action, positive on the driving flank.
@@ -388,26 +391,15 @@ impl Hammer {
         }
     }
 
-    /// Exact speeds of both gears [rad/s].
-    pub fn exact_speeds(&self, t: f64) -> [f64; 2] {
-        let r = self.radius;
-        let m = [0, 1].map(|i| self.inertia[i] / r[i].powi(2));
-        let sum = m[0] + m[1];
-        let common = (m[0] * r[0] * self.speed[0] + m[1] * r[1] * self.speed[1]) / sum;
-        let (_, u, _) = self.exact(t);
-        [
-            (common + u * m[1] / sum) / r[0],
-            (common - u * m[0] / sum) / r[1],
-        ]
-    }
-
     /// Error of the relative motion at the end, against the initial relative speed; the position counts
     /// by the speed's own length of time, half a contact.
     pub fn error(&self, s: &State) -> f64 {
         let (x, u, _) = self.exact(s.t);
         let (x1, u1) = self.relative(s.at());
         let u0 = self.radius[0] * self.speed[0] - self.radius[1] * self.speed[1];
-        ((u1 - u) / u0).abs().max(((x1 - x) * self.omega() / u0).abs())
+        ((u1 - u) / u0)
+            .abs()
+            .max(((x1 - x) * self.omega() / u0).abs())
     }
 
     /// Invariant of the pair without external torque.

@@ -27,7 +27,10 @@ fn fixed_step_methods_have_their_declared_order() {
             })
             .collect();
         let order = slope(&points);
-        println!("{:20} order {order:.3}, declared {}, errors {:.1e} .. {:.1e}", info.id, info.order, points[0].1, points[4].1);
+        println!(
+            "{:20} order {order:.3}, declared {}, errors {:.1e} .. {:.1e}",
+            info.id, info.order, points[0].1, points[4].1
+        );
         assert!(
             (order - f64::from(info.order)).abs() <= BAND,
             "{}: observed order {order:.3}, declared {}: {points:?}",
@@ -54,7 +57,10 @@ fn adaptive_methods_follow_their_tolerance() {
             })
             .collect();
         let observed = slope(&points);
-        println!("{:20} slope {observed:.3}, declared {:.3}: {:.1e} .. {:.1e}", info.id, info.tolerance_slope, points[0].1, points[12].1);
+        println!(
+            "{:20} slope {observed:.3}, declared {:.3}: {:.1e} .. {:.1e}",
+            info.id, info.tolerance_slope, points[0].1, points[12].1
+        );
         assert!(
             (observed - info.tolerance_slope).abs() <= 0.2,
             "{}: error falls with rtol^{observed:.3}, declared {}: {points:?}",

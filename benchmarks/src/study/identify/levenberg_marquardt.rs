@@ -23,7 +23,7 @@ pub struct Fit {
 
 /// Relative change of a parameter for the Jacobian.
 const DIFFERENCE: f64 = 1e-4;
-const MAX_ITERATIONS: u32 = 100;
+const MAX_ITERATIONS: u32 = 40;
 
 /// Minimises `sum r(x)^2` from `x0 > 0`; `residuals` returns `None` where they cannot be evaluated.
 /// `None` when not even the start can.
@@ -85,7 +85,7 @@ pub fn fit(
                     sum = r.norm_squared();
                     lambda = (lambda * 0.2).max(1e-9);
                     improved = true;
-                    converged = gained < 1e-9 || step.amax() < 1e-8;
+                    converged = gained < 1e-7 || step.amax() < 1e-8;
                     break;
                 }
                 _ => lambda *= 5.0,

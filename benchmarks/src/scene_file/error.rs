@@ -1,0 +1,119 @@
+//! Refusals of scene files: what is wrong, the place in the file, and a way out.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use std::fmt::Display;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Why a scene is refused. Rendered by `miette` it shows file, line and help.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct SceneError {
+    message: String,
+    help: Option<String>,
+    labels: Vec<(Range<usize>, String)>,
+    source_code: Option<Arc<NamedSource<String>>>,
+}
+
+impl SceneError {
+    /// An error without a place in a file.
+    pub fn plain(message: impl Into<String>, help: impl Into<String>) -> Self {
+        SceneError {
+            message: message.into(),
+            help: Some(help.into()),
+            labels: Vec::new(),
+            source_code: None,
+        }
+    }
+
+    /// What is wrong.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The way out.
+    pub fn help_text(&self) -> Option<&str> {
+        self.help.as_deref()
+    }
+
+    /// Line (from 1) of the first label, if the error has a place.
+    pub fn line(&self) -> Option<usize> {
+        let text = self.source_code.as_ref()?.inner();
+        let (span, _) = self.labels.first()?;
+        Some(text.as_bytes()[..span.start.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1)
+    }
+
+    /// A further label.
+    pub(super) fn and(mut self, span: Range<usize>, label: impl Into<String>) -> Self {
+        if let Some(source) = &self.source_code {
+            self.labels.push((inside(span, source.inner()), label.into()));
+        }
+        self
+    }
+}
+
+impl Diagnostic for SceneError {
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        self.help.as_ref().map(|h| Box::new(h) as Box<dyn Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source_code.as_deref().map(|s| s as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        if self.labels.is_empty() {
+            return None;
+        }
+        Some(Box::new(
+            self.labels
+                .iter()
+                .map(|(span, text)| LabeledSpan::new(Some(text.clone()), span.start, span.len())),
+        ))
+    }
+}
+
+/// A file being read: its name and text, and the source of errors about it.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    named: Arc<NamedSource<String>>,
+}
+
+impl Source {
+    pub(super) fn new(name: &str, text: &str) -> Self {
+        Source { named: Arc::new(NamedSource::new(name, text.to_owned())) }
+    }
+
+    pub(super) fn text(&self) -> &str {
+        self.named.inner()
+    }
+
+    pub(super) fn name(&self) -> &str {
+        self.named.name()
+    }
+
+    /// An error at a place: what is wrong, what the label says, the way out.
+    pub(super) fn error(
+        &self,
+        span: Range<usize>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let help = help.into();
+        SceneError {
+            message: message.into(),
+            help: (!help.is_empty()).then_some(help),
+            labels: vec![(inside(span, self.text()), label.into())],
+            source_code: Some(self.named.clone()),
+        }
+    }
+}
+
+/// The span, cut to the text and to its first line: a label over a whole table hides more than it shows.
+fn inside(span: Range<usize>, text: &str) -> Range<usize> {
+    let start = span.start.min(text.len());
+    let end = span.end.clamp(start, text.len());
+    let line = text.as_bytes()[start..end].iter().position(|&b| b == b'\n');
+    start..line.map_or(end, |n| start + n)
+}

@@ -1,0 +1,305 @@
+//! The loop over the steps of a solver: events, knots, restarts, bounds.
+
+use super::Shared;
+use super::kernel::{Counts, Kernel, KernelDense, copy, read};
+use crate::bounds::Bounds;
+use crate::events::{Root, Watch};
+use crate::method::{AcceptedStep, Control, Sink, StepError, TimePlan, Work};
+use crate::stepped::{MAX_EVENTS_AT_ONCE, first_not_finite, resolution_of_time};
+use crate::system::{Change, State};
+use diffsol::error::OdeSolverError;
+use diffsol::{DiffsolError, NalgebraContext, NalgebraVec, Vector};
+use std::cell::RefCell;
+
+/// Why a run failed.
+pub(super) enum Failed {
+    /// In our words.
+    Step(StepError),
+    /// In the library's.
+    Library(DiffsolError),
+}
+
+impl From<DiffsolError> for Failed {
+    fn from(e: DiffsolError) -> Self {
+        Failed::Library(e)
+    }
+}
+
+impl From<StepError> for Failed {
+    fn from(e: StepError) -> Self {
+        Failed::Step(e)
+    }
+}
+
+/// How a run goes on after a solver's step.
+enum Next {
+    /// With the next step.
+    Step,
+    /// From a changed state.
+    Restart,
+    /// Not at all.
+    End,
+}
+
+/// One run.
+pub(super) struct Session<'x, 'a> {
+    shared: &'x Shared<'a>,
+    s: &'x mut State,
+    plan: &'x TimePlan<'x>,
+    sink: &'x mut dyn Sink,
+    work: &'x mut Work,
+    t_begin: f64,
+    bounds: Bounds,
+    watch: Watch,
+    events: bool,
+    events_here: u32,
+    knot: f64,
+    to: State,
+    y: RefCell<NalgebraVec<f64>>,
+    seen: Counts,
+}
+
+impl<'x, 'a> Session<'x, 'a> {
+    pub(super) fn new(
+        shared: &'x Shared<'a>,
+        s: &'x mut State,
+        plan: &'x TimePlan<'x>,
+        sink: &'x mut dyn Sink,
+        work: &'x mut Work,
+    ) -> Self {
+        let sys = shared.sys.borrow();
+        let layout = sys.layout();
+        Session {
+            shared,
+            plan,
+            sink,
+            work,
+            t_begin: s.t,
+            bounds: Bounds::default(),
+            watch: Watch::new(layout.guards),
+            events: plan.events && layout.guards > 0,
+            events_here: 0,
+            knot: sys.next_knot(s.t),
+            to: s.clone(),
+            y: RefCell::new(NalgebraVec::zeros(2 * layout.n, NalgebraContext::default())),
+            seen: Counts::default(),
+            s,
+        }
+    }
+
+    /// Runs to the end of the plan. `first_step` gives the first step after a restart.
+    pub(super) fn run(
+        &mut self,
+        kernel: &mut dyn Kernel,
+        first_step: &dyn Fn(&State) -> f64,
+    ) -> Result<(), Failed> {
+        loop {
+            if self.events {
+                self.shared.guards(self.s.at(), &mut self.watch.before);
+            }
+            let h = kernel.step_size();
+            let stop = self.plan.t_end.min(self.knot);
+            // diffsol takes a stop time within a hundred units of rounding for reached.
+            let least = 200.0 * f64::EPSILON * (self.s.t.abs() + h);
+            let mut last = h;
+            if stop - self.s.t <= least.max(resolution_of_time(self.s.t, self.plan)) {
+                self.s.t = stop;
+                self.between(false);
+            } else {
+                kernel.stop_at(stop)?;
+                loop {
+                    let cut = kernel.step_size();
+                    match self.step(kernel, stop)? {
+                        Next::Step => last = cut,
+                        Next::Restart => {
+                            // The step before one that was cut short says more about the pace.
+                            last = last.max(cut);
+                            break;
+                        }
+                        Next::End => return Ok(()),
+                    }
+                }
+            }
+            if self.s.t >= self.plan.t_end {
+                return Ok(());
+            }
+            let (s, shared) = (&*self.s, self.shared);
+            kernel.restart(s.t, last.min(first_step(s)), &mut |y, dy| {
+                let n = s.q.len();
+                y[..n].copy_from_slice(&s.q);
+                y[n..].copy_from_slice(&s.v);
+                shared.rhs(y, s.t, dy);
+            });
+        }
+    }
+
+    /// One step of the solver and what follows from it.
+    fn step(&mut self, kernel: &mut dyn Kernel, stop: f64) -> Result<Next, Failed> {
+        let shared = self.shared;
+        self.bounds.check(self.plan, self.s.t, self.work)?;
+        shared.not_finite.set(None);
+        let h = kernel.step_size();
+        let stepped = kernel.step();
+        let (seen, counts) = (self.seen, kernel.counts());
+        self.seen = counts;
+        self.work.rejected += counts.rejected - seen.rejected;
+        self.work.newton_iterations += counts.newton_iterations - seen.newton_iterations;
+        self.work.factorisations += counts.factorisations - seen.factorisations;
+        self.bounds.add(counts.rejected - seen.rejected);
+        let reached = stepped.map_err(|e| explain(e, shared, self.s.t, h, counts, seen))?;
+
+        let to = &mut self.to;
+        copy(kernel.y(), &mut to.q, &mut to.v);
+        to.t = if reached { stop } else { kernel.time() };
+        if let Some(dof) = first_not_finite(to) {
+            let (t, dof) = shared.not_finite.get().unwrap_or((to.t, dof));
+            return Err(StepError::NonFinite { t, dof }.into());
+        }
+
+        let mut located = false;
+        let mut progressed = true;
+        if self.events {
+            shared.guards(to.at(), &mut self.watch.after);
+            if self.watch.any_fell() {
+                located = true;
+                progressed = self.locate(kernel)?;
+            }
+        }
+        if progressed {
+            let step = AcceptedStep {
+                from: self.s,
+                to: &self.to,
+                dense: &KernelDense {
+                    kernel,
+                    from: self.s,
+                    to: &self.to,
+                    y: &self.y,
+                },
+            };
+            let control = self.sink.accepted(&mut **shared.sys.borrow_mut(), &step);
+            self.work.steps += 1;
+            progressed = self.to.t - self.s.t > 1e-12 * (self.plan.t_end - self.t_begin);
+            std::mem::swap(self.s, &mut self.to);
+            if control == Control::Stop {
+                return Ok(Next::End);
+            }
+        }
+        if located && !progressed {
+            self.events_here += 1;
+            if self.events_here > MAX_EVENTS_AT_ONCE {
+                return Err(StepError::Chatter {
+                    t: self.s.t,
+                    events: self.events_here,
+                }
+                .into());
+            }
+        } else {
+            self.events_here = 0;
+        }
+        let restart = self.between(located);
+        Ok(if self.s.t >= self.plan.t_end {
+            Next::End
+        } else if restart {
+            Next::Restart
+        } else {
+            self.watch.advance();
+            Next::Step
+        })
+    }
+
+    /// Finds the first event in the last step and leaves the state there in `to`. False when it lies at the
+    /// start of the step.
+    fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+        let (s, to, y, watch) = (&*self.s, &mut self.to, self.y.get_mut(), &mut self.watch);
+        let shared = self.shared;
+        let h = to.t - s.t;
+        let mut failed = None;
+        let mut look = |theta: f64, out: &mut [f64]| {
+            to.t = s.t + theta * h;
+            match read(kernel, to.t, y, &mut to.q, &mut to.v) {
+                Ok(()) => shared.guards(to.at(), out),
+                Err(e) => {
+                    out.fill(0.0);
+                    failed = Some(e);
+                }
+            }
+        };
+        let root = watch.first_root(1e-15, &mut look);
+        if let Root::Inside(theta) = root {
+            look(theta, &mut watch.here);
+            watch.select();
+        }
+        match failed {
+            Some(e) => Err(e.into()),
+            None => Ok(root != Root::Start),
+        }
+    }
+
+    /// What happens to a state between two steps: switches, `commit`, the next knot. True when the solver
+    /// has to start afresh.
+    fn between(&mut self, located: bool) -> bool {
+        let mut sys = self.shared.sys.borrow_mut();
+        let s = &mut *self.s;
+        let keep = self.sink.wants_restarts();
+        if keep {
+            self.to.copy_from(s);
+        }
+        let mut restart = located;
+        if located {
+            self.work.events += self.watch.falling.len() as u64;
+            for &guard in &self.watch.falling {
+                sys.switch(s, guard);
+            }
+        }
+        restart |= sys.commit(s) == Change::Restart;
+        if s.t >= self.knot {
+            self.knot = sys.next_knot(s.t);
+            restart = true;
+        }
+        if restart {
+            if keep {
+                self.sink.restarted(&mut **sys, &self.to, s);
+            }
+            if s.t < self.plan.t_end {
+                self.work.restarts += 1;
+            }
+        }
+        self.to.memory.copy_from_slice(&s.memory);
+        self.shared.memory.borrow_mut().copy_from_slice(&s.memory);
+        restart
+    }
+}
+
+/// Says in the words of [`StepError`] why a step failed that started at `t` with size `h`.
+fn explain(
+    e: DiffsolError,
+    shared: &Shared<'_>,
+    t: f64,
+    h: f64,
+    counts: Counts,
+    seen: Counts,
+) -> Failed {
+    if let Some((t, dof)) = shared.not_finite.get() {
+        return StepError::NonFinite { t, dof }.into();
+    }
+    let newton = counts.newton_failures - seen.newton_failures;
+    let errors = counts.rejected - seen.rejected - newton;
+    match e {
+        DiffsolError::OdeSolverError(
+            OdeSolverError::StepSizeTooSmall { .. }
+            | OdeSolverError::TooManyErrorTestFailures { .. }
+            | OdeSolverError::TooManyNonlinearSolverFailures { .. },
+        ) => if newton > errors {
+            StepError::NewtonDiverged {
+                t,
+                h,
+                residual: f64::INFINITY,
+                iterations: (counts.newton_iterations - seen.newton_iterations) as u32,
+            }
+        } else {
+            StepError::StepTooSmall { t, h }
+        }
+        .into(),
+        e => Failed::Library(e),
+    }
+}
