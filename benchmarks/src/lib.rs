@@ -1,3 +1,12 @@
-//! The library behind the command `gearbench`: scenes and studies.
+//! The library behind the command `gearbench`: scenes, studies, commands.
+//!
+//! | room | owns |
+//! |---|---|
+//! | [`scene_file`] | the scene format, the shipped scenes, calibrations |
+//! | [`study`] | what is computed: runs, comparison, identification |
+//! | [`cli`], [`commands`] | arguments and help; files, messages, exit codes |
 
+pub mod cli;
+pub mod commands;
+pub mod scene_file;
 pub mod study;

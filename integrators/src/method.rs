@@ -39,7 +39,7 @@ pub struct MethodInfo {
     pub id: &'static str,
     /// Name in text.
     pub name: &'static str,
-    /// Order of convergence on smooth problems.
+    /// Order of convergence on smooth problems; the highest one of a method of variable order.
     pub order: u32,
     /// Solves equations in each step.
     pub implicit: bool,
@@ -47,7 +47,8 @@ pub struct MethodInfo {
     pub stepping: Stepping,
     /// Slope of log(error) over log(rtol) under a tolerance; 0 when the method has none.
     pub tolerance_slope: f64,
-    /// Loses energy on a linear undamped oscillator at finite step.
+    /// Loses energy on a linear undamped oscillator at finite step. A method that does not may still gain
+    /// some (Tsitouras) or let it swing (symplectic methods).
     pub dissipative: bool,
     /// Parameters.
     pub parameters: &'static [Parameter],

@@ -37,6 +37,10 @@ pub static METHODS: &[Method] = &[
         make: |_| Box::new(Stepped::new(RungeKutta::dopri5())),
     },
     Method {
+        info: &tsit45::INFO,
+        make: |_| Box::new(Diffsol::new(&tsit45::INFO, Solver::Tsit45)),
+    },
+    Method {
         info: &generalised_alpha::NEWMARK,
         make: |p| Box::new(Stepped::new(GeneralisedAlpha::newmark(p[0]))),
     },
@@ -47,10 +51,6 @@ pub static METHODS: &[Method] = &[
     Method {
         info: &generalised_alpha::GENERALISED_ALPHA,
         make: |p| Box::new(Stepped::new(GeneralisedAlpha::chung_hulbert(p[0]))),
-    },
-    Method {
-        info: &tsit45::INFO,
-        make: |_| Box::new(Diffsol::new(&tsit45::INFO, Solver::Tsit45)),
     },
     Method {
         info: &diffsol_methods::BDF,
@@ -138,4 +138,50 @@ pub fn method(text: &str) -> Result<(&'static Method, Box<dyn Integrator>), Stri
     }
     let built = row.build_with(&given)?;
     Ok((row, built))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_distinct_and_admissible() {
+        for (i, m) in METHODS.iter().enumerate() {
+            let info = m.info;
+            assert!(METHODS[..i].iter().all(|other| other.info.id != info.id));
+            assert!(info.order >= 1 && !info.citation.is_empty());
+            let adaptive = info.stepping != crate::Stepping::Fixed;
+            assert_eq!(adaptive, info.tolerance_slope > 0.0, "{}", info.id);
+            for p in info.parameters {
+                assert!((p.range.0..=p.range.1).contains(&p.default), "{}", info.id);
+            }
+            assert_eq!(m.build().info(), info);
+        }
+    }
+
+    #[test]
+    fn methods_are_found_by_name_and_parameters() {
+        for m in METHODS {
+            assert_eq!(method(m.info.id).unwrap().1.info(), m.info);
+        }
+        assert!(method(" generalised-alpha( rho_inf = 0.5 ) ").is_ok());
+        assert!(method("newmark()").is_ok());
+    }
+
+    #[test]
+    fn refusals_say_what_is_known() {
+        for (text, says) in [
+            ("rk5", "semi-implicit-euler"),
+            ("rk4(h=1)", "no parameters"),
+            ("newmark(gamma=0.5)", "it has beta"),
+            ("newmark(beta=2)", "outside [0, 0.5]"),
+            ("newmark(beta=NaN)", "outside"),
+            ("newmark(beta)", "name=value"),
+            ("newmark(beta=x)", "not a number"),
+            ("newmark(beta=0.2", "closing bracket"),
+        ] {
+            let error = method(text).err().unwrap_or_default();
+            assert!(error.contains(says), "{text}: {error}");
+        }
+    }
 }

@@ -87,14 +87,17 @@ impl<'a> Section<'a> {
 
     /// A value that must be there.
     pub(super) fn need(&self, name: &str) -> Result<Entry<'a>, SceneError> {
-        self.get(name).ok_or_else(|| {
-            let meaning = self.keys.iter().find(|k| k.name == name).map_or("", |k| k.meaning);
-            self.error(
-                format!("`{name}` is missing in {}", self.place),
-                "here",
-                format!("add `{name}`: {meaning}"),
-            )
-        })
+        self.get(name).ok_or_else(|| self.missing(name))
+    }
+
+    /// The error of a key that must be there and is not.
+    pub(super) fn missing(&self, name: &str) -> SceneError {
+        let meaning = self.keys.iter().find(|k| k.name == name).map_or("", |k| k.meaning);
+        self.error(
+            format!("`{name}` is missing in {}", self.place),
+            "here",
+            format!("add `{name}`: {meaning}"),
+        )
     }
 
     /// An error about the table as a whole.

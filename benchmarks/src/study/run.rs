@@ -1,11 +1,10 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
-use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{
-    Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
+    AcceptedStep, Control, Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
@@ -22,6 +21,28 @@ use std::time::{Duration, Instant};
 const ENERGY_GROWTH: f64 = 0.02;
 /// Penetration beyond which teeth have passed through each other, in modules.
 const TUNNELLING: f64 = 0.1;
+
+/// Made-up share of the energy at which a run is beyond saving and stops.
+const HOPELESS: f64 = 0.5;
+
+/// Observes a run and stops it once its energy is mostly made up: an unstable run would otherwise go on to
+/// ever larger numbers and ever more impacts.
+struct Watch<'a> {
+    history: &'a mut History,
+    ledger: &'a mut Ledger,
+}
+
+impl Sink for Watch<'_> {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        self.history.accepted(sys, step);
+        self.ledger.accepted(sys, step);
+        if self.ledger.residual_relative() > HOPELESS { Control::Stop } else { Control::Continue }
+    }
+
+    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.ledger.restarted(sys, before, after);
+    }
+}
 
 /// An integrator with its resolution, as a scene or the command line asks for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,10 +122,12 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     let mut state = scene.initial();
     let start_momenta = momenta(&mut scene, &state);
     let mut work = Work::default();
+    let begin = Instant::now();
     let outcome = {
-        let mut sinks = Tee(vec![&mut history, &mut ledger]);
-        method.run(&mut scene, &mut state, &job.plan(), &mut sinks, &mut work)
+        let mut watch = Watch { history: &mut history, ledger: &mut ledger };
+        method.run(&mut scene, &mut state, &job.plan(), &mut watch, &mut work)
     };
+    let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Interrupted { .. }) = outcome {
         return Err(RunError::Interrupted);
     }
@@ -124,8 +147,8 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         (status, message) = (s, Some(m));
     }
 
-    // Timings come from runs without observers; a failed run is timed once, as far as it went.
-    let repeats = if outcome.is_ok() { job.repeats.max(1) } else { 1 };
+    // Timings come from runs without observers. A failed run is not repeated: its time is no cost.
+    let repeats = if status.is_failure() { 0 } else { job.repeats };
     let mut walls = Vec::new();
     for _ in 0..repeats {
         let mut s = scene.initial();
@@ -136,6 +159,9 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         if job.cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed)) {
             return Err(RunError::Interrupted);
         }
+    }
+    if walls.is_empty() {
+        walls.push(observed);
     }
     walls.sort_by(f64::total_cmp);
     let wall_s = walls[walls.len() / 2];
@@ -207,6 +233,17 @@ fn judge(
     ledger: &Ledger,
     series: &TimeSeries,
 ) -> Option<(Status, String)> {
+    let residual = ledger.residual_relative();
+    if residual > ENERGY_GROWTH || !residual.is_finite() {
+        return Some((
+            Status::EnergyGrowth,
+            format!(
+                "{:.1} % of the energy at t = {:.4e} s is made up by the integration; use a smaller step",
+                residual * 100.0,
+                series.time_s.last().copied().unwrap_or(0.0)
+            ),
+        ));
+    }
     if let Some((mesh, depth)) = deepest(job.scene, series) {
         return Some((
             Status::Tunnelling,
@@ -217,13 +254,6 @@ fn judge(
         return Some((
             Status::AdhesiveForce,
             format!("a contact pulls with {:.3e} N", -history.least_normal),
-        ));
-    }
-    let residual = ledger.residual_relative();
-    if residual > ENERGY_GROWTH || !residual.is_finite() {
-        return Some((
-            Status::EnergyGrowth,
-            format!("the energy ledger gained {:.1} % that nothing put in", residual * 100.0),
         ));
     }
     None

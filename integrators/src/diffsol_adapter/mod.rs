@@ -136,6 +136,12 @@ impl Integrator for Diffsol {
     ) -> Result<(), StepError> {
         let rtol = tolerance_of(plan, self.info)?;
         let n = sys.layout().n;
+        if n == 0 {
+            return Err(StepError::Unsupported {
+                method: self.info.id,
+                what: "a system without coordinates",
+            });
+        }
         let tolerance = Tolerance::of(sys, rtol);
         sys.begin(s, plan.events);
         if s.t >= plan.t_end {

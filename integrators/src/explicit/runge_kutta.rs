@@ -128,7 +128,6 @@ pub struct RungeKutta {
     kv: Vec<f64>,
     q: Vec<f64>,
     v: Vec<f64>,
-    zero: Vec<f64>,
     /// The first stage holds the acceleration at the start of the step already.
     first_known: bool,
 }
@@ -153,56 +152,103 @@ impl RungeKutta {
             kv: Vec::new(),
             q: Vec::new(),
             v: Vec::new(),
-            zero: Vec::new(),
             first_known: false,
         }
     }
 }
 
-/// `out = base + h sum_j a_j k_j` over the first stages of `k`, each as long as `out`.
-#[inline]
-fn combine(out: &mut [f64], base: &[f64], h: f64, a: &[f64], k: &[f64]) {
-    // Numbers of terms and of coordinates known to the compiler are worth a factor of three to five in a
-    // step of two coordinates.
-    match out.len() {
-        1 => terms::<1>(out, base, h, a, k),
-        2 => terms::<2>(out, base, h, a, k),
-        3 => terms::<3>(out, base, h, a, k),
-        4 => terms::<4>(out, base, h, a, k),
-        _ => terms::<0>(out, base, h, a, k),
-    }
-}
-
-#[inline]
-fn terms<const N: usize>(out: &mut [f64], base: &[f64], h: f64, a: &[f64], k: &[f64]) {
-    match a.len() {
-        1 => sum::<1, N>(out, base, h, a, k),
-        2 => sum::<2, N>(out, base, h, a, k),
-        3 => sum::<3, N>(out, base, h, a, k),
-        4 => sum::<4, N>(out, base, h, a, k),
-        5 => sum::<5, N>(out, base, h, a, k),
-        6 => sum::<6, N>(out, base, h, a, k),
-        _ => sum::<7, N>(out, base, h, a, k),
-    }
-}
-
-/// `S` terms of `N` coordinates; `N = 0` means a number of coordinates known at run time only.
-#[inline(always)]
-fn sum<const S: usize, const N: usize>(
-    out: &mut [f64],
-    base: &[f64],
-    h: f64,
-    a: &[f64],
-    k: &[f64],
-) {
-    let n = if N == 0 { out.len() } else { N };
-    let (out, base, a, k) = (&mut out[..n], &base[..n], &a[..S], &k[..S * n]);
-    for i in 0..n {
-        let mut sum = 0.0;
-        for j in 0..S {
-            sum += a[j] * k[j * n + i];
+impl RungeKutta {
+    /// One step of `N` coordinates; `N = 0` means a number known at run time only. A number known to the
+    /// compiler unrolls the inner loops: a step of two coordinates is otherwise mostly bookkeeping.
+    #[inline]
+    fn step_of<const N: usize>(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        h: f64,
+        tolerance: &Tolerance,
+        to: &mut State,
+        work: &mut Work,
+    ) -> f64 {
+        let n = if N == 0 { self.n } else { N };
+        let tb = self.tableau;
+        let size = n * tb.stages;
+        let (kq, kv) = (&mut self.kq[..size], &mut self.kv[..size]);
+        let (q, v) = (&mut self.q[..n], &mut self.v[..n]);
+        let (q0, v0) = (&from.q[..n], &from.v[..n]);
+        let mut derivative = |t: f64, q: &[f64], v: &[f64], a: &mut [f64]| {
+            let at = At {
+                t,
+                q,
+                v,
+                memory: &from.memory,
+            };
+            sys.force(at, a);
+            sys.solve_mass(at, a);
+            work.force_evaluations += 1;
+        };
+        kq[..n].copy_from_slice(v0);
+        if !self.first_known {
+            derivative(from.t, q0, v0, &mut kv[..n]);
+            self.first_known = true;
         }
-        out[i] = base[i] + h * sum;
+        // (A system may have no coordinate at all, chunks may not.)
+        let chunk = n.max(1);
+        // Sums `sum_j w_j k_j` over the stages so far, into `(q, v)`.
+        let sum = |w: &[f64], kq: &[f64], kv: &[f64], q: &mut [f64], v: &mut [f64]| {
+            let (q, v) = (&mut q[..n], &mut v[..n]);
+            q.fill(0.0);
+            v.fill(0.0);
+            for (w, (kq, kv)) in w
+                .iter()
+                .zip(kq.chunks_exact(chunk).zip(kv.chunks_exact(chunk)))
+            {
+                for i in 0..n {
+                    q[i] += w * kq[i];
+                    v[i] += w * kv[i];
+                }
+            }
+        };
+        for stage in 1..tb.stages {
+            sum(tb.a[stage], kq, kv, q, v);
+            for i in 0..n {
+                q[i] = q0[i] + h * q[i];
+                v[i] = v0[i] + h * v[i];
+            }
+            derivative(from.t + tb.c[stage] * h, q, v, &mut kv[stage * n..][..n]);
+            kq[stage * n..][..n].copy_from_slice(v);
+        }
+        if tb.first_same_as_last {
+            // The last stage point is the solution itself.
+            to.q[..n].copy_from_slice(q);
+            to.v[..n].copy_from_slice(v);
+        } else {
+            sum(tb.b, kq, kv, q, v);
+            for i in 0..n {
+                to.q[i] = q0[i] + h * q[i];
+                to.v[i] = v0[i] + h * v[i];
+            }
+        }
+        to.t = from.t + h;
+        if tb.e.is_empty() || tolerance.rtol == 0.0 {
+            return 0.0;
+        }
+        sum(tb.e, kq, kv, q, v);
+        let (scale_q, scale_v) = (&tolerance.q[..n], &tolerance.v[..n]);
+        let mut worst = 0.0_f64;
+        let mut all = 0.0;
+        for i in 0..n {
+            let rq = (q[i] / scale_q[i]).abs();
+            let rv = (v[i] / scale_v[i]).abs();
+            worst = worst.max(rq).max(rv);
+            // max() drops NaN, a sum keeps it.
+            all += rq + rv;
+        }
+        if all.is_finite() {
+            h * worst / tolerance.rtol
+        } else {
+            f64::NAN
+        }
     }
 }
 
@@ -218,7 +264,6 @@ impl OneStep for RungeKutta {
         self.kv.resize(size, 0.0);
         self.q.resize(self.n, 0.0);
         self.v.resize(self.n, 0.0);
-        self.zero.resize(self.n, 0.0);
         self.first_known = false;
         if self.tableau.first_same_as_last {
             sys.force(s.at(), &mut self.kv[..self.n]);
@@ -237,66 +282,21 @@ impl OneStep for RungeKutta {
         to: &mut State,
         work: &mut Work,
     ) -> Result<f64, StepError> {
-        let (n, tb) = (self.n, self.tableau);
-        self.kq[..n].copy_from_slice(&from.v);
-        if !self.first_known {
-            sys.force(from.at(), &mut self.kv[..n]);
-            sys.solve_mass(from.at(), &mut self.kv[..n]);
-            work.force_evaluations += 1;
-        }
-        let last = tb.stages - 1;
-        for stage in 1..tb.stages {
-            let a = tb.a[stage];
-            combine(&mut self.q, &from.q, h, a, &self.kq);
-            combine(&mut self.v, &from.v, h, a, &self.kv);
-            if stage == last && tb.first_same_as_last {
-                // The last stage point is the solution itself.
-                to.q.copy_from_slice(&self.q);
-                to.v.copy_from_slice(&self.v);
-            }
-            let at = At {
-                t: from.t + tb.c[stage] * h,
-                q: &self.q,
-                v: &self.v,
-                memory: &from.memory,
-            };
-            let kv = &mut self.kv[stage * n..][..n];
-            sys.force(at, kv);
-            sys.solve_mass(at, kv);
-            work.force_evaluations += 1;
-            self.kq[stage * n..][..n].copy_from_slice(&self.v);
-        }
-        if !tb.first_same_as_last {
-            combine(&mut to.q, &from.q, h, tb.b, &self.kq);
-            combine(&mut to.v, &from.v, h, tb.b, &self.kv);
-        }
-        to.t = from.t + h;
-        if tb.e.is_empty() || tolerance.rtol == 0.0 {
-            return Ok(0.0);
-        }
-        // The stage buffers are free: the error of q and of v.
-        combine(&mut self.q, &self.zero, h, tb.e, &self.kq);
-        combine(&mut self.v, &self.zero, h, tb.e, &self.kv);
-        let mut worst = 0.0_f64;
-        let mut sum = 0.0;
-        for i in 0..n {
-            let rq = (self.q[i] / tolerance.q[i]).abs();
-            let rv = (self.v[i] / tolerance.v[i]).abs();
-            worst = worst.max(rq).max(rv);
-            // max() drops NaN, a sum keeps it.
-            sum += rq + rv;
-        }
-        if !sum.is_finite() {
-            return Ok(f64::NAN);
-        }
-        Ok(worst / tolerance.rtol)
+        Ok(match self.n {
+            1 => self.step_of::<1>(sys, from, h, tolerance, to, work),
+            2 => self.step_of::<2>(sys, from, h, tolerance, to, work),
+            3 => self.step_of::<3>(sys, from, h, tolerance, to, work),
+            4 => self.step_of::<4>(sys, from, h, tolerance, to, work),
+            _ => self.step_of::<0>(sys, from, h, tolerance, to, work),
+        })
     }
 
     fn advance(&mut self) {
         if self.tableau.first_same_as_last {
             let last = (self.tableau.stages - 1) * self.n;
             self.kv.copy_within(last..last + self.n, 0);
-            self.first_known = true;
+        } else {
+            self.first_known = false;
         }
     }
 

@@ -1,7 +1,7 @@
 //! Grid recorder: channels of the system at given times, read from the interpolant of each step.
 
 use crate::method::{AcceptedStep, Control, Sink};
-use crate::system::{At, Outputs, SecondOrderSystem, State};
+use crate::system::{Outputs, SecondOrderSystem, State};
 
 /// Records the system's channels on a grid, and the state at which one channel peaks.
 #[derive(Clone, Debug, Default)]
@@ -72,11 +72,6 @@ impl Sink for Recorder {
                 step.dense.eval((t - step.from.t) / h, q, v);
             }
             self.sample.t = t;
-            let at = At {
-                memory: &step.from.memory,
-                ..step.from.at()
-            };
-            self.sample.memory.copy_from_slice(at.memory);
             self.take(sys);
         }
         Control::Continue

@@ -228,6 +228,24 @@ fn a_run_of_no_length_does_nothing() {
     }
 }
 
+/// Everything prescribed: nothing is left to integrate, but time goes on. diffsol cannot.
+#[test]
+fn a_system_without_coordinates_runs_or_is_refused() {
+    for m in METHODS {
+        let mut chain = Chain {
+            masses: Vec::new(),
+            damping: 0.0,
+        };
+        let (s, work, result) = run(m, &mut chain, state(&[], &[]), &plan_for(m, 1.0));
+        if m.info.citation.ends_with("diffsol") {
+            assert!(matches!(result, Err(StepError::Unsupported { .. })));
+        } else {
+            assert_eq!((s.t, result), (1.0, Ok(())), "{}", m.info.id);
+            assert!(work.steps > 0);
+        }
+    }
+}
+
 /// A guard that no switch can mend.
 struct Broken;
 

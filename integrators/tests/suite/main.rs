@@ -8,6 +8,7 @@ mod energy_and_momentum;
 mod events;
 mod failures;
 mod golden_work;
+mod hammer;
 mod linear_oscillator;
 mod micro_benchmark;
 mod observers;

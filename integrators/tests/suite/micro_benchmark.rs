@@ -114,19 +114,3 @@ fn time_per_restart() {
         println!("{:20} {:9.1} ns per restart", m.info.id, restarting - plain);
     }
 }
-#[test]
-#[ignore]
-fn probe() {
-    let hammer = Hammer::gears(0.05);
-    for (what, plan) in [("fixed", steps(0.25, 2_500_000.0)), ("noev", TimePlan{events:false, ..steps(0.25, 25_000.0)}), ("tol", tolerance(0.25, 1e-12))] {
-        let (ns, work) = time(by_id("dopri5"), || Box::new(hammer.clone()), &hammer.start(), &plan);
-        println!("{what} {ns} {work:?}");
-    }
-    let mut h: Box<dyn SecondOrderSystem> = Box::new(hammer.clone());
-    let mut s = hammer.start();
-    s.memory[0] = 1.0;
-    let mut f = [0.0; 2];
-    let now = Instant::now();
-    for _ in 0..1_000_000 { h.force(s.at(), &mut f); h.solve_mass(s.at(), &mut f); s.q[0] += 1e-9 * f[0]; }
-    println!("force {} ns {}", now.elapsed().as_secs_f64() * 1e3, s.q[0]);
-}

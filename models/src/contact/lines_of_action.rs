@@ -41,22 +41,28 @@ impl Deviation {
         Deviation { start: range[0], step, value }
     }
 
-    /// Value and slope at `s`, held constant outside; cubic between samples (Catmull-Rom), so the slope is
-    /// continuous.
+    /// Value and slope at `s`; cubic between samples (Catmull-Rom) and straight on outside, so the slope is
+    /// continuous: a flank that is short of the other's tip by the gap reaches a little beyond its path.
     #[inline]
     pub fn eval(&self, s: f64) -> (f64, f64) {
         let n = self.value.len();
+        let last = (n - 1) as f64;
         let x = (s - self.start) / self.step;
+        let line = |i: usize, from: f64| {
+            let rise = self.value[i + 1] - self.value[i];
+            (self.value[i] + (x - from) * rise, rise / self.step)
+        };
         if x <= 0.0 {
-            return (self.value[0], 0.0);
+            return line(0, 0.0);
         }
-        if x >= (n - 1) as f64 {
-            return (self.value[n - 1], 0.0);
+        if x >= last {
+            return line(n - 2, last - 1.0);
         }
         let i = x as usize;
         let u = x - i as f64;
-        let y = |k: isize| self.value[(i as isize + k).clamp(0, n as isize - 1) as usize];
-        let (p0, p1, p2, p3) = (y(-1), y(0), y(1), y(2));
+        let (p1, p2) = (self.value[i], self.value[i + 1]);
+        let p0 = if i > 0 { self.value[i - 1] } else { 2.0 * p1 - p2 };
+        let p3 = if i + 2 < n { self.value[i + 2] } else { 2.0 * p2 - p1 };
         let (m1, m2) = (0.5 * (p2 - p0), 0.5 * (p3 - p1));
         let (d, r) = (p2 - p1, 1.0 - u);
         let value = p1 + u * d + u * r * (r * (m1 - d) - u * (m2 - d));
@@ -272,14 +278,22 @@ impl LinesOfAction {
         line.map[0].s(a.gear.tooth_travel(a.at, self.teeth(line.side, pair)[0]), pair)
     }
 
-    /// Where a pair stands: its teeth, path coordinates and gap without elastic displacement.
+    /// Where a pair stands: its teeth, path coordinates and gap.
+    ///
+    /// An elastic displacement along the normal carries the flank along the line of action like a turn of the
+    /// tooth: it belongs to the path coordinate, which modifications and stiffness are read at.
     #[inline]
     fn pair(&self, line: &Line, pair: i64, a: &Party<'_>, b: &Party<'_>) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        let s = [
+        let mut s = [
             line.map[0].s(a.gear.tooth_travel(a.at, teeth[0]), pair),
             line.map[1].s(b.gear.tooth_travel(b.at, teeth[1]), pair),
         ];
+        if a.gear.has_displacement() || b.gear.has_displacement() {
+            let points = self.points(line, teeth, s);
+            s[0] += a.gear.displacement(a.at, &points[0]).dot(&line.normal) / self.helix_cos;
+            s[1] -= b.gear.displacement(b.at, &points[1]).dot(&line.normal) / self.helix_cos;
+        }
         let mut gap = self.helix_cos * (self.length - s[0] - s[1]);
         let mut scale = [1.0, 1.0];
         let slice = &self.slices[line.slice];
@@ -293,35 +307,21 @@ impl LinesOfAction {
         PairState { teeth, s, gap, scale }
     }
 
-    fn points(&self, line: &Line, p: &PairState) -> [Point; 2] {
-        let x = line.origin + p.s[0] * line.transverse;
+    fn points(&self, line: &Line, teeth: [Tooth; 2], s: [f64; 2]) -> [Point; 2] {
+        let x = line.origin + s[0] * line.transverse;
         let zeta = self.slices[line.slice].zeta;
-        [0, 1].map(|k| Point {
-            tooth: p.teeth[k],
-            locus: Locus::Flank {
-                radius: self.views[k].base_radius.map_or(0.0, |rb| (rb * rb + p.s[k] * p.s[k]).sqrt()),
-                zeta,
-            },
-            x,
+        [0, 1].map(|k| {
+            let radius = match self.views[k].base_radius {
+                Some(rb) => (rb * rb + s[k] * s[k]).sqrt(),
+                None => {
+                    // The reference line of a rack lies at `length / sin(alpha)` from gear a.
+                    let (sin, cos) = self.views[k].working_pressure_angle.sin_cos();
+                    let rb = self.views[0].base_radius.unwrap_or(0.0);
+                    self.length / sin - (rb * cos + s[0] * sin)
+                }
+            };
+            Point { tooth: teeth[k], locus: Locus::Flank { radius, zeta }, x }
         })
-    }
-
-    /// Gap with elastic displacement.
-    #[inline]
-    fn gap(&self, line: &Line, p: &PairState, a: &Party<'_>, b: &Party<'_>) -> f64 {
-        let (ea, eb) = (a.gear.has_displacement(), b.gear.has_displacement());
-        if !(ea || eb) {
-            return p.gap;
-        }
-        let points = self.points(line, p);
-        let mut gap = p.gap;
-        if ea {
-            gap -= p.scale[0] * a.gear.displacement(a.at, &points[0]).dot(&line.normal);
-        }
-        if eb {
-            gap += p.scale[1] * b.gear.displacement(b.at, &points[1]).dot(&line.normal);
-        }
-        gap
     }
 
     #[inline]
@@ -333,7 +333,7 @@ impl LinesOfAction {
     fn candidate(&self, l: usize, pair: i64, p: &PairState, a: &Party<'_>, b: &Party<'_>) -> Candidate {
         let line = &self.lines[l];
         let weight = self.slices[line.slice].weight;
-        let points = self.points(line, p);
+        let points = self.points(line, p.teeth, p.s);
         let (k, k_s) = self.stiffness.eval(p.s[0]);
         let gap_t = p.scale[1] * b.gear.drift(b.at, &points[1], &line.normal)
             - p.scale[0] * a.gear.drift(a.at, &points[0], &line.normal);
@@ -342,7 +342,7 @@ impl LinesOfAction {
             points,
             normal: line.normal,
             scale: p.scale,
-            gap: self.gap(line, p, a, b),
+            gap: p.gap,
             gap_t,
             stiffness: k * weight,
             stiffness_s: k_s * weight / self.helix_cos,
@@ -449,7 +449,7 @@ impl ContactSearch for LinesOfAction {
                 }
                 let p = self.pair(line, pair, &a, &b);
                 if let Wanted::Touching(reach) = wanted
-                    && self.gap(line, &p, &a, &b) > reach
+                    && p.gap > reach
                 {
                     continue;
                 }
@@ -464,7 +464,7 @@ impl ContactSearch for LinesOfAction {
             let (lo, hi) = self.pairs_of(l, &a, memory, true);
             for pair in lo..=hi {
                 let p = self.pair(line, pair, &a, &b);
-                out[self.slot(l, pair)] = self.gap(line, &p, &a, &b);
+                out[self.slot(l, pair)] = p.gap;
             }
         }
     }

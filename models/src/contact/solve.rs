@@ -33,6 +33,7 @@ pub struct SolvePoint {
 pub struct CompliantSolve {
     jacobian: Vec<f64>,
     residual: Vec<f64>,
+    released: Vec<f64>,
 }
 
 /// Newton iterations before the solve is given up.
@@ -44,14 +45,24 @@ impl CompliantSolve {
         let n = points.len();
         for p in points.iter_mut() {
             p.gap = p.gap0;
+            p.force = LawForce::default();
         }
         for _ in 0..MAX_ITERATIONS {
-            for p in points.iter_mut() {
-                p.force = match p.closed {
-                    Some(true) => law.smooth(p.gap, p.rate, p.impact_speed, p.stiffness),
-                    Some(false) => LawForce::default(),
-                    None => law.clipped(p.gap, p.rate, p.impact_speed, p.stiffness),
-                };
+            // Gap of each point if it alone let go, from the forces of the last iteration.
+            self.released.clear();
+            for i in 0..n {
+                let others: f64 =
+                    (0..n).filter(|&j| j != i).map(|j| c[i * n + j] * points[j].force.n).sum();
+                self.released.push(points[i].gap0 + others);
+            }
+            for (p, &released) in points.iter_mut().zip(&self.released) {
+                let closed = p.closed.unwrap_or(released < 0.0);
+                p.force = LawForce::default();
+                if closed {
+                    let force = law.smooth(p.gap, p.rate, p.impact_speed, p.stiffness);
+                    let pulls = p.closed.is_none() && force.n < 0.0;
+                    p.force = if pulls { LawForce::default() } else { force };
+                }
             }
             self.residual.clear();
             let mut worst = 0.0_f64;

@@ -312,12 +312,11 @@ impl GearModel for MovableTeeth {
     fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
         match self.coordinate(at.memory, tooth) {
             Some(i) => at.q[i],
-            None => {
-                let d = self.deviations().of(&self.springs, at.t, &at.memory[self.head()..], tooth.index);
-                at.q[self.first()] + d
-            }
+            // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
+            None => at.q[self.first()],
         }
     }
+
 
     #[inline]
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
@@ -556,6 +555,18 @@ impl GearModel for MovableTeeth {
 }
 
 impl MovableTeeth {
+    /// Angle (or travel) of any tooth from its assembled position, those outside the windows with their free
+    /// deviation from the mean. `at` holds the gear's own state.
+    pub fn exact_tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        self.coordinate(at.memory, tooth).map_or_else(
+            || {
+                let free = &at.memory[self.head()..];
+                at.q[self.first()] + self.deviations().of(&self.springs, at.t, free, tooth.index)
+            },
+            |i| at.q[i],
+        )
+    }
+
     #[inline]
     fn tooth_inertia(&self, i: usize) -> f64 {
         let p = &self.springs;

@@ -1,0 +1,185 @@
+//! The command line: definitions and help texts. What the commands do is the studies' business.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench                                    the default comparison, the same as
+  gearbench compare spur_impact
+  gearbench compare hammer --models rigid      one model of a shipped scene
+  gearbench compare my_scene.toml --out out/a  a scene of your own
+  gearbench list                               scenes, models, integrators, references
+
+Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
+  index.html    the report, self-contained, opens offline
+  results.json  versioned records of all runs, failed ones included
+  *.csv         time series, SI units in the header
+  *.svg         the charts
+
+Exit codes:
+  0  done
+  1  a result fell short of what was asked
+  2  bad input: file, line, what was expected, a way out
+  3  a run failed to finish";
+
+/// Which gear-contact model and which integrator is just good enough for a scene, and what does it cost?
+///
+/// gearbench simulates one scene under several gear models and integrators, measures every run against a
+/// finite-element reference and against the model's own converged solution, times it, keeps an energy and
+/// an impulse ledger, and writes one report. Without a command it compares the scene spur_impact.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "gearbench", version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Cli {
+    /// What to do; left out, `compare spur_impact`.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Command {
+    /// Compare the models and integrators of a scene, against its reference
+    Compare(Compare),
+    /// Fit stiffness, tooth mass and touch time of the models to the scene's reference
+    Identify(Identify),
+    /// List shipped scenes, gear models with their parameters, integrators and references
+    List,
+    /// Write the report of a results folder again
+    Report(Report),
+}
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  gearbench compare spur_impact --integrators dopri5,bdf
+  gearbench compare spur_impact --integrators dopri5@1e-9,rk4@2e-7
+  gearbench compare spur_impact --integrators 'generalised-alpha(rho_inf=0.5)@1e-6'
+  gearbench compare spur_impact --models rigid,rigid-iso6336 --out out/norm
+  gearbench compare hammer --no-events --repeats 1
+
+A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report, not an abort.
+Errors against the reference are those of the model, errors against `self` those of the integrator.";
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = COMPARE_EXAMPLES)]
+pub struct Compare {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of its study]
+    #[arg(long, value_name = "A,B")]
+    pub models: Option<String>,
+    /// Integrators between commas: id, id(name=value), each optionally with @STEP or @RTOL
+    ///
+    /// The value after @ is a step in seconds for fixed-step methods and a relative tolerance for adaptive
+    /// ones; left out, the scene's own. [default: those of the scene's study]
+    #[arg(long, value_name = "X,Y")]
+    pub integrators: Option<String>,
+    /// Folder to write to [default: out/SCENE/compare]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Timed repeats of every run; the report shows their median and spread
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+    /// Do not locate contact events: shows what a method loses when steps run across them
+    #[arg(long)]
+    pub no_events: bool,
+}
+
+/// The scene that is compared when none is named.
+pub const DEFAULT_SCENE: &str = "spur_impact";
+/// Timed repeats when the command line does not say.
+pub const DEFAULT_REPEATS: u32 = 3;
+
+impl Default for Compare {
+    /// What `gearbench` does without a command.
+    fn default() -> Self {
+        Compare {
+            scene: DEFAULT_SCENE.to_owned(),
+            models: None,
+            integrators: None,
+            out: None,
+            repeats: DEFAULT_REPEATS,
+            no_events: false,
+        }
+    }
+}
+
+const IDENTIFY_EXAMPLES: &str = "\
+Examples:
+  gearbench identify spur_impact                    fit and print, with 95 % confidence intervals
+  gearbench identify spur_impact --model rigid
+  gearbench identify spur_impact --write            also write the calibration file
+
+The scene needs a reference. With --write the constants go to the calibration file that models with
+`calibration = \"impact\"` read: NAME.calibration.toml beside a scene file, and for a shipped scene
+benchmarks/calibrations/NAME.toml (run it in the repository and build again: it is embedded).";
+
+/// Arguments of `identify`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = IDENTIFY_EXAMPLES)]
+pub struct Identify {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    pub scene: String,
+    /// Fit this model only [default: every model with a calibration]
+    #[arg(long, value_name = "LABEL")]
+    pub model: Option<String>,
+    /// Write the calibration file of the scene
+    #[arg(long)]
+    pub write: bool,
+}
+
+/// Arguments of `report`.
+#[derive(Args, Clone, Debug)]
+pub struct Report {
+    /// Folder with a results.json
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn compare(arguments: &[&str]) -> Compare {
+        match Cli::try_parse_from(arguments).unwrap().command {
+            Some(Command::Compare(c)) => c,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn definitions_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn no_command_is_the_default_comparison() {
+        assert!(Cli::try_parse_from(["gearbench"]).unwrap().command.is_none());
+        let (a, b) = (compare(&["gearbench", "compare"]), Compare::default());
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+
+    #[test]
+    fn arguments() {
+        let c = compare(&[
+            "gearbench", "compare", "hammer", "--models", "rigid", "--integrators", "rk4@1e-7,bdf", "--out", "x",
+            "--repeats", "5", "--no-events",
+        ]);
+        assert_eq!((c.scene.as_str(), c.models.as_deref(), c.repeats, c.no_events), ("hammer", Some("rigid"), 5, true));
+        let e = Cli::try_parse_from(["gearbench", "compare", "--repeats", "0"]).unwrap_err();
+        assert_eq!(e.exit_code(), 2);
+        let e = Cli::try_parse_from(["gearbench", "comapre"]).unwrap_err().to_string();
+        assert!(e.contains("compare"), "{e}");
+    }
+
+    #[test]
+    fn help_teaches() {
+        let help = Cli::command().render_long_help().to_string();
+        for word in ["gearbench compare spur_impact", "results.json", "Exit codes", "index.html", "identify"] {
+            assert!(help.contains(word), "{word} is missing in\n{help}");
+        }
+    }
+}

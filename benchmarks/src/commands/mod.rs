@@ -1,0 +1,116 @@
+//! What the command line does: from arguments to files and the last lines on the terminal.
+//!
+//! Exit codes: 0 done, 1 a result fell short (kept for regression checks), 2 bad input, 3 a run failed to
+//! finish. Nothing is written when the input is refused.
+
+mod compare;
+mod identify;
+mod list;
+
+use crate::cli::{Cli, Command};
+use crate::scene_file::SceneError;
+use crate::study::run::RunError;
+use indicatif::{ProgressBar, ProgressStyle};
+use miette::Report;
+use std::io::IsTerminal;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Bad input.
+const BAD_INPUT: u8 = 2;
+/// A run failed to finish.
+const FAILED_RUN: u8 = 3;
+
+/// Why a command ended without doing its work.
+#[derive(Debug)]
+pub enum Refusal {
+    /// The input is wrong.
+    Input(Report),
+    /// Files could not be written or read.
+    Files(String),
+    /// Something that was asked for could not be computed.
+    Failed(String),
+}
+
+impl From<SceneError> for Refusal {
+    fn from(e: SceneError) -> Self {
+        Refusal::Input(e.into())
+    }
+}
+
+/// Runs the command and says how it ended.
+pub fn run(cli: Cli) -> ExitCode {
+    let result = match cli.command {
+        None => compare::run(&Default::default(), "gearbench"),
+        Some(Command::Compare(args)) => compare::run(&args, &told()),
+        Some(Command::Identify(args)) => identify::run(&args, &told()),
+        Some(Command::List) => list::run(),
+        Some(Command::Report(args)) => report(&args.dir),
+    };
+    match result {
+        Ok(code) => code,
+        Err(Refusal::Input(report)) => {
+            say_error(&format!("{report:?}"));
+            ExitCode::from(BAD_INPUT)
+        }
+        Err(Refusal::Files(message)) => {
+            say_error(&format!("error: {message}"));
+            ExitCode::from(BAD_INPUT)
+        }
+        Err(Refusal::Failed(message)) => {
+            say_error(&format!("error: {message}"));
+            ExitCode::from(FAILED_RUN)
+        }
+    }
+}
+
+/// The command line as it was given, with the program's own name instead of its path.
+fn told() -> String {
+    let quote = |a: String| {
+        let plain = !a.is_empty() && a.chars().all(|c| c.is_ascii_alphanumeric() || "-_./=@,:+".contains(c));
+        if plain { a } else { format!("'{}'", a.replace('\'', "'\\''")) }
+    };
+    let arguments: Vec<String> = std::env::args().skip(1).map(quote).collect();
+    format!("gearbench {}", arguments.join(" "))
+}
+
+fn report(dir: &Path) -> Result<ExitCode, Refusal> {
+    let page = gearbench_reports::report_from(dir).map_err(|e| Refusal::Files(e.to_string()))?;
+    say(&format!("report: {}", page.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn refuse_run(e: RunError) -> Refusal {
+    match e {
+        RunError::Build(e) => Refusal::Failed(e.to_string()),
+        RunError::Method(e) => Refusal::Input(miette::miette!(
+            help = "`gearbench list` names the integrators; a step or tolerance follows an @, as in rk4@1e-6",
+            "{e}"
+        )),
+        RunError::Interrupted => Refusal::Failed("interrupted; nothing was written".into()),
+    }
+}
+
+#[allow(clippy::print_stdout)]
+fn say(text: &str) {
+    println!("{text}");
+}
+
+#[allow(clippy::print_stderr)]
+fn say_error(text: &str) {
+    eprintln!("{text}");
+}
+
+/// A progress bar on a terminal, nothing otherwise.
+fn progress_bar(length: usize) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(length as u64);
+    let style = ProgressStyle::with_template("{bar:30} {pos:>3}/{len} {elapsed:>4}  {wide_msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}

@@ -1,0 +1,168 @@
+//! Calibrations: constants of models fitted to a reference, kept in generated files.
+//!
+//! `gearbench identify SCENE --write` writes them, a model with `calibration = "impact"` reads them; they
+//! are never typed in. A file has a header of comments (command, fit figures) and one table per calibration
+//! and model label:
+//!
+//! ```toml
+//! [impact.movable-teeth]
+//! stiffness_n_per_m2 = 3.6e10      # of the contact, per face width
+//! gap_m = 3.1e-6                   # gap at the start
+//! tooth_stiffness_n_per_m = 5.3e8  # any further key: a parameter of the gear model
+//! ```
+//!
+//! Shipped scenes have theirs embedded (`benchmarks/calibrations/NAME.toml`); a scene file of one's own has
+//! it beside itself, as `NAME.calibration.toml`.
+
+use super::error::{SceneError, Source};
+use super::reader::in_order;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use toml::de::DeTable;
+
+/// The names a calibration can have.
+pub const NAMES: [&str; 2] = ["impact", "static"];
+
+/// Fitted constants of one model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constants {
+    /// Stiffness of a tooth pair per face width [N/m per m].
+    pub stiffness: Option<f64>,
+    /// Gap at the start of the first mesh [m].
+    pub gap: Option<f64>,
+    /// Parameters of the gear model by key, in SI units.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// The content of a calibration file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Calibration {
+    /// Comment lines at the top: the command that wrote the file and the figures of the fit. Written, not
+    /// read.
+    pub header: Vec<String>,
+    /// Constants by calibration name and model label.
+    pub sets: BTreeMap<String, BTreeMap<String, Constants>>,
+}
+
+impl Calibration {
+    /// Reads a calibration file.
+    ///
+    /// # Errors
+    /// [`SceneError`] for anything but tables of positive numbers (a gap may have any sign).
+    pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
+        let source = Source::new(name, text);
+        let document = DeTable::parse(source.text()).map_err(|e| super::syntax_error(&source, &e))?;
+        let mut calibration = Calibration::default();
+        for set in in_order(&source, document.get_ref()) {
+            if !NAMES.contains(&set.name) {
+                return Err(set.unknown(&format!("unknown calibration `{}`", set.name), &NAMES, &|_| "a calibration"));
+            }
+            let mut labels = BTreeMap::new();
+            for label in in_order(&source, set.raw_table()?) {
+                let mut constants = Constants::default();
+                for entry in in_order(&source, label.raw_table()?) {
+                    let x = entry.number()?;
+                    if entry.name != "gap_m" && x <= 0.0 {
+                        return Err(entry.error(
+                            format!("`{}` is {x}", entry.name),
+                            "expected more than zero",
+                            "write the file again with `gearbench identify SCENE --write`",
+                        ));
+                    }
+                    match entry.name {
+                        "stiffness_n_per_m2" => constants.stiffness = Some(x),
+                        "gap_m" => constants.gap = Some(x),
+                        other => {
+                            constants.parameters.insert(other.to_owned(), x);
+                        }
+                    }
+                }
+                labels.insert(label.name.to_owned(), constants);
+            }
+            calibration.sets.insert(set.name.to_owned(), labels);
+        }
+        Ok(calibration)
+    }
+
+    /// Constants of a label.
+    pub fn get(&self, name: &str, label: &str) -> Option<&Constants> {
+        self.sets.get(name)?.get(label)
+    }
+
+    /// The text of the file; numbers keep every digit.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::new();
+        for line in &self.header {
+            text.push_str(format!("# {}", line.replace(['\n', '\r'], " ")).trim_end());
+            text.push('\n');
+        }
+        for (name, labels) in &self.sets {
+            for (label, constants) in labels {
+                let _ = writeln!(text, "\n[{}.{}]", key(name), key(label));
+                let own = [("stiffness_n_per_m2", constants.stiffness), ("gap_m", constants.gap)];
+                for (name, x) in own.into_iter().filter_map(|(k, x)| x.map(|x| (k, x))) {
+                    let _ = writeln!(text, "{name} = {x:e}");
+                }
+                for (name, x) in &constants.parameters {
+                    let _ = writeln!(text, "{} = {x:e}", key(name));
+                }
+            }
+        }
+        text
+    }
+}
+
+/// A TOML key, quoted where it has to be.
+fn key(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(bare) {
+        return name.to_owned();
+    }
+    let mut quoted = String::from("\"");
+    for c in name.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", c as u32);
+            }
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read() {
+        let constants = Constants {
+            stiffness: Some(1.0 / 3.0 * 1e10),
+            gap: Some(-3.1e-6),
+            parameters: [("tooth_mass_kg".to_owned(), 4.8e-3), ("tooth_stiffness_n_per_m".to_owned(), 5.3e8)].into(),
+        };
+        let labels = [("movable-teeth".to_owned(), constants.clone()), ("odd \"label\" \\ é".to_owned(), constants)];
+        let calibration = Calibration {
+            header: vec!["written by gearbench identify".into(), String::new()],
+            sets: [("impact".to_owned(), labels.into())].into(),
+        };
+        let text = calibration.to_toml();
+        assert!(text.starts_with("# written by gearbench identify\n#\n"));
+        let read = Calibration::parse("x.toml", &text).unwrap();
+        assert_eq!(read.sets, calibration.sets);
+        assert!(read.get("impact", "movable-teeth").is_some());
+        assert!(read.get("static", "movable-teeth").is_none());
+    }
+
+    #[test]
+    fn damaged_files_are_refused() {
+        let refuse = |text: &str| Calibration::parse("x.toml", text).unwrap_err();
+        assert!(refuse("[impat.rigid]").help_text().unwrap().contains("`impact`"));
+        assert!(refuse("[impact.rigid]\nstiffness_n_per_m2 = -1").message().contains("-1"));
+        assert!(refuse("[impact.rigid]\nstiffness_n_per_m2 = nan").message().contains("finite"));
+        assert!(refuse("[impact]\nrigid = 3").message().contains("expected a table"));
+        assert_eq!(refuse("[impact.rigid]\nx = ").line(), Some(2));
+    }
+}

@@ -1,0 +1,418 @@
+//! Scene files: TOML in SI units (angles in degrees), read into the data of [`gearbench_models::scene::spec`].
+//!
+//! | module | owns |
+//! |---|---|
+//! | `reader`, `suggest`, [`error`] | typed access with places, "did you mean", refusals with line and way out |
+//! | `gear`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
+//! | `model`, `contact`, [`calibration`] | `[[models]]`, `contact = { .. }`, fitted constants |
+//! | `study_plan` | `[study]`, `tolerance` |
+//! | [`shipped`] | the scenes in the program |
+//!
+//! Everything that can be wrong in a file is found when it is loaded, geometry, laws, stiffness and the
+//! models' own parameters included: every model of a scene is built once.
+
+pub mod calibration;
+mod contact;
+mod error;
+mod gear;
+mod mesh;
+mod model;
+mod profile;
+mod reader;
+pub mod shipped;
+mod study_plan;
+mod suggest;
+#[cfg(test)]
+mod tests;
+
+pub use calibration::Calibration;
+pub use error::SceneError;
+pub use model::{CalibrationUse, ModelChoice};
+pub use shipped::SHIPPED;
+pub use study_plan::{QUANTITIES, Study};
+
+use error::Source;
+use gear::Place;
+use gearbench_models::gear::table::MODELS;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec::{BuildError, SceneSpec};
+use gearbench_reference::REFERENCES;
+use gearbench_reports::record::Tolerance;
+use model::ModelPlace;
+use reader::{Key, Section, in_order, key};
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+
+/// The version of the format this program reads.
+pub const SCHEMA: u32 = 1;
+
+static SCENE: &[Key] = &[
+    key("schema", "version of the format, 1"),
+    key("name", "lower-case letters, digits, `_` and `-`; names the output folder"),
+    key("title", "one line for lists and reports"),
+    key("description", "what the scene shows, several lines"),
+    key("duration_s", "simulated time in seconds, for example 0.00025"),
+    key("reference", "id of a stored reference, for example \"calculix/case-a-fine\""),
+    key("tolerance", "greatest error that is accurate enough, 0.05 or { metric, limit, against }"),
+    key("gears", "tables [gears.NAME]"),
+    key("meshes", "tables [[meshes]]"),
+    key("models", "tables [[models]], the configurations to compare"),
+    key("study", "table [study]"),
+];
+
+/// Where a scene came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Embedded in the program.
+    Shipped,
+    /// A file.
+    File(PathBuf),
+}
+
+/// A scene file that has been read and found sound.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// Name, for folders and records.
+    pub name: String,
+    /// One line.
+    pub title: String,
+    /// What it shows.
+    pub description: String,
+    /// Simulated time [s].
+    pub duration: f64,
+    /// Id of the stored reference.
+    pub reference: Option<String>,
+    /// What counts as accurate enough.
+    pub tolerance: Option<Tolerance>,
+    /// Gears and meshes.
+    pub spec: SceneSpec,
+    /// Configurations to compare, at least one.
+    pub models: Vec<ModelChoice>,
+    /// What a study does by default.
+    pub study: Study,
+    /// Where it came from.
+    pub origin: Origin,
+    source: Source,
+    gears: Vec<Place>,
+    meshes: Vec<mesh::MeshDraft>,
+    model_places: Vec<ModelPlace>,
+}
+
+/// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
+///
+/// # Errors
+/// [`SceneError`] with file, line and a way out.
+pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
+    read(path_or_name, true)
+}
+
+/// Loads a scene without applying calibrations: models keep the constants that the scene gives, which is
+/// where an identification starts.
+///
+/// # Errors
+/// [`SceneError`] with file, line and a way out.
+pub fn load_uncalibrated(path_or_name: &str) -> Result<SceneFile, SceneError> {
+    read(path_or_name, false)
+}
+
+fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
+    if let Some(s) = shipped::shipped(path_or_name) {
+        return SceneFile::parse(&format!("{}.toml", s.name), s.text, Origin::Shipped, calibrated);
+    }
+    let path = Path::new(path_or_name);
+    let is_path = path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1;
+    if !is_path {
+        let names: Vec<&str> = SHIPPED.iter().map(|s| s.name).collect();
+        let near = suggest::nearest(path_or_name, &names)
+            .map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        return Err(SceneError::plain(
+            format!("there is no scene `{path_or_name}`"),
+            format!("{near}shipped are {}; a scene of your own is a path that ends in .toml", names.join(", ")),
+        ));
+    }
+    let text = std::fs::read_to_string(path).map_err(|e| {
+        SceneError::plain(
+            format!("{path_or_name}: {e}"),
+            "expected a readable TOML file in UTF-8; `gearbench list` names the shipped scenes",
+        )
+    })?;
+    SceneFile::parse(path_or_name, &text, Origin::File(path.to_owned()), calibrated)
+}
+
+/// An error of the TOML syntax.
+fn syntax_error(source: &Source, e: &toml::de::Error) -> SceneError {
+    let message = e.message().trim().replace('\n', "; ");
+    let help = if message.contains("duplicate") {
+        "a name stands once in a file; rename or remove one"
+    } else {
+        "a line is `key = value`, a table begins with `[name]`, text stands in quotes (https://toml.io)"
+    };
+    source.error(e.span().unwrap_or(0..0), format!("not TOML: {message}"), "here", help)
+}
+
+impl SceneFile {
+    /// Reads the text of a scene; `name` stands in refusals.
+    ///
+    /// # Errors
+    /// [`SceneError`] with line and a way out.
+    pub fn parse(
+        name: &str,
+        text: &str,
+        origin: Origin,
+        calibrated: bool,
+    ) -> Result<Self, SceneError> {
+        let source = Source::new(name, text);
+        let document =
+            DeTable::parse(source.text()).map_err(|e| syntax_error(&source, &e))?;
+        let s = Section::open(&source, document.get_ref(), 0..0, name.to_owned(), SCENE)?;
+        let schema = s.need("schema")?;
+        if schema.whole()? != SCHEMA {
+            return Err(schema.error(
+                format!("the scene has schema {}", schema.whole()?),
+                format!("expected {SCHEMA}"),
+                "this program reads schema 1; a newer scene needs a newer gearbench",
+            ));
+        }
+        let scene_name = scene_name(&s)?;
+        let duration = s.need("duration_s")?;
+        if duration.number()? <= 0.0 {
+            return Err(duration.error("the duration is not positive", "expected more than 0", "give the simulated time in seconds"));
+        }
+        let reference = s.get("reference").map(|e| {
+            e.word(&REFERENCES.iter().map(|r| (r.id, r.id.to_owned())).collect::<Vec<_>>())
+        });
+        let reference = reference.transpose()?;
+        let tolerance =
+            s.get("tolerance").map(|e| study_plan::tolerance(&e, reference.as_deref())).transpose()?;
+
+        let gear_tables = s.need("gears")?;
+        let mut drafts = in_order(&source, gear_tables.raw_table()?)
+            .iter()
+            .map(gear::gear)
+            .collect::<Result<Vec<_>, _>>()?;
+        if drafts.is_empty() {
+            return Err(s.missing("gears"));
+        }
+        let meshes = mesh::meshes(&s.need("meshes")?.list()?, &mut drafts)?;
+
+        let find = |scene: &str| find_calibration(scene, &scene_name, &origin);
+        let context = model::Context {
+            scene: &scene_name,
+            gears: &drafts,
+            meshes: meshes.len(),
+            models: MODELS,
+            calibrations: if calibrated { Some(&find) } else { None },
+        };
+        let (models, model_places): (Vec<_>, Vec<_>) =
+            model::models(&s.need("models")?.list()?, &context)?.into_iter().unzip();
+        let labels: Vec<&str> = models.iter().map(|m: &ModelChoice| m.label.as_str()).collect();
+        let study = study_plan::study(s.get("study"), &labels)?;
+
+        let text = |key: &str| {
+            s.get(key).map_or(Ok(String::new()), |e| e.text().map(|t| t.trim().to_owned()))
+        };
+        let (title, description) = (text("title")?, text("description")?);
+        let duration = duration.number()?;
+        let (specs, gears): (Vec<_>, Vec<_>) = drafts
+            .into_iter()
+            .map(|d| {
+                let mut spec = d.spec;
+                spec.position = d.position.unwrap_or_default();
+                (spec, d.place)
+            })
+            .unzip();
+        let spec = SceneSpec { gears: specs, meshes: meshes.iter().map(|m| m.spec.clone()).collect() };
+        let file = SceneFile {
+            name: scene_name,
+            title,
+            description,
+            duration,
+            reference,
+            tolerance,
+            spec,
+            models,
+            study,
+            origin,
+            source: source.clone(),
+            gears,
+            meshes,
+            model_places,
+        };
+        file.check(calibrated)?;
+        Ok(file)
+    }
+
+    /// Builds every model once. Without calibrations a model that asks for one may lack its constants.
+    fn check(&self, calibrated: bool) -> Result<(), SceneError> {
+        for choice in &self.models {
+            let incomplete = choice.calibration.is_some() && !calibrated;
+            if let Err(e) = Scene::build(&self.spec_for(choice), &choice.modelling, MODELS)
+                && !(incomplete && e.message.contains("is missing"))
+            {
+                return Err(self.locate_in(&choice.label, &e));
+            }
+        }
+        Ok(())
+    }
+
+    /// A model by its label.
+    pub fn model(&self, label: &str) -> Option<&ModelChoice> {
+        self.models.iter().find(|m| m.label == label)
+    }
+
+    /// Models asked for on the command line, by labels between commas; `None` takes those of the study.
+    ///
+    /// # Errors
+    /// [`SceneError`] lists the labels there are.
+    pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
+        let wanted: Vec<&str> = match labels {
+            Some(text) => text.split(',').map(str::trim).filter(|l| !l.is_empty()).collect(),
+            None => self.study.models.iter().map(String::as_str).collect(),
+        };
+        let known: Vec<&str> = self.models.iter().map(|m| m.label.as_str()).collect();
+        if wanted.is_empty() {
+            return Err(SceneError::plain("no model is named", format!("`{}` has {}", self.name, known.join(", "))));
+        }
+        wanted
+            .iter()
+            .map(|label| {
+                self.model(label).ok_or_else(|| {
+                    let near = suggest::nearest(label, &known)
+                        .map_or(String::new(), |n| format!("did you mean `{n}`? "));
+                    SceneError::plain(
+                        format!("the scene `{}` has no model `{label}`", self.name),
+                        format!("{near}it has {}", known.join(", ")),
+                    )
+                })
+            })
+            .collect()
+    }
+
+    /// Gears and meshes as a model needs them: a calibration brings its own gap at the start.
+    pub fn spec_for(&self, choice: &ModelChoice) -> SceneSpec {
+        let mut spec = self.spec.clone();
+        if let Some(gap) = choice.gap() {
+            for mesh in &mut spec.meshes {
+                mesh.start.gap = gap;
+            }
+        }
+        spec
+    }
+
+    /// Where the calibrations of this scene are written: beside a file; for a shipped scene in the folder
+    /// from which it is embedded, relative to the root of the repository.
+    pub fn calibration_path(&self) -> PathBuf {
+        match &self.origin {
+            Origin::Shipped => PathBuf::from(format!("benchmarks/calibrations/{}.toml", self.name)),
+            Origin::File(path) => path.with_extension("calibration.toml"),
+        }
+    }
+
+    /// The place in the file that an error of the assembly is about.
+    pub fn locate(&self, error: &BuildError) -> SceneError {
+        let choice = self.models.iter().position(|m| {
+            error.parameter.is_some() && error.subject.contains(&format!("model `{}`", m.model))
+        });
+        self.place(choice, error)
+    }
+
+    /// The same for an error met while building the model with a label.
+    pub fn locate_in(&self, label: &str, error: &BuildError) -> SceneError {
+        self.place(self.models.iter().position(|m| m.label == label), error)
+    }
+
+    fn place(&self, choice: Option<usize>, error: &BuildError) -> SceneError {
+        let model = choice.and_then(|i| self.model_places.get(i));
+        let label = choice.map_or(String::new(), |i| format!(" (model `{}`)", self.models[i].label));
+        let (message, help) = match error.message.split_once("; ") {
+            Some((message, help)) => (message, help),
+            None => (error.message.as_str(), "correct the value, or leave it out to take the default"),
+        };
+        let message = format!("{}: {message}{label}", error.subject);
+        let gear = error.gear.as_ref().and_then(|g| self.spec.gears.iter().position(|s| s.name == *g));
+        let span = if let (Some(key), Some(model)) = (&error.parameter, model) {
+            model.first(&[&format!("parameters.{key}"), "parameters", "model"])
+        } else if let Some(i) = gear {
+            self.gears[i].first(keys_in(&error.message))
+        } else if let Some(mesh) = self.mesh_of(&error.subject) {
+            self.mesh_span(mesh, model, &error.message)
+        } else {
+            model.map_or(0..0, |m| m.header.clone())
+        };
+        self.source.error(span, message, "this", help)
+    }
+
+    fn mesh_of(&self, subject: &str) -> Option<usize> {
+        self.spec.meshes.iter().position(|m| {
+            let [a, b] = m.gears.map(|i| format!("`{}`", self.spec.gears[i].name));
+            subject.starts_with("mesh") && subject.contains(&a) && subject.contains(&b)
+        })
+    }
+
+    /// An error about a mesh is about a model's contact or about the mesh itself.
+    fn mesh_span(&self, mesh: usize, model: Option<&ModelPlace>, message: &str) -> std::ops::Range<usize> {
+        let says = |words: &[&str]| words.iter().any(|w| message.contains(w));
+        let contact: &[&str] = if says(&["slices"]) {
+            &["contact.slices", "contact"]
+        } else if says(&["damp", "restitution", "Kelvin"]) {
+            &["contact.damping", "contact"]
+        } else if says(&["exponent"]) {
+            &["contact.exponent", "contact"]
+        } else if says(&["tiffness", "Hertz", "ISO", "oundation", "table"]) {
+            &["contact.stiffness", "contact"]
+        } else {
+            &[]
+        };
+        let draft = &self.meshes[mesh];
+        match (model, &draft.start) {
+            (Some(model), _) if !contact.is_empty() => model.first(contact),
+            (_, Some(start)) if says(&["start lies"]) => start.first(&["path_coordinate_m"]),
+            _ => draft.place.first(&["centre_distance_m", "backlash_m", "gears"]),
+        }
+    }
+}
+
+/// Keys of a gear that a message speaks of.
+fn keys_in(message: &str) -> &'static [&'static str] {
+    if message.contains("inertia") {
+        &["inertia_kgm2", "mass_kg", "added_inertia_kgm2", "added_mass_kg"]
+    } else if message.contains("load") {
+        &["loads"]
+    } else if message.contains("mount") || message.contains("driven") {
+        &["mount"]
+    } else {
+        &[]
+    }
+}
+
+fn scene_name(s: &Section<'_>) -> Result<String, SceneError> {
+    let entry = s.need("name")?;
+    let name = entry.text()?;
+    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
+    if name.is_empty() || name.len() > 60 || !name.chars().all(fits) {
+        return Err(entry.error(
+            format!("the name \"{}\" cannot be used", name.chars().take(60).collect::<String>()),
+            "expected lower-case letters, digits, `_` and `-`",
+            "the name becomes a folder; the `title` may be any text",
+        ));
+    }
+    Ok(name.to_owned())
+}
+
+/// Calibrations of a scene: of this file beside itself, else those that are embedded under the name.
+fn find_calibration(
+    scene: &str,
+    own: &str,
+    origin: &Origin,
+) -> Result<Option<Calibration>, SceneError> {
+    if let (Origin::File(path), true) = (origin, scene == own) {
+        let beside = path.with_extension("calibration.toml");
+        if let Ok(text) = std::fs::read_to_string(&beside) {
+            return Calibration::parse(&beside.to_string_lossy(), &text).map(Some);
+        }
+    }
+    match shipped::shipped(scene) {
+        Some(s) => Calibration::parse(&format!("calibrations/{}.toml", s.name), s.calibration).map(Some),
+        None => Ok(None),
+    }
+}

@@ -1,0 +1,300 @@
+//! `[[models]]`: the configurations that a study compares.
+
+use super::calibration::{Calibration, Constants, NAMES};
+use super::contact::contact;
+use super::error::SceneError;
+use super::gear::{GearDraft, Place};
+use super::reader::{Entry, Key, in_order, key};
+use super::suggest;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
+use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+static MODEL: &[Key] = &[
+    key("label", "name of this configuration in reports and on the command line, default the model's id"),
+    key("model", "id of the gear model, for example \"rigid\"; `gearbench list` shows all"),
+    key("gears", "other models for single gears, for example { wheel = \"rigid\" }"),
+    key("contact", "{ stiffness, exponent, damping, friction, slices }, or a list with one per mesh"),
+    key("parameters", "parameters of the gear model, SI units in their names"),
+    key("calibration", "\"impact\" or \"static\", or { name, scene, label } to take another one's"),
+];
+static OF_GEAR: &[Key] = &[
+    key("model", "id of the gear model"),
+    key("parameters", "parameters of the gear model, SI units in their names"),
+];
+static CALIBRATION: &[Key] = &[
+    key("name", "\"impact\" or \"static\""),
+    key("scene", "scene whose calibration is taken, default this one"),
+    key("label", "label in that scene, default this model's"),
+];
+
+/// A calibration asked for by a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationUse {
+    /// `impact` or `static`.
+    pub name: String,
+    /// Scene it was fitted in.
+    pub scene: String,
+    /// Label there.
+    pub label: String,
+    /// The constants that were applied; `None` when the scene was loaded without calibrations.
+    pub constants: Option<Constants>,
+}
+
+/// One configuration of a study.
+#[derive(Clone, Debug)]
+pub struct ModelChoice {
+    /// Name in reports and on the command line, unique in the scene.
+    pub label: String,
+    /// Id of the gear model that most gears take.
+    pub model: String,
+    /// Models of all gears and contacts of all meshes, calibration applied.
+    pub modelling: Modelling,
+    /// The calibration, if one is used.
+    pub calibration: Option<CalibrationUse>,
+}
+
+impl ModelChoice {
+    /// Gap at the start that the calibration brings [m].
+    pub fn gap(&self) -> Option<f64> {
+        self.calibration.as_ref()?.constants.as_ref()?.gap
+    }
+}
+
+/// Where a model stands, and its parts by dotted key such as `contact.stiffness`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ModelPlace {
+    pub(super) header: Range<usize>,
+    pub(super) keys: BTreeMap<String, Range<usize>>,
+}
+
+impl ModelPlace {
+    pub(super) fn first(&self, keys: &[&str]) -> Range<usize> {
+        keys.iter().find_map(|k| self.keys.get(*k)).unwrap_or(&self.header).clone()
+    }
+}
+
+/// What models are read against.
+pub(super) struct Context<'a> {
+    pub(super) scene: &'a str,
+    pub(super) gears: &'a [GearDraft],
+    pub(super) meshes: usize,
+    pub(super) models: &'a [Model],
+    /// Finds the calibration of a scene; `None` when the scene is loaded without.
+    pub(super) calibrations: Option<&'a dyn Fn(&str) -> Result<Option<Calibration>, SceneError>>,
+}
+
+/// Reads all configurations.
+pub(super) fn models(
+    list: &[Entry<'_>],
+    context: &Context<'_>,
+) -> Result<Vec<(ModelChoice, ModelPlace)>, SceneError> {
+    let mut read: Vec<(ModelChoice, ModelPlace)> = Vec::new();
+    for entry in list {
+        let (choice, place) = model(entry, context)?;
+        if let Some((_, other)) = read.iter().find(|(c, _)| c.label == choice.label) {
+            return Err(entry
+                .source()
+                .error(
+                    place.first(&["label", "model"]),
+                    format!("two models have the label `{}`", choice.label),
+                    "again here",
+                    "give one of them another `label`",
+                )
+                .and(other.first(&["label", "model"]), "first here"));
+        }
+        read.push((choice, place));
+    }
+    Ok(read)
+}
+
+fn model(entry: &Entry<'_>, context: &Context<'_>) -> Result<(ModelChoice, ModelPlace), SceneError> {
+    let s = entry.section("[[models]]", MODEL)?;
+    let mut place = ModelPlace { header: entry.span(), keys: Place::of(entry)?.keys };
+    let id = s.need("model")?;
+    let row = known(&id, context.models)?;
+    let label = match s.get("label") {
+        Some(e) => label(&e)?,
+        None => row.id.to_owned(),
+    };
+    let parameters = match s.get("parameters") {
+        Some(e) => parameters(&e, row, &mut place)?,
+        None => Parameters::new(),
+    };
+    let mut gears = vec![ModelSpec { id: row.id.to_owned(), parameters }; context.gears.len()];
+    if let Some(overrides) = s.get("gears") {
+        override_gears(&overrides, context, &mut gears, &mut place)?;
+    }
+    let calibration = s.get("calibration").map(|e| calibration(&e, context, &label)).transpose()?;
+    let contacts = match s.get("contact") {
+        Some(e) => contacts(&e, context.meshes, calibration.is_some(), &mut place)?,
+        None => return Err(s.missing("contact")),
+    };
+    let mut modelling = Modelling { gears, contacts };
+    if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
+        apply(constants, row, &mut modelling);
+    }
+    Ok((ModelChoice { label, model: row.id.to_owned(), modelling, calibration }, place))
+}
+
+fn known<'m>(entry: &Entry<'_>, models: &'m [Model]) -> Result<&'m Model, SceneError> {
+    let id = entry.text()?;
+    models.iter().find(|m| m.id == id).ok_or_else(|| {
+        let ids: Vec<&str> = models.iter().map(|m| m.id).collect();
+        entry.unknown_word(id, &ids)
+    })
+}
+
+fn label(entry: &Entry<'_>) -> Result<String, SceneError> {
+    let text = entry.text()?;
+    let fits = !text.trim().is_empty()
+        && text.len() <= 60
+        && !text.contains([',', '\n'])
+        && text.trim() == text;
+    if fits {
+        return Ok(text.to_owned());
+    }
+    Err(entry.error(
+        format!("the label \"{}\" cannot be used", text.chars().take(60).collect::<String>()),
+        "expected 1 to 60 characters without commas",
+        "labels stand in legends and in `--models a,b`",
+    ))
+}
+
+/// Parameters of a model; a key it does not have is refused.
+fn parameters(entry: &Entry<'_>, row: &Model, place: &mut ModelPlace) -> Result<Parameters, SceneError> {
+    let names: Vec<&str> = row.parameters.iter().map(|p| p.key).collect();
+    let meaning = |name: &str| row.parameters.iter().find(|p| p.key == name).map_or("", |p| p.meaning);
+    let mut parameters = Parameters::new();
+    for e in in_order(entry.source(), entry.raw_table()?) {
+        if !names.contains(&e.name) {
+            return Err(e.unknown(
+                &format!("the model `{}` has no parameter `{}`", row.id, e.name),
+                &names,
+                &meaning,
+            ));
+        }
+        place.keys.insert(format!("parameters.{}", e.name), e.key_range().start..e.span().end);
+        let value = if e.is_list() {
+            Value::List(e.numbers()?)
+        } else if let Some(text) = e.as_text() {
+            Value::Text(text.to_owned())
+        } else {
+            Value::Number(e.number()?)
+        };
+        parameters.insert(e.name.to_owned(), value);
+    }
+    Ok(parameters)
+}
+
+fn override_gears(
+    entry: &Entry<'_>,
+    context: &Context<'_>,
+    gears: &mut [ModelSpec],
+    place: &mut ModelPlace,
+) -> Result<(), SceneError> {
+    let names: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
+    for e in in_order(entry.source(), entry.raw_table()?) {
+        let Some(i) = names.iter().position(|n| *n == e.name) else {
+            return Err(e.unknown(&format!("there is no gear `{}`", e.name), &names, &|_| "a gear of this scene"));
+        };
+        place.keys.insert(format!("gears.{}", e.name), e.key_range().start..e.span().end);
+        gears[i] = if e.is_table() {
+            let s = e.section(format!("`gears.{}`", e.name), OF_GEAR)?;
+            let row = known(&s.need("model")?, context.models)?;
+            let parameters =
+                s.get("parameters").map_or(Ok(Parameters::new()), |p| parameters(&p, row, place))?;
+            ModelSpec { id: row.id.to_owned(), parameters }
+        } else {
+            let row = known(&e, context.models)?;
+            // Parameters of the configuration go to the gears that take its model.
+            let parameters = if row.id == gears[i].id { gears[i].parameters.clone() } else { Parameters::new() };
+            ModelSpec { id: row.id.to_owned(), parameters }
+        };
+    }
+    Ok(())
+}
+
+fn contacts(
+    entry: &Entry<'_>,
+    meshes: usize,
+    calibrated: bool,
+    place: &mut ModelPlace,
+) -> Result<Vec<ContactSpec>, SceneError> {
+    if !entry.is_list() {
+        for e in in_order(entry.source(), entry.raw_table()?) {
+            place.keys.insert(format!("contact.{}", e.name), e.key_range().start..e.span().end);
+        }
+        return Ok(vec![contact(entry, calibrated)?; meshes]);
+    }
+    let list = entry.list()?;
+    if list.len() != meshes {
+        return Err(entry.error(
+            format!("{} contacts for {meshes} meshes", list.len()),
+            format!("expected {meshes}"),
+            "give one contact for all meshes, or a list with one per mesh in their order",
+        ));
+    }
+    list.iter().map(|e| contact(e, calibrated)).collect()
+}
+
+fn calibration(entry: &Entry<'_>, context: &Context<'_>, label: &str) -> Result<CalibrationUse, SceneError> {
+    let names = NAMES.map(|n| (n, n));
+    let (name, scene, label) = if entry.is_table() {
+        let s = entry.section("`calibration`", CALIBRATION)?;
+        let text = |key: &str, default: &str| {
+            s.get(key).map_or(Ok(default.to_owned()), |e| e.text().map(str::to_owned))
+        };
+        (s.need("name")?.word(&names)?, text("scene", context.scene)?, text("label", label)?)
+    } else {
+        (entry.word(&names)?, context.scene.to_owned(), label.to_owned())
+    };
+    let constants = match context.calibrations {
+        None => None,
+        Some(find) => {
+            let file = find(&scene)?;
+            let found = file.as_ref().and_then(|c| c.get(name, &label));
+            let mut found = found.cloned().ok_or_else(|| {
+                let labels = file.as_ref().and_then(|c| c.sets.get(name)).map_or(Vec::new(), |labels| {
+                    labels.keys().map(String::as_str).collect()
+                });
+                let there = if labels.is_empty() {
+                    String::new()
+                } else {
+                    format!("; there is one for {}", suggest::words(&labels))
+                };
+                entry.error(
+                    format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
+                    "not there",
+                    format!("fit it with `gearbench identify {scene} --model {label} --write`{there}"),
+                )
+            })?;
+            if scene != context.scene {
+                // Another scene's gap is that of its own start.
+                found.gap = None;
+            }
+            Some(found)
+        }
+    };
+    Ok(CalibrationUse { name: name.to_owned(), scene, label, constants })
+}
+
+/// Puts fitted constants in place of what the scene gives; those values are where a fit starts.
+fn apply(constants: &Constants, row: &Model, modelling: &mut Modelling) {
+    if let Some(per_width) = constants.stiffness {
+        for contact in &mut modelling.contacts {
+            let of = match contact.stiffness {
+                PairStiffness::Constant { of, .. } | PairStiffness::Table { of, .. } => of,
+                _ => PairOrMesh::Pair,
+            };
+            contact.stiffness = PairStiffness::Constant { per_width, of };
+        }
+    }
+    for gear in modelling.gears.iter_mut().filter(|g| g.id == row.id) {
+        for (key, value) in &constants.parameters {
+            gear.parameters.insert(key.clone(), Value::Number(*value));
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Shipped scenes and their calibrations, embedded. A further scene is a file and its line in [`SHIPPED`].
+
+/// A scene that comes with the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Shipped {
+    /// Name, as given on the command line.
+    pub name: &'static str,
+    /// Text of the scene.
+    pub text: &'static str,
+    /// Text of its calibrations, empty when it has none of its own.
+    pub calibration: &'static str,
+}
+
+macro_rules! shipped {
+    ($name:literal) => {
+        Shipped { name: $name, text: include_str!(concat!("../../scenes/", $name, ".toml")), calibration: "" }
+    };
+    ($name:literal, calibrated) => {
+        Shipped {
+            calibration: include_str!(concat!("../../calibrations/", $name, ".toml")),
+            ..shipped!($name)
+        }
+    };
+}
+
+/// All shipped scenes; the first is the default comparison.
+pub static SHIPPED: &[Shipped] = &[
+    shipped!("spur_impact", calibrated),
+    shipped!("spur_impact_large", calibrated),
+    shipped!("spur_rotation"),
+    shipped!("hammer"),
+];
+
+/// A shipped scene by name.
+pub fn shipped(name: &str) -> Option<&'static Shipped> {
+    SHIPPED.iter().find(|s| s.name == name)
+}

@@ -1,0 +1,217 @@
+//! `[study]` and `tolerance`: what is compared, and what counts as accurate enough.
+
+use super::error::SceneError;
+use super::reader::{Entry, Key, key};
+use crate::study::run::Method;
+use gearbench_integrators::{METHODS, Resolution, Stepping};
+use gearbench_reports::record::Tolerance;
+
+static STUDY: &[Key] = &[
+    key("models", "labels to compare, default all models of the scene"),
+    key("integrators", "list such as [{ method = \"dopri5\", rtol = 1e-6 }, { method = \"rk4\", step_s = 1e-6 }]"),
+    key("events", "locate contact events, default true"),
+    key("samples", "samples of the histories over the duration, default 2000"),
+    key("quantities", "metrics of interest, default all, for example [\"force_l2_aligned\", \"peak_force_n\"]"),
+];
+static INTEGRATOR: &[Key] = &[
+    key("method", "id or id(name=value), for example \"generalised-alpha(rho_inf=0.8)\""),
+    key("step_s", "fixed step in seconds, for example 1e-6"),
+    key("rtol", "relative tolerance, for example 1e-6"),
+];
+static TOLERANCE: &[Key] = &[
+    key("metric", "metric that is limited, default \"force_l2_aligned\""),
+    key("limit", "greatest magnitude that is accurate enough, for example 0.05"),
+    key("against", "\"reference\" or \"self\", the model's own converged solution"),
+];
+
+/// Samples of the histories when a scene does not say.
+const DEFAULT_SAMPLES: usize = 2000;
+/// Tolerance of the adaptive methods that are compared when a scene names none.
+const DEFAULT_RTOL: f64 = 1e-6;
+
+/// Metrics a scene can name: the keys of `results.json`.
+pub const QUANTITIES: [&str; 11] = [
+    "force_l2",
+    "force_l2_aligned",
+    "time_shift_s",
+    "peak_force_n",
+    "peak_force_rel",
+    "impulse_ns",
+    "impulse_rel",
+    "duration_s",
+    "omega1_end",
+    "omega2_end",
+    "energy_drift_rel",
+];
+
+/// What a study of a scene does when the command line does not say otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Study {
+    /// Labels of the models, in the order of the scene.
+    pub models: Vec<String>,
+    /// Integrators.
+    pub integrators: Vec<Method>,
+    /// Locate contact events.
+    pub events: bool,
+    /// Samples of the histories over the duration.
+    pub samples: usize,
+    /// Metrics of interest; empty means all.
+    pub quantities: Vec<String>,
+}
+
+/// Reads `[study]`; `labels` are those of the models.
+pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, SceneError> {
+    let mut study = Study {
+        models: labels.iter().map(|l| (*l).to_owned()).collect(),
+        integrators: default_integrators(),
+        events: true,
+        samples: DEFAULT_SAMPLES,
+        quantities: Vec::new(),
+    };
+    let Some(entry) = entry else { return Ok(study) };
+    let s = entry.section("[study]", STUDY)?;
+    if let Some(e) = s.get("models") {
+        study.models = words(&e, labels)?;
+    }
+    if let Some(e) = s.get("integrators") {
+        study.integrators = e.list()?.iter().map(integrator).collect::<Result<_, _>>()?;
+    }
+    if let Some(e) = s.get("events") {
+        study.events = e.boolean()?;
+    }
+    if let Some(e) = s.get("samples") {
+        study.samples = match e.whole()? {
+            n @ 2..=1_000_000 => n as usize,
+            n => return Err(e.error(format!("`samples` is {n}"), "expected 2 to 1000000", "2000 are enough for a chart")),
+        };
+    }
+    if let Some(e) = s.get("quantities") {
+        study.quantities = words(&e, &QUANTITIES)?;
+    }
+    Ok(study)
+}
+
+/// A list of words, each known and none twice.
+fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
+    let mut found: Vec<String> = Vec::new();
+    for member in entry.list()? {
+        let text = member.text()?;
+        if !known.contains(&text) {
+            return Err(member.unknown_word(text, known));
+        }
+        if found.iter().any(|f| f == text) {
+            return Err(member.error(format!("`{text}` stands twice in `{}`", entry.name), "again", "remove one"));
+        }
+        found.push(text.to_owned());
+    }
+    Ok(found)
+}
+
+/// The adaptive methods of the table.
+fn default_integrators() -> Vec<Method> {
+    METHODS
+        .iter()
+        .filter(|m| m.info.stepping != Stepping::Fixed)
+        .map(|m| Method { text: m.info.id.to_owned(), resolution: Resolution::Tolerance(DEFAULT_RTOL) })
+        .collect()
+}
+
+fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
+    let s = entry.section("an integrator", INTEGRATOR)?;
+    let method = s.need("method")?;
+    let text = method.text()?;
+    let id = text.split('(').next().unwrap_or(text).trim();
+    let ids: Vec<&str> = METHODS.iter().map(|m| m.info.id).collect();
+    if !ids.contains(&id) {
+        return Err(method.unknown_word(id, &ids));
+    }
+    let (row, _) = gearbench_integrators::method(text)
+        .map_err(|e| method.error(e, "this method", "parameters stand in brackets: id(name=value)"))?;
+    let positive = |e: Entry<'_>, below: f64| match e.number()? {
+        x if x > 0.0 && x < below => Ok(x),
+        x => Err(e.error(
+            format!("`{}` is {x}", e.name),
+            if below.is_finite() { "expected more than 0 and less than 1" } else { "expected more than 0" },
+            "for example step_s = 1e-6 or rtol = 1e-6",
+        )),
+    };
+    let resolution = match (s.get("step_s"), s.get("rtol"), row.info.stepping) {
+        (Some(step), Some(rtol), _) => {
+            return Err(s
+                .source
+                .error(rtol.key_range(), "step and tolerance are both given", "and this", "give one: a fixed step or a tolerance")
+                .and(step.key_range(), "this"));
+        }
+        (Some(step), None, Stepping::Adaptive) => {
+            return Err(step.error(format!("{id} chooses its steps"), "it takes no step", "give `rtol`, for example 1e-6"));
+        }
+        (None, Some(rtol), Stepping::Fixed) => {
+            return Err(rtol.error(format!("{id} has fixed steps"), "it takes no tolerance", "give `step_s`, for example 1e-6"));
+        }
+        (Some(step), None, _) => Resolution::Step(positive(step, f64::INFINITY)?),
+        (None, Some(rtol), _) => Resolution::Tolerance(positive(rtol, 1.0)?),
+        (None, None, Stepping::Fixed) => return Err(s.missing("step_s")),
+        (None, None, _) => return Err(s.missing("rtol")),
+    };
+    Ok(Method { text: text.trim().to_owned(), resolution })
+}
+
+/// Reads `tolerance`: a number, or a table with metric, limit and reference.
+pub(super) fn tolerance(entry: &Entry<'_>, reference: Option<&str>) -> Result<Tolerance, SceneError> {
+    // Records call a reference by its program.
+    let external = reference.map(|id| id.split('/').next().unwrap_or(id).to_owned());
+    let default_against = external.clone().unwrap_or_else(|| "self".to_owned());
+    let limit = |e: &Entry<'_>| match e.number()? {
+        x if x > 0.0 => Ok(x),
+        x => Err(e.error(format!("the tolerance is {x}"), "expected more than 0", "0.05 allows an error of 5 %")),
+    };
+    if !entry.is_table() {
+        return Ok(Tolerance { metric: "force_l2_aligned".into(), limit: limit(entry)?, against: default_against });
+    }
+    let s = entry.section("`tolerance`", TOLERANCE)?;
+    let metric = match s.get("metric") {
+        Some(e) => words_one(&e)?,
+        None => "force_l2_aligned".to_owned(),
+    };
+    let against = match s.get("against") {
+        None => default_against,
+        Some(e) if e.word(&[("reference", true), ("self", false)])? => external.ok_or_else(|| {
+            e.error("the scene has no reference", "nothing to refer to", "write \"self\", or give the scene a `reference`")
+        })?,
+        Some(_) => "self".to_owned(),
+    };
+    Ok(Tolerance { metric, limit: limit(&s.need("limit")?)?, against })
+}
+
+fn words_one(entry: &Entry<'_>) -> Result<String, SceneError> {
+    entry.word(&QUANTITIES.map(|q| (q, q.to_owned())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_reports::record::Metrics;
+
+    /// A quantity is a metric of the record: nothing else can be measured.
+    #[test]
+    fn quantities_are_metrics() {
+        let json = serde_json::to_value(Metrics {
+            force_l2: Some(1.0),
+            force_l2_aligned: Some(1.0),
+            time_shift_s: Some(1.0),
+            peak_force_n: Some(1.0),
+            peak_force_rel: Some(1.0),
+            impulse_ns: Some(1.0),
+            impulse_rel: Some(1.0),
+            duration_s: Some(1.0),
+            omega1_end: Some(1.0),
+            omega2_end: Some(1.0),
+            energy_drift_rel: Some(1.0),
+            against: "self".into(),
+        })
+        .unwrap();
+        let keys = json.as_object().unwrap();
+        assert_eq!(keys.len(), QUANTITIES.len() + 1);
+        assert!(QUANTITIES.iter().all(|q| keys.contains_key(*q)));
+    }
+}
