@@ -82,6 +82,9 @@ pub struct Compare {
     /// Timed repeats of every run; the report shows their median and spread
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
+    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
     /// Do not locate contact events: shows what a method loses when steps run across them
     #[arg(long)]
     pub no_events: bool,
@@ -92,6 +95,16 @@ pub const DEFAULT_SCENE: &str = "spur_impact";
 /// Timed repeats when the command line does not say.
 pub const DEFAULT_REPEATS: u32 = 3;
 
+/// Wall-clock bound of one integration [s] when the command line does not say.
+pub const DEFAULT_TIMEOUT: f64 = 120.0;
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e6 => Ok(x),
+        _ => Err("expected a positive number of seconds".into()),
+    }
+}
+
 impl Default for Compare {
     /// What `gearbench` does without a command.
     fn default() -> Self {
@@ -101,6 +114,7 @@ impl Default for Compare {
             integrators: None,
             out: None,
             repeats: DEFAULT_REPEATS,
+            timeout: DEFAULT_TIMEOUT,
             no_events: false,
         }
     }

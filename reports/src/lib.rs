@@ -8,7 +8,7 @@ pub mod charts;
 mod checks;
 mod html;
 pub mod metrics;
-mod numbers;
+pub mod numbers;
 mod picture;
 pub mod record;
 pub mod series;

@@ -1,7 +1,7 @@
 //! `gearbench compare SCENE`.
 
 use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
-use crate::cli::CompareArgs;
+use crate::cli::Compare;
 use crate::scene_file::{self, ModelChoice, SceneFile};
 use crate::study::compare::{Entry, Plan, compare, methods_from};
 use gearbench_integrators::Resolution;
@@ -18,12 +18,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// The scene of a bare `gearbench`.
-pub const DEFAULT_SCENE: &str = "spur_impact";
-
 /// Runs the comparison and writes its folder.
-pub fn run(args: &CompareArgs, command: &str) -> Result<ExitCode, Refusal> {
-    let scene = scene_file::load(args.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
+    let scene = scene_file::load(&args.scene)?;
     let choices = scene.select(args.models.as_deref())?;
     let methods = match &args.integrators {
         Some(text) => methods_from(text, &scene.study.integrators)

@@ -1,7 +1,7 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's reference, printed and, on request, written.
 
 use super::{Refusal, progress_bar, say};
-use crate::cli::IdentifyArgs;
+use crate::cli::Identify;
 use crate::scene_file::{self, Calibration, SceneFile};
 use crate::scene_file::calibration::Constants;
 use crate::study::identify::{Identification, IdentifyError, identify, keys};
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 const NAME: &str = "impact";
 
 /// Fits the models of a scene that have something to fit.
-pub fn run(args: &IdentifyArgs, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_uncalibrated(&args.scene)?;
     let Some(id) = scene.reference.as_deref() else {
         return Err(Refusal::Input(miette::miette!(

@@ -268,7 +268,8 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
             Some(at) => at.error(e.to_string(), "this value", "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850"),
             None => s.error(e.to_string(), "here", ""),
         }
-    })
+    })?;
+    Ok(material)
 }
 
 /// A refusal of the geometry at the key that causes it.

@@ -251,6 +251,13 @@ pub struct Law {
     speed_floor: f64,
 }
 
+impl Default for Law {
+    /// The linear elastic law.
+    fn default() -> Self {
+        Law::elastic()
+    }
+}
+
 impl Law {
     /// A law with the penetration exponent `n` in [1, 3] and a damping.
     ///
@@ -305,6 +312,11 @@ impl Law {
             chi: 0.0,
             speed_floor: DEFAULT_SPEED_FLOOR,
         }
+    }
+
+    /// The elastic part of the law.
+    pub const fn undamped(&self) -> Law {
+        Law { damping: Damping::None, c: 0.0, chi: 0.0, ..*self }
     }
 
     /// The same law with another floor of the impact speed (m/s). A contact that closes from rest

@@ -12,6 +12,8 @@ use gearbench_integrators::system::Singular;
 /// One point of the solve.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SolvePoint {
+    /// Its law.
+    pub law: Law,
     /// Gap before local compliance [m].
     pub gap0: f64,
     /// Its rate [m/s].
@@ -41,7 +43,7 @@ const MAX_ITERATIONS: u32 = 60;
 
 impl CompliantSolve {
     /// Solves for gaps and forces; `c` is the row-major compliance [m/N] between the points.
-    pub fn solve(&mut self, law: &Law, c: &[f64], points: &mut [SolvePoint]) -> Result<(), Singular> {
+    pub fn solve(&mut self, c: &[f64], points: &mut [SolvePoint]) -> Result<(), Singular> {
         let n = points.len();
         for p in points.iter_mut() {
             p.gap = p.gap0;
@@ -59,7 +61,7 @@ impl CompliantSolve {
                 let closed = p.closed.unwrap_or(released < 0.0);
                 p.force = LawForce::default();
                 if closed {
-                    let force = law.smooth(p.gap, p.rate, p.impact_speed, p.stiffness);
+                    let force = p.law.smooth(p.gap, p.rate, p.impact_speed, p.stiffness);
                     let pulls = p.closed.is_none() && force.n < 0.0;
                     p.force = if pulls { LawForce::default() } else { force };
                 }
@@ -138,10 +140,8 @@ mod tests {
     #[test]
     fn springs_in_series() {
         // One point, linear law k and compliance C: N = d / (1/k + C).
-        let law = Law::new(1.0, Damping::None).unwrap();
-        let mut p =
-            [SolvePoint { gap0: -1e-5, stiffness: 2e8, ..Default::default() }];
-        CompliantSolve::default().solve(&law, &[3e-9], &mut p).unwrap();
+        let mut p = [SolvePoint { gap0: -1e-5, stiffness: 2e8, ..Default::default() }];
+        CompliantSolve::default().solve(&[3e-9], &mut p).unwrap();
         let want = 1e-5 / (1.0 / 2e8 + 3e-9);
         assert!((p[0].force.n - want).abs() < 1e-10 * want);
     }
@@ -149,15 +149,38 @@ mod tests {
     #[test]
     fn coupling_opens_a_neighbour() {
         // Pressing point 0 moves point 1 away: it must end open with zero force.
-        let law = Law::new(1.0, Damping::None).unwrap();
         let mut p = [
             SolvePoint { gap0: -1e-5, stiffness: 1e9, ..Default::default() },
             SolvePoint { gap0: -1e-7, stiffness: 1e9, ..Default::default() },
         ];
         let c = [4e-9, 1e-9, 1e-9, 4e-9];
-        CompliantSolve::default().solve(&law, &c, &mut p).unwrap();
+        CompliantSolve::default().solve(&c, &mut p).unwrap();
         assert_eq!(p[1].force.n, 0.0);
         assert!((p[0].force.n - 1e-5 / 5e-9).abs() < 1e-6);
         assert!(p[1].gap > 0.0);
+    }
+
+    #[test]
+    fn a_damper_on_a_compliant_point_has_a_force_from_first_touch_on() {
+        // Just overlapping and approaching: the damper pushes at once and the compliance gives way.
+        let law = Law::new(1.0, Damping::KelvinVoigt { c: 500.0 }).unwrap();
+        let (k, c, v) = (1.5e8, 3e-9, 0.7);
+        for closed in [None, Some(true)] {
+            let mut p =
+                [SolvePoint { law, gap0: -1e-9, rate: -v, stiffness: k, closed, ..Default::default() }];
+            CompliantSolve::default().solve(&[c], &mut p).unwrap();
+            let want = (k * 1e-9 + 500.0 * v) / (1.0 + k * c);
+            assert!((p[0].force.n - want).abs() < 1e-9 * want, "{} {want}", p[0].force.n);
+        }
+    }
+
+    #[test]
+    fn each_point_keeps_its_own_law() {
+        let damped = Law::new(1.0, Damping::KelvinVoigt { c: 500.0 }).unwrap();
+        let point = SolvePoint { gap0: -1e-6, rate: -0.5, stiffness: 1e8, ..Default::default() };
+        let mut p = [point, SolvePoint { law: damped, ..point }];
+        CompliantSolve::default().solve(&[1e-9, 0.0, 0.0, 1e-9], &mut p).unwrap();
+        assert!((p[0].force.n - 100.0 / 1.1).abs() < 1e-9);
+        assert!((p[1].force.n - 350.0 / 1.1).abs() < 1e-9);
     }
 }

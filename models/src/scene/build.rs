@@ -421,8 +421,14 @@ impl Scene {
             State { t: 0.0, q: vec![0.0; n], v: vec![0.0; n], memory: vec![0.0; memory] };
         for (g, s) in gears.iter().zip(&spec.gears) {
             let range = g.range();
+            // A prescribed motion says itself how fast its gear moves.
+            let speed = match &s.mount {
+                Mount::Driven(p) => p.value(0.0),
+                Mount::Fixed => 0.0,
+                Mount::Revolute | Mount::Prismatic => s.speed,
+            };
             g.model.initialise(
-                s.speed,
+                speed,
                 &mut initial.q[range.clone()],
                 &mut initial.v[range],
                 &mut initial.memory[g.memory.0..][..g.memory.1],

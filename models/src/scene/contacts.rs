@@ -50,10 +50,14 @@ pub struct ContactForce {
 #[derive(Default)]
 pub(super) struct Workspace {
     pub candidates: Vec<Candidate>,
+    /// Candidates before a zone switch.
+    pub listed: Vec<Candidate>,
     pub active: Vec<Active>,
     /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
     pub rows: Vec<[Row; 3]>,
     pub points: Vec<SolvePoint>,
+    /// The same contacts without damping, for the energies of compliant contacts.
+    pub elastic: Vec<SolvePoint>,
     pub compliance: Vec<f64>,
     pub solve: CompliantSolve,
     pub failed: bool,
@@ -186,6 +190,7 @@ impl Scene {
                 let stored = at.memory[slot + 1];
                 let impact_speed = if stored > 0.0 { stored } else { -rate };
                 work.points.push(SolvePoint {
+                    law: mesh.law,
                     gap0: c.gap,
                     rate,
                     impact_speed,
@@ -231,9 +236,7 @@ impl Scene {
                 work.compliance.push(sum);
             }
         }
-        // One law per scene is assumed across an island; it is that of the first mesh.
-        let law = meshes[0].law;
-        work.failed = work.solve.solve(&law, &work.compliance, &mut work.points).is_err();
+        work.failed = work.solve.solve(&work.compliance, &mut work.points).is_err();
         for i in 0..n {
             let active = &mut work.active[i];
             active.gap = work.points[i].gap;
@@ -244,6 +247,23 @@ impl Scene {
             let mesh = &meshes[active.mesh];
             let (a, b) = parties(gears, mesh, at);
             slide(mesh, [a, b], at, &work.candidates[i], &work.rows[i], active);
+        }
+    }
+
+    /// The compliant contacts at the last state evaluated without their damping: gaps and forces in
+    /// `work.elastic`. With a law that has no damper they are the contacts themselves.
+    pub(super) fn evaluate_elastic_part(&mut self) {
+        let work = &mut self.work;
+        work.elastic.clone_from(&work.points);
+        if !work.points.iter().any(|p| p.law.is_dissipative()) {
+            return;
+        }
+        for p in &mut work.elastic {
+            p.law = p.law.undamped();
+            p.closed = Some(p.force.n != 0.0);
+        }
+        if work.solve.solve(&work.compliance, &mut work.elastic).is_err() {
+            work.elastic.iter_mut().for_each(|p| p.force.n = f64::NAN);
         }
     }
 

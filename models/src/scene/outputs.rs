@@ -54,29 +54,39 @@ impl Scene {
             c[1] = hub.speed;
             c[2] = hub.travel;
         }
+        if self.compliant {
+            self.evaluate_elastic_part();
+        }
         for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
             let released = a.force.n == 0.0;
-            if !released {
-                energy.contact += mesh.law.potential(a.gap, c.stiffness);
-            }
-            if self.compliant {
-                let n = self.work.active.len();
+            // The elastic force at the gap before local compliance, and the gap it leaves. The damper of a
+            // compliant contact acts beside law and compliance in series: their energy is that of the
+            // elastic part alone, and all the rest of the force is lost.
+            let (elastic, gap) = if self.compliant {
+                let work = &self.work;
+                let n = work.elastic.len();
+                let p = &work.elastic[i];
                 let deflection: f64 =
-                    (0..n).map(|j| self.work.compliance[i * n + j] * self.work.active[j].force.n).sum();
-                energy.contact += 0.5 * a.force.n * deflection;
-            }
-            let elastic = if released {
-                0.0
+                    (0..n).map(|j| work.compliance[i * n + j] * work.elastic[j].force.n).sum();
+                energy.contact += 0.5 * p.force.n * deflection;
+                (p.force.n, p.gap)
+            } else if released {
+                (0.0, a.gap)
             } else {
-                mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n
+                (mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n, a.gap)
             };
+            if !released {
+                energy.contact += mesh.law.potential(gap, c.stiffness);
+            }
             power.dissipated -= (a.force.n - elastic) * a.rate;
             power.external -= a.force.n * c.gap_t;
-            let ds = -rows[0].dot_first(at.v) / c.scale[0];
             if !released {
-                power.parametric += mesh.law.d_potential_dk(a.gap) * c.stiffness_s * ds;
+                let first = &self.gears[mesh.gears[0]];
+                let drift = first.model.drift(first.at(at), &c.points[0], &c.normal);
+                let ds = drift - rows[0].dot_first(at.v) / c.scale[0];
+                power.parametric += mesh.law.d_potential_dk(gap) * c.stiffness_s * ds;
             }
             let mut force = a.force.n * c.normal;
             if mesh.friction.is_some() {
@@ -93,7 +103,8 @@ impl Scene {
                 let hub = self.gears[i].model.hub();
                 let lever = hub.lever(&c.points[k].x, &(sign * c.normal));
                 let along = hub.lever(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
-                out.channels[per_gear + 4 * i + 3] += a.force.n * lever + a.friction.f * along;
+                out.channels[per_gear + 4 * i + 3] +=
+                    a.force.n * c.scale[k] * lever + a.friction.f * along;
             }
         }
         for m in 0..self.meshes.len() {

@@ -1,5 +1,6 @@
 //! The scene as a second-order system: force, tangent, Newton correction, guards, switches.
 
+use super::contacts::Active;
 use super::{Scene, parties};
 use crate::contact::candidate::Candidate;
 use crate::contact::law::Law;
@@ -257,6 +258,14 @@ impl SecondOrderSystem for Scene {
     }
 
     fn begin(&mut self, s: &mut State, located: bool) {
+        // Contacts of an earlier run let go of their teeth.
+        for m in 0..self.meshes.len() {
+            for slot in 0..self.meshes[m].search.slots() {
+                if s.memory[self.meshes[m].slot(slot)] != 0.0 {
+                    self.engage(s, m, slot, false);
+                }
+            }
+        }
         s.memory[0] = f64::from(u8::from(located));
         for i in 0..self.meshes.len() {
             let mesh = &self.meshes[i];
@@ -281,13 +290,20 @@ impl SecondOrderSystem for Scene {
         let zones = mesh.search.guard_count();
         if local < zones {
             let range = mesh.search_memory();
+            // A pair that leaves is no candidate any more: look at it before.
+            let mut listed = std::mem::take(&mut self.work.listed);
+            listed.clear();
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            let memory = &s.memory[range.clone()];
+            mesh.search.candidates(a, b, memory, Wanted::Listed, &mut listed);
             let change = mesh.search.switch(local, &mut s.memory[range]);
+            let leaving = change.left.and_then(|slot| listed.iter().find(|c| c.slot == slot).copied());
+            self.work.listed = listed;
             if let Some(slot) = change.left {
-                let at = mesh.slot(slot);
-                if s.memory[at] != 0.0 {
-                    self.engage(s, m, slot, false);
-                }
                 let at = self.meshes[m].slot(slot);
+                if let Some(c) = leaving.filter(|_| s.memory[at] != 0.0) {
+                    self.tell(s, m, &c, false);
+                }
                 s.memory[at] = 0.0;
                 s.memory[at + 1] = 0.0;
             }
@@ -298,17 +314,17 @@ impl SecondOrderSystem for Scene {
             let slot = local - zones;
             let at = mesh.slot(slot);
             let closing = s.memory[at] == 0.0;
+            // A contact that a damper releases early keeps its impact speed until the flanks part.
+            let apart = self.gap_of(s, m, slot).is_none_or(|g| g >= -1e-6 * self.magnitudes.deflection);
             if closing {
-                if s.memory[at + 1] <= 0.0 {
+                if apart || s.memory[at + 1] <= 0.0 {
                     let speed = self.approach_speed(s, m, slot);
                     s.memory[at + 1] = speed;
                 }
                 s.memory[at] = 1.0;
             } else {
                 s.memory[at] = 0.0;
-                // A contact that opened with its flanks apart forgets its impact speed; one that a damper
-                // released early keeps it until they part.
-                if self.gap_of(s, m, slot).is_none_or(|g| g >= -1e-15) {
+                if apart {
                     s.memory[at + 1] = 0.0;
                 }
             }
@@ -472,8 +488,15 @@ impl Scene {
         c
     }
 
+    /// Gap of a slot, with the local compliance that loaded neighbours bring.
     fn gap_of(&mut self, s: &State, m: usize, slot: usize) -> Option<f64> {
-        self.find(s, m, slot).map(|c| c.gap)
+        if !self.compliant {
+            return self.find(s, m, slot).map(|c| c.gap);
+        }
+        self.evaluate_contacts(s.at());
+        let work = &self.work;
+        let of_slot = |a: &&Active| a.mesh == m && work.candidates[a.candidate].slot == slot;
+        work.active.iter().find(of_slot).map(|a| a.gap)
     }
 
     fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
@@ -484,8 +507,13 @@ impl Scene {
 
     /// Tells both gears that a contact of a slot closed or opened.
     fn engage(&mut self, s: &mut State, m: usize, slot: usize, closed: bool) {
-        let Some(c) = self.find(s, m, slot) else { return };
-        let (teeth, side) = self.meshes[m].search.flank_of(&c);
+        if let Some(c) = self.find(s, m, slot) {
+            self.tell(s, m, &c, closed);
+        }
+    }
+
+    fn tell(&mut self, s: &mut State, m: usize, c: &Candidate, closed: bool) {
+        let (teeth, side) = self.meshes[m].search.flank_of(c);
         for k in 0..2 {
             let g = &mut self.gears[self.meshes[m].gears[k]];
             let own = &mut s.memory[g.memory.0..][..g.memory.1];

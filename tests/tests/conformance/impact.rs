@@ -1,0 +1,229 @@
+//! The elastic impact of case A under every model and every method.
+
+use gearbench_integrators::{
+    AcceptedStep, Control, MethodInfo, Outputs, Resolution, SecondOrderSystem, Sink, Stepping, TimePlan, Work,
+};
+use gearbench_models::contact::law::{Damping, realised_restitution};
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::lever;
+use gearbench_models::scene::spec::ContactSpec;
+use gearbench_models::stiffness::{IsoVariation, PairStiffness};
+use gearbench_tests::*;
+
+/// After the impact, before the opposite flanks meet.
+const T_END: f64 = 1.5e-4;
+const GAP: f64 = 3.1e-6;
+
+/// Case A with one model for both gears.
+fn scene_of(model: &Model, contact: &ContactSpec) -> Scene {
+    build(&case_a(GAP), &[usual(model, 20), usual(model, 30)], contact)
+}
+
+/// A step that resolves the impact well beyond 1e-6 of its energy.
+fn fine(info: &MethodInfo) -> Resolution {
+    match (info.stepping, info.order) {
+        (Stepping::Adaptive, _) => Resolution::Tolerance(1e-9),
+        (_, 0 | 1) => Resolution::Step(4e-10),
+        (_, 2) => Resolution::Step(2e-8),
+        _ => Resolution::Step(1e-7),
+    }
+}
+
+/// Follows `L1/r_b1 - L2/r_b2` at every accepted step.
+struct Invariant {
+    per_speed: [f64; 2],
+    channels: [usize; 2],
+    start: Option<[f64; 2]>,
+    drift: f64,
+    impulse: f64,
+    out: Outputs,
+}
+
+impl Invariant {
+    fn new(scene: &Scene) -> Self {
+        let spec = case_a(GAP);
+        Invariant {
+            per_speed: [0, 1].map(|i| scene.gears()[i].model.hub().inertia / lever(&spec.gears[i].body)),
+            channels: ["speed:pinion", "speed:wheel"].map(|c| scene.channel(c).unwrap()),
+            start: None,
+            drift: 0.0,
+            impulse: 0.0,
+            out: Outputs::default(),
+        }
+    }
+
+    fn momenta(&mut self, sys: &mut dyn SecondOrderSystem, s: &gearbench_integrators::State) -> [f64; 2] {
+        sys.output(s.at(), &mut self.out);
+        [0, 1].map(|i| self.out.channels[self.channels[i]] * self.per_speed[i])
+    }
+}
+
+impl Sink for Invariant {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        if self.start.is_none() {
+            self.start = Some(self.momenta(sys, step.from));
+        }
+        let [a0, b0] = self.start.unwrap_or_default();
+        let [a, b] = self.momenta(sys, step.to);
+        self.drift = self.drift.max(((a - b) - (a0 - b0)).abs());
+        self.impulse = self.impulse.max((a - a0).abs());
+        Control::Continue
+    }
+}
+
+#[test]
+fn momentum_along_the_line_of_action_is_invariant() {
+    for model in &models() {
+        for method in methods() {
+            for events in [true, false] {
+                let mut scene = scene_of(model, &contact(usual_stiffness(model)));
+                let mut watch = Invariant::new(&scene);
+                let mut s = scene.initial();
+                let plan = TimePlan { events, ..TimePlan::new(T_END, resolution(method, 2e-7, 1e-6)) };
+                let mut work = Work::default();
+                method.build().run(&mut scene, &mut s, &plan, &mut watch, &mut work).unwrap();
+                let what = format!("{} under {}, events {events}", model.id, method.info.id);
+                assert!(watch.impulse > 0.1, "{what}: impulse {}", watch.impulse);
+                let drift = watch.drift / watch.impulse;
+                assert!(drift <= 1e-10, "{what}: L1/r_b1 - L2/r_b2 drifts by {drift:.2e} of the impulse");
+            }
+        }
+    }
+}
+
+#[test]
+fn methods_without_dissipation_keep_the_energy_of_an_elastic_impact() {
+    for model in &models() {
+        for method in methods().iter().filter(|m| !m.info.dissipative) {
+            let mut scene = scene_of(model, &contact(usual_stiffness(model)));
+            let o = run(&mut scene, method.info.id, fine(method.info), T_END).unwrap(method.info.id);
+            let start = o.ledger.start.unwrap().total();
+            let error = o.ledger.end.total() / start - 1.0;
+            let what = format!("{} under {}", model.id, method.info.id);
+            assert!(error.abs() <= 1e-6, "{what}: energy changes by {error:.2e}");
+            assert!(o.normal_min >= -1e-9 * o.peak, "{what}: the contact pulls with {} N", o.normal_min);
+            assert!(o.ledger.end.contact == 0.0, "{what}: still in contact");
+        }
+    }
+}
+
+#[test]
+fn the_loss_of_dissipative_methods_falls_with_the_declared_order() {
+    let mut table = String::new();
+    let mut bad = false;
+    for model in &models() {
+        for method in methods().iter().filter(|m| m.info.dissipative) {
+            let info = method.info;
+            let (x, declared): (Vec<f64>, f64) = match info.stepping {
+                Stepping::Adaptive => (vec![1e-4, 1e-5, 1e-6, 1e-7], info.tolerance_slope),
+                _ => (vec![8e-7, 4e-7, 2e-7, 1e-7], f64::from(info.order)),
+            };
+            let loss: Vec<f64> = x
+                .iter()
+                .map(|&x| {
+                    let mut scene = scene_of(model, &contact(usual_stiffness(model)));
+                    let r = match info.stepping {
+                        Stepping::Adaptive => Resolution::Tolerance(x),
+                        _ => Resolution::Step(x),
+                    };
+                    let o = run(&mut scene, info.id, r, T_END).unwrap(info.id);
+                    (1.0 - o.ledger.end.total() / o.ledger.start.unwrap().total()).abs().max(1e-15)
+                })
+                .collect();
+            let observed = slope(&x, &loss);
+            table += &format!("{:14} {:20} declared {declared:.2} observed {observed:.2} {loss:.1e?}\n", model.id, info.id);
+            bad |= observed < declared - 0.25;
+        }
+    }
+    assert!(!bad, "the loss falls more slowly than declared:\n{table}");
+    println!("{table}");
+}
+
+#[test]
+fn the_ledger_closes_with_varying_stiffness() {
+    for model in &models() {
+        for method in methods() {
+            let contact = ContactSpec {
+                stiffness: PairStiffness::Iso6336 { variation: IsoVariation::IsoMean },
+                ..contact(1.0)
+            };
+            let mut scene = scene_of(model, &contact);
+            let resolution = match method.info.stepping {
+                Stepping::Adaptive => Resolution::Tolerance(1e-10),
+                _ if method.info.order >= 4 => Resolution::Step(5e-8),
+                _ if method.info.order == 1 => Resolution::Step(4e-10),
+                _ => Resolution::Step(1e-8),
+            };
+            let o = run(&mut scene, method.info.id, resolution, T_END).unwrap(method.info.id);
+            let (residual, work) = (o.ledger.residual_relative(), o.ledger.parametric);
+            let what = format!("{} under {}", model.id, method.info.id);
+            assert!(work.abs() > 1e-6, "{what}: no parametric work, {work:e} J");
+            assert!(residual.abs() <= 1e-6, "{what}: {residual:.2e} of the energy is not explained");
+        }
+    }
+}
+
+#[test]
+fn the_ledger_closes_with_damped_contacts() {
+    for model in &models() {
+        for (exponent, damping) in [
+            (1.0, Damping::KelvinVoigtRatio { ratio: 0.05 }),
+            (1.0, Damping::HuntCrossley { e: 0.8 }),
+            (1.5, Damping::Flores { e: 0.7 }),
+            (10.0 / 9.0, Damping::Gonthier { e: 0.8 }),
+            (1.0, Damping::LankaraniNikravesh { e: 0.9 }),
+        ] {
+            // A nonlinear law needs more than the linear stiffness for the same force.
+            let stiffness = usual_stiffness(model) * 1e-5_f64.powf(1.0 - exponent);
+            let contact = ContactSpec { exponent, damping, ..contact(stiffness) };
+            for (id, resolution) in
+                [("dopri5", Resolution::Tolerance(1e-9)), ("generalised-alpha", Resolution::Step(2e-8))]
+            {
+                let mut scene = scene_of(model, &contact);
+                let o = run(&mut scene, id, resolution, T_END).unwrap(id);
+                let what = format!("{} with {damping:?} under {id}", model.id);
+                let residual = o.ledger.residual_relative();
+                assert!(residual.abs() <= 2e-6, "{what}: {residual:.2e} of the energy is not explained");
+                let lost = o.ledger.dissipated / o.ledger.start.unwrap().total();
+                assert!((0.01..0.6).contains(&lost), "{what}: loses {lost:.3}");
+                assert!(o.normal_min >= -1e-9 * o.peak, "{what}: the contact pulls with {} N", o.normal_min);
+            }
+        }
+    }
+}
+
+#[test]
+fn rigid_gears_rebound_with_the_restitution_of_the_law() {
+    let spec = case_a(GAP);
+    let closing = |scene: &mut Scene, s: &gearbench_integrators::State| {
+        channel(scene, s, "hub_speed:pinion") * lever(&spec.gears[0].body)
+            + channel(scene, s, "hub_speed:wheel") * lever(&spec.gears[1].body)
+    };
+    for (damping, chi) in [
+        (Damping::None, 0.0),
+        (Damping::HuntCrossley { e: 0.8 }, 1.5 * 0.2),
+        (Damping::LankaraniNikravesh { e: 0.8 }, 0.75 * (1.0 - 0.64)),
+        (Damping::Flores { e: 0.6 }, 1.6 * 0.4 / 0.6),
+        (Damping::Gonthier { e: 0.6 }, 0.64 / 0.6),
+    ] {
+        for exponent in [1.0, 1.5] {
+            let stiffness = 1.54e10 * 1e-5_f64.powf(1.0 - exponent);
+            let contact = ContactSpec { exponent, damping, ..contact(stiffness) };
+            for method in methods().iter().filter(|m| m.info.order > 1) {
+                let mut scene = build(&spec, &[rigid(), rigid()], &contact);
+                let s = scene.initial();
+                let before = closing(&mut scene, &s);
+                let r = resolution(method, 2e-8, 1e-9);
+                let o = run(&mut scene, method.info.id, r, T_END).unwrap(method.info.id);
+                let after = closing(&mut scene, &o.state);
+                let (got, want) = (-after / before, realised_restitution(chi));
+                assert!(
+                    (got - want).abs() < 2e-6,
+                    "{damping:?}, exponent {exponent}, {}: restitution {got}, the law gives {want}",
+                    method.info.id
+                );
+            }
+        }
+    }
+}

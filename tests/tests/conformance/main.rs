@@ -1,0 +1,5 @@
+//! One law over all gear models and all methods: invariants, energy, ledgers, restitution.
+//!
+//! The tables are iterated, so a new model or method is held to all of this without a line here.
+
+mod impact;
