@@ -30,6 +30,9 @@ pub(crate) struct Watch {
     pub(crate) here: Vec<f64>,
     /// Guards that fell, by index; after [`Watch::select`] the ones to switch.
     pub(crate) falling: Vec<usize>,
+    /// One over the drop of each falling guard over the step. Guards have different units (a gap of
+    /// micrometres, a position in pitches): divided by their drop they all fall by one.
+    per_drop: Vec<f64>,
     peak: Vec<f64>,
 }
 
@@ -41,6 +44,7 @@ impl Watch {
             after: vec![1.0; guards],
             here: vec![1.0; guards],
             falling: Vec::with_capacity(guards),
+            per_drop: vec![1.0; guards],
             peak: vec![0.0; guards],
         }
     }
@@ -52,14 +56,22 @@ impl Watch {
         for i in 0..self.after.len() {
             if self.after[i] <= 0.0 && self.after[i] < self.before[i] {
                 self.falling.push(i);
+                self.per_drop[i] = 1.0 / (self.before[i] - self.after[i]);
             }
         }
         !self.falling.is_empty()
     }
 
-    /// The lowest of the falling guards in `here`: positive before the first event, not after it.
+    /// The lowest of the falling guards in `here`, each over its drop: positive before the first event, not
+    /// after it, and about the distance to it as a fraction of the step.
     pub(crate) fn lowest_here(&self) -> f64 {
-        lowest(&self.here, &self.falling)
+        self.lowest(&self.here)
+    }
+
+    fn lowest(&self, g: &[f64]) -> f64 {
+        self.falling
+            .iter()
+            .fold(f64::INFINITY, |m, &i| m.min(g[i] * self.per_drop[i]))
     }
 
     /// The first root on an interpolant, to `tolerance` (a fraction of the step). `guards_at` evaluates all
@@ -70,8 +82,8 @@ impl Watch {
         mut guards_at: impl FnMut(f64, &mut [f64]),
     ) -> Root {
         let (mut lo, mut hi) = (0.0, 1.0);
-        let mut f_lo = lowest(&self.before, &self.falling);
-        let mut f_hi = lowest(&self.after, &self.falling);
+        let mut f_lo = self.lowest(&self.before);
+        let mut f_hi = self.lowest(&self.after);
         if f_lo <= 0.0 {
             self.peak.fill(f64::NEG_INFINITY);
             for theta in PROBES {
@@ -100,8 +112,8 @@ impl Watch {
                 let fell = |i: usize| was[i] > 0.0 && is[i] <= 0.0;
                 if self.falling.iter().any(|&i| fell(i)) {
                     self.falling.retain(|&i| fell(i));
-                    (lo, f_lo) = (previous, lowest(was, &self.falling));
-                    (hi, f_hi) = (theta, lowest(is, &self.falling));
+                    (lo, f_lo) = (previous, self.lowest(&self.peak));
+                    (hi, f_hi) = (theta, self.lowest(&self.here));
                     break;
                 }
                 previous = theta;
@@ -123,7 +135,8 @@ impl Watch {
             }
             let moved = (next - x).abs();
             x = next;
-            if moved <= tolerance || bracket.width() <= tolerance {
+            // A small move alone does not make a root: regula falsi creeps where the guard is flat.
+            if (moved <= tolerance && f.abs() <= 10.0 * tolerance) || bracket.width() <= tolerance {
                 break;
             }
         }
@@ -133,9 +146,8 @@ impl Watch {
     /// Keeps in `falling` the guards that are at their root in `here`: equal tooth pairs touch together.
     pub(crate) fn select(&mut self) {
         let floor = self.lowest_here().max(0.0);
-        let (g0, g1, g) = (&self.before, &self.after, &self.here);
-        self.falling
-            .retain(|&i| g[i] <= floor + 1e-9 * (g0[i] - g1[i]));
+        let (g, per_drop) = (&self.here, &self.per_drop);
+        self.falling.retain(|&i| g[i] * per_drop[i] <= floor + 1e-9);
     }
 
     /// The step was taken without an event: its end is the next start.
@@ -143,10 +155,6 @@ impl Watch {
     pub(crate) fn advance(&mut self) {
         std::mem::swap(&mut self.before, &mut self.after);
     }
-}
-
-fn lowest(g: &[f64], of: &[usize]) -> f64 {
-    of.iter().fold(f64::INFINITY, |m, &i| m.min(g[i]))
 }
 
 /// A bracket of a root between a positive value at `lo` and one that is not at `hi`.
@@ -251,6 +259,24 @@ mod tests {
         }
         w.select();
         assert_eq!(w.falling, [1]);
+    }
+
+    #[test]
+    fn guards_of_different_size_do_not_hide_each_other() {
+        // A gap of micrometres that closes early, a zone in pitches that is left far behind by the end.
+        let g: [&dyn Fn(f64) -> f64; 3] = [&|x| 2e-5 * (0.1 - x), &|x| 0.3 - 12.0 * x * x, &|x| {
+            1e-6 * (0.1 - x)
+        }];
+        let mut w = watch(&g);
+        let Root::Inside(x) = root(&mut w, &g) else {
+            panic!("inside")
+        };
+        assert!((x - 0.1).abs() < 1e-12, "{x}");
+        for (i, g) in g.iter().enumerate() {
+            w.here[i] = g(x);
+        }
+        w.select();
+        assert_eq!(w.falling, [0, 2]);
     }
 
     #[test]

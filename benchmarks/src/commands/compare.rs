@@ -177,7 +177,7 @@ fn settings(scene: &SceneFile, choices: &[&ModelChoice], no_events: bool) -> Vec
     );
     row(
         "converged solution (self)",
-        format!("dopri5, rtol 1e-10; fixed steps as listed, tolerances times {}", "the scene's typical deflection and speed"),
+        "dopri5, rtol 1e-10 (1e-8 where that takes too long); a tolerance multiplies the scene's typical deflection and speed".into(),
     );
     let steps: Vec<String> = scene
         .study

@@ -65,11 +65,15 @@ impl Diagnostic for SceneError {
         if self.labels.is_empty() {
             return None;
         }
-        Some(Box::new(
-            self.labels
-                .iter()
-                .map(|(span, text)| LabeledSpan::new(Some(text.clone()), span.start, span.len())),
-        ))
+        // The first label is the one whose line stands in the heading.
+        Some(Box::new(self.labels.iter().enumerate().map(|(i, (span, text))| {
+            let (text, span) = (Some(text.clone()), (span.start, span.len()));
+            if i == 0 {
+                LabeledSpan::new_primary_with_span(text, span)
+            } else {
+                LabeledSpan::new_with_span(text, span)
+            }
+        })))
     }
 }
 
@@ -86,10 +90,6 @@ impl Source {
 
     pub(super) fn text(&self) -> &str {
         self.named.inner()
-    }
-
-    pub(super) fn name(&self) -> &str {
-        self.named.name()
     }
 
     /// An error at a place: what is wrong, what the label says, the way out.

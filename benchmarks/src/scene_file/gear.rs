@@ -279,8 +279,8 @@ fn geometry(s: &Section<'_>, place: &Place, e: &GeometryError) -> SceneError {
     s.source.error(span, format!("{}: {message}", s.place), "this cannot be cut", help)
 }
 
-/// A geometry error as cause and way out; its text has both, separated by a semicolon. Angles in degrees,
-/// as the file has them.
+/// A geometry error as cause and way out; its text has both, separated by a semicolon or a colon. Angles in
+/// degrees, as the file has them.
 pub(super) fn in_words(e: &GeometryError) -> (String, String) {
     if let GeometryError::Invalid { what, value, expected } = e
         && let Some(what) = what.strip_suffix(" [rad]")
@@ -291,7 +291,7 @@ pub(super) fn in_words(e: &GeometryError) -> (String, String) {
         return (format!("{what} is {value}"), format!("expected {expected}"));
     }
     let text = e.to_string();
-    match text.split_once("; ") {
+    match text.split_once("; ").or_else(|| text.rsplit_once(": ")) {
         Some((cause, way_out)) => (cause.to_owned(), way_out.to_owned()),
         None => (text, String::new()),
     }

@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(other_unit("teeth", &known), None);
         assert_eq!(without_unit("module", &known), Some("module_m"));
         assert_eq!(without_unit("speed", &known), Some("speed_rad_s"));
-        assert_eq!(nearest("tooth", &known), Some("teeth"));
+        assert_eq!(nearest("tetth", &known), Some("teeth"));
         assert_eq!(nearest("colour", &known), None);
         assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
     }

@@ -3,9 +3,13 @@
 //! A grid alone would cut the peaks of short impacts in a long run; steps alone would leave gaps where a
 //! method strides. The state of the largest force is kept for the picture.
 
-use gearbench_integrators::system::{At, Outputs, SecondOrderSystem, State};
+use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 
+/// Longest distance of samples in contact, in paces of the system.
+const SAMPLES_PER_PACE: f64 = 0.2;
+/// Samples in one step at most.
+const MOST_PARTS: f64 = 24.0;
 /// Rows kept beyond the grid at most.
 const MOST_STEPS: usize = 40_000;
 
@@ -64,27 +68,36 @@ impl History {
 
 impl Sink for History {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
-        let h = step.to.t - step.from.t;
-        while self.next < self.grid.len() && self.grid[self.next] <= step.to.t {
-            let t = self.grid[self.next];
+        let (t0, t1) = (step.from.t, step.to.t);
+        let h = t1 - t0;
+        // A long step through a contact is resolved as finely as the contact's own pace asks.
+        let parts = if self.also_steps && self.rows.len() < self.grid.len() + MOST_STEPS {
+            (h / (SAMPLES_PER_PACE * sys.pace(step.to.at()))).ceil().clamp(1.0, MOST_PARTS)
+        } else {
+            0.0
+        };
+        let mut part = 1.0;
+        while self.next < self.grid.len() && self.grid[self.next] <= t1 || part <= parts {
+            let on_step = if part <= parts { t0 + h * part / parts } else { f64::INFINITY };
+            let on_grid = self.grid.get(self.next).copied().unwrap_or(f64::INFINITY);
+            let t = on_step.min(on_grid).min(t1);
+            let keep = on_grid <= t;
+            if on_grid <= t {
+                self.next += 1;
+            }
+            if on_step <= t {
+                part += 1.0;
+            }
             self.sample.copy_from(step.from);
             let State { q, v, .. } = &mut self.sample;
-            if t >= step.to.t {
+            if t >= t1 {
                 q.copy_from_slice(&step.to.q);
                 v.copy_from_slice(&step.to.v);
-            } else if t > step.from.t && h > 0.0 {
-                step.dense.eval((t - step.from.t) / h, q, v);
+            } else if t > t0 && h > 0.0 {
+                step.dense.eval((t - t0) / h, q, v);
             }
             self.sample.t = t;
-            self.next += 1;
-            self.take(sys, true);
-        }
-        let on_grid = self.time.last().is_some_and(|&t| t >= step.to.t);
-        if self.also_steps && !on_grid && self.rows.len() < self.grid.len() + MOST_STEPS {
-            self.sample.copy_from(step.to);
-            let At { memory, .. } = step.from.at();
-            self.sample.memory.copy_from_slice(memory);
-            self.take(sys, false);
+            self.take(sys, keep);
         }
         Control::Continue
     }

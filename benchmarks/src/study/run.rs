@@ -22,6 +22,9 @@ const ENERGY_GROWTH: f64 = 0.02;
 /// Penetration beyond which teeth have passed through each other, in modules.
 const TUNNELLING: f64 = 0.1;
 
+/// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
+/// dip a little below zero just before the contact opens; the law itself never pulls.
+const ADHESION: f64 = 1e-3;
 /// Made-up share of the energy at which a run is beyond saving and stops.
 const HOPELESS: f64 = 0.5;
 
@@ -250,7 +253,7 @@ fn judge(
             format!("the teeth of mesh {mesh} overlap by {:.3} mm: a contact was missed", depth * 1e3),
         ));
     }
-    if history.least_normal < -1e-6 * history.peak {
+    if history.least_normal < -ADHESION * history.peak {
         return Some((
             Status::AdhesiveForce,
             format!("a contact pulls with {:.3e} N", -history.least_normal),

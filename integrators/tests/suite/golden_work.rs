@@ -19,9 +19,9 @@ fn hammering_with_dormand_prince() {
     assert_eq!(
         work,
         Work {
-            steps: 345,
+            steps: 346,
             rejected: 48,
-            force_evaluations: 2407,
+            force_evaluations: 2413,
             newton_iterations: 0,
             factorisations: 0,
             events: 48,

@@ -9,7 +9,7 @@ use crate::contact::law::{Damping, Law};
 use crate::contact::lines_of_action::{Deviation, LinesOfAction, MeshGeometry, Slice};
 use crate::gear::table::{GearContext, Model};
 use crate::gear::{Magnitudes, MeshView};
-use crate::geometry::{Gear, Pair, RackPair};
+use crate::geometry::{Gear, Pair, RackPair, Side};
 use crate::load::Load;
 use crate::mount::{Hub, Mount};
 use crate::stiffness::{self, PairOrMesh, StiffnessCurve};
@@ -184,6 +184,34 @@ fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f64>, BuildE
         }
     }
     Ok(phase.into_iter().map(|p| p.unwrap_or(0.0)).collect())
+}
+
+/// Part of the base pitch that flanks may overlap by at the start: a mesh may start preloaded, but not with
+/// teeth inside one another.
+const LARGEST_OVERLAP: f64 = 0.01;
+
+/// Refuses starts at which flanks overlap by more than a preload.
+fn check_start(spec: &SceneSpec, mesh: &MeshSpec, l: &MeshLayout, loa: &LinesOfAction) -> Result<(), BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    for side in Side::BOTH {
+        let gap = loa.assembled_gap(side);
+        if gap >= -LARGEST_OVERLAP * l.base_pitch {
+            continue;
+        }
+        let name = if side == Side::Left { "left" } else { "right" };
+        return Err(BuildError::mesh(
+            &a.name,
+            &b.name,
+            format!(
+                "at the start the {name} flanks overlap by {:.4e} m (gap asked for: {:.4e} m, backlash along the line of action: {:.4e} m); use a gap between 0 and the backlash, or, where other meshes place both gears, another position",
+                -gap, mesh.start.gap, l.backlash
+            ),
+        ));
+    }
+    if !mesh.start.gap.is_finite() {
+        return Err(BuildError::mesh(&a.name, &b.name, format!("the gap {} at the start is no number", mesh.start.gap)));
+    }
+    Ok(())
 }
 
 fn deviation(body: &Body, own_path: [f64; 2], zeta: f64) -> Option<Deviation> {
@@ -380,6 +408,22 @@ impl Scene {
             for (k, i) in mesh.gears.into_iter().enumerate() {
                 seen[i] += 1;
                 gears[i].model.attach(search.views[k]);
+            }
+            check_start(spec, mesh, l, &search)?;
+            for i in mesh.gears {
+                let model = &gears[i].model;
+                // Pairs take turns in standing for the mesh: that is no jump only where all have one gap.
+                if search.whole_mesh && model.coordinates().n > model.hub().coordinates() {
+                    return Err(BuildError::mesh(
+                        &spec.gears[mesh.gears[0]].name,
+                        &spec.gears[mesh.gears[1]].name,
+                        format!(
+                            "one stiffness for the whole mesh needs rigid gears, but gear `{}` is `{}`; give the stiffness of a tooth pair",
+                            spec.gears[i].name,
+                            model.id()
+                        ),
+                    ));
+                }
             }
             let k_max = search.stiffness.maximum().1;
             let law = law_of(spec, mesh, contact, k_max)?;

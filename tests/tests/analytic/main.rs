@@ -2,5 +2,7 @@
 
 mod force;
 mod kinematics;
+mod movable_teeth;
+mod refusals;
 mod rows;
 mod tangents;

@@ -6,7 +6,7 @@ use gearbench_integrators::{
 use gearbench_models::contact::law::{Damping, realised_restitution};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
+use gearbench_models::scene::build::{lever, mesh_layout};
 use gearbench_models::scene::spec::ContactSpec;
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
@@ -117,6 +117,7 @@ fn the_loss_of_dissipative_methods_falls_with_the_declared_order() {
             let info = method.info;
             let (x, declared): (Vec<f64>, f64) = match info.stepping {
                 Stepping::Adaptive => (vec![1e-4, 1e-5, 1e-6, 1e-7], info.tolerance_slope),
+                _ if info.order >= 4 => (vec![3.2e-6, 1.6e-6, 8e-7, 4e-7], f64::from(info.order)),
                 _ => (vec![8e-7, 4e-7, 2e-7, 1e-7], f64::from(info.order)),
             };
             let loss: Vec<f64> = x
@@ -128,11 +129,14 @@ fn the_loss_of_dissipative_methods_falls_with_the_declared_order() {
                         _ => Resolution::Step(x),
                     };
                     let o = run(&mut scene, info.id, r, T_END).unwrap(info.id);
-                    (1.0 - o.ledger.end.total() / o.ledger.start.unwrap().total()).abs().max(1e-15)
+                    (1.0 - o.ledger.end.total() / o.ledger.start.unwrap().total()).abs()
                 })
                 .collect();
+            // What rounding leaves says nothing.
+            let (x, loss): (Vec<f64>, Vec<f64>) = x.into_iter().zip(loss).filter(|(_, e)| *e > 1e-12).unzip();
+            assert!(x.len() >= 3, "{} under {}: too fine to fit", model.id, info.id);
             let observed = slope(&x, &loss);
-            table += &format!("{:14} {:20} declared {declared:.2} observed {observed:.2} {loss:.1e?}\n", model.id, info.id);
+            table += &format!("{:14} {:20} declared {declared:.2} observed {observed:.2} {}\n", model.id, info.id, loss.iter().map(|x| format!(" {x:.1e}")).collect::<String>());
             bad |= observed < declared - 0.25;
         }
     }
@@ -148,7 +152,11 @@ fn the_ledger_closes_with_varying_stiffness() {
                 stiffness: PairStiffness::Iso6336 { variation: IsoVariation::IsoMean },
                 ..contact(1.0)
             };
-            let mut scene = scene_of(model, &contact);
+            // On the rising part of the stiffness.
+            let mut spec = case_a(GAP);
+            let at = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+            spec.meshes[0].start.path_coordinate = Some(at.path[0] + 0.35 * (at.path[1] - at.path[0]));
+            let mut scene = build(&spec, &[usual(model, 20), usual(model, 30)], &contact);
             let resolution = match method.info.stepping {
                 Stepping::Adaptive => Resolution::Tolerance(1e-10),
                 _ if method.info.order >= 4 => Resolution::Step(5e-8),
