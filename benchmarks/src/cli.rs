@@ -171,7 +171,12 @@ mod tests {
 
     #[test]
     fn no_command_is_the_default_comparison() {
-        assert!(Cli::try_parse_from(["gearbench"]).unwrap().command.is_none());
+        assert!(
+            Cli::try_parse_from(["gearbench"])
+                .unwrap()
+                .command
+                .is_none()
+        );
         let (a, b) = (compare(&["gearbench", "compare"]), Compare::default());
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
     }
@@ -179,20 +184,46 @@ mod tests {
     #[test]
     fn arguments() {
         let c = compare(&[
-            "gearbench", "compare", "hammer", "--models", "rigid", "--integrators", "rk4@1e-7,bdf", "--out", "x",
-            "--repeats", "5", "--no-events",
+            "gearbench",
+            "compare",
+            "hammer",
+            "--models",
+            "rigid",
+            "--integrators",
+            "rk4@1e-7,bdf",
+            "--out",
+            "x",
+            "--repeats",
+            "5",
+            "--no-events",
         ]);
-        assert_eq!((c.scene.as_str(), c.models.as_deref(), c.repeats, c.no_events), ("hammer", Some("rigid"), 5, true));
+        assert_eq!(
+            (
+                c.scene.as_str(),
+                c.models.as_deref(),
+                c.repeats,
+                c.no_events
+            ),
+            ("hammer", Some("rigid"), 5, true)
+        );
         let e = Cli::try_parse_from(["gearbench", "compare", "--repeats", "0"]).unwrap_err();
         assert_eq!(e.exit_code(), 2);
-        let e = Cli::try_parse_from(["gearbench", "comapre"]).unwrap_err().to_string();
+        let e = Cli::try_parse_from(["gearbench", "comapre"])
+            .unwrap_err()
+            .to_string();
         assert!(e.contains("compare"), "{e}");
     }
 
     #[test]
     fn help_teaches() {
         let help = Cli::command().render_long_help().to_string();
-        for word in ["gearbench compare spur_impact", "results.json", "Exit codes", "index.html", "identify"] {
+        for word in [
+            "gearbench compare spur_impact",
+            "results.json",
+            "Exit codes",
+            "index.html",
+            "identify",
+        ] {
             assert!(help.contains(word), "{word} is missing in\n{help}");
         }
     }

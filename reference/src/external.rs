@@ -70,7 +70,9 @@ impl ExternalReference {
         let history =
             History::read(stored.results).map_err(|message| damaged("results.csv", message))?;
         let solver = raw.solver.clone();
-        let parameters = raw.typed().map_err(|message| damaged("params.json", message))?;
+        let parameters = raw
+            .typed()
+            .map_err(|message| damaged("params.json", message))?;
         Ok(Self {
             id: stored.id,
             title: stored.title,
@@ -254,7 +256,9 @@ impl History {
         for record in reader.records() {
             let record = record.map_err(|e| e.to_string())?;
             for (column, cell) in columns.iter_mut().zip(&record) {
-                let value: f64 = cell.parse().map_err(|_| format!("`{cell}` is not a number"))?;
+                let value: f64 = cell
+                    .parse()
+                    .map_err(|_| format!("`{cell}` is not a number"))?;
                 if !value.is_finite() {
                     return Err(format!("`{cell}` is not finite"));
                 }
@@ -262,8 +266,11 @@ impl History {
             }
         }
         let mut by_name: BTreeMap<&str, Vec<f64>> = header.iter().zip(columns).collect();
-        let mut take =
-            |name: &str| by_name.remove(name).ok_or_else(|| format!("column {name} is missing"));
+        let mut take = |name: &str| {
+            by_name
+                .remove(name)
+                .ok_or_else(|| format!("column {name} is missing"))
+        };
         let history = Self {
             time: take("time_s")?,
             contact_force: take("contact_force_n")?,
@@ -302,7 +309,10 @@ impl History {
         self.contact_force
             .iter()
             .zip(&self.time)
-            .fold((0.0, 0.0), |best, (&f, &t)| if f > best.0 { (f, t) } else { best })
+            .fold(
+                (0.0, 0.0),
+                |best, (&f, &t)| if f > best.0 { (f, t) } else { best },
+            )
     }
 
     /// Integral of the contact force by the trapezoid rule [N s].
@@ -319,13 +329,20 @@ impl History {
 
     /// Kinetic and strain energy of both gears in a row [J].
     pub fn energy(&self, row: usize) -> f64 {
-        self.strain_energy.iter().chain(&self.kinetic_energy).map(|column| column[row]).sum()
+        self.strain_energy
+            .iter()
+            .chain(&self.kinetic_energy)
+            .map(|column| column[row])
+            .sum()
     }
 }
 
 /// Integral of samples by the trapezoid rule.
 pub fn trapezoid(time: &[f64], value: &[f64]) -> f64 {
-    time.windows(2).zip(value.windows(2)).map(|(t, y)| 0.5 * (t[1] - t[0]) * (y[0] + y[1])).sum()
+    time.windows(2)
+        .zip(value.windows(2))
+        .map(|(t, y)| 0.5 * (t[1] - t[0]) * (y[0] + y[1]))
+        .sum()
 }
 
 /// The file's own shape: what is used of it.
@@ -467,11 +484,23 @@ mod tests {
     #[test]
     fn damaged_tables_are_named() {
         let read = |text: String| History::read(&text).unwrap_err();
-        assert_eq!(read("time_s\n0".into()), "column contact_force_n is missing");
+        assert_eq!(
+            read("time_s\n0".into()),
+            "column contact_force_n is missing"
+        );
         assert_eq!(read(format!("{HEADER}{}", row("x"))), "`x` is not a number");
-        assert_eq!(read(format!("{HEADER}{}", row("NaN"))), "`NaN` is not finite");
-        assert_eq!(read(format!("{HEADER}{}", row("1"))), "the first row is not t = 0");
-        assert_eq!(read(format!("{HEADER}{}{}", row("0"), row("0"))), "time 0 follows 0");
+        assert_eq!(
+            read(format!("{HEADER}{}", row("NaN"))),
+            "`NaN` is not finite"
+        );
+        assert_eq!(
+            read(format!("{HEADER}{}", row("1"))),
+            "the first row is not t = 0"
+        );
+        assert_eq!(
+            read(format!("{HEADER}{}{}", row("0"), row("0"))),
+            "time 0 follows 0"
+        );
         assert!(History::read(&format!("{HEADER}{}{}", row("0"), row("1"))).is_ok());
     }
 }

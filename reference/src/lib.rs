@@ -12,5 +12,7 @@
 pub mod external;
 pub mod table;
 
-pub use external::{ExternalReference, GearData, History, ImpactParameters, ReferenceError, Summary};
+pub use external::{
+    ExternalReference, GearData, History, ImpactParameters, ReferenceError, Summary,
+};
 pub use table::{REFERENCES, StoredReference, reference};

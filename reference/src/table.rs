@@ -36,8 +36,18 @@ macro_rules! stored {
 
 /// All stored references.
 pub static REFERENCES: &[StoredReference] = &[
-    stored!("calculix", "case-a-fine", "AF8_d05", "CalculiX 2.20, C3D8, impact of z = 20/30, m = 4 mm at 20 rad/s"),
-    stored!("calculix", "case-c", "C8_d25", "CalculiX 2.20, C3D8, impact of z = 30/30, m = 10 mm at 3 rad/s"),
+    stored!(
+        "calculix",
+        "case-a-fine",
+        "AF8_d05",
+        "CalculiX 2.20, C3D8, impact of z = 20/30, m = 4 mm at 20 rad/s"
+    ),
+    stored!(
+        "calculix",
+        "case-c",
+        "C8_d25",
+        "CalculiX 2.20, C3D8, impact of z = 30/30, m = 10 mm at 3 rad/s"
+    ),
 ];
 
 impl StoredReference {
@@ -59,7 +69,11 @@ pub fn reference(id: &str) -> Result<ExternalReference, ReferenceError> {
         Some(stored) => stored.load(),
         None => Err(ReferenceError::Unknown {
             id: id.into(),
-            known: REFERENCES.iter().map(|r| r.id).collect::<Vec<_>>().join(", "),
+            known: REFERENCES
+                .iter()
+                .map(|r| r.id)
+                .collect::<Vec<_>>()
+                .join(", "),
         }),
     }
 }
@@ -87,14 +101,20 @@ mod tests {
             close(h.impulse(), s.impulse_ns, 1e-6);
             assert_eq!(h.peak().1, s.peak_time_s);
             close(h.peak().0, s.peak_force_n, 1e-8);
-            assert_eq!(h.contact_interval(), Some((s.first_contact_s, s.last_contact_s)));
+            assert_eq!(
+                h.contact_interval(),
+                Some((s.first_contact_s, s.last_contact_s))
+            );
             close(h.omega1_mean[last], s.omega1_mean_end_rad_s, 1e-7);
             close(h.omega2_mean[last], s.omega2_mean_end_rad_s, 1e-7);
             close(h.omega1_hub[last], s.omega1_hub_end_rad_s, 1e-7);
             close(h.energy(last), s.energy_end_j, 1e-7);
             close(h.energy(0), s.energy_start_j, 1e-7);
             assert_eq!(h.contact_force[0], 0.0);
-            assert_eq!([h.omega1_mean[0], h.omega2_mean[0]], [p.gears[0].speed, p.gears[1].speed]);
+            assert_eq!(
+                [h.omega1_mean[0], h.omega2_mean[0]],
+                [p.gears[0].speed, p.gears[1].speed]
+            );
             // Angular momentum of each gear against the integrated moment on it.
             let x: Vec<f64> = h.moment.clone();
             close(trapezoid(&h.time, &x), s.angular_impulse1_nms, 1e-6);
@@ -102,7 +122,11 @@ mod tests {
                 (0, &h.omega1_mean, s.angular_impulse1_nms),
                 (1, &h.omega2_mean, s.angular_impulse2_nms),
             ] {
-                close(p.gears[gear].inertia * (mean[last] - mean[0]), impulse, 2e-6);
+                close(
+                    p.gears[gear].inertia * (mean[last] - mean[0]),
+                    impulse,
+                    2e-6,
+                );
             }
             // The moment on gear 2 is that of the opposite force about its own axis.
             let about_2: Vec<f64> = h
@@ -115,12 +139,26 @@ mod tests {
             let [m1, m2] = [0, 1].map(|i| p.gears[i].inertia / p.gears[i].base_radius.powi(2));
             let reduced = m1 * m2 / (m1 + m2);
             close(reduced, s.reduced_mass_kg, 1e-12);
-            close(2.0 * reduced * s.approach_speed_m_s, s.impulse_rigid_elastic_ns, 1e-12);
-            close(-s.separation_speed_m_s / s.approach_speed_m_s, s.restitution, 1e-12);
-            close(p.working_pressure_angle.cos(), (p.gears[0].base_radius + p.gears[1].base_radius) / p.centre_distance, 1e-12);
+            close(
+                2.0 * reduced * s.approach_speed_m_s,
+                s.impulse_rigid_elastic_ns,
+                1e-12,
+            );
+            close(
+                -s.separation_speed_m_s / s.approach_speed_m_s,
+                s.restitution,
+                1e-12,
+            );
+            close(
+                p.working_pressure_angle.cos(),
+                (p.gears[0].base_radius + p.gears[1].base_radius) / p.centre_distance,
+                1e-12,
+            );
             assert!(p.gap_effective > p.gap_exact && p.gap_effective < 2e-5);
             assert_eq!(r.deck[..2], [0x1f, 0x8b], "a gzip file");
-            assert!(r.source.contains(&stored.id["calculix/".len()..]) && r.source.contains("CalculiX"));
+            assert!(
+                r.source.contains(&stored.id["calculix/".len()..]) && r.source.contains("CalculiX")
+            );
             assert!(r.solver.starts_with("CalculiX 2.20"));
         }
     }

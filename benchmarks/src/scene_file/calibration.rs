@@ -51,11 +51,16 @@ impl Calibration {
     /// [`SceneError`] for anything but tables of positive numbers (a gap may have any sign).
     pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
         let source = Source::new(name, text);
-        let document = DeTable::parse(source.text()).map_err(|e| super::syntax_error(&source, &e))?;
+        let document =
+            DeTable::parse(source.text()).map_err(|e| super::syntax_error(&source, &e))?;
         let mut calibration = Calibration::default();
         for set in in_order(&source, document.get_ref()) {
             if !NAMES.contains(&set.name) {
-                return Err(set.unknown(&format!("unknown calibration `{}`", set.name), &NAMES, &|_| "a calibration"));
+                return Err(set.unknown(
+                    &format!("unknown calibration `{}`", set.name),
+                    &NAMES,
+                    &|_| "a calibration",
+                ));
             }
             let mut labels = BTreeMap::new();
             for label in in_order(&source, set.raw_table()?) {
@@ -99,7 +104,10 @@ impl Calibration {
         for (name, labels) in &self.sets {
             for (label, constants) in labels {
                 let _ = writeln!(text, "\n[{}.{}]", key(name), key(label));
-                let own = [("stiffness_n_per_m2", constants.stiffness), ("gap_m", constants.gap)];
+                let own = [
+                    ("stiffness_n_per_m2", constants.stiffness),
+                    ("gap_m", constants.gap),
+                ];
                 for (name, x) in own.into_iter().filter_map(|(k, x)| x.map(|x| (k, x))) {
                     let _ = writeln!(text, "{name} = {x:e}");
                 }
@@ -141,9 +149,16 @@ mod tests {
         let constants = Constants {
             stiffness: Some(1.0 / 3.0 * 1e10),
             gap: Some(-3.1e-6),
-            parameters: [("tooth_mass_kg".to_owned(), 4.8e-3), ("tooth_stiffness_n_per_m".to_owned(), 5.3e8)].into(),
+            parameters: [
+                ("tooth_mass_kg".to_owned(), 4.8e-3),
+                ("tooth_stiffness_n_per_m".to_owned(), 5.3e8),
+            ]
+            .into(),
         };
-        let labels = [("movable-teeth".to_owned(), constants.clone()), ("odd \"label\" \\ é".to_owned(), constants)];
+        let labels = [
+            ("movable-teeth".to_owned(), constants.clone()),
+            ("odd \"label\" \\ é".to_owned(), constants),
+        ];
         let calibration = Calibration {
             header: vec!["written by gearbench identify".into(), String::new()],
             sets: [("impact".to_owned(), labels.into())].into(),
@@ -159,10 +174,27 @@ mod tests {
     #[test]
     fn damaged_files_are_refused() {
         let refuse = |text: &str| Calibration::parse("x.toml", text).unwrap_err();
-        assert!(refuse("[impat.rigid]").help_text().unwrap().contains("`impact`"));
-        assert!(refuse("[impact.rigid]\nstiffness_n_per_m2 = -1").message().contains("-1"));
-        assert!(refuse("[impact.rigid]\nstiffness_n_per_m2 = nan").message().contains("finite"));
-        assert!(refuse("[impact]\nrigid = 3").message().contains("expected a table"));
+        assert!(
+            refuse("[impat.rigid]")
+                .help_text()
+                .unwrap()
+                .contains("`impact`")
+        );
+        assert!(
+            refuse("[impact.rigid]\nstiffness_n_per_m2 = -1")
+                .message()
+                .contains("-1")
+        );
+        assert!(
+            refuse("[impact.rigid]\nstiffness_n_per_m2 = nan")
+                .message()
+                .contains("finite")
+        );
+        assert!(
+            refuse("[impact]\nrigid = 3")
+                .message()
+                .contains("expected a table")
+        );
         assert_eq!(refuse("[impact.rigid]\nx = ").line(), Some(2));
     }
 }

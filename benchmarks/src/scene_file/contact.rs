@@ -10,51 +10,113 @@ use super::reader::{Entry, Key, Section, in_order, key};
 use gearbench_models::contact::law::{Damping, Friction, Law, LawError};
 use gearbench_models::scene::spec::ContactSpec;
 use gearbench_models::stiffness::{
-    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength, ToothModel,
+    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
+    ToothModel,
 };
 
-static CONTACT: &[Key] = &[
-    key("stiffness", "\"iso6336\", or { kind = \"constant\" | \"iso6336\" | \"compliance\" | \"table\", .. }"),
-    key("exponent", "exponent of the penetration from 1 to 3, default 1"),
-    key("damping", "\"none\" (default), or { law = \"kelvin-voigt\" | \"flores\" | .., .. }"),
+pub(super) static CONTACT: &[Key] = &[
+    key(
+        "stiffness",
+        "\"iso6336\", or { kind = \"constant\" | \"iso6336\" | \"compliance\" | \"table\", .. }",
+    ),
+    key(
+        "exponent",
+        "exponent of the penetration from 1 to 3, default 1",
+    ),
+    key(
+        "damping",
+        "\"none\" (default), or { law = \"kelvin-voigt\" | \"flores\" | .., .. }",
+    ),
     key("friction", "{ mu, v_ref_m_s }; left out, none"),
-    key("slices", "slices over the face width; left out, 1 for spur gears and 16 for helical or crowned ones"),
+    key(
+        "slices",
+        "slices over the face width; left out, 1 for spur gears and 16 for helical or crowned ones",
+    ),
 ];
 
-const KIND: Key = key("kind", "\"constant\", \"iso6336\", \"compliance\" or \"table\"");
-const OF: Key = key("of", "\"pair\" (default): one spring per tooth pair; \"mesh\": one for the mesh");
+const KIND: Key = key(
+    "kind",
+    "\"constant\", \"iso6336\", \"compliance\" or \"table\"",
+);
+const OF: Key = key(
+    "of",
+    "\"pair\" (default): one spring per tooth pair; \"mesh\": one for the mesh",
+);
 
-static CONSTANT: &[Key] = &[
+pub(super) static CONSTANT: &[Key] = &[
     KIND,
-    key("stiffness_n_per_m2", "stiffness per face width in N/m per m; 14 N/(mm um) is 1.4e10"),
+    key(
+        "stiffness_n_per_m2",
+        "stiffness per face width in N/m per m; 14 N/(mm um) is 1.4e10",
+    ),
     OF,
 ];
-static ISO: &[Key] = &[KIND, key("variation", "along the path: \"iso-mean\" (default), \"cai-hayashi\" or \"constant\"")];
-static COMPLIANCE: &[Key] = &[
+pub(super) static ISO: &[Key] = &[
     KIND,
-    key("tooth", "\"weber-banaschek\" (default), \"cornell\" or \"energy\""),
-    key("foundation", "\"sainsot-velex\" (default), \"weber-banaschek\", \"cornell\" or \"rigid\""),
-    key("root_length", "S of Sainsot and Velex: \"2 rf theta\" (default), \"2 rf sin theta\" or \"2 rb theta\""),
-    key("hertz", "\"linear\" (default), \"log\", \"weber-banaschek\" or \"rigid\""),
-    key("reference_load_n", "load of the pair in newton at which a logarithmic Hertz law is taken"),
+    key(
+        "variation",
+        "along the path: \"iso-mean\" (default), \"cai-hayashi\" or \"constant\"",
+    ),
 ];
-static TABLE: &[Key] = &[
+pub(super) static COMPLIANCE: &[Key] = &[
     KIND,
-    key("path_coordinate_m", "list of path coordinates in metres, ascending"),
-    key("stiffness_n_per_m", "list of stiffnesses in N/m for the whole face width"),
+    key(
+        "tooth",
+        "\"weber-banaschek\" (default), \"cornell\" or \"energy\"",
+    ),
+    key(
+        "foundation",
+        "\"sainsot-velex\" (default), \"weber-banaschek\", \"cornell\" or \"rigid\"",
+    ),
+    key(
+        "root_length",
+        "S of Sainsot and Velex: \"2 rf theta\" (default), \"2 rf sin theta\" or \"2 rb theta\"",
+    ),
+    key(
+        "hertz",
+        "\"linear\" (default), \"log\", \"weber-banaschek\" or \"rigid\"",
+    ),
+    key(
+        "reference_load_n",
+        "load of the pair in newton at which a logarithmic Hertz law is taken",
+    ),
+];
+pub(super) static TABLE: &[Key] = &[
+    KIND,
+    key(
+        "path_coordinate_m",
+        "list of path coordinates in metres, ascending",
+    ),
+    key(
+        "stiffness_n_per_m",
+        "list of stiffnesses in N/m for the whole face width",
+    ),
     OF,
-    key("ends", "outside the table: \"clamped\" (default) or \"periodic\""),
+    key(
+        "ends",
+        "outside the table: \"clamped\" (default) or \"periodic\"",
+    ),
     key("interpolation", "\"cubic\" (default) or \"linear\""),
 ];
 
-static NONE: &[Key] = &[LAW];
+pub(super) static NONE: &[Key] = &[LAW];
 const LAW: Key = key("law", "name of the damping law");
-static KELVIN_VOIGT: &[Key] = &[LAW, key("damping_ns_per_m", "damper in N s/m, zero or more")];
-static RATIO: &[Key] = &[LAW, key("ratio", "damping over critical damping, for example 0.05")];
-static RESTITUTION: &[Key] = &[LAW, key("e", "coefficient of restitution, above 0 up to 1")];
-static FRICTION: &[Key] = &[
+pub(super) static KELVIN_VOIGT: &[Key] = &[
+    LAW,
+    key("damping_ns_per_m", "damper in N s/m, zero or more"),
+];
+pub(super) static RATIO: &[Key] = &[
+    LAW,
+    key("ratio", "damping over critical damping, for example 0.05"),
+];
+pub(super) static RESTITUTION: &[Key] =
+    &[LAW, key("e", "coefficient of restitution, above 0 up to 1")];
+pub(super) static FRICTION: &[Key] = &[
     key("mu", "coefficient of friction, zero or more"),
-    key("v_ref_m_s", "sliding speed in m/s over which the force is smoothed, for example 0.01"),
+    key(
+        "v_ref_m_s",
+        "sliding speed in m/s over which the force is smoothed, for example 0.01",
+    ),
 ];
 
 /// Reads a contact. The stiffness may be left out when a calibration brings it.
@@ -62,17 +124,27 @@ pub(super) fn contact(entry: &Entry<'_>, calibrated: bool) -> Result<ContactSpec
     let s = entry.section("`contact`", CONTACT)?;
     let stiffness = match s.get("stiffness") {
         Some(e) => stiffness(&e)?,
-        None if calibrated => PairStiffness::Iso6336 { variation: IsoVariation::default() },
+        None if calibrated => PairStiffness::Iso6336 {
+            variation: IsoVariation::default(),
+        },
         None => return Err(s.missing("stiffness")),
     };
     let exponent = s.number_or("exponent", 1.0)?;
-    let damping = s.get("damping").map_or(Ok(Damping::None), |e| damping(&e))?;
+    let damping = s
+        .get("damping")
+        .map_or(Ok(Damping::None), |e| damping(&e))?;
     check_law(&s, exponent, damping)?;
     let slices = match s.get("slices") {
         None => None,
         Some(e) => match e.whole()? {
             n @ 1..=1000 => Some(n as usize),
-            n => return Err(e.error(format!("`slices` is {n}"), "expected 1 to 1000", "leave it out to let the toothing decide")),
+            n => {
+                return Err(e.error(
+                    format!("`slices` is {n}"),
+                    "expected 1 to 1000",
+                    "leave it out to let the toothing decide",
+                ));
+            }
         },
     };
     Ok(ContactSpec {
@@ -86,7 +158,9 @@ pub(super) fn contact(entry: &Entry<'_>, calibrated: bool) -> Result<ContactSpec
 
 /// Law and damping as the model will build them; a ratio stands for a coefficient that is not known yet.
 fn check_law(s: &Section<'_>, exponent: f64, damping: Damping) -> Result<(), SceneError> {
-    let result = damping.resolved(exponent, 1.0, 1.0).and_then(|d| Law::new(exponent, d));
+    let result = damping
+        .resolved(exponent, 1.0, 1.0)
+        .and_then(|d| Law::new(exponent, d));
     let Err(e) = result else { return Ok(()) };
     let key = match &e {
         LawError::Exponent { .. } => "exponent",
@@ -102,12 +176,18 @@ fn check_law(s: &Section<'_>, exponent: f64, damping: Damping) -> Result<(), Sce
 
 /// The key `tag` of a table, read before the keys that depend on it.
 fn tag<T: Clone>(entry: &Entry<'_>, tag: &str, known: &[(&str, T)]) -> Result<T, SceneError> {
-    match in_order(entry.source(), entry.raw_table()?).into_iter().find(|e| e.name == tag) {
+    match in_order(entry.source(), entry.raw_table()?)
+        .into_iter()
+        .find(|e| e.name == tag)
+    {
         Some(e) => e.word(known),
         None => Err(entry.error(
             format!("`{tag}` is missing in `{}`", entry.name),
             "here",
-            format!("add `{tag}`, one of {}", known.iter().map(|(k, _)| *k).collect::<Vec<_>>().join(", ")),
+            format!(
+                "add `{tag}`, one of {}",
+                known.iter().map(|(k, _)| *k).collect::<Vec<_>>().join(", ")
+            ),
         )),
     }
 }
@@ -133,7 +213,12 @@ fn stiffness(entry: &Entry<'_>) -> Result<PairStiffness, SceneError> {
             other => Err(entry.unknown_word(other, &["constant", "iso6336", "compliance", "table"])),
         };
     }
-    let kinds = [("constant", 0), ("iso6336", 1), ("compliance", 2), ("table", 3)];
+    let kinds = [
+        ("constant", 0),
+        ("iso6336", 1),
+        ("compliance", 2),
+        ("table", 3),
+    ];
     match tag(entry, "kind", &kinds)? {
         0 => constant(&entry.section("`stiffness`", CONSTANT)?),
         1 => {
@@ -143,7 +228,9 @@ fn stiffness(entry: &Entry<'_>) -> Result<PairStiffness, SceneError> {
                 ("cai-hayashi", IsoVariation::CaiHayashi),
                 ("constant", IsoVariation::Constant),
             ];
-            Ok(PairStiffness::Iso6336 { variation: word_or(&s, "variation", &known)? })
+            Ok(PairStiffness::Iso6336 {
+                variation: word_or(&s, "variation", &known)?,
+            })
         }
         2 => compliance(&entry.section("`stiffness`", COMPLIANCE)?),
         _ => table(&entry.section("`stiffness`", TABLE)?),
@@ -152,11 +239,16 @@ fn stiffness(entry: &Entry<'_>) -> Result<PairStiffness, SceneError> {
 
 /// One of several words; left out, the first.
 fn word_or<T: Clone>(s: &Section<'_>, name: &str, known: &[(&str, T)]) -> Result<T, SceneError> {
-    s.get(name).map_or_else(|| Ok(known[0].1.clone()), |e| e.word(known))
+    s.get(name)
+        .map_or_else(|| Ok(known[0].1.clone()), |e| e.word(known))
 }
 
 fn of(s: &Section<'_>) -> Result<PairOrMesh, SceneError> {
-    word_or(s, "of", &[("pair", PairOrMesh::Pair), ("mesh", PairOrMesh::Mesh)])
+    word_or(
+        s,
+        "of",
+        &[("pair", PairOrMesh::Pair), ("mesh", PairOrMesh::Mesh)],
+    )
 }
 
 fn constant(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
@@ -169,7 +261,10 @@ fn constant(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
             "a steel tooth pair has about 1.4e10 N/m per m, 14 N/(mm um)",
         ));
     }
-    Ok(PairStiffness::Constant { per_width, of: of(s)? })
+    Ok(PairStiffness::Constant {
+        per_width,
+        of: of(s)?,
+    })
 }
 
 fn compliance(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
@@ -201,14 +296,29 @@ fn compliance(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
             ("rigid", Foundation::Rigid),
         ],
     )?;
-    if let (Some(e), false) = (s.get("root_length"), matches!(foundation, Foundation::SainsotVelex(_))) {
+    if let (Some(e), false) = (
+        s.get("root_length"),
+        matches!(foundation, Foundation::SainsotVelex(_)),
+    ) {
         return Err(e.error(
-            format!("`root_length` does not belong to the foundation \"{}\"", foundation.id()),
+            format!(
+                "`root_length` does not belong to the foundation \"{}\"",
+                foundation.id()
+            ),
             "remove this",
             "only \"sainsot-velex\" has a root length S",
         ));
     }
-    let kind = word_or(s, "hertz", &[("linear", 0), ("log", 1), ("weber-banaschek", 2), ("rigid", 3)])?;
+    let kind = word_or(
+        s,
+        "hertz",
+        &[
+            ("linear", 0),
+            ("log", 1),
+            ("weber-banaschek", 2),
+            ("rigid", 3),
+        ],
+    )?;
     let load = s.get("reference_load_n");
     let hertz = match (kind, load) {
         (0 | 3, Some(e)) => {
@@ -224,12 +334,24 @@ fn compliance(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
             let entry = s.need("reference_load_n")?;
             let reference_load = entry.number()?;
             if reference_load <= 0.0 {
-                return Err(entry.error(format!("the reference load is {reference_load} N"), "expected more than zero", "take the mean load of a tooth pair"));
+                return Err(entry.error(
+                    format!("the reference load is {reference_load} N"),
+                    "expected more than zero",
+                    "take the mean load of a tooth pair",
+                ));
             }
-            if kind == 1 { Hertz::Log { reference_load } } else { Hertz::WeberBanaschek { reference_load } }
+            if kind == 1 {
+                Hertz::Log { reference_load }
+            } else {
+                Hertz::WeberBanaschek { reference_load }
+            }
         }
     };
-    Ok(PairStiffness::Compliance { tooth, foundation, hertz })
+    Ok(PairStiffness::Compliance {
+        tooth,
+        foundation,
+        hertz,
+    })
 }
 
 fn table(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
@@ -237,11 +359,18 @@ fn table(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
         s: s.need("path_coordinate_m")?.numbers()?,
         k: s.need("stiffness_n_per_m")?.numbers()?,
         of: of(s)?,
-        ends: word_or(s, "ends", &[("clamped", Ends::Clamped), ("periodic", Ends::Periodic)])?,
+        ends: word_or(
+            s,
+            "ends",
+            &[("clamped", Ends::Clamped), ("periodic", Ends::Periodic)],
+        )?,
         interpolation: word_or(
             s,
             "interpolation",
-            &[("cubic", Interpolation::Cubic), ("linear", Interpolation::Linear)],
+            &[
+                ("cubic", Interpolation::Cubic),
+                ("linear", Interpolation::Linear),
+            ],
         )?,
     })
 }
@@ -254,8 +383,13 @@ fn damping(entry: &Entry<'_>) -> Result<Damping, SceneError> {
                 format!("the damping \"{word}\" needs its value"),
                 "expected a table",
                 match word {
-                    "kelvin-voigt" => "for example { law = \"kelvin-voigt\", damping_ns_per_m = 500.0 }".to_owned(),
-                    "kelvin-voigt-ratio" => "for example { law = \"kelvin-voigt-ratio\", ratio = 0.05 }".to_owned(),
+                    "kelvin-voigt" => {
+                        "for example { law = \"kelvin-voigt\", damping_ns_per_m = 500.0 }"
+                            .to_owned()
+                    }
+                    "kelvin-voigt-ratio" => {
+                        "for example { law = \"kelvin-voigt-ratio\", ratio = 0.05 }".to_owned()
+                    }
                     _ => format!("for example {{ law = \"{word}\", e = 0.9 }}"),
                 },
             )),
@@ -269,12 +403,14 @@ fn damping(entry: &Entry<'_>) -> Result<Damping, SceneError> {
             entry.section("`damping`", NONE)?;
             Damping::None
         }
-        "kelvin-voigt" => {
-            Damping::KelvinVoigt { c: entry.section("`damping`", KELVIN_VOIGT)?.number("damping_ns_per_m")? }
-        }
-        "kelvin-voigt-ratio" => {
-            Damping::KelvinVoigtRatio { ratio: entry.section("`damping`", RATIO)?.number("ratio")? }
-        }
+        "kelvin-voigt" => Damping::KelvinVoigt {
+            c: entry
+                .section("`damping`", KELVIN_VOIGT)?
+                .number("damping_ns_per_m")?,
+        },
+        "kelvin-voigt-ratio" => Damping::KelvinVoigtRatio {
+            ratio: entry.section("`damping`", RATIO)?.number("ratio")?,
+        },
         _ => {
             let e = entry.section("`damping`", RESTITUTION)?.number("e")?;
             match law {

@@ -40,13 +40,20 @@ impl SceneError {
     pub fn line(&self) -> Option<usize> {
         let text = self.source_code.as_ref()?.inner();
         let (span, _) = self.labels.first()?;
-        Some(text.as_bytes()[..span.start.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1)
+        Some(
+            text.as_bytes()[..span.start.min(text.len())]
+                .iter()
+                .filter(|&&b| b == b'\n')
+                .count()
+                + 1,
+        )
     }
 
     /// A further label.
     pub(super) fn and(mut self, span: Range<usize>, label: impl Into<String>) -> Self {
         if let Some(source) = &self.source_code {
-            self.labels.push((inside(span, source.inner()), label.into()));
+            self.labels
+                .push((inside(span, source.inner()), label.into()));
         }
         self
     }
@@ -66,14 +73,16 @@ impl Diagnostic for SceneError {
             return None;
         }
         // The first label is the one whose line stands in the heading.
-        Some(Box::new(self.labels.iter().enumerate().map(|(i, (span, text))| {
-            let (text, span) = (Some(text.clone()), (span.start, span.len()));
-            if i == 0 {
-                LabeledSpan::new_primary_with_span(text, span)
-            } else {
-                LabeledSpan::new_with_span(text, span)
-            }
-        })))
+        Some(Box::new(self.labels.iter().enumerate().map(
+            |(i, (span, text))| {
+                let (text, span) = (Some(text.clone()), (span.start, span.len()));
+                if i == 0 {
+                    LabeledSpan::new_primary_with_span(text, span)
+                } else {
+                    LabeledSpan::new_with_span(text, span)
+                }
+            },
+        )))
     }
 }
 
@@ -85,7 +94,9 @@ pub(super) struct Source {
 
 impl Source {
     pub(super) fn new(name: &str, text: &str) -> Self {
-        Source { named: Arc::new(NamedSource::new(name, text.to_owned())) }
+        Source {
+            named: Arc::new(NamedSource::new(name, text.to_owned())),
+        }
     }
 
     pub(super) fn text(&self) -> &str {

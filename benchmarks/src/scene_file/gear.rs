@@ -15,21 +15,36 @@ use std::ops::Range;
 const KIND: Key = key("kind", "\"gear\" (default) or \"rack\"");
 const TEETH: Key = key("teeth", "number of teeth, for example 20");
 const MODULE: Key = key("module_m", "normal module in metres, for example 0.004");
-const PRESSURE_ANGLE: Key = key("pressure_angle_deg", "normal pressure angle in degrees, default 20");
-const HELIX_ANGLE: Key = key("helix_angle_deg", "helix angle in degrees, right hand positive, default 0");
+const PRESSURE_ANGLE: Key = key(
+    "pressure_angle_deg",
+    "normal pressure angle in degrees, default 20",
+);
+const HELIX_ANGLE: Key = key(
+    "helix_angle_deg",
+    "helix angle in degrees, right hand positive, default 0",
+);
 const FACE_WIDTH: Key = key("face_width_m", "face width in metres, for example 0.01");
 const ADDENDUM: Key = key("addendum_factor", "addendum over module, default 1");
 const DEDENDUM: Key = key("dedendum_factor", "dedendum over module, default 1.25");
-const TIP_RADIUS: Key = key("tip_radius_factor", "tip radius of the rack tool over module, default 0.38");
-const THINNING: Key =
-    key("thinning_m", "reduction of the tooth thickness at the reference circle in metres, default 0");
-const MATERIAL: Key =
-    key("material", "\"steel\" (default), \"steel-iso6336\", or { young_pa, poisson, density_kg_m3 }");
+const TIP_RADIUS: Key = key(
+    "tip_radius_factor",
+    "tip radius of the rack tool over module, default 0.38",
+);
+const THINNING: Key = key(
+    "thinning_m",
+    "reduction of the tooth thickness at the reference circle in metres, default 0",
+);
+const MATERIAL: Key = key(
+    "material",
+    "\"steel\" (default), \"steel-iso6336\", or { young_pa, poisson, density_kg_m3 }",
+);
 const LOADS: Key = key("loads", "list of loads, for example [{ torque_nm = 10.0 }]");
-const POSITION: Key =
-    key("position_m", "[x, y] of the axis in metres; left out, the mesh places the gear");
+const POSITION: Key = key(
+    "position_m",
+    "[x, y] of the axis in metres; left out, the mesh places the gear",
+);
 
-static GEAR: &[Key] = &[
+pub(super) static GEAR: &[Key] = &[
     KIND,
     TEETH,
     MODULE,
@@ -42,19 +57,40 @@ static GEAR: &[Key] = &[
     TIP_RADIUS,
     THINNING,
     key("bore_radius_m", "bore radius in metres, default 0 (solid)"),
-    key("tip_relief", "{ amount_m, start_radius_m, shape = \"linear\" or \"parabolic\" }"),
-    key("profile_crowning_m", "material removed at tip and root by profile crowning in metres, default 0"),
-    key("lead_crowning_m", "material removed at both face ends by lead crowning in metres, default 0"),
+    key(
+        "tip_relief",
+        "{ amount_m, start_radius_m, shape = \"linear\" or \"parabolic\" }",
+    ),
+    key(
+        "profile_crowning_m",
+        "material removed at tip and root by profile crowning in metres, default 0",
+    ),
+    key(
+        "lead_crowning_m",
+        "material removed at both face ends by lead crowning in metres, default 0",
+    ),
     MATERIAL,
-    key("inertia_kgm2", "inertia about the axis in kg m^2; left out, that of the toothing"),
-    key("added_inertia_kgm2", "inertia added at the hub in kg m^2, default 0"),
-    key("mount", "\"revolute\" (default), \"fixed\" or { driven = { speed_rad_s = 100.0 } }"),
+    key(
+        "inertia_kgm2",
+        "inertia about the axis in kg m^2; left out, that of the toothing",
+    ),
+    key(
+        "added_inertia_kgm2",
+        "inertia added at the hub in kg m^2, default 0",
+    ),
+    key(
+        "mount",
+        "\"revolute\" (default), \"fixed\" or { driven = { speed_rad_s = 100.0 } }",
+    ),
     POSITION,
-    key("speed_rad_s", "initial angular velocity in rad/s, counter-clockwise positive, default 0"),
+    key(
+        "speed_rad_s",
+        "initial angular velocity in rad/s, counter-clockwise positive, default 0",
+    ),
     LOADS,
 ];
 
-static RACK: &[Key] = &[
+pub(super) static RACK: &[Key] = &[
     KIND,
     TEETH,
     MODULE,
@@ -65,24 +101,42 @@ static RACK: &[Key] = &[
     DEDENDUM,
     TIP_RADIUS,
     THINNING,
-    key("body_height_m", "height of the body below the root line in metres, default one and a half modules"),
+    key(
+        "body_height_m",
+        "height of the body below the root line in metres, default one and a half modules",
+    ),
     MATERIAL,
     key("mass_kg", "mass in kg; left out, that of the toothed body"),
     key("added_mass_kg", "mass added in kg, default 0"),
-    key("mount", "\"prismatic\" (default), \"fixed\" or { driven = { speed_m_s = 1.0 } }"),
+    key(
+        "mount",
+        "\"prismatic\" (default), \"fixed\" or { driven = { speed_m_s = 1.0 } }",
+    ),
     POSITION,
-    key("facing_deg", "direction from the body to the teeth in degrees; left out, towards the gear"),
-    key("speed_m_s", "initial speed in m/s, counter-clockwise positive as seen from the gear, default 0"),
+    key(
+        "facing_deg",
+        "direction from the body to the teeth in degrees; left out, towards the gear",
+    ),
+    key(
+        "speed_m_s",
+        "initial speed in m/s, counter-clockwise positive as seen from the gear, default 0",
+    ),
     LOADS,
 ];
 
-static RELIEF: &[Key] = &[
-    key("amount_m", "material removed at the tip, normal to the flank, in metres"),
-    key("start_radius_m", "radius at which the relief starts in metres"),
+pub(super) static RELIEF: &[Key] = &[
+    key(
+        "amount_m",
+        "material removed at the tip, normal to the flank, in metres",
+    ),
+    key(
+        "start_radius_m",
+        "radius at which the relief starts in metres",
+    ),
     key("shape", "\"linear\" (default) or \"parabolic\""),
 ];
 
-static ELASTIC: &[Key] = &[
+pub(super) static ELASTIC: &[Key] = &[
     key("young_pa", "Young's modulus in pascal, for example 2.1e11"),
     key("poisson", "Poisson's ratio, for example 0.3"),
     key("density_kg_m3", "density in kg/m^3, for example 7850"),
@@ -112,12 +166,18 @@ impl Place {
             .iter()
             .map(|e| (e.name.to_owned(), e.key_range().start..e.span().end))
             .collect();
-        Ok(Place { header: entry.span(), keys })
+        Ok(Place {
+            header: entry.span(),
+            keys,
+        })
     }
 
     /// The first of several keys that is in the file, else the header.
     pub(super) fn first(&self, keys: &[&str]) -> Range<usize> {
-        keys.iter().find_map(|k| self.keys.get(*k)).unwrap_or(&self.header).clone()
+        keys.iter()
+            .find_map(|k| self.keys.get(*k))
+            .unwrap_or(&self.header)
+            .clone()
     }
 }
 
@@ -133,7 +193,11 @@ pub(super) fn gear(entry: &Entry<'_>) -> Result<GearDraft, SceneError> {
     };
     let section = entry.section(format!("[gears.{name}]"), if rack { RACK } else { GEAR })?;
     let place = Place::of(entry)?;
-    let body = if rack { read_rack(&section, &place)? } else { read_gear(&section, &place)? };
+    let body = if rack {
+        read_rack(&section, &place)?
+    } else {
+        read_gear(&section, &place)?
+    };
     let mount = match section.get("mount") {
         Some(m) => profile::mount(&m, rack)?,
         None if rack => Mount::Prismatic,
@@ -152,24 +216,44 @@ pub(super) fn gear(entry: &Entry<'_>) -> Result<GearDraft, SceneError> {
         None => Ok(None),
         Some(e) => match e.number()? {
             x if ok(x) => Ok(Some(x)),
-            x => Err(e.error(format!("`{key}` is {x}, expected {least}"), format!("expected {least}"), "leave it out to take the default")),
+            x => Err(e.error(
+                format!("`{key}` is {x}, expected {least}"),
+                format!("expected {least}"),
+                "leave it out to take the default",
+            )),
         },
     };
     let spec = GearSpec {
         name: name.to_owned(),
         body,
-        material: section.get("material").map_or(Ok(Material::STEEL), |e| material(&e))?,
+        material: section
+            .get("material")
+            .map_or(Ok(Material::STEEL), |e| material(&e))?,
         inertia: bounded(inertia, "more than zero", &|x| x > 0.0)?,
         added_inertia: bounded(added, "zero or more", &|x| x >= 0.0)?.unwrap_or(0.0),
         mount,
         position: [0.0; 2],
         facing: 0.0,
         speed,
-        loads: section.get("loads").map_or(Ok(Vec::new()), |e| profile::loads(&e, rack))?,
+        loads: section
+            .get("loads")
+            .map_or(Ok(Vec::new()), |e| profile::loads(&e, rack))?,
     };
-    let position = section.get("position_m").map(|e| e.fixed::<2>()).transpose()?;
-    let facing = if rack { section.maybe_number("facing_deg")?.map(f64::to_radians) } else { None };
-    Ok(GearDraft { spec, position, facing, place })
+    let position = section
+        .get("position_m")
+        .map(|e| e.fixed::<2>())
+        .transpose()?;
+    let facing = if rack {
+        section.maybe_number("facing_deg")?.map(f64::to_radians)
+    } else {
+        None
+    };
+    Ok(GearDraft {
+        spec,
+        position,
+        facing,
+        place,
+    })
 }
 
 /// An initial speed, which only a free hub has.
@@ -177,7 +261,10 @@ fn moving(entry: &Entry<'_>, mount: &Mount) -> Result<f64, SceneError> {
     let speed = entry.number()?;
     match mount {
         Mount::Driven(_) => Err(entry.error(
-            format!("`{}` stands beside a driven mount, which sets the speed", entry.name),
+            format!(
+                "`{}` stands beside a driven mount, which sets the speed",
+                entry.name
+            ),
             "remove this",
             "the motion stands in `mount = { driven = .. }`",
         )),
@@ -210,7 +297,9 @@ fn read_gear(s: &Section<'_>, place: &Place) -> Result<Body, SceneError> {
             lead_crowning: s.number_or("lead_crowning_m", 0.0)?,
         },
     };
-    Gear::new(params).map(Body::Gear).map_err(|e| geometry(s, place, &e))
+    Gear::new(params)
+        .map(Body::Gear)
+        .map_err(|e| geometry(s, place, &e))
 }
 
 fn read_rack(s: &Section<'_>, place: &Place) -> Result<Body, SceneError> {
@@ -228,7 +317,9 @@ fn read_rack(s: &Section<'_>, place: &Place) -> Result<Body, SceneError> {
         body_height: s.number_or("body_height_m", 1.5 * module)?,
         helix_angle: degrees(s, "helix_angle_deg", 0.0)?,
     };
-    Rack::new(params).map(Body::Rack).map_err(|e| geometry(s, place, &e))
+    Rack::new(params)
+        .map(Body::Rack)
+        .map_err(|e| geometry(s, place, &e))
 }
 
 /// An angle, degrees in the file and radians inside.
@@ -242,7 +333,10 @@ fn tip_relief(entry: &Entry<'_>) -> Result<TipRelief, SceneError> {
         amount: s.number("amount_m")?,
         start_radius: s.number("start_radius_m")?,
         shape: match s.get("shape") {
-            Some(e) => e.word(&[("linear", ReliefShape::Linear), ("parabolic", ReliefShape::Parabolic)])?,
+            Some(e) => e.word(&[
+                ("linear", ReliefShape::Linear),
+                ("parabolic", ReliefShape::Parabolic),
+            ])?,
             None => ReliefShape::Linear,
         },
     })
@@ -250,7 +344,10 @@ fn tip_relief(entry: &Entry<'_>) -> Result<TipRelief, SceneError> {
 
 fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
     if !entry.is_table() {
-        return entry.word(&[("steel", Material::STEEL), ("steel-iso6336", Material::STEEL_ISO)]);
+        return entry.word(&[
+            ("steel", Material::STEEL),
+            ("steel-iso6336", Material::STEEL_ISO),
+        ]);
     }
     let s = entry.section("`material`", ELASTIC)?;
     let material = Material {
@@ -261,11 +358,17 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
     material.check().map_err(|e| {
         let key = match &e {
             StiffnessError::Poisson { .. } => "poisson",
-            StiffnessError::NotPositive { what, .. } if what.starts_with("density") => "density_kg_m3",
+            StiffnessError::NotPositive { what, .. } if what.starts_with("density") => {
+                "density_kg_m3"
+            }
             _ => "young_pa",
         };
         match s.get(key) {
-            Some(at) => at.error(e.to_string(), "this value", "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850"),
+            Some(at) => at.error(
+                e.to_string(),
+                "this value",
+                "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850",
+            ),
             None => s.error(e.to_string(), "here", ""),
         }
     })?;
@@ -276,18 +379,35 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
 fn geometry(s: &Section<'_>, place: &Place, e: &GeometryError) -> SceneError {
     let (message, help) = in_words(e);
     let span = place.first(keys_of(e));
-    s.source.error(span, format!("{}: {message}", s.place), "this cannot be cut", help)
+    s.source.error(
+        span,
+        format!("{}: {message}", s.place),
+        "this cannot be cut",
+        help,
+    )
 }
 
 /// A geometry error as cause and way out; its text has both, separated by a semicolon or a colon. Angles in
 /// degrees, as the file has them.
 pub(super) fn in_words(e: &GeometryError) -> (String, String) {
-    if let GeometryError::Invalid { what, value, expected } = e
+    if let GeometryError::Invalid {
+        what,
+        value,
+        expected,
+    } = e
         && let Some(what) = what.strip_suffix(" [rad]")
     {
-        return (format!("{what} is {:.6} degrees", value.to_degrees()), format!("expected {expected}"));
+        return (
+            format!("{what} is {:.6} degrees", value.to_degrees()),
+            format!("expected {expected}"),
+        );
     }
-    if let GeometryError::Invalid { what, value, expected } = e {
+    if let GeometryError::Invalid {
+        what,
+        value,
+        expected,
+    } = e
+    {
         return (format!("{what} is {value}"), format!("expected {expected}"));
     }
     let text = e.to_string();
@@ -321,7 +441,10 @@ pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
                 ("backlash", &["backlash_m"]),
                 ("distance", &["centre_distance_m"]),
             ];
-            NAMES.iter().find(|(word, _)| what.contains(word)).map_or(&[], |(_, keys)| keys)
+            NAMES
+                .iter()
+                .find(|(word, _)| what.contains(word))
+                .map_or(&[], |(_, keys)| keys)
         }
         E::Undercut { .. } => &["profile_shift", "teeth"],
         E::PointedTooth { .. } => &["addendum_factor", "profile_shift", "thinning_m", "teeth"],

@@ -11,18 +11,42 @@ use super::suggest;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, RackPair, Side};
 use gearbench_models::scene::spec::{Body, MeshSpec, Start};
 
-static MESH: &[Key] = &[
-    key("gears", "the two names, for example [\"pinion\", \"wheel\"]; a rack comes second"),
-    key("start", "{ flank = \"left\" or \"right\", gap_m, path_coordinate_m }"),
-    key("centre_distance_m", "distance of the axes (to the reference line of a rack) in metres"),
-    key("backlash_m", "normal backlash in metres, from which the centre distance follows"),
-    key("direction_deg", "direction from the first gear to the second in degrees, default 0"),
+pub(super) static MESH: &[Key] = &[
+    key(
+        "gears",
+        "the two names, for example [\"pinion\", \"wheel\"]; a rack comes second",
+    ),
+    key(
+        "start",
+        "{ flank = \"left\" or \"right\", gap_m, path_coordinate_m }",
+    ),
+    key(
+        "centre_distance_m",
+        "distance of the axes (to the reference line of a rack) in metres",
+    ),
+    key(
+        "backlash_m",
+        "normal backlash in metres, from which the centre distance follows",
+    ),
+    key(
+        "direction_deg",
+        "direction from the first gear to the second in degrees, default 0",
+    ),
 ];
 
-static START: &[Key] = &[
-    key("flank", "\"left\" (default; drives when the first gear turns counter-clockwise) or \"right\""),
-    key("gap_m", "gap of that flank along the line of action in metres, default 0"),
-    key("path_coordinate_m", "path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point"),
+pub(super) static START: &[Key] = &[
+    key(
+        "flank",
+        "\"left\" (default; drives when the first gear turns counter-clockwise) or \"right\"",
+    ),
+    key(
+        "gap_m",
+        "gap of that flank along the line of action in metres, default 0",
+    ),
+    key(
+        "path_coordinate_m",
+        "path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point",
+    ),
 ];
 
 /// A mesh as read, with its place in the file.
@@ -41,7 +65,10 @@ struct Path {
 }
 
 /// Reads all meshes and places the gears.
-pub(super) fn meshes(list: &[Entry<'_>], gears: &mut [GearDraft]) -> Result<Vec<MeshDraft>, SceneError> {
+pub(super) fn meshes(
+    list: &[Entry<'_>],
+    gears: &mut [GearDraft],
+) -> Result<Vec<MeshDraft>, SceneError> {
     let mut drafts: Vec<MeshDraft> = Vec::new();
     let mut placed: Vec<bool> = gears.iter().map(|g| g.position.is_some()).collect();
     let mut seen = vec![false; gears.len()];
@@ -49,10 +76,18 @@ pub(super) fn meshes(list: &[Entry<'_>], gears: &mut [GearDraft]) -> Result<Vec<
         let section = entry.section("[[meshes]]", MESH)?;
         let place = Place::of(entry)?;
         let pair = pair_of(&section, gears)?;
-        if let Some(other) = drafts.iter().find(|d| d.spec.gears == pair || d.spec.gears == [pair[1], pair[0]]) {
+        if let Some(other) = drafts
+            .iter()
+            .find(|d| d.spec.gears == pair || d.spec.gears == [pair[1], pair[0]])
+        {
             return Err(section
                 .source
-                .error(place.first(&["gears"]), "these two gears mesh twice", "again here", "remove one of the two meshes")
+                .error(
+                    place.first(&["gears"]),
+                    "these two gears mesh twice",
+                    "again here",
+                    "remove one of the two meshes",
+                )
                 .and(other.place.first(&["gears"]), "first here"));
         }
         put(&section, &place, gears, pair, &mut placed)?;
@@ -67,7 +102,10 @@ pub(super) fn meshes(list: &[Entry<'_>], gears: &mut [GearDraft]) -> Result<Vec<
             ));
         }
         drafts.push(MeshDraft {
-            spec: MeshSpec { gears: pair, start: start_of(start, &path)? },
+            spec: MeshSpec {
+                gears: pair,
+                start: start_of(start, &path)?,
+            },
             start: start.map(|s| Place::of(&s)).transpose()?,
             place,
         });
@@ -101,7 +139,8 @@ fn pair_of(section: &Section<'_>, gears: &[GearDraft]) -> Result<[usize; 2], Sce
     let index = |member: &Entry<'_>| {
         let name = member.text()?;
         names.iter().position(|n| *n == name).ok_or_else(|| {
-            let near = suggest::nearest(name, &names).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let near = suggest::nearest(name, &names)
+                .map_or(String::new(), |n| format!("did you mean `{n}`? "));
             member.error(
                 format!("there is no gear `{name}`"),
                 "not a gear of this scene",
@@ -111,14 +150,25 @@ fn pair_of(section: &Section<'_>, gears: &[GearDraft]) -> Result<[usize; 2], Sce
     };
     let pair = [index(one)?, index(two)?];
     if pair[0] == pair[1] {
-        return Err(entry.error("a gear cannot mesh with itself", "twice the same", "name two gears"));
+        return Err(entry.error(
+            "a gear cannot mesh with itself",
+            "twice the same",
+            "name two gears",
+        ));
     }
     if let [Body::Rack(_), second] = pair.map(|i| &gears[i].spec.body) {
         let way_out = match second {
-            Body::Gear(_) => format!("write gears = [\"{}\", \"{}\"]", names[pair[1]], names[pair[0]]),
+            Body::Gear(_) => format!(
+                "write gears = [\"{}\", \"{}\"]",
+                names[pair[1]], names[pair[0]]
+            ),
             Body::Rack(_) => "two racks do not mesh; one of them must be a gear".to_owned(),
         };
-        return Err(one.error("the first gear of a mesh may not be a rack", "a rack", way_out));
+        return Err(one.error(
+            "the first gear of a mesh may not be a rack",
+            "a rack",
+            way_out,
+        ));
     }
     Ok(pair)
 }
@@ -142,11 +192,17 @@ fn put(
                     entry.key_range(),
                     format!("`{name}` is given, but both gears have a position already"),
                     "too much",
-                    format!("remove it, or remove `position_m` of `{}`", gears[b].spec.name),
+                    format!(
+                        "remove it, or remove `position_m` of `{}`",
+                        gears[b].spec.name
+                    ),
                 ));
             }
         }
-        let (pa, pb) = (gears[a].position.unwrap_or_default(), gears[b].position.unwrap_or_default());
+        let (pa, pb) = (
+            gears[a].position.unwrap_or_default(),
+            gears[b].position.unwrap_or_default(),
+        );
         set_facing(&mut gears[b], (pb[1] - pa[1]).atan2(pb[0] - pa[0]));
         return Ok(());
     }
@@ -154,7 +210,11 @@ fn put(
         (Some(d), None) => {
             let distance = d.number()?;
             if distance <= 0.0 {
-                return Err(d.error(format!("the centre distance is {distance} m"), "expected more than zero", "give the distance of the axes in metres"));
+                return Err(d.error(
+                    format!("the centre distance is {distance} m"),
+                    "expected more than zero",
+                    "give the distance of the axes in metres",
+                ));
             }
             distance
         }
@@ -163,7 +223,12 @@ fn put(
         (Some(d), Some(j)) => {
             return Err(section
                 .source
-                .error(j.key_range(), "centre distance and backlash are both given", "and this", "remove one: the other follows from it")
+                .error(
+                    j.key_range(),
+                    "centre distance and backlash are both given",
+                    "and this",
+                    "remove one: the other follows from it",
+                )
                 .and(d.key_range(), "this"));
         }
         (None, None) => {
@@ -221,24 +286,45 @@ fn rack_distance(gear: &Gear, rack: &Rack, backlash: f64) -> f64 {
     nominal + (backlash / gear.base_helix_angle().cos() - thinned) / (2.0 * alpha.sin())
 }
 
-fn path_of(source: &Source, place: &Place, a: &GearDraft, b: &GearDraft) -> Result<Path, SceneError> {
-    let (pa, pb) = (a.position.unwrap_or_default(), b.position.unwrap_or_default());
+fn path_of(
+    source: &Source,
+    place: &Place,
+    a: &GearDraft,
+    b: &GearDraft,
+) -> Result<Path, SceneError> {
+    let (pa, pb) = (
+        a.position.unwrap_or_default(),
+        b.position.unwrap_or_default(),
+    );
     let (dx, dy) = (pb[0] - pa[0], pb[1] - pa[1]);
     let path = match (&a.spec.body, &b.spec.body) {
-        (Body::Gear(one), Body::Gear(two)) => Pair::new(one, two, dx.hypot(dy))
-            .map(|p| Path { ends: [p.s_start(), p.s_end()], backlash: p.backlash_base() }),
+        (Body::Gear(one), Body::Gear(two)) => Pair::new(one, two, dx.hypot(dy)).map(|p| Path {
+            ends: [p.s_start(), p.s_end()],
+            backlash: p.backlash_base(),
+        }),
         (Body::Gear(gear), Body::Rack(rack)) => {
             let direction = b.spec.facing + std::f64::consts::PI;
-            RackPair::new(gear, rack, dx * direction.cos() + dy * direction.sin())
-                .map(|p| Path { ends: [p.s_start(), p.s_end()], backlash: p.backlash_base() })
+            RackPair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
+                ends: [p.s_start(), p.s_end()],
+                backlash: p.backlash_base(),
+            })
         }
-        (Body::Rack(_), _) => Ok(Path { ends: [0.0; 2], backlash: 0.0 }),
+        (Body::Rack(_), _) => Ok(Path {
+            ends: [0.0; 2],
+            backlash: 0.0,
+        }),
     };
     path.map_err(|e| refusal(source, place, a, b, &e))
 }
 
 /// A refusal of a pair: at the two keys that disagree, or at what sets the distance.
-fn refusal(source: &Source, place: &Place, a: &GearDraft, b: &GearDraft, e: &GeometryError) -> SceneError {
+fn refusal(
+    source: &Source,
+    place: &Place,
+    a: &GearDraft,
+    b: &GearDraft,
+    e: &GeometryError,
+) -> SceneError {
     let (message, help) = in_words(e);
     let message = format!("`{}` and `{}`: {message}", a.spec.name, b.spec.name);
     if matches!(
@@ -265,7 +351,11 @@ fn refusal(source: &Source, place: &Place, a: &GearDraft, b: &GearDraft, e: &Geo
 
 fn start_of(entry: Option<Entry<'_>>, path: &Path) -> Result<Start, SceneError> {
     let Some(entry) = entry else {
-        return Ok(Start { side: Side::Left, gap: 0.0, path_coordinate: None });
+        return Ok(Start {
+            side: Side::Left,
+            gap: 0.0,
+            path_coordinate: None,
+        });
     };
     let s = entry.section("`start`", START)?;
     let side = match s.get("flank") {
@@ -277,7 +367,10 @@ fn start_of(entry: Option<Entry<'_>>, path: &Path) -> Result<Start, SceneError> 
         && gap > path.backlash * (1.0 + 1e-9)
     {
         return Err(e.error(
-            format!("the gap {gap:.4e} m is larger than the backlash {:.4e} m", path.backlash),
+            format!(
+                "the gap {gap:.4e} m is larger than the backlash {:.4e} m",
+                path.backlash
+            ),
             "the other flanks would overlap",
             "use a smaller gap, a larger centre distance or thinner teeth",
         ));
@@ -292,5 +385,9 @@ fn start_of(entry: Option<Entry<'_>>, path: &Path) -> Result<Start, SceneError> 
             "leave it out to start at the pitch point",
         ));
     }
-    Ok(Start { side, gap, path_coordinate })
+    Ok(Start {
+        side,
+        gap,
+        path_coordinate,
+    })
 }

@@ -48,12 +48,24 @@ pub const SCHEMA: u32 = 1;
 
 static SCENE: &[Key] = &[
     key("schema", "version of the format, 1"),
-    key("name", "lower-case letters, digits, `_` and `-`; names the output folder"),
+    key(
+        "name",
+        "lower-case letters, digits, `_` and `-`; names the output folder",
+    ),
     key("title", "one line for lists and reports"),
     key("description", "what the scene shows, several lines"),
-    key("duration_s", "simulated time in seconds, for example 0.00025"),
-    key("reference", "id of a stored reference, for example \"calculix/case-a-fine\""),
-    key("tolerance", "greatest error that is accurate enough, 0.05 or { metric, limit, against }"),
+    key(
+        "duration_s",
+        "simulated time in seconds, for example 0.00025",
+    ),
+    key(
+        "reference",
+        "id of a stored reference, for example \"calculix/case-a-fine\"",
+    ),
+    key(
+        "tolerance",
+        "greatest error that is accurate enough, 0.05 or { metric, limit, against }",
+    ),
     key("gears", "tables [gears.NAME]"),
     key("meshes", "tables [[meshes]]"),
     key("models", "tables [[models]], the configurations to compare"),
@@ -117,7 +129,12 @@ pub fn load_uncalibrated(path_or_name: &str) -> Result<SceneFile, SceneError> {
 
 fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     if let Some(s) = shipped::shipped(path_or_name) {
-        return SceneFile::parse(&format!("{}.toml", s.name), s.text, Origin::Shipped, calibrated);
+        return SceneFile::parse(
+            &format!("{}.toml", s.name),
+            s.text,
+            Origin::Shipped,
+            calibrated,
+        );
     }
     let path = Path::new(path_or_name);
     let is_path = path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1;
@@ -127,7 +144,10 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
             .map_or(String::new(), |n| format!("did you mean `{n}`? "));
         return Err(SceneError::plain(
             format!("there is no scene `{path_or_name}`"),
-            format!("{near}shipped are {}; a scene of your own is a path that ends in .toml", names.join(", ")),
+            format!(
+                "{near}shipped are {}; a scene of your own is a path that ends in .toml",
+                names.join(", ")
+            ),
         ));
     }
     let text = std::fs::read_to_string(path).map_err(|e| {
@@ -136,7 +156,12 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
             "expected a readable TOML file in UTF-8; `gearbench list` names the shipped scenes",
         )
     })?;
-    SceneFile::parse(path_or_name, &text, Origin::File(path.to_owned()), calibrated)
+    SceneFile::parse(
+        path_or_name,
+        &text,
+        Origin::File(path.to_owned()),
+        calibrated,
+    )
 }
 
 /// An error of the TOML syntax.
@@ -147,7 +172,12 @@ fn syntax_error(source: &Source, e: &toml::de::Error) -> SceneError {
     } else {
         "a line is `key = value`, a table begins with `[name]`, text stands in quotes (https://toml.io)"
     };
-    source.error(e.span().unwrap_or(0..0), format!("not TOML: {message}"), "here", help)
+    source.error(
+        e.span().unwrap_or(0..0),
+        format!("not TOML: {message}"),
+        "here",
+        help,
+    )
 }
 
 impl SceneFile {
@@ -162,8 +192,7 @@ impl SceneFile {
         calibrated: bool,
     ) -> Result<Self, SceneError> {
         let source = Source::new(name, text);
-        let document =
-            DeTable::parse(source.text()).map_err(|e| syntax_error(&source, &e))?;
+        let document = DeTable::parse(source.text()).map_err(|e| syntax_error(&source, &e))?;
         let s = Section::open(&source, document.get_ref(), 0..0, name.to_owned(), SCENE)?;
         let schema = s.need("schema")?;
         if schema.whole()? != SCHEMA {
@@ -176,14 +205,25 @@ impl SceneFile {
         let scene_name = scene_name(&s)?;
         let duration = s.need("duration_s")?;
         if duration.number()? <= 0.0 {
-            return Err(duration.error("the duration is not positive", "expected more than 0", "give the simulated time in seconds"));
+            return Err(duration.error(
+                "the duration is not positive",
+                "expected more than 0",
+                "give the simulated time in seconds",
+            ));
         }
         let reference = s.get("reference").map(|e| {
-            e.word(&REFERENCES.iter().map(|r| (r.id, r.id.to_owned())).collect::<Vec<_>>())
+            e.word(
+                &REFERENCES
+                    .iter()
+                    .map(|r| (r.id, r.id.to_owned()))
+                    .collect::<Vec<_>>(),
+            )
         });
         let reference = reference.transpose()?;
-        let tolerance =
-            s.get("tolerance").map(|e| study_plan::tolerance(&e, reference.as_deref())).transpose()?;
+        let tolerance = s
+            .get("tolerance")
+            .map(|e| study_plan::tolerance(&e, reference.as_deref()))
+            .transpose()?;
 
         let gear_tables = s.need("gears")?;
         let mut drafts = in_order(&source, gear_tables.raw_table()?)
@@ -204,12 +244,18 @@ impl SceneFile {
             calibrations: if calibrated { Some(&find) } else { None },
         };
         let (models, model_places): (Vec<_>, Vec<_>) =
-            model::models(&s.need("models")?.list()?, &context)?.into_iter().unzip();
-        let labels: Vec<&str> = models.iter().map(|m: &ModelChoice| m.label.as_str()).collect();
+            model::models(&s.need("models")?.list()?, &context)?
+                .into_iter()
+                .unzip();
+        let labels: Vec<&str> = models
+            .iter()
+            .map(|m: &ModelChoice| m.label.as_str())
+            .collect();
         let study = study_plan::study(s.get("study"), &labels)?;
 
         let text = |key: &str| {
-            s.get(key).map_or(Ok(String::new()), |e| e.text().map(|t| t.trim().to_owned()))
+            s.get(key)
+                .map_or(Ok(String::new()), |e| e.text().map(|t| t.trim().to_owned()))
         };
         let (title, description) = (text("title")?, text("description")?);
         let duration = duration.number()?;
@@ -221,7 +267,10 @@ impl SceneFile {
                 (spec, d.place)
             })
             .unzip();
-        let spec = SceneSpec { gears: specs, meshes: meshes.iter().map(|m| m.spec.clone()).collect() };
+        let spec = SceneSpec {
+            gears: specs,
+            meshes: meshes.iter().map(|m| m.spec.clone()).collect(),
+        };
         let file = SceneFile {
             name: scene_name,
             title,
@@ -266,12 +315,19 @@ impl SceneFile {
     /// [`SceneError`] lists the labels there are.
     pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
         let wanted: Vec<&str> = match labels {
-            Some(text) => text.split(',').map(str::trim).filter(|l| !l.is_empty()).collect(),
+            Some(text) => text
+                .split(',')
+                .map(str::trim)
+                .filter(|l| !l.is_empty())
+                .collect(),
             None => self.study.models.iter().map(String::as_str).collect(),
         };
         let known: Vec<&str> = self.models.iter().map(|m| m.label.as_str()).collect();
         if wanted.is_empty() {
-            return Err(SceneError::plain("no model is named", format!("`{}` has {}", self.name, known.join(", "))));
+            return Err(SceneError::plain(
+                "no model is named",
+                format!("`{}` has {}", self.name, known.join(", ")),
+            ));
         }
         wanted
             .iter()
@@ -323,13 +379,21 @@ impl SceneFile {
 
     fn place(&self, choice: Option<usize>, error: &BuildError) -> SceneError {
         let model = choice.and_then(|i| self.model_places.get(i));
-        let label = choice.map_or(String::new(), |i| format!(" (model `{}`)", self.models[i].label));
+        let label = choice.map_or(String::new(), |i| {
+            format!(" (model `{}`)", self.models[i].label)
+        });
         let (message, help) = match error.message.split_once("; ") {
             Some((message, help)) => (message, help),
-            None => (error.message.as_str(), "correct the value, or leave it out to take the default"),
+            None => (
+                error.message.as_str(),
+                "correct the value, or leave it out to take the default",
+            ),
         };
         let message = format!("{}: {message}{label}", error.subject);
-        let gear = error.gear.as_ref().and_then(|g| self.spec.gears.iter().position(|s| s.name == *g));
+        let gear = error
+            .gear
+            .as_ref()
+            .and_then(|g| self.spec.gears.iter().position(|s| s.name == *g));
         let span = if let (Some(key), Some(model)) = (&error.parameter, model) {
             model.first(&[&format!("parameters.{key}"), "parameters", "model"])
         } else if let Some(i) = gear {
@@ -350,7 +414,12 @@ impl SceneFile {
     }
 
     /// An error about a mesh is about a model's contact or about the mesh itself.
-    fn mesh_span(&self, mesh: usize, model: Option<&ModelPlace>, message: &str) -> std::ops::Range<usize> {
+    fn mesh_span(
+        &self,
+        mesh: usize,
+        model: Option<&ModelPlace>,
+        message: &str,
+    ) -> std::ops::Range<usize> {
         let says = |words: &[&str]| words.iter().any(|w| message.contains(w));
         let contact: &[&str] = if says(&["slices"]) {
             &["contact.slices", "contact"]
@@ -367,7 +436,9 @@ impl SceneFile {
         match (model, &draft.start) {
             (Some(model), _) if !contact.is_empty() => model.first(contact),
             (_, Some(start)) if says(&["start lies"]) => start.first(&["path_coordinate_m"]),
-            _ => draft.place.first(&["centre_distance_m", "backlash_m", "gears"]),
+            _ => draft
+                .place
+                .first(&["centre_distance_m", "backlash_m", "gears"]),
         }
     }
 }
@@ -375,7 +446,12 @@ impl SceneFile {
 /// Keys of a gear that a message speaks of.
 fn keys_in(message: &str) -> &'static [&'static str] {
     if message.contains("inertia") {
-        &["inertia_kgm2", "mass_kg", "added_inertia_kgm2", "added_mass_kg"]
+        &[
+            "inertia_kgm2",
+            "mass_kg",
+            "added_inertia_kgm2",
+            "added_mass_kg",
+        ]
     } else if message.contains("load") {
         &["loads"]
     } else if message.contains("mount") || message.contains("driven") {
@@ -391,7 +467,10 @@ fn scene_name(s: &Section<'_>) -> Result<String, SceneError> {
     let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
     if name.is_empty() || name.len() > 60 || !name.chars().all(fits) {
         return Err(entry.error(
-            format!("the name \"{}\" cannot be used", name.chars().take(60).collect::<String>()),
+            format!(
+                "the name \"{}\" cannot be used",
+                name.chars().take(60).collect::<String>()
+            ),
             "expected lower-case letters, digits, `_` and `-`",
             "the name becomes a folder; the `title` may be any text",
         ));
@@ -412,7 +491,9 @@ fn find_calibration(
         }
     }
     match shipped::shipped(scene) {
-        Some(s) => Calibration::parse(&format!("calibrations/{}.toml", s.name), s.calibration).map(Some),
+        Some(s) => {
+            Calibration::parse(&format!("calibrations/{}.toml", s.name), s.calibration).map(Some)
+        }
         None => Ok(None),
     }
 }

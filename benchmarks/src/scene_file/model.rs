@@ -12,21 +12,45 @@ use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-static MODEL: &[Key] = &[
-    key("label", "name of this configuration in reports and on the command line, default the model's id"),
-    key("model", "id of the gear model, for example \"rigid\"; `gearbench list` shows all"),
-    key("gears", "other models for single gears, for example { wheel = \"rigid\" }"),
-    key("contact", "{ stiffness, exponent, damping, friction, slices }, or a list with one per mesh"),
-    key("parameters", "parameters of the gear model, SI units in their names"),
-    key("calibration", "\"impact\" or \"static\", or { name, scene, label } to take another one's"),
+pub(super) static MODEL: &[Key] = &[
+    key(
+        "label",
+        "name of this configuration in reports and on the command line, default the model's id",
+    ),
+    key(
+        "model",
+        "id of the gear model, for example \"rigid\"; `gearbench list` shows all",
+    ),
+    key(
+        "gears",
+        "other models for single gears, for example { wheel = \"rigid\" }",
+    ),
+    key(
+        "contact",
+        "{ stiffness, exponent, damping, friction, slices }, or a list with one per mesh",
+    ),
+    key(
+        "parameters",
+        "parameters of the gear model, SI units in their names",
+    ),
+    key(
+        "calibration",
+        "\"impact\" or \"static\", or { name, scene, label } to take another one's",
+    ),
 ];
-static OF_GEAR: &[Key] = &[
+pub(super) static OF_GEAR: &[Key] = &[
     key("model", "id of the gear model"),
-    key("parameters", "parameters of the gear model, SI units in their names"),
+    key(
+        "parameters",
+        "parameters of the gear model, SI units in their names",
+    ),
 ];
-static CALIBRATION: &[Key] = &[
+pub(super) static CALIBRATION: &[Key] = &[
     key("name", "\"impact\" or \"static\""),
-    key("scene", "scene whose calibration is taken, default this one"),
+    key(
+        "scene",
+        "scene whose calibration is taken, default this one",
+    ),
     key("label", "label in that scene, default this model's"),
 ];
 
@@ -72,7 +96,10 @@ pub(super) struct ModelPlace {
 
 impl ModelPlace {
     pub(super) fn first(&self, keys: &[&str]) -> Range<usize> {
-        keys.iter().find_map(|k| self.keys.get(*k)).unwrap_or(&self.header).clone()
+        keys.iter()
+            .find_map(|k| self.keys.get(*k))
+            .unwrap_or(&self.header)
+            .clone()
     }
 }
 
@@ -110,9 +137,15 @@ pub(super) fn models(
     Ok(read)
 }
 
-fn model(entry: &Entry<'_>, context: &Context<'_>) -> Result<(ModelChoice, ModelPlace), SceneError> {
+fn model(
+    entry: &Entry<'_>,
+    context: &Context<'_>,
+) -> Result<(ModelChoice, ModelPlace), SceneError> {
     let s = entry.section("[[models]]", MODEL)?;
-    let mut place = ModelPlace { header: entry.span(), keys: Place::of(entry)?.keys };
+    let mut place = ModelPlace {
+        header: entry.span(),
+        keys: Place::of(entry)?.keys,
+    };
     let id = s.need("model")?;
     let row = known(&id, context.models)?;
     let label = match s.get("label") {
@@ -123,11 +156,20 @@ fn model(entry: &Entry<'_>, context: &Context<'_>) -> Result<(ModelChoice, Model
         Some(e) => parameters(&e, row, &mut place)?,
         None => Parameters::new(),
     };
-    let mut gears = vec![ModelSpec { id: row.id.to_owned(), parameters }; context.gears.len()];
+    let mut gears = vec![
+        ModelSpec {
+            id: row.id.to_owned(),
+            parameters
+        };
+        context.gears.len()
+    ];
     if let Some(overrides) = s.get("gears") {
         override_gears(&overrides, context, &mut gears, &mut place)?;
     }
-    let calibration = s.get("calibration").map(|e| calibration(&e, context, &label)).transpose()?;
+    let calibration = s
+        .get("calibration")
+        .map(|e| calibration(&e, context, &label))
+        .transpose()?;
     let contacts = match s.get("contact") {
         Some(e) => contacts(&e, context.meshes, calibration.is_some(), &mut place)?,
         None => return Err(s.missing("contact")),
@@ -136,7 +178,15 @@ fn model(entry: &Entry<'_>, context: &Context<'_>) -> Result<(ModelChoice, Model
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
         apply(constants, row, &mut modelling);
     }
-    Ok((ModelChoice { label, model: row.id.to_owned(), modelling, calibration }, place))
+    Ok((
+        ModelChoice {
+            label,
+            model: row.id.to_owned(),
+            modelling,
+            calibration,
+        },
+        place,
+    ))
 }
 
 fn known<'m>(entry: &Entry<'_>, models: &'m [Model]) -> Result<&'m Model, SceneError> {
@@ -157,16 +207,28 @@ fn label(entry: &Entry<'_>) -> Result<String, SceneError> {
         return Ok(text.to_owned());
     }
     Err(entry.error(
-        format!("the label \"{}\" cannot be used", text.chars().take(60).collect::<String>()),
+        format!(
+            "the label \"{}\" cannot be used",
+            text.chars().take(60).collect::<String>()
+        ),
         "expected 1 to 60 characters without commas",
         "labels stand in legends and in `--models a,b`",
     ))
 }
 
 /// Parameters of a model; a key it does not have is refused.
-fn parameters(entry: &Entry<'_>, row: &Model, place: &mut ModelPlace) -> Result<Parameters, SceneError> {
+fn parameters(
+    entry: &Entry<'_>,
+    row: &Model,
+    place: &mut ModelPlace,
+) -> Result<Parameters, SceneError> {
     let names: Vec<&str> = row.parameters.iter().map(|p| p.key).collect();
-    let meaning = |name: &str| row.parameters.iter().find(|p| p.key == name).map_or("", |p| p.meaning);
+    let meaning = |name: &str| {
+        row.parameters
+            .iter()
+            .find(|p| p.key == name)
+            .map_or("", |p| p.meaning)
+    };
     let mut parameters = Parameters::new();
     for e in in_order(entry.source(), entry.raw_table()?) {
         if !names.contains(&e.name) {
@@ -176,7 +238,10 @@ fn parameters(entry: &Entry<'_>, row: &Model, place: &mut ModelPlace) -> Result<
                 &meaning,
             ));
         }
-        place.keys.insert(format!("parameters.{}", e.name), e.key_range().start..e.span().end);
+        place.keys.insert(
+            format!("parameters.{}", e.name),
+            e.key_range().start..e.span().end,
+        );
         let value = if e.is_list() {
             Value::List(e.numbers()?)
         } else if let Some(text) = e.as_text() {
@@ -198,20 +263,38 @@ fn override_gears(
     let names: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
     for e in in_order(entry.source(), entry.raw_table()?) {
         let Some(i) = names.iter().position(|n| *n == e.name) else {
-            return Err(e.unknown(&format!("there is no gear `{}`", e.name), &names, &|_| "a gear of this scene"));
+            return Err(e.unknown(
+                &format!("there is no gear `{}`", e.name),
+                &names,
+                &|_| "a gear of this scene",
+            ));
         };
-        place.keys.insert(format!("gears.{}", e.name), e.key_range().start..e.span().end);
+        place.keys.insert(
+            format!("gears.{}", e.name),
+            e.key_range().start..e.span().end,
+        );
         gears[i] = if e.is_table() {
             let s = e.section(format!("`gears.{}`", e.name), OF_GEAR)?;
             let row = known(&s.need("model")?, context.models)?;
-            let parameters =
-                s.get("parameters").map_or(Ok(Parameters::new()), |p| parameters(&p, row, place))?;
-            ModelSpec { id: row.id.to_owned(), parameters }
+            let parameters = s
+                .get("parameters")
+                .map_or(Ok(Parameters::new()), |p| parameters(&p, row, place))?;
+            ModelSpec {
+                id: row.id.to_owned(),
+                parameters,
+            }
         } else {
             let row = known(&e, context.models)?;
             // Parameters of the configuration go to the gears that take its model.
-            let parameters = if row.id == gears[i].id { gears[i].parameters.clone() } else { Parameters::new() };
-            ModelSpec { id: row.id.to_owned(), parameters }
+            let parameters = if row.id == gears[i].id {
+                gears[i].parameters.clone()
+            } else {
+                Parameters::new()
+            };
+            ModelSpec {
+                id: row.id.to_owned(),
+                parameters,
+            }
         };
     }
     Ok(())
@@ -225,7 +308,10 @@ fn contacts(
 ) -> Result<Vec<ContactSpec>, SceneError> {
     if !entry.is_list() {
         for e in in_order(entry.source(), entry.raw_table()?) {
-            place.keys.insert(format!("contact.{}", e.name), e.key_range().start..e.span().end);
+            place.keys.insert(
+                format!("contact.{}", e.name),
+                e.key_range().start..e.span().end,
+            );
         }
         return Ok(vec![contact(entry, calibrated)?; meshes]);
     }
@@ -240,16 +326,29 @@ fn contacts(
     list.iter().map(|e| contact(e, calibrated)).collect()
 }
 
-fn calibration(entry: &Entry<'_>, context: &Context<'_>, label: &str) -> Result<CalibrationUse, SceneError> {
+fn calibration(
+    entry: &Entry<'_>,
+    context: &Context<'_>,
+    label: &str,
+) -> Result<CalibrationUse, SceneError> {
     let names = NAMES.map(|n| (n, n));
     let (name, scene, label) = if entry.is_table() {
         let s = entry.section("`calibration`", CALIBRATION)?;
         let text = |key: &str, default: &str| {
-            s.get(key).map_or(Ok(default.to_owned()), |e| e.text().map(str::to_owned))
+            s.get(key)
+                .map_or(Ok(default.to_owned()), |e| e.text().map(str::to_owned))
         };
-        (s.need("name")?.word(&names)?, text("scene", context.scene)?, text("label", label)?)
+        (
+            s.need("name")?.word(&names)?,
+            text("scene", context.scene)?,
+            text("label", label)?,
+        )
     } else {
-        (entry.word(&names)?, context.scene.to_owned(), label.to_owned())
+        (
+            entry.word(&names)?,
+            context.scene.to_owned(),
+            label.to_owned(),
+        )
     };
     let constants = match context.calibrations {
         None => None,
@@ -257,9 +356,12 @@ fn calibration(entry: &Entry<'_>, context: &Context<'_>, label: &str) -> Result<
             let file = find(&scene)?;
             let found = file.as_ref().and_then(|c| c.get(name, &label));
             let mut found = found.cloned().ok_or_else(|| {
-                let labels = file.as_ref().and_then(|c| c.sets.get(name)).map_or(Vec::new(), |labels| {
-                    labels.keys().map(String::as_str).collect()
-                });
+                let labels = file
+                    .as_ref()
+                    .and_then(|c| c.sets.get(name))
+                    .map_or(Vec::new(), |labels| {
+                        labels.keys().map(String::as_str).collect()
+                    });
                 let there = if labels.is_empty() {
                     String::new()
                 } else {
@@ -268,7 +370,9 @@ fn calibration(entry: &Entry<'_>, context: &Context<'_>, label: &str) -> Result<
                 entry.error(
                     format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
                     "not there",
-                    format!("fit it with `gearbench identify {scene} --model {label} --write`{there}"),
+                    format!(
+                        "fit it with `gearbench identify {scene} --model {label} --write`{there}"
+                    ),
                 )
             })?;
             if scene != context.scene {
@@ -278,7 +382,12 @@ fn calibration(entry: &Entry<'_>, context: &Context<'_>, label: &str) -> Result<
             Some(found)
         }
     };
-    Ok(CalibrationUse { name: name.to_owned(), scene, label, constants })
+    Ok(CalibrationUse {
+        name: name.to_owned(),
+        scene,
+        label,
+        constants,
+    })
 }
 
 /// Puts fitted constants in place of what the scene gives; those values are where a fit starts.

@@ -34,13 +34,27 @@ static TORQUE: Unit = Unit {
     from: "from_nm",
     to: "to_nm",
     keys: &[
-        key("torque_nm", "constant torque in newton metres, counter-clockwise positive"),
+        key(
+            "torque_nm",
+            "constant torque in newton metres, counter-clockwise positive",
+        ),
         key("ramp", "{ from_nm, to_nm, start_s, end_s }"),
         key("table", "{ time_s = [..], torque_nm = [..] }"),
-        key("viscous_nms_per_rad", "torque -c omega, c in N m s/rad, zero or more"),
+        key(
+            "viscous_nms_per_rad",
+            "torque -c omega, c in N m s/rad, zero or more",
+        ),
     ],
-    ramp: &[key("from_nm", "torque before the ramp in N m"), key("to_nm", "torque after the ramp in N m"), START, END],
-    table: &[TIME, key("torque_nm", "list of torques in N m, one per time")],
+    ramp: &[
+        key("from_nm", "torque before the ramp in N m"),
+        key("to_nm", "torque after the ramp in N m"),
+        START,
+        END,
+    ],
+    table: &[
+        TIME,
+        key("torque_nm", "list of torques in N m, one per time"),
+    ],
     viscous: "viscous_nms_per_rad",
 };
 
@@ -54,7 +68,12 @@ static FORCE: Unit = Unit {
         key("table", "{ time_s = [..], force_n = [..] }"),
         key("viscous_ns_per_m", "force -c v, c in N s/m, zero or more"),
     ],
-    ramp: &[key("from_n", "force before the ramp in N"), key("to_n", "force after the ramp in N"), START, END],
+    ramp: &[
+        key("from_n", "force before the ramp in N"),
+        key("to_n", "force after the ramp in N"),
+        START,
+        END,
+    ],
     table: &[TIME, key("force_n", "list of forces in N, one per time")],
     viscous: "viscous_ns_per_m",
 };
@@ -64,12 +83,23 @@ static TURNING: Unit = Unit {
     from: "from_rad_s",
     to: "to_rad_s",
     keys: &[
-        key("speed_rad_s", "constant angular velocity in rad/s, counter-clockwise positive"),
+        key(
+            "speed_rad_s",
+            "constant angular velocity in rad/s, counter-clockwise positive",
+        ),
         key("ramp", "{ from_rad_s, to_rad_s, start_s, end_s }"),
         key("table", "{ time_s = [..], speed_rad_s = [..] }"),
     ],
-    ramp: &[key("from_rad_s", "speed before the ramp in rad/s"), key("to_rad_s", "speed after the ramp in rad/s"), START, END],
-    table: &[TIME, key("speed_rad_s", "list of speeds in rad/s, one per time")],
+    ramp: &[
+        key("from_rad_s", "speed before the ramp in rad/s"),
+        key("to_rad_s", "speed after the ramp in rad/s"),
+        START,
+        END,
+    ],
+    table: &[
+        TIME,
+        key("speed_rad_s", "list of speeds in rad/s, one per time"),
+    ],
     viscous: "",
 };
 
@@ -82,10 +112,27 @@ static SLIDING: Unit = Unit {
         key("ramp", "{ from_m_s, to_m_s, start_s, end_s }"),
         key("table", "{ time_s = [..], speed_m_s = [..] }"),
     ],
-    ramp: &[key("from_m_s", "speed before the ramp in m/s"), key("to_m_s", "speed after the ramp in m/s"), START, END],
-    table: &[TIME, key("speed_m_s", "list of speeds in m/s, one per time")],
+    ramp: &[
+        key("from_m_s", "speed before the ramp in m/s"),
+        key("to_m_s", "speed after the ramp in m/s"),
+        START,
+        END,
+    ],
+    table: &[
+        TIME,
+        key("speed_m_s", "list of speeds in m/s, one per time"),
+    ],
     viscous: "",
 };
+
+/// All key tables of loads and mounts.
+#[cfg(test)]
+pub(super) fn tables() -> impl Iterator<Item = &'static [Key]> {
+    [&TORQUE, &FORCE, &TURNING, &SLIDING]
+        .into_iter()
+        .flat_map(|u| [u.keys, u.ramp, u.table])
+        .chain([MOUNT])
+}
 
 /// The only key of a table `{ key = .. }`, read as a profile; `None` for the viscous key.
 fn profile(entry: &Entry<'_>, unit: &Unit) -> Result<Option<Profile>, SceneError> {
@@ -110,7 +157,11 @@ fn profile(entry: &Entry<'_>, unit: &Unit) -> Result<Option<Profile>, SceneError
         }
     };
     match profile.problem() {
-        Some(problem) => Err(entry.error(problem, "this one", "times ascend, and every time has its value")),
+        Some(problem) => Err(entry.error(
+            problem,
+            "this one",
+            "times ascend, and every time has its value",
+        )),
         None => Ok(Some(profile)),
     }
 }
@@ -139,12 +190,22 @@ pub(super) fn loads(entry: &Entry<'_>, rack: bool) -> Result<Vec<Load>, SceneErr
         .collect()
 }
 
-const MOUNT: &[Key] = &[key("driven", "{ speed_rad_s = .. } (a rack: { speed_m_s = .. }), or a ramp or table of it")];
+const MOUNT: &[Key] = &[key(
+    "driven",
+    "{ speed_rad_s = .. } (a rack: { speed_m_s = .. }), or a ramp or table of it",
+)];
 
 /// The mount of a gear or rack.
 pub(super) fn mount(entry: &Entry<'_>, rack: bool) -> Result<Mount, SceneError> {
     let refused = |mount: &str, way_out: &str| {
-        Err(entry.error(format!("{} cannot have the mount \"{mount}\"", if rack { "a rack" } else { "a gear" }), "here", way_out))
+        Err(entry.error(
+            format!(
+                "{} cannot have the mount \"{mount}\"",
+                if rack { "a rack" } else { "a gear" }
+            ),
+            "here",
+            way_out,
+        ))
     };
     if entry.is_table() {
         let driven = entry.section("`mount`", MOUNT)?.only()?;
@@ -155,11 +216,20 @@ pub(super) fn mount(entry: &Entry<'_>, rack: bool) -> Result<Mount, SceneError> 
     }
     match entry.text()? {
         "fixed" => Ok(Mount::Fixed),
-        "revolute" if rack => refused("revolute", "a rack slides: use \"prismatic\", \"fixed\" or { driven = .. }"),
+        "revolute" if rack => refused(
+            "revolute",
+            "a rack slides: use \"prismatic\", \"fixed\" or { driven = .. }",
+        ),
         "revolute" => Ok(Mount::Revolute),
         "prismatic" if rack => Ok(Mount::Prismatic),
-        "prismatic" => refused("prismatic", "a gear turns: use \"revolute\", \"fixed\" or { driven = .. }"),
-        "driven" => refused("driven", "a driven mount needs its motion: mount = { driven = { speed_rad_s = 100.0 } }"),
+        "prismatic" => refused(
+            "prismatic",
+            "a gear turns: use \"revolute\", \"fixed\" or { driven = .. }",
+        ),
+        "driven" => refused(
+            "driven",
+            "a driven mount needs its motion: mount = { driven = { speed_rad_s = 100.0 } }",
+        ),
         other => Err(entry.unknown_word(other, &["fixed", "revolute", "prismatic", "driven"])),
     }
 }

@@ -76,12 +76,21 @@ impl<'a> Section<'a> {
                 None => return Err(unknown_key(entry, &place, keys)),
             }
         }
-        Ok(Section { source, place, span, keys, entries })
+        Ok(Section {
+            source,
+            place,
+            span,
+            keys,
+            entries,
+        })
     }
 
     /// A value that may be absent.
     pub(super) fn get(&self, name: &str) -> Option<Entry<'a>> {
-        debug_assert!(self.keys.iter().any(|k| k.name == name), "undeclared key {name}");
+        debug_assert!(
+            self.keys.iter().any(|k| k.name == name),
+            "undeclared key {name}"
+        );
         self.entries.iter().find(|e| e.name == name).copied()
     }
 
@@ -92,7 +101,11 @@ impl<'a> Section<'a> {
 
     /// The error of a key that must be there and is not.
     pub(super) fn missing(&self, name: &str) -> SceneError {
-        let meaning = self.keys.iter().find(|k| k.name == name).map_or("", |k| k.meaning);
+        let meaning = self
+            .keys
+            .iter()
+            .find(|k| k.name == name)
+            .map_or("", |k| k.meaning);
         self.error(
             format!("`{name}` is missing in {}", self.place),
             "here",
@@ -141,7 +154,10 @@ impl<'a> Section<'a> {
                     second.key_range(),
                     format!("{} takes one key only", self.place),
                     "and this",
-                    format!("give one of {}; several loads are several tables of the list", suggest::words(&names)),
+                    format!(
+                        "give one of {}; several loads are several tables of the list",
+                        suggest::words(&names)
+                    ),
                 )
                 .and(first.key_range(), "this")),
         }
@@ -150,9 +166,16 @@ impl<'a> Section<'a> {
 
 fn unknown_key(entry: &Entry<'_>, place: &str, keys: &'static [Key]) -> SceneError {
     let names: Vec<&str> = keys.iter().map(|k| k.name).collect();
-    let meaning =
-        |name: &str| keys.iter().find(|k| k.name == name).map_or("", |k| k.meaning);
-    entry.unknown(&format!("unknown key `{}` in {place}", entry.name), &names, &meaning)
+    let meaning = |name: &str| {
+        keys.iter()
+            .find(|k| k.name == name)
+            .map_or("", |k| k.meaning)
+    };
+    entry.unknown(
+        &format!("unknown key `{}` in {place}", entry.name),
+        &names,
+        &meaning,
+    )
 }
 
 impl<'a> Entry<'a> {
@@ -178,9 +201,17 @@ impl<'a> Entry<'a> {
         let help = if let Some((name, factor)) = suggest::other_unit(self.name, known) {
             // Multiplying 4 by 1e-3 leaves binary digits behind that nobody wrote.
             let written = self.number().map_or(String::new(), |x| {
-                format!(" = {}", format!("{:.12e}", x * factor).parse::<f64>().unwrap_or(x * factor))
+                format!(
+                    " = {}",
+                    format!("{:.12e}", x * factor)
+                        .parse::<f64>()
+                        .unwrap_or(x * factor)
+                )
             });
-            format!("the format takes SI units and degrees; write `{name}{written}`: {}", meaning(name))
+            format!(
+                "the format takes SI units and degrees; write `{name}{written}`: {}",
+                meaning(name)
+            )
         } else if let Some(name) = suggest::without_unit(self.name, known) {
             format!("keys carry their unit; write `{name}`: {}", meaning(name))
         } else if let Some(name) = suggest::nearest(self.name, known) {
@@ -190,7 +221,8 @@ impl<'a> Entry<'a> {
         } else {
             format!("known are {}", known.join(", "))
         };
-        self.source.error(self.key_range(), message, "not known here", help)
+        self.source
+            .error(self.key_range(), message, "not known here", help)
     }
 
     /// An error about the value.
@@ -210,7 +242,11 @@ impl<'a> Entry<'a> {
             format!("`{}`: {}", self.name, self.meaning)
         };
         self.error(
-            format!("`{}` is {}, expected {what}", self.name, found(self.value.get_ref())),
+            format!(
+                "`{}` is {}, expected {what}",
+                self.name,
+                found(self.value.get_ref())
+            ),
             format!("expected {what}"),
             help,
         )
@@ -219,7 +255,9 @@ impl<'a> Entry<'a> {
     /// A finite number.
     pub(super) fn number(&self) -> Result<f64, SceneError> {
         let x = match self.value.get_ref() {
-            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok().map(|i| i as f64),
+            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
+                .ok()
+                .map(|i| i as f64),
             DeValue::Float(f) => f.as_str().parse::<f64>().ok(),
             _ => return Err(self.expected("a number")),
         };
@@ -256,13 +294,16 @@ impl<'a> Entry<'a> {
 
     /// A text.
     pub(super) fn text(&self) -> Result<&'a str, SceneError> {
-        self.as_text().ok_or_else(|| self.expected("a text in quotes"))
+        self.as_text()
+            .ok_or_else(|| self.expected("a text in quotes"))
     }
 
     /// One of several words.
     pub(super) fn word<T: Clone>(&self, known: &[(&str, T)]) -> Result<T, SceneError> {
         let names: Vec<&str> = known.iter().map(|(k, _)| *k).collect();
-        let text = self.as_text().ok_or_else(|| self.expected(&format!("one of {}", suggest::words(&names))))?;
+        let text = self
+            .as_text()
+            .ok_or_else(|| self.expected(&format!("one of {}", suggest::words(&names))))?;
         match known.iter().find(|(k, _)| *k == text) {
             Some((_, value)) => Ok(value.clone()),
             None => Err(self.unknown_word(text, &names)),
@@ -271,7 +312,8 @@ impl<'a> Entry<'a> {
 
     /// An error about a word that is not known.
     pub(super) fn unknown_word(&self, text: &str, known: &[&str]) -> SceneError {
-        let near = suggest::nearest(text, known).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        let near = suggest::nearest(text, known)
+            .map_or(String::new(), |n| format!("did you mean `{n}`? "));
         self.error(
             format!("`{}` is \"{text}\", which is not known", self.name),
             "not known",
@@ -332,7 +374,13 @@ impl<'a> Entry<'a> {
         place: impl Into<String>,
         keys: &'static [Key],
     ) -> Result<Section<'a>, SceneError> {
-        Section::open(self.source, self.raw_table()?, self.span(), place.into(), keys)
+        Section::open(
+            self.source,
+            self.raw_table()?,
+            self.span(),
+            place.into(),
+            keys,
+        )
     }
 }
 

@@ -13,7 +13,11 @@ pub struct Shipped {
 
 macro_rules! shipped {
     ($name:literal) => {
-        Shipped { name: $name, text: include_str!(concat!("../../scenes/", $name, ".toml")), calibration: "" }
+        Shipped {
+            name: $name,
+            text: include_str!(concat!("../../scenes/", $name, ".toml")),
+            calibration: "",
+        }
     };
     ($name:literal, calibrated) => {
         Shipped {

@@ -6,22 +6,46 @@ use crate::study::run::Method;
 use gearbench_integrators::{METHODS, Resolution, Stepping};
 use gearbench_reports::record::Tolerance;
 
-static STUDY: &[Key] = &[
-    key("models", "labels to compare, default all models of the scene"),
-    key("integrators", "list such as [{ method = \"dopri5\", rtol = 1e-6 }, { method = \"rk4\", step_s = 1e-6 }]"),
+pub(super) static STUDY: &[Key] = &[
+    key(
+        "models",
+        "labels to compare, default all models of the scene",
+    ),
+    key(
+        "integrators",
+        "list such as [{ method = \"dopri5\", rtol = 1e-6 }, { method = \"rk4\", step_s = 1e-6 }]",
+    ),
     key("events", "locate contact events, default true"),
-    key("samples", "samples of the histories over the duration, default 2000"),
-    key("quantities", "metrics of interest, default all, for example [\"force_l2_aligned\", \"peak_force_n\"]"),
+    key(
+        "samples",
+        "samples of the histories over the duration, default 2000",
+    ),
+    key(
+        "quantities",
+        "metrics of interest, default all, for example [\"force_l2_aligned\", \"peak_force_n\"]",
+    ),
 ];
-static INTEGRATOR: &[Key] = &[
-    key("method", "id or id(name=value), for example \"generalised-alpha(rho_inf=0.8)\""),
+pub(super) static INTEGRATOR: &[Key] = &[
+    key(
+        "method",
+        "id or id(name=value), for example \"generalised-alpha(rho_inf=0.8)\"",
+    ),
     key("step_s", "fixed step in seconds, for example 1e-6"),
     key("rtol", "relative tolerance, for example 1e-6"),
 ];
-static TOLERANCE: &[Key] = &[
-    key("metric", "metric that is limited, default \"force_l2_aligned\""),
-    key("limit", "greatest magnitude that is accurate enough, for example 0.05"),
-    key("against", "\"reference\" or \"self\", the model's own converged solution"),
+pub(super) static TOLERANCE: &[Key] = &[
+    key(
+        "metric",
+        "metric that is limited, default \"force_l2_aligned\"",
+    ),
+    key(
+        "limit",
+        "greatest magnitude that is accurate enough, for example 0.05",
+    ),
+    key(
+        "against",
+        "\"reference\" or \"self\", the model's own converged solution",
+    ),
 ];
 
 /// Samples of the histories when a scene does not say.
@@ -82,7 +106,13 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
     if let Some(e) = s.get("samples") {
         study.samples = match e.whole()? {
             n @ 2..=1_000_000 => n as usize,
-            n => return Err(e.error(format!("`samples` is {n}"), "expected 2 to 1000000", "2000 are enough for a chart")),
+            n => {
+                return Err(e.error(
+                    format!("`samples` is {n}"),
+                    "expected 2 to 1000000",
+                    "2000 are enough for a chart",
+                ));
+            }
         };
     }
     if let Some(e) = s.get("quantities") {
@@ -100,7 +130,11 @@ fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
             return Err(member.unknown_word(text, known));
         }
         if found.iter().any(|f| f == text) {
-            return Err(member.error(format!("`{text}` stands twice in `{}`", entry.name), "again", "remove one"));
+            return Err(member.error(
+                format!("`{text}` stands twice in `{}`", entry.name),
+                "again",
+                "remove one",
+            ));
         }
         found.push(text.to_owned());
     }
@@ -112,7 +146,10 @@ fn default_integrators() -> Vec<Method> {
     METHODS
         .iter()
         .filter(|m| m.info.stepping != Stepping::Fixed)
-        .map(|m| Method { text: m.info.id.to_owned(), resolution: Resolution::Tolerance(DEFAULT_RTOL) })
+        .map(|m| Method {
+            text: m.info.id.to_owned(),
+            resolution: Resolution::Tolerance(DEFAULT_RTOL),
+        })
         .collect()
 }
 
@@ -125,13 +162,22 @@ fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
     if !ids.contains(&id) {
         return Err(method.unknown_word(id, &ids));
     }
-    let (row, _) = gearbench_integrators::method(text)
-        .map_err(|e| method.error(e, "this method", "parameters stand in brackets: id(name=value)"))?;
+    let (row, _) = gearbench_integrators::method(text).map_err(|e| {
+        method.error(
+            e,
+            "this method",
+            "parameters stand in brackets: id(name=value)",
+        )
+    })?;
     let positive = |e: Entry<'_>, below: f64| match e.number()? {
         x if x > 0.0 && x < below => Ok(x),
         x => Err(e.error(
             format!("`{}` is {x}", e.name),
-            if below.is_finite() { "expected more than 0 and less than 1" } else { "expected more than 0" },
+            if below.is_finite() {
+                "expected more than 0 and less than 1"
+            } else {
+                "expected more than 0"
+            },
             "for example step_s = 1e-6 or rtol = 1e-6",
         )),
     };
@@ -139,34 +185,61 @@ fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
         (Some(step), Some(rtol), _) => {
             return Err(s
                 .source
-                .error(rtol.key_range(), "step and tolerance are both given", "and this", "give one: a fixed step or a tolerance")
+                .error(
+                    rtol.key_range(),
+                    "step and tolerance are both given",
+                    "and this",
+                    "give one: a fixed step or a tolerance",
+                )
                 .and(step.key_range(), "this"));
         }
         (Some(step), None, Stepping::Adaptive) => {
-            return Err(step.error(format!("{id} chooses its steps"), "it takes no step", "give `rtol`, for example 1e-6"));
+            return Err(step.error(
+                format!("{id} chooses its steps"),
+                "it takes no step",
+                "give `rtol`, for example 1e-6",
+            ));
         }
         (None, Some(rtol), Stepping::Fixed) => {
-            return Err(rtol.error(format!("{id} has fixed steps"), "it takes no tolerance", "give `step_s`, for example 1e-6"));
+            return Err(rtol.error(
+                format!("{id} has fixed steps"),
+                "it takes no tolerance",
+                "give `step_s`, for example 1e-6",
+            ));
         }
         (Some(step), None, _) => Resolution::Step(positive(step, f64::INFINITY)?),
         (None, Some(rtol), _) => Resolution::Tolerance(positive(rtol, 1.0)?),
         (None, None, Stepping::Fixed) => return Err(s.missing("step_s")),
         (None, None, _) => return Err(s.missing("rtol")),
     };
-    Ok(Method { text: text.trim().to_owned(), resolution })
+    Ok(Method {
+        text: text.trim().to_owned(),
+        resolution,
+    })
 }
 
 /// Reads `tolerance`: a number, or a table with metric, limit and reference.
-pub(super) fn tolerance(entry: &Entry<'_>, reference: Option<&str>) -> Result<Tolerance, SceneError> {
+pub(super) fn tolerance(
+    entry: &Entry<'_>,
+    reference: Option<&str>,
+) -> Result<Tolerance, SceneError> {
     // Records call a reference by its program.
     let external = reference.map(|id| id.split('/').next().unwrap_or(id).to_owned());
     let default_against = external.clone().unwrap_or_else(|| "self".to_owned());
     let limit = |e: &Entry<'_>| match e.number()? {
         x if x > 0.0 => Ok(x),
-        x => Err(e.error(format!("the tolerance is {x}"), "expected more than 0", "0.05 allows an error of 5 %")),
+        x => Err(e.error(
+            format!("the tolerance is {x}"),
+            "expected more than 0",
+            "0.05 allows an error of 5 %",
+        )),
     };
     if !entry.is_table() {
-        return Ok(Tolerance { metric: "force_l2_aligned".into(), limit: limit(entry)?, against: default_against });
+        return Ok(Tolerance {
+            metric: "force_l2_aligned".into(),
+            limit: limit(entry)?,
+            against: default_against,
+        });
     }
     let s = entry.section("`tolerance`", TOLERANCE)?;
     let metric = match s.get("metric") {
@@ -175,12 +248,22 @@ pub(super) fn tolerance(entry: &Entry<'_>, reference: Option<&str>) -> Result<To
     };
     let against = match s.get("against") {
         None => default_against,
-        Some(e) if e.word(&[("reference", true), ("self", false)])? => external.ok_or_else(|| {
-            e.error("the scene has no reference", "nothing to refer to", "write \"self\", or give the scene a `reference`")
-        })?,
+        Some(e) if e.word(&[("reference", true), ("self", false)])? => {
+            external.ok_or_else(|| {
+                e.error(
+                    "the scene has no reference",
+                    "nothing to refer to",
+                    "write \"self\", or give the scene a `reference`",
+                )
+            })?
+        }
         Some(_) => "self".to_owned(),
     };
-    Ok(Tolerance { metric, limit: limit(&s.need("limit")?)?, against })
+    Ok(Tolerance {
+        metric,
+        limit: limit(&s.need("limit")?)?,
+        against,
+    })
 }
 
 fn words_one(entry: &Entry<'_>) -> Result<String, SceneError> {

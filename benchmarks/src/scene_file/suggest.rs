@@ -52,9 +52,8 @@ pub(super) fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k st
 pub(super) fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut found = known.iter().filter(|k| {
         k.strip_prefix(unknown).is_some_and(|rest| {
-            rest.strip_prefix('_').is_some_and(|unit| {
-                UNITS.iter().any(|(_, to, _)| unit == *to) || unit == "deg"
-            })
+            rest.strip_prefix('_')
+                .is_some_and(|unit| UNITS.iter().any(|(_, to, _)| unit == *to) || unit == "deg")
         })
     });
     match (found.next(), found.next()) {
@@ -76,7 +75,8 @@ pub(super) fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
 /// Restricted Damerau-Levenshtein distance (F. J. Damerau, Comm. ACM 7 (1964) 171-176); words longer
 /// than any key count as far away.
 fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(64).collect(), b.chars().take(64).collect());
+    let (a, b): (Vec<char>, Vec<char>) =
+        (a.chars().take(64).collect(), b.chars().take(64).collect());
     let mut before: Vec<usize> = Vec::new();
     let mut last: Vec<usize> = (0..=b.len()).collect();
     for i in 1..=a.len() {
@@ -119,10 +119,19 @@ mod tests {
 
     #[test]
     fn suggestions() {
-        let known = ["module_m", "speed_rad_s", "teeth", "inertia_kgm2", "pressure_angle_deg"];
+        let known = [
+            "module_m",
+            "speed_rad_s",
+            "teeth",
+            "inertia_kgm2",
+            "pressure_angle_deg",
+        ];
         assert_eq!(other_unit("module_mm", &known), Some(("module_m", 1e-3)));
         assert_eq!(other_unit("speed_rpm", &known).unwrap().0, "speed_rad_s");
-        assert_eq!(other_unit("pressure_angle_rad", &known).unwrap().0, "pressure_angle_deg");
+        assert_eq!(
+            other_unit("pressure_angle_rad", &known).unwrap().0,
+            "pressure_angle_deg"
+        );
         assert_eq!(other_unit("teeth", &known), None);
         assert_eq!(without_unit("module", &known), Some("module_m"));
         assert_eq!(without_unit("speed", &known), Some("speed_rad_s"));

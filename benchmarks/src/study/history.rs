@@ -33,6 +33,9 @@ pub struct History {
     pub peak: f64,
     /// Least normal force of any contact [N].
     pub least_normal: f64,
+    /// The latest sample that was not kept.
+    skipped: Option<(f64, Vec<f64>)>,
+    in_contact: bool,
     sample: State,
     out: Outputs,
 }
@@ -59,10 +62,23 @@ impl History {
                 none => *none = Some(self.sample.clone()),
             }
         }
-        if keep || force > 0.0 {
+        if keep || force > 0.0 || self.in_contact {
+            // The last sample without force and the first with it frame a jump of a damped contact.
+            if let Some((t, row)) = self.skipped.take()
+                && force > 0.0
+            {
+                self.time.push(t);
+                self.rows.push(row);
+            }
             self.time.push(self.sample.t);
             self.rows.push(self.out.channels.clone());
+            self.skipped = None;
+        } else {
+            let mut row = self.skipped.take().map_or_else(Vec::new, |(_, row)| row);
+            row.clone_from(&self.out.channels);
+            self.skipped = Some((self.sample.t, row));
         }
+        self.in_contact = force > 0.0;
     }
 }
 
@@ -74,11 +90,11 @@ impl Sink for History {
         let parts = if self.also_steps && self.rows.len() < self.grid.len() + MOST_STEPS {
             (h / (SAMPLES_PER_PACE * sys.pace(step.to.at()))).ceil().clamp(1.0, MOST_PARTS)
         } else {
-            0.0
+            -1.0
         };
-        let mut part = 1.0;
+        let mut part = 0.0;
         while self.next < self.grid.len() && self.grid[self.next] <= t1 || part <= parts {
-            let on_step = if part <= parts { t0 + h * part / parts } else { f64::INFINITY };
+            let on_step = if part <= parts { t0 + h * (part / parts) } else { f64::INFINITY };
             let on_grid = self.grid.get(self.next).copied().unwrap_or(f64::INFINITY);
             let t = on_step.min(on_grid).min(t1);
             let keep = on_grid <= t;

@@ -61,6 +61,56 @@ fn read(from: &str, to: &str) -> SceneFile {
     parse(&changed(from, to)).unwrap_or_else(|e| panic!("{}", render(&e)))
 }
 
+/// The page about the format names every key, and its example is a sound scene.
+#[test]
+fn the_format_is_described() {
+    let page = include_str!("../../../scenes/README.md");
+    let tables = [
+        super::SCENE,
+        super::gear::GEAR,
+        super::gear::RACK,
+        super::gear::RELIEF,
+        super::gear::ELASTIC,
+        super::mesh::MESH,
+        super::mesh::START,
+        super::model::MODEL,
+        super::model::OF_GEAR,
+        super::model::CALIBRATION,
+        super::contact::CONTACT,
+        super::contact::CONSTANT,
+        super::contact::ISO,
+        super::contact::COMPLIANCE,
+        super::contact::TABLE,
+        super::contact::KELVIN_VOIGT,
+        super::contact::RATIO,
+        super::contact::RESTITUTION,
+        super::contact::FRICTION,
+        super::study_plan::STUDY,
+        super::study_plan::INTEGRATOR,
+        super::study_plan::TOLERANCE,
+    ];
+    let tables = tables.into_iter().chain(super::profile::tables());
+    let whole = |text: &str, key: &str| {
+        text.match_indices(key).any(|(i, _)| {
+            let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            !text[..i].ends_with(part) && !text[i + key.len()..].starts_with(part)
+        })
+    };
+    for key in tables.flatten() {
+        assert!(whole(page, key.name), "`{}` is not described", key.name);
+        assert!(!key.meaning.is_empty());
+    }
+    let example = page
+        .split("```toml\n")
+        .nth(1)
+        .unwrap()
+        .split("```")
+        .next()
+        .unwrap();
+    let scene = parse(example).unwrap_or_else(|e| panic!("{}", render(&e)));
+    assert_eq!(scene.models.len(), 1);
+}
+
 /// What a user sees, without colours and on wide lines.
 fn render(error: &SceneError) -> String {
     let mut text = String::new();
@@ -80,7 +130,10 @@ fn refused(from: &str, to: &str, line: usize, words: &[&str]) {
     };
     let shown = render(&error);
     assert_eq!(error.line(), Some(line), "\n{shown}");
-    assert!(shown.contains(&format!("test.toml:{line}:")), "no line {line} in\n{shown}");
+    assert!(
+        shown.contains(&format!("test.toml:{line}:")),
+        "no line {line} in\n{shown}"
+    );
     for word in words {
         assert!(shown.contains(word), "no `{word}` in\n{shown}");
     }

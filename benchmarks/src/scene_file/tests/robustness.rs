@@ -16,7 +16,10 @@ fn truncated_scenes() {
         survives(&BASE[end..]);
     }
     for scene in SHIPPED {
-        for end in (0..scene.text.len()).step_by(97).filter(|&i| scene.text.is_char_boundary(i)) {
+        for end in (0..scene.text.len())
+            .step_by(97)
+            .filter(|&i| scene.text.is_char_boundary(i))
+        {
             survives(&scene.text[..end]);
         }
     }
@@ -26,20 +29,53 @@ fn truncated_scenes() {
 #[test]
 fn mutated_scenes() {
     let pieces = [
-        "", "\"", "[", "]", "{", "}", "=", ",", "\n", "nan", "-1", "0", "1e308", "-1e-308", "1e999", "true", "[[", "]]",
-        "é", "\u{0}", "''", "#", ".", "0x7fffffffffffffff", "99999999999999999999", "1979-05-27", "[]", "{}",
+        "",
+        "\"",
+        "[",
+        "]",
+        "{",
+        "}",
+        "=",
+        ",",
+        "\n",
+        "nan",
+        "-1",
+        "0",
+        "1e308",
+        "-1e-308",
+        "1e999",
+        "true",
+        "[[",
+        "]]",
+        "é",
+        "\u{0}",
+        "''",
+        "#",
+        ".",
+        "0x7fffffffffffffff",
+        "99999999999999999999",
+        "1979-05-27",
+        "[]",
+        "{}",
     ];
     let mut seed: u64 = 20_061_107;
     let mut next = |n: usize| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (seed >> 33) as usize % n.max(1)
     };
     for round in 0..4000 {
         let mut text = BASE.to_owned();
         for _ in 0..=round % 3 {
             let (at, cut) = (next(text.len()), next(12));
-            let start = (0..=at).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
-            let end = (start + cut..=text.len()).find(|&i| text.is_char_boundary(i)).unwrap_or(text.len());
+            let start = (0..=at)
+                .rev()
+                .find(|&i| text.is_char_boundary(i))
+                .unwrap_or(0);
+            let end = (start + cut..=text.len())
+                .find(|&i| text.is_char_boundary(i))
+                .unwrap_or(text.len());
             text.replace_range(start..end, pieces[next(pieces.len())]);
         }
         survives(&text);
@@ -49,10 +85,28 @@ fn mutated_scenes() {
 /// Every value of the scene replaced by one of every type.
 #[test]
 fn every_value_of_every_type() {
-    let values = ["\"text\"", "3", "-3", "0", "0.5", "nan", "1e300", "1e-300", "true", "[]", "[1]", "{}", "{ a = 1 }", "[{}]", "[[]]"];
+    let values = [
+        "\"text\"",
+        "3",
+        "-3",
+        "0",
+        "0.5",
+        "nan",
+        "1e300",
+        "1e-300",
+        "true",
+        "[]",
+        "[1]",
+        "{}",
+        "{ a = 1 }",
+        "[{}]",
+        "[[]]",
+    ];
     let lines: Vec<&str> = BASE.lines().collect();
     for (i, line) in lines.iter().enumerate() {
-        let Some((key, _)) = line.split_once(" = ") else { continue };
+        let Some((key, _)) = line.split_once(" = ") else {
+            continue;
+        };
         for value in values {
             let mut text = lines.clone();
             let new = format!("{key} = {value}");

@@ -13,9 +13,15 @@ fn all_load_and_are_described() {
         let scene = load(shipped.name).unwrap_or_else(|e| panic!("{}", render(&e)));
         assert_eq!(scene.name, shipped.name);
         assert_eq!(scene.origin, Origin::Shipped);
-        assert!(!scene.title.is_empty() && !scene.description.is_empty() && scene.tolerance.is_some());
+        assert!(
+            !scene.title.is_empty() && !scene.description.is_empty() && scene.tolerance.is_some()
+        );
         assert!(scene.select(None).unwrap().len() >= 2);
-        assert!(scene.calibration_path().ends_with(format!("calibrations/{}.toml", shipped.name)));
+        assert!(
+            scene
+                .calibration_path()
+                .ends_with(format!("calibrations/{}.toml", shipped.name))
+        );
         load_uncalibrated(shipped.name).unwrap_or_else(|e| panic!("{}", render(&e)));
     }
 }
@@ -25,7 +31,13 @@ fn all_load_and_are_described() {
 fn enough_methods() {
     for name in ["spur_impact", "spur_impact_large"] {
         let study = load(name).unwrap().study;
-        let implicit = |m: &crate::study::run::Method| gearbench_integrators::method(&m.text).unwrap().0.info.implicit;
+        let implicit = |m: &crate::study::run::Method| {
+            gearbench_integrators::method(&m.text)
+                .unwrap()
+                .0
+                .info
+                .implicit
+        };
         let count = study.integrators.iter().filter(|m| implicit(m)).count();
         assert!(count >= 4 && study.integrators.len() - count >= 4, "{name}");
     }
@@ -35,24 +47,51 @@ fn enough_methods() {
 fn impacts_are_those_of_their_references() {
     for name in ["spur_impact", "spur_impact_large"] {
         let scene = load(name).unwrap();
-        let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+        let reference =
+            gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
         let p = &reference.parameters;
         assert_eq!(scene.tolerance.as_ref().unwrap().against, "calculix");
         for (gear, data) in scene.spec.gears.iter().zip(&p.gears) {
-            let Body::Gear(body) = &gear.body else { panic!("a gear") };
+            let Body::Gear(body) = &gear.body else {
+                panic!("a gear")
+            };
             let g = body.params();
             assert_eq!(g.teeth, data.teeth);
             assert_eq!(gear.inertia, Some(data.inertia));
             assert_eq!(gear.speed, data.speed);
             assert_eq!(
-                [g.module, g.face_width, g.bore_radius, g.tip_radius, g.addendum, g.dedendum],
-                [p.module, p.face_width, data.bore_radius, p.tip_radius, p.addendum, p.dedendum]
+                [
+                    g.module,
+                    g.face_width,
+                    g.bore_radius,
+                    g.tip_radius,
+                    g.addendum,
+                    g.dedendum
+                ],
+                [
+                    p.module,
+                    p.face_width,
+                    data.bore_radius,
+                    p.tip_radius,
+                    p.addendum,
+                    p.dedendum
+                ]
             );
-            assert_eq!([gear.material.young, gear.material.poisson, gear.material.density], [p.young, p.poisson, p.density]);
+            assert_eq!(
+                [
+                    gear.material.young,
+                    gear.material.poisson,
+                    gear.material.density
+                ],
+                [p.young, p.poisson, p.density]
+            );
             assert!((body.r_base() - data.base_radius).abs() < 1e-15);
         }
         let mesh = &scene.spec.meshes[0];
-        assert_eq!((mesh.start.side, mesh.start.gap), (Side::Left, p.gap_effective));
+        assert_eq!(
+            (mesh.start.side, mesh.start.gap),
+            (Side::Left, p.gap_effective)
+        );
         assert!((scene.spec.gears[1].position[0] - p.centre_distance).abs() < 1e-15);
         // The pitch point is where the reference starts.
         let [a, b] = [0, 1].map(|i| match &scene.spec.gears[i].body {
@@ -68,26 +107,53 @@ fn impacts_are_those_of_their_references() {
 fn calibrations_are_applied() {
     let scene = load("spur_impact").unwrap();
     let rigid = scene.model("rigid").unwrap();
-    let constants = rigid.calibration.as_ref().unwrap().constants.as_ref().unwrap();
+    let constants = rigid
+        .calibration
+        .as_ref()
+        .unwrap()
+        .constants
+        .as_ref()
+        .unwrap();
     let PairStiffness::Constant { per_width, .. } = rigid.modelling.contacts[0].stiffness else {
         panic!("{:?}", rigid.modelling.contacts[0].stiffness)
     };
     assert_eq!(Some(per_width), constants.stiffness);
     assert!((1.2e10..1.9e10).contains(&per_width));
-    assert_eq!(scene.spec_for(rigid).meshes[0].start.gap, constants.gap.unwrap());
+    assert_eq!(
+        scene.spec_for(rigid).meshes[0].start.gap,
+        constants.gap.unwrap()
+    );
     let movable = scene.model("movable-teeth").unwrap();
     for gear in &movable.modelling.gears {
         assert!(matches!(gear.parameters["tooth_stiffness_n_per_m"], Value::Number(k) if k > 1e8));
     }
     // Nothing fitted stays as it is.
     let iso = scene.model("rigid-iso6336").unwrap();
-    assert!(matches!(iso.modelling.contacts[0].stiffness, PairStiffness::Iso6336 { .. }));
-    assert_eq!(scene.spec_for(iso).meshes[0].start.gap, scene.spec.meshes[0].start.gap);
+    assert!(matches!(
+        iso.modelling.contacts[0].stiffness,
+        PairStiffness::Iso6336 { .. }
+    ));
+    assert_eq!(
+        scene.spec_for(iso).meshes[0].start.gap,
+        scene.spec.meshes[0].start.gap
+    );
     // Another scene's gap is not taken over.
     let hammer = load("hammer").unwrap();
-    let CalibrationUse { scene: from, constants, .. } = hammer.model("rigid").unwrap().calibration.clone().unwrap();
-    assert_eq!((from.as_str(), constants.unwrap().gap), ("spur_impact", None));
-    assert_eq!(hammer.spec_for(hammer.model("rigid").unwrap()).meshes[0].start.gap, 50e-6);
+    let CalibrationUse {
+        scene: from,
+        constants,
+        ..
+    } = hammer.model("rigid").unwrap().calibration.clone().unwrap();
+    assert_eq!(
+        (from.as_str(), constants.unwrap().gap),
+        ("spur_impact", None)
+    );
+    assert_eq!(
+        hammer.spec_for(hammer.model("rigid").unwrap()).meshes[0]
+            .start
+            .gap,
+        50e-6
+    );
 }
 
 #[test]
@@ -107,11 +173,18 @@ fn the_hammering_pair_starts_in_the_middle_of_its_backlash() {
 fn the_rotating_pair_is_balanced() {
     let scene = load("spur_rotation").unwrap();
     let [pinion, wheel] = [&scene.spec.gears[0], &scene.spec.gears[1]];
-    let Load::Applied(drive) = &pinion.loads[0] else { panic!() };
-    let Load::Viscous(c) = wheel.loads[0] else { panic!() };
+    let Load::Applied(drive) = &pinion.loads[0] else {
+        panic!()
+    };
+    let Load::Viscous(c) = wheel.loads[0] else {
+        panic!()
+    };
     let resisting = -c * wheel.speed;
     // The wheel's torque is that of the pinion times the ratio, with the same sign: both oppose the mesh.
     assert!((resisting - drive.value(0.0) * 30.0 / 20.0).abs() < 1e-12);
     assert!((drive.value(0.0) * pinion.speed + resisting * wheel.speed).abs() < 1e-9);
-    assert!(pinion.speed * scene.duration / std::f64::consts::TAU > 3.0, "several rotations");
+    assert!(
+        pinion.speed * scene.duration / std::f64::consts::TAU > 3.0,
+        "several rotations"
+    );
 }

@@ -1,7 +1,7 @@
 //! What is read arrives as it was written.
 
 use super::{BASE, changed, parse, read, render};
-use crate::scene_file::QUANTITIES;
+use crate::scene_file::{QUANTITIES, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::{Pair, RackPair, ReliefShape, Side};
@@ -9,32 +9,60 @@ use gearbench_models::load::{Load, Profile};
 use gearbench_models::mount::Mount;
 use gearbench_models::scene::spec::{Body, BuildError};
 use gearbench_models::stiffness::{
-    Ends, Foundation, Hertz, Interpolation, IsoVariation, Material, PairOrMesh, PairStiffness, RootLength, ToothModel,
+    Ends, Foundation, Hertz, Interpolation, IsoVariation, Material, PairOrMesh, PairStiffness,
+    RootLength, ToothModel,
 };
 
 #[test]
 fn the_base_scene() {
     let scene = parse(BASE).unwrap_or_else(|e| panic!("{}", render(&e)));
-    assert_eq!((scene.name.as_str(), scene.title.as_str(), scene.duration), ("test", "A test", 1e-4));
+    assert_eq!(
+        (scene.name.as_str(), scene.title.as_str(), scene.duration),
+        ("test", "A test", 1e-4)
+    );
     let [pinion, wheel] = [&scene.spec.gears[0], &scene.spec.gears[1]];
-    assert_eq!((pinion.name.as_str(), wheel.name.as_str()), ("pinion", "wheel"));
+    assert_eq!(
+        (pinion.name.as_str(), wheel.name.as_str()),
+        ("pinion", "wheel")
+    );
     assert_eq!((pinion.speed, wheel.speed), (20.0, 0.0));
     assert_eq!(wheel.position, [0.1001, 0.0]);
     assert_eq!(pinion.loads, [Load::Applied(Profile::Constant(10.0))]);
     assert_eq!(pinion.mount, Mount::Revolute);
     assert_eq!(pinion.material, Material::STEEL);
     let mesh = &scene.spec.meshes[0];
-    assert_eq!((mesh.gears, mesh.start.side, mesh.start.gap), ([0, 1], Side::Left, 1e-6));
+    assert_eq!(
+        (mesh.gears, mesh.start.side, mesh.start.gap),
+        ([0, 1], Side::Left, 1e-6)
+    );
     let labels: Vec<&str> = scene.models.iter().map(|m| m.label.as_str()).collect();
     assert_eq!(labels, ["rigid", "movable-teeth"]);
     let contact = &scene.models[0].modelling.contacts[0];
-    assert_eq!(contact.stiffness, PairStiffness::Constant { per_width: 1.4e10, of: PairOrMesh::Pair });
-    assert_eq!((contact.damping, contact.exponent, contact.slices), (Damping::Flores { e: 0.9 }, 1.0, None));
+    assert_eq!(
+        contact.stiffness,
+        PairStiffness::Constant {
+            per_width: 1.4e10,
+            of: PairOrMesh::Pair
+        }
+    );
+    assert_eq!(
+        (contact.damping, contact.exponent, contact.slices),
+        (Damping::Flores { e: 0.9 }, 1.0, None)
+    );
     assert_eq!(scene.study.models, labels);
-    assert_eq!(scene.study.integrators[0].resolution, Resolution::Tolerance(1e-6));
-    assert_eq!(scene.study.integrators[1].resolution, Resolution::Step(1e-6));
+    assert_eq!(
+        scene.study.integrators[0].resolution,
+        Resolution::Tolerance(1e-6)
+    );
+    assert_eq!(
+        scene.study.integrators[1].resolution,
+        Resolution::Step(1e-6)
+    );
     let t = scene.tolerance.unwrap();
-    assert_eq!((t.metric.as_str(), t.limit, t.against.as_str()), ("force_l2_aligned", 0.05, "calculix"));
+    assert_eq!(
+        (t.metric.as_str(), t.limit, t.against.as_str()),
+        ("force_l2_aligned", 0.05, "calculix")
+    );
 }
 
 #[test]
@@ -54,55 +82,116 @@ fn toothing() {
          material = { young_pa = 2e11, poisson = 0.28, density_kg_m3 = 7800 }\nadded_inertia_kgm2 = 1e-3",
     );
     let gear = &scene.spec.gears[0];
-    let Body::Gear(body) = &gear.body else { panic!("a gear") };
+    let Body::Gear(body) = &gear.body else {
+        panic!("a gear")
+    };
     let p = body.params();
-    assert_eq!([p.profile_shift, p.addendum, p.dedendum, p.tip_radius], [-0.1, 0.9, 1.2, 0.2]);
+    assert_eq!(
+        [p.profile_shift, p.addendum, p.dedendum, p.tip_radius],
+        [-0.1, 0.9, 1.2, 0.2]
+    );
     assert_eq!([p.thinning, p.bore_radius], [1e-5, 0.01]);
-    assert_eq!([p.modifications.profile_crowning, p.modifications.lead_crowning], [2e-6, 3e-6]);
+    assert_eq!(
+        [
+            p.modifications.profile_crowning,
+            p.modifications.lead_crowning
+        ],
+        [2e-6, 3e-6]
+    );
     let relief = p.modifications.tip_relief.unwrap();
-    assert_eq!((relief.amount, relief.start_radius, relief.shape), (1e-5, 0.042, ReliefShape::Parabolic));
-    assert_eq!(gear.material, Material { young: 2e11, poisson: 0.28, density: 7800.0 });
+    assert_eq!(
+        (relief.amount, relief.start_radius, relief.shape),
+        (1e-5, 0.042, ReliefShape::Parabolic)
+    );
+    assert_eq!(
+        gear.material,
+        Material {
+            young: 2e11,
+            poisson: 0.28,
+            density: 7800.0
+        }
+    );
     assert_eq!((gear.inertia, gear.added_inertia), (None, 1e-3));
     assert!((p.pressure_angle - 20f64.to_radians()).abs() < 1e-16);
 }
 
 #[test]
 fn loads_and_mounts() {
-    let load = |text: &str| read("{ torque_nm = 10.0 }", text).spec.gears[0].loads.clone();
+    let load = |text: &str| {
+        read("{ torque_nm = 10.0 }", text).spec.gears[0]
+            .loads
+            .clone()
+    };
     assert_eq!(
-        load("{ ramp = { from_nm = 0.0, to_nm = 5, start_s = 0.0, end_s = 1e-5 } }, { viscous_nms_per_rad = 0.1 }"),
+        load(
+            "{ ramp = { from_nm = 0.0, to_nm = 5, start_s = 0.0, end_s = 1e-5 } }, { viscous_nms_per_rad = 0.1 }"
+        ),
         [
-            Load::Applied(Profile::Ramp { from: 0.0, to: 5.0, start: 0.0, end: 1e-5 }),
+            Load::Applied(Profile::Ramp {
+                from: 0.0,
+                to: 5.0,
+                start: 0.0,
+                end: 1e-5
+            }),
             Load::Viscous(0.1)
         ]
     );
     assert_eq!(
         load("{ table = { time_s = [0, 1], torque_nm = [2, 3] } }"),
-        [Load::Applied(Profile::Table { time: vec![0.0, 1.0], value: vec![2.0, 3.0] })]
+        [Load::Applied(Profile::Table {
+            time: vec![0.0, 1.0],
+            value: vec![2.0, 3.0]
+        })]
     );
-    let mount = |text: &str| read("mount = \"revolute\"", text).spec.gears[1].mount.clone();
+    let mount = |text: &str| {
+        read("mount = \"revolute\"", text).spec.gears[1]
+            .mount
+            .clone()
+    };
     assert_eq!(mount("mount = \"fixed\""), Mount::Fixed);
-    assert_eq!(mount("mount = { driven = { speed_rad_s = -3.0 } }"), Mount::Driven(Profile::Constant(-3.0)));
     assert_eq!(
-        mount("mount = { driven = { ramp = { from_rad_s = 0, to_rad_s = 1, start_s = 0, end_s = 1 } } }"),
-        Mount::Driven(Profile::Ramp { from: 0.0, to: 1.0, start: 0.0, end: 1.0 })
+        mount("mount = { driven = { speed_rad_s = -3.0 } }"),
+        Mount::Driven(Profile::Constant(-3.0))
+    );
+    assert_eq!(
+        mount(
+            "mount = { driven = { ramp = { from_rad_s = 0, to_rad_s = 1, start_s = 0, end_s = 1 } } }"
+        ),
+        Mount::Driven(Profile::Ramp {
+            from: 0.0,
+            to: 1.0,
+            start: 0.0,
+            end: 1.0
+        })
     );
 }
 
 #[test]
 fn stiffness_and_laws() {
     let stiffness = |text: &str| {
-        read("stiffness = \"iso6336\"", &format!("stiffness = {text}")).models[1].modelling.contacts[0].stiffness.clone()
+        read("stiffness = \"iso6336\"", &format!("stiffness = {text}")).models[1]
+            .modelling
+            .contacts[0]
+            .stiffness
+            .clone()
     };
     assert_eq!(
         stiffness("{ kind = \"iso6336\", variation = \"cai-hayashi\" }"),
-        PairStiffness::Iso6336 { variation: IsoVariation::CaiHayashi }
+        PairStiffness::Iso6336 {
+            variation: IsoVariation::CaiHayashi
+        }
     );
     // One spring for the whole mesh suits rigid gears only.
-    let scene = read("stiffness_n_per_m2 = 1.4e10", "stiffness_n_per_m2 = 2e10, of = \"mesh\"");
+    let scene = read(
+        "stiffness_n_per_m2 = 1.4e10",
+        "stiffness_n_per_m2 = 2e10, of = \"mesh\"",
+    );
     assert_eq!(
         scene.models[0].modelling.contacts[0].stiffness,
-        PairStiffness::Constant { per_width: 2e10, of: PairOrMesh::Mesh }
+        PairStiffness::Constant {
+            per_width: 2e10,
+            of: PairOrMesh::Mesh
+        }
     );
     assert_eq!(
         stiffness(
@@ -112,11 +201,15 @@ fn stiffness_and_laws() {
         PairStiffness::Compliance {
             tooth: ToothModel::Cornell,
             foundation: Foundation::SainsotVelex(RootLength::TwoRbThetaF),
-            hertz: Hertz::WeberBanaschek { reference_load: 1000.0 },
+            hertz: Hertz::WeberBanaschek {
+                reference_load: 1000.0
+            },
         }
     );
     assert_eq!(
-        stiffness("{ kind = \"table\", path_coordinate_m = [0.004, 0.024], stiffness_n_per_m = [1e8, 2e8], interpolation = \"linear\" }"),
+        stiffness(
+            "{ kind = \"table\", path_coordinate_m = [0.004, 0.024], stiffness_n_per_m = [1e8, 2e8], interpolation = \"linear\" }"
+        ),
         PairStiffness::Table {
             s: vec![0.004, 0.024],
             k: vec![1e8, 2e8],
@@ -126,7 +219,10 @@ fn stiffness_and_laws() {
         }
     );
     let damping = |text: &str| {
-        read("damping = { law = \"flores\", e = 0.9 }", text).models[0].modelling.contacts[0].clone()
+        read("damping = { law = \"flores\", e = 0.9 }", text).models[0]
+            .modelling
+            .contacts[0]
+            .clone()
     };
     for id in Damping::IDS {
         let value = match id {
@@ -135,7 +231,12 @@ fn stiffness_and_laws() {
             "kelvin-voigt-ratio" => ", ratio = 0.05",
             _ => ", e = 0.8",
         };
-        assert_eq!(damping(&format!("damping = {{ law = \"{id}\"{value} }}")).damping.id(), id);
+        assert_eq!(
+            damping(&format!("damping = {{ law = \"{id}\"{value} }}"))
+                .damping
+                .id(),
+            id
+        );
     }
     let contact = damping("friction = { mu = 0.05, v_ref_m_s = 0.01 }, slices = 4, exponent = 1.5");
     assert_eq!(contact.friction.unwrap().mu(), 0.05);
@@ -144,15 +245,24 @@ fn stiffness_and_laws() {
 
 #[test]
 fn models_per_gear() {
-    let scene = read("parameters = {", "gears = { wheel = \"rigid\" }\nparameters = {");
+    let scene = read(
+        "parameters = {",
+        "gears = { wheel = \"rigid\" }\nparameters = {",
+    );
     let gears = &scene.models[1].modelling.gears;
-    assert_eq!([gears[0].id.as_str(), gears[1].id.as_str()], ["movable-teeth", "rigid"]);
+    assert_eq!(
+        [gears[0].id.as_str(), gears[1].id.as_str()],
+        ["movable-teeth", "rigid"]
+    );
     assert!(gears[1].parameters.is_empty() && gears[0].parameters.len() == 2);
 }
 
 #[test]
 fn distance_from_backlash_and_direction() {
-    let scene = read("centre_distance_m = 0.1001", "backlash_m = 8e-5\ndirection_deg = 90.0");
+    let scene = read(
+        "centre_distance_m = 0.1001",
+        "backlash_m = 8e-5\ndirection_deg = 90.0",
+    );
     let [x, y] = scene.spec.gears[1].position;
     let [a, b] = [0, 1].map(|i| match &scene.spec.gears[i].body {
         Body::Gear(g) => g.clone(),
@@ -166,16 +276,38 @@ fn distance_from_backlash_and_direction() {
 fn a_rack_is_placed_by_its_backlash() {
     for helix in [0.0, 15.0] {
         let text = BASE
-            .replace("teeth = 20", &format!("teeth = 20\nthinning_m = 1e-5\nprofile_shift = 0.2\nhelix_angle_deg = {helix}"))
-            .replace("teeth = 30", &format!("kind = \"rack\"\nteeth = 30\nthinning_m = 2e-5\nhelix_angle_deg = -{helix}"))
-            .replace("mount = \"revolute\"", "mass_kg = 0.3\nspeed_m_s = 0.1\nloads = [{ force_n = 3.0 }]")
+            .replace(
+                "teeth = 20",
+                &format!(
+                    "teeth = 20\nthinning_m = 1e-5\nprofile_shift = 0.2\nhelix_angle_deg = {helix}"
+                ),
+            )
+            .replace(
+                "teeth = 30",
+                &format!(
+                    "kind = \"rack\"\nteeth = 30\nthinning_m = 2e-5\nhelix_angle_deg = -{helix}"
+                ),
+            )
+            .replace(
+                "mount = \"revolute\"",
+                "mass_kg = 0.3\nspeed_m_s = 0.1\nloads = [{ force_n = 3.0 }]",
+            )
             .replace("centre_distance_m = 0.1001", "backlash_m = 1e-4");
         let scene = parse(&text).unwrap_or_else(|e| panic!("{}", render(&e)));
         let [gear, rack] = [&scene.spec.gears[0], &scene.spec.gears[1]];
-        let (Body::Gear(g), Body::Rack(r)) = (&gear.body, &rack.body) else { panic!("gear and rack") };
+        let (Body::Gear(g), Body::Rack(r)) = (&gear.body, &rack.body) else {
+            panic!("gear and rack")
+        };
         let pair = RackPair::new(g, r, rack.position[0]).unwrap();
-        assert!((pair.backlash_normal() - 1e-4).abs() < 1e-12, "{}", pair.backlash_normal());
-        assert_eq!((rack.mount.clone(), rack.inertia, rack.speed), (Mount::Prismatic, Some(0.3), 0.1));
+        assert!(
+            (pair.backlash_normal() - 1e-4).abs() < 1e-12,
+            "{}",
+            pair.backlash_normal()
+        );
+        assert_eq!(
+            (rack.mount.clone(), rack.inertia, rack.speed),
+            (Mount::Prismatic, Some(0.3), 0.1)
+        );
         assert!((rack.facing - std::f64::consts::PI).abs() < 1e-15);
     }
 }
@@ -186,7 +318,10 @@ fn an_idler_has_two_meshes() {
         "[[models]]",
         "[[meshes]]\ngears = [\"wheel\", \"third\"]\ncentre_distance_m = 0.1201\n\n[[models]]",
     )
-    .replace("[gears.wheel]", "[gears.third]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\n\n[gears.wheel]");
+    .replace(
+        "[gears.wheel]",
+        "[gears.third]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\n\n[gears.wheel]",
+    );
     let scene = parse(&text).unwrap_or_else(|e| panic!("{}", render(&e)));
     assert_eq!(scene.spec.meshes.len(), 2);
     let third = scene.spec.gears.iter().find(|g| g.name == "third").unwrap();
@@ -196,12 +331,27 @@ fn an_idler_has_two_meshes() {
 
 #[test]
 fn a_study_without_integrators_takes_the_adaptive_ones() {
-    let scene = read("integrators = [{ method = \"dopri5\", rtol = 1e-6 }, { method = \"rk4\", step_s = 1e-6 }]", "events = false");
+    let scene = read(
+        "integrators = [{ method = \"dopri5\", rtol = 1e-6 }, { method = \"rk4\", step_s = 1e-6 }]",
+        "events = false",
+    );
     assert!(scene.study.integrators.len() >= 5 && !scene.study.events);
-    assert!(scene.study.integrators.iter().all(|m| matches!(m.resolution, Resolution::Tolerance(_))));
+    assert!(
+        scene
+            .study
+            .integrators
+            .iter()
+            .all(|m| matches!(m.resolution, Resolution::Tolerance(_)))
+    );
     let all = QUANTITIES.map(|q| format!("\"{q}\"")).join(", ");
-    let scene = read("[study]", &format!("[study]\nquantities = [{all}]\nsamples = 100\nmodels = [\"movable-teeth\"]"));
-    assert_eq!((scene.study.quantities.len(), scene.study.samples), (QUANTITIES.len(), 100));
+    let scene = read(
+        "[study]",
+        &format!("[study]\nquantities = [{all}]\nsamples = 100\nmodels = [\"movable-teeth\"]"),
+    );
+    assert_eq!(
+        (scene.study.quantities.len(), scene.study.samples),
+        (QUANTITIES.len(), 100)
+    );
     assert_eq!(scene.select(None).unwrap()[0].label, "movable-teeth");
     assert_eq!(scene.select(Some("rigid, movable-teeth")).unwrap().len(), 2);
     assert!(render(&scene.select(Some("rigd")).unwrap_err()).contains("did you mean `rigid`"));
@@ -209,17 +359,107 @@ fn a_study_without_integrators_takes_the_adaptive_ones() {
 }
 
 #[test]
+fn a_file_has_its_calibration_beside_it() {
+    let folder = std::env::temp_dir().join(format!("gearbench-scene-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("own.toml");
+    std::fs::write(
+        &path,
+        changed(
+            "model = \"rigid\"",
+            "model = \"rigid\"\ncalibration = \"static\"",
+        ),
+    )
+    .unwrap();
+    let name = path.to_str().unwrap();
+    let shown = render(&load(name).unwrap_err());
+    assert!(shown.contains("no calibration \"static\""), "{shown}");
+    let scene = load_uncalibrated(name).unwrap();
+    assert_eq!(
+        scene.calibration_path(),
+        folder.join("own.calibration.toml")
+    );
+    std::fs::write(
+        scene.calibration_path(),
+        "[static.rigid]\nstiffness_n_per_m2 = 1.5e10\n",
+    )
+    .unwrap();
+    let scene = load(name).unwrap_or_else(|e| panic!("{}", render(&e)));
+    assert_eq!(
+        scene.models[0].modelling.contacts[0].stiffness,
+        PairStiffness::Constant {
+            per_width: 1.5e10,
+            of: PairOrMesh::Pair
+        }
+    );
+    std::fs::write(
+        scene.calibration_path(),
+        "[static.rigid]\nstiffness_n_per_m2 = 0\n",
+    )
+    .unwrap();
+    assert!(render(&load(name).unwrap_err()).contains("own.calibration.toml:2:"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn errors_of_the_assembly_have_a_line() {
     let scene = parse(BASE).unwrap();
     let line = |e: &BuildError| scene.locate(e).line();
-    assert_eq!(line(&BuildError::gear("wheel", "inertia 0 is not positive")), Some(15));
-    assert_eq!(line(&BuildError::gear("wheel", "a prismatic mount is for racks; use revolute")), Some(19));
+    assert_eq!(
+        line(&BuildError::gear("wheel", "inertia 0 is not positive")),
+        Some(15)
+    );
+    assert_eq!(
+        line(&BuildError::gear(
+            "wheel",
+            "a prismatic mount is for racks; use revolute"
+        )),
+        Some(19)
+    );
     assert_eq!(line(&BuildError::gear("pinion", "load: bad")), Some(13));
-    assert_eq!(line(&BuildError::parameter("movable-teeth", "tooth_mass_kg", "too heavy")), Some(33));
-    assert_eq!(line(&BuildError::parameter("movable-teeth", "spring_radius_m", "odd")), Some(33));
-    assert_eq!(line(&BuildError::mesh("pinion", "wheel", "flanks overlap")), Some(23));
-    assert_eq!(line(&BuildError::mesh("pinion", "wheel", "the start lies outside")), Some(24));
-    assert_eq!(scene.locate_in("rigid", &BuildError::mesh("pinion", "wheel", "stiffness table: x")).line(), Some(28));
-    let shown = render(&scene.locate(&BuildError::gear("wheel", "inertia 0 is not positive; give another")));
-    assert!(shown.contains("gear `wheel`: inertia 0") && shown.contains("help: give another"), "{shown}");
+    assert_eq!(
+        line(&BuildError::parameter(
+            "movable-teeth",
+            "tooth_mass_kg",
+            "too heavy"
+        )),
+        Some(33)
+    );
+    assert_eq!(
+        line(&BuildError::parameter(
+            "movable-teeth",
+            "spring_radius_m",
+            "odd"
+        )),
+        Some(33)
+    );
+    assert_eq!(
+        line(&BuildError::mesh("pinion", "wheel", "flanks overlap")),
+        Some(23)
+    );
+    assert_eq!(
+        line(&BuildError::mesh(
+            "pinion",
+            "wheel",
+            "the start lies outside"
+        )),
+        Some(24)
+    );
+    assert_eq!(
+        scene
+            .locate_in(
+                "rigid",
+                &BuildError::mesh("pinion", "wheel", "stiffness table: x")
+            )
+            .line(),
+        Some(28)
+    );
+    let shown = render(&scene.locate(&BuildError::gear(
+        "wheel",
+        "inertia 0 is not positive; give another",
+    )));
+    assert!(
+        shown.contains("gear `wheel`: inertia 0") && shown.contains("help: give another"),
+        "{shown}"
+    );
 }
