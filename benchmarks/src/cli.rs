@@ -17,6 +17,8 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
   *.csv         time series, SI units in the header
   *.svg         the charts
 
+Scene files are described in benchmarks/scenes/README.md.
+
 Exit codes:
   0  done
   1  a result fell short of what was asked

@@ -10,6 +10,7 @@
 //! Everything is in SI units; the conventions of a case stand in its `SOURCE.md`.
 
 pub mod external;
+mod stored_format;
 pub mod table;
 
 pub use external::{

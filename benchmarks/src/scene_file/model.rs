@@ -103,6 +103,9 @@ impl ModelPlace {
     }
 }
 
+/// Finds the calibrations of a scene by its name, if there are any.
+pub(super) type FindCalibration<'a> = dyn Fn(&str) -> Result<Option<Calibration>, SceneError> + 'a;
+
 /// What models are read against.
 pub(super) struct Context<'a> {
     pub(super) scene: &'a str,
@@ -110,7 +113,7 @@ pub(super) struct Context<'a> {
     pub(super) meshes: usize,
     pub(super) models: &'a [Model],
     /// Finds the calibration of a scene; `None` when the scene is loaded without.
-    pub(super) calibrations: Option<&'a dyn Fn(&str) -> Result<Option<Calibration>, SceneError>>,
+    pub(super) calibrations: Option<&'a FindCalibration<'a>>,
 }
 
 /// Reads all configurations.

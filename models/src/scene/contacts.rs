@@ -260,7 +260,7 @@ impl Scene {
         }
         for p in &mut work.elastic {
             p.law = p.law.undamped();
-            p.closed = Some(p.force.n != 0.0);
+            p.closed = Some(p.closed.unwrap_or(p.force.n != 0.0));
         }
         if work.solve.solve(&work.compliance, &mut work.elastic).is_err() {
             work.elastic.iter_mut().for_each(|p| p.force.n = f64::NAN);

@@ -60,7 +60,8 @@ impl Scene {
         for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
-            let released = a.force.n == 0.0;
+            // A closed contact whose force passes through zero still holds its energy.
+            let released = self.compliant && !self.work.points[i].closed.unwrap_or(a.force.n != 0.0);
             // The elastic force at the gap before local compliance, and the gap it leaves. The damper of a
             // compliant contact acts beside law and compliance in series: their energy is that of the
             // elastic part alone, and all the rest of the force is lost.

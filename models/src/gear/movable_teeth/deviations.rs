@@ -14,6 +14,19 @@ pub(super) struct Deviations {
     pub teeth: usize,
 }
 
+/// The exchange of a tooth in a window.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exchange {
+    /// Time [s].
+    pub t: f64,
+    /// Number of teeth in the mean, before and after.
+    pub count: f64,
+    /// Tooth that leaves the window and joins the mean.
+    pub leaves: i64,
+    /// Tooth that leaves the mean and enters the window.
+    pub enters: i64,
+}
+
 /// Cells before the deviations.
 const HEAD: usize = 4;
 
@@ -38,7 +51,7 @@ fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
 
 impl Deviations {
     /// Length of the memory.
-    pub fn len(&self) -> usize {
+    pub fn cells(&self) -> usize {
         HEAD + 2 * self.teeth
     }
 
@@ -69,19 +82,17 @@ impl Deviations {
         )
     }
 
-    /// Exchanges the tooth in a slot: `state = [R, R', S, S']` of the mean over `count` teeth and of the slot;
-    /// `teeth = [leaves, enters]`; `outside` tells which teeth belong to the mean afterwards. Sum of positions
-    /// and sum of velocities are kept.
+    /// Exchanges the tooth in a slot: `state = [R, R', S, S']` of the mean and of the slot; `outside` tells
+    /// which teeth belong to the mean afterwards. Sum of positions and sum of velocities are kept.
     pub fn exchange(
         &self,
         p: &ToothSprings,
-        t: f64,
+        teeth: Exchange,
         memory: &mut [f64],
         state: &mut [f64; 4],
-        count: f64,
-        teeth: [i64; 2],
         outside: impl Fn(i64) -> bool,
     ) {
+        let Exchange { t, count, .. } = teeth;
         let m = propagator(p, t - memory[0]);
         memory[0] = t;
         for cell in memory[HEAD..].chunks_exact_mut(2) {
@@ -89,7 +100,7 @@ impl Deviations {
             cell[0] = m[0] * d + m[1] * v;
             cell[1] = m[2] * d + m[3] * v;
         }
-        let [leaves, enters] = teeth.map(|i| self.cell(i));
+        let (leaves, enters) = (self.cell(teeth.leaves), self.cell(teeth.enters));
         let [mean, mean_v, s, v] = *state;
         let (s_in, v_in) = (mean + memory[enters], mean_v + memory[enters + 1]);
         let (new, new_v) = (mean + (s - s_in) / count, mean_v + (v - v_in) / count);
@@ -152,7 +163,7 @@ mod tests {
     fn exchange_keeps_sums_and_zero_mean_of_deviations() {
         let p = springs(0.0);
         let d = Deviations { teeth: 6 };
-        let mut memory = vec![0.0; d.len()];
+        let mut memory = vec![0.0; d.cells()];
         // Teeth 0, 1, 2 in the window, 3, 4, 5 outside with deviations that sum to zero.
         for (i, x) in [(3, 2e-6), (4, -5e-6), (5, 3e-6)] {
             memory[HEAD + 2 * i] = x;
@@ -160,7 +171,8 @@ mod tests {
         let mut state = [1e-4, 2.0, 9e-5, 1.5];
         let before = 3.0 * state[0] + state[2];
         let before_v = 3.0 * state[1] + state[3];
-        d.exchange(&p, 0.0, &mut memory, &mut state, 3.0, [0, 3], |i| ![1, 2, 3].contains(&i));
+        let teeth = Exchange { t: 0.0, count: 3.0, leaves: 0, enters: 3 };
+        d.exchange(&p, teeth, &mut memory, &mut state, |i| ![1, 2, 3].contains(&i));
         assert!((3.0 * state[0] + state[2] - before).abs() < 1e-18);
         assert!((3.0 * state[1] + state[3] - before_v).abs() < 1e-14);
         let sum: f64 = (0..6).map(|i| memory[HEAD + 2 * i]).sum();

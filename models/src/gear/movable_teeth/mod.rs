@@ -38,7 +38,7 @@ use crate::contact::candidate::{Point, Tooth};
 use crate::contact::row::Row;
 use crate::geometry::Side;
 use crate::mount::Hub;
-use deviations::Deviations;
+use deviations::{Deviations, Exchange};
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
 use springs::{RadiusStiffness, ToothSprings};
 
@@ -277,7 +277,7 @@ impl GearModel for MovableTeeth {
             Integrated::All => self.teeth,
             Integrated::Windows(_) => 1 + self.slots,
         };
-        Coordinates { n: self.first() + own, memory: self.head() + self.deviations().len() }
+        Coordinates { n: self.first() + own, memory: self.head() + self.deviations().cells() }
     }
 
     fn attach(&mut self, view: MeshView) {
@@ -536,15 +536,8 @@ impl GearModel for MovableTeeth {
                             from_first.rem_euclid(self.teeth as i64) >= w.len()
                         })
                     };
-                    self.deviations().exchange(
-                        &self.springs,
-                        t,
-                        free,
-                        &mut state,
-                        self.count(0),
-                        [leaves, enters],
-                        outside,
-                    );
+                    let teeth = Exchange { t, count: self.count(0), leaves, enters };
+                    self.deviations().exchange(&self.springs, teeth, free, &mut state, outside);
                     [q[mean], v[mean], q[i], v[i]] = state;
                     change = Change::Restart;
                 }

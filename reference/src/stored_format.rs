@@ -1,0 +1,130 @@
+//! The shape of a stored `params.json`, as its generator wrote it; angles in degrees.
+
+use crate::external::{GearData, ImpactParameters};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// What is used of the file.
+#[derive(Deserialize)]
+pub(crate) struct RawParameters {
+    case: String,
+    pub(crate) solver: String,
+    element_type: String,
+    material: RawMaterial,
+    gear_common: RawToothing,
+    contact: RawContact,
+    time: RawTime,
+    initial: RawInitial,
+    gear1: RawGear,
+    gear2: RawGear,
+    pair: RawPair,
+    effective_gap_faceted_m: BTreeMap<String, f64>,
+}
+
+#[derive(Deserialize)]
+struct RawMaterial {
+    #[serde(rename = "E_pa")]
+    young: f64,
+    nu: f64,
+    density: f64,
+}
+
+#[derive(Deserialize)]
+struct RawToothing {
+    module_m: f64,
+    alpha_deg: f64,
+    face_width_m: f64,
+    ha_factor: f64,
+    hf_factor: f64,
+    rack_tip_radius_factor: f64,
+}
+
+#[derive(Deserialize)]
+struct RawContact {
+    penalty_pa_per_m: f64,
+    friction: f64,
+}
+
+#[derive(Deserialize)]
+struct RawTime {
+    dt_s: f64,
+    hht_alpha: f64,
+}
+
+#[derive(Deserialize)]
+struct RawInitial {
+    omega1_rad_s: f64,
+    omega2_rad_s: f64,
+    gap_exact_involute_m: f64,
+    path_coordinate_s1_m: f64,
+}
+
+#[derive(Deserialize)]
+struct RawGear {
+    z: u32,
+    x: f64,
+    rbore: f64,
+    mass_mesh_kg: f64,
+    inertia_zz_mesh_kg_m2: f64,
+    r_base: f64,
+    tooth1_centre_angle_rad: f64,
+}
+
+#[derive(Deserialize)]
+struct RawPair {
+    centre_distance_m: f64,
+    working_pressure_angle_deg: f64,
+}
+
+impl RawGear {
+    fn typed(self, speed: f64) -> GearData {
+        GearData {
+            teeth: self.z,
+            profile_shift: self.x,
+            bore_radius: self.rbore,
+            mass: self.mass_mesh_kg,
+            inertia: self.inertia_zz_mesh_kg_m2,
+            base_radius: self.r_base,
+            tooth1_angle: self.tooth1_centre_angle_rad,
+            speed,
+        }
+    }
+}
+
+impl RawParameters {
+    /// The parameters in the crate's own units and names.
+    pub(crate) fn typed(self) -> Result<ImpactParameters, String> {
+        // The pair that touches first has the smallest gap.
+        let gap_effective = self
+            .effective_gap_faceted_m
+            .into_values()
+            .min_by(f64::total_cmp)
+            .ok_or("effective_gap_faceted_m is empty")?;
+        Ok(ImpactParameters {
+            case: self.case,
+            element: self.element_type,
+            gears: [
+                self.gear1.typed(self.initial.omega1_rad_s),
+                self.gear2.typed(self.initial.omega2_rad_s),
+            ],
+            module: self.gear_common.module_m,
+            pressure_angle: self.gear_common.alpha_deg.to_radians(),
+            face_width: self.gear_common.face_width_m,
+            addendum: self.gear_common.ha_factor,
+            dedendum: self.gear_common.hf_factor,
+            tip_radius: self.gear_common.rack_tip_radius_factor,
+            young: self.material.young,
+            poisson: self.material.nu,
+            density: self.material.density,
+            penalty: self.contact.penalty_pa_per_m,
+            friction: self.contact.friction,
+            centre_distance: self.pair.centre_distance_m,
+            working_pressure_angle: self.pair.working_pressure_angle_deg.to_radians(),
+            path_coordinate: self.initial.path_coordinate_s1_m,
+            gap_exact: self.initial.gap_exact_involute_m,
+            gap_effective,
+            step: self.time.dt_s,
+            hht_alpha: self.time.hht_alpha,
+        })
+    }
+}
