@@ -144,6 +144,36 @@ impl TimeSeries {
         self.select(&keep)
     }
 
+    /// As [`TimeSeries::thinned`], but every sample with a time in `window` \[s\] stays: charts show a part of a
+    /// long history in close-up.
+    #[must_use]
+    pub fn thinned_around(&self, buckets: usize, window: [f64; 2]) -> Self {
+        let thin = self.thinned(buckets);
+        if thin.len() == self.len() {
+            return thin;
+        }
+        let inside = |t: f64| t >= window[0] && t <= window[1];
+        let rows = |of: &Self, wanted: &dyn Fn(f64) -> bool| -> Self {
+            let rows: Vec<usize> = (0..of.len()).filter(|&i| wanted(of.time_s[i])).collect();
+            of.select(&rows)
+        };
+        let mut all = rows(&thin, &|t| t < window[0]);
+        all.append(rows(self, &inside));
+        all.append(rows(&thin, &|t| t > window[1]));
+        all
+    }
+
+    /// Appends the samples of a series with the same columns.
+    fn append(&mut self, other: Self) {
+        self.time_s.extend(other.time_s);
+        self.contact_force_n.extend(other.contact_force_n);
+        self.omega1_rad_s.extend(other.omega1_rad_s);
+        self.omega2_rad_s.extend(other.omega2_rad_s);
+        for (c, o) in self.columns.iter_mut().zip(other.columns) {
+            c.values.extend(o.values);
+        }
+    }
+
     fn select(&self, rows: &[usize]) -> Self {
         let pick = |c: &[f64]| -> Vec<f64> { rows.iter().map(|&i| c[i]).collect() };
         Self {
@@ -303,5 +333,19 @@ mod tests {
         assert_eq!(out, [0.0, 2.0, 2.5, 4.0, 0.0]);
         resample(&[0.0, 1.0], &[2.0, 4.0], &[0.75], 0.5, &mut out);
         assert_eq!(out, [2.5]);
+    }
+
+    #[test]
+    fn a_window_keeps_every_sample() {
+        let mut long = TimeSeries::default();
+        for i in 0..5000 {
+            let t = f64::from(i) * 1e-4;
+            long.push(t, (300.0 * t).sin(), t, -t);
+        }
+        let thin = long.thinned_around(20, [0.1, 0.12]);
+        let count = |s: &TimeSeries| s.time_s.iter().filter(|t| (0.1..=0.12).contains(*t)).count();
+        assert_eq!(count(&thin), count(&long));
+        assert!(thin.len() < 500, "{}", thin.len());
+        assert!(thin.validate().is_ok());
     }
 }

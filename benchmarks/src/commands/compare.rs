@@ -104,7 +104,7 @@ fn series(r: &ExternalReference) -> ReferenceSeries {
 fn summarise(results: &Results, dir: &Path, page: &Path) {
     let against = results.references.first().map_or("self", |r| r.id.as_str());
     say(&format!(
-        "{:<24} {:<18} {:>9} {:>10} {:>9}  force error against {against}",
+        "{:<24} {:<30} {:>9} {:>9} {:>8}  force error against {against}",
         "model", "integrator", "step/rtol", "wall", "steps"
     ));
     for r in &results.runs {
@@ -122,8 +122,8 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
             (status, _) => format!("{status}: {}", r.message.as_deref().unwrap_or("no reason given")),
         };
         say(&format!(
-            "{:<24} {:<18} {:>9} {:>10} {:>9}  {}",
-            r.variant.as_deref().unwrap_or(&r.model),
+            "{:<24} {:<30} {:>9} {:>9} {:>8}  {}",
+            r.model_label(),
             r.integrator,
             resolution,
             wall,

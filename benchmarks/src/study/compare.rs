@@ -19,8 +19,12 @@ use std::time::Duration;
 /// Tolerances tried for the converged solution and the time each may take; long stiff scenes get the second.
 const SELF: [(f64, Duration); 2] =
     [(1e-10, Duration::from_secs(3)), (1e-8, Duration::from_secs(15))];
-/// Samples of a history in the record.
-const KEPT_BUCKETS: usize = 1500;
+/// Half width of the close-up around the peak, over the duration.
+const CLOSE_UP: f64 = 0.012;
+/// Buckets of a history in the record.
+const KEPT_BUCKETS: usize = 700;
+/// Samples up to which a record keeps the further columns (travels) as well.
+const FULL_COLUMNS: usize = 5000;
 
 /// A model of the comparison with its scene (a calibration may place the gears its own way).
 #[derive(Clone, Debug)]
@@ -128,7 +132,7 @@ pub fn compare(
             progress(runs.len(), &format!("{}, {}", entry.label, method.text));
             let mut row = run(&job(method))?;
             row.model.clone_from(&entry.model);
-            row.variant = (entry.label != entry.model).then(|| entry.label.clone());
+            row.variant = variant(entry);
             row.calibration.clone_from(&entry.calibration);
             measure_against(&mut row, plan, converged.as_ref());
             // Outlines are the same for every integrator: one picture per model is enough.
@@ -137,7 +141,7 @@ pub fn compare(
             } else {
                 pictured = row.contacts.is_some();
             }
-            row.series = row.series.map(|s| s.thinned(KEPT_BUCKETS));
+            row.series = row.series.map(|s| thin(&s));
             runs.push(row);
         }
     }
@@ -170,6 +174,27 @@ fn converged<'a>(
         }
     }
     Ok(None)
+}
+
+/// What sets an entry apart from others of its model: its label, without the model's id in front.
+fn variant(entry: &Entry) -> Option<String> {
+    (entry.label != entry.model).then(|| {
+        let rest = entry.label.strip_prefix(&entry.model).and_then(|r| r.strip_prefix('-'));
+        rest.unwrap_or(&entry.label).to_string()
+    })
+}
+
+/// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.
+fn thin(series: &TimeSeries) -> TimeSeries {
+    let force = &series.contact_force_n;
+    let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
+    let at = peak.map_or(0.0, |i| series.time_s[i]);
+    let half = CLOSE_UP * series.time_s.last().copied().unwrap_or(0.0);
+    let mut thin = series.thinned_around(KEPT_BUCKETS, [at - half, at + half]);
+    if thin.len() > FULL_COLUMNS {
+        thin.columns.clear();
+    }
+    thin
 }
 
 fn measure_against(row: &mut Run, plan: &Plan<'_>, converged: Option<&TimeSeries>) {

@@ -73,8 +73,6 @@ impl Scene {
                     (0..n).map(|j| work.compliance[i * n + j] * work.elastic[j].force.n).sum();
                 energy.contact += 0.5 * p.force.n * deflection;
                 (p.force.n, p.gap)
-            } else if released {
-                (0.0, a.gap)
             } else {
                 (mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n, a.gap)
             };

@@ -66,14 +66,15 @@ fn first(view: &View<'_>) -> String {
         }
         _ => format!("{}\u{a0}%", short(100.0 * tolerance.limit, 3)),
     };
+    let metric = metric_name(&tolerance.metric);
+    let article = if metric.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     let asked = format!(
-        "{} of at most {limit} against {}",
-        metric_name(&tolerance.metric),
+        "{article} {metric} of at most {limit} against {}",
         escape(&view.reference_name(&tolerance.against)),
     );
     match adequate {
         Some(run) => format!(
-            "The cheapest run that meets the scene's tolerance, a {asked}, is {}: {} in {}.",
+            "The cheapest run that meets the scene's tolerance, {asked}, is {}: {} in {}.",
             named(run),
             escape(
                 &view
@@ -88,11 +89,11 @@ fn first(view: &View<'_>) -> String {
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             match closest {
                 Some((run, e)) => format!(
-                    "No run meets the scene's tolerance, a {asked}; closest comes {} with {}.",
+                    "No run meets the scene's tolerance, {asked}; closest comes {} with {}.",
                     named(run),
                     error_text(view, e)
                 ),
-                None => format!("No run could be held against the scene's tolerance, a {asked}."),
+                None => format!("No run could be held against the scene's tolerance, {asked}."),
             }
         }
     }

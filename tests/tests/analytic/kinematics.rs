@@ -1,8 +1,8 @@
 //! Torque ratio, magnitude of the contact force, and invariants of the line of action.
 
-use gearbench_integrators::{SecondOrderSystem, State};
+use gearbench_integrators::{Outputs, SecondOrderSystem, State};
 use gearbench_models::contact::law::Damping;
-use gearbench_models::geometry::{Gear, GearParams, Pair, Side};
+use gearbench_models::geometry::{Gear, GearParams, Modifications, Pair, ReliefShape, Side, TipRelief};
 use gearbench_models::scene::spec::{Body, ContactSpec, SceneSpec};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength, ToothModel,
@@ -91,6 +91,54 @@ fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
             }
         }
     }
+}
+
+#[test]
+fn on_modified_flanks_the_torques_follow_the_slope_of_the_flank() {
+    // Relief turns the normal: the torque ratio is z2/z1 times (1 - e_2')/(1 - e_1'), and the channels are
+    // what acts on the coordinates, energy included: the force is the gradient of the contact's energy.
+    let tip = Gear::new(spur(20)).unwrap().r_tip();
+    let relief = Modifications {
+        tip_relief: Some(TipRelief {
+            amount: 20e-6,
+            start_radius: tip - 2.5e-3,
+            shape: ReliefShape::Parabolic,
+        }),
+        ..Modifications::default()
+    };
+    let mut spec = case_a(0.0);
+    spec.gears[0].body = Body::Gear(Gear::new(GearParams { modifications: relief, ..spur(20) }).unwrap());
+    let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
+    let [r1, r2] = base_radii(&spec);
+    let mut turned = 0.0_f64;
+    for place in 0..60 {
+        let roll = 0.0079 * f64::from(place);
+        let mut s = scene.initial();
+        s.q = vec![roll + 30e-6 / r1, -roll * r1 / r2];
+        let t = ["pinion", "wheel"].map(|n| channel(&mut scene, &s, &format!("contact_torque:{n}")));
+        let mut f = vec![0.0; 2];
+        scene.force(s.at(), &mut f);
+        assert!((f[0] / t[0] - 1.0).abs() < 1e-12 && (f[1] / t[1] - 1.0).abs() < 1e-12, "{f:?} {t:?}");
+        let energy = |s: &State, scene: &mut gearbench_models::scene::Scene| {
+            let mut out = Outputs::default();
+            scene.output(s.at(), &mut out);
+            out.energy.contact
+        };
+        for i in 0..2 {
+            let h = 1e-8;
+            let mut above = s.clone();
+            let mut below = s.clone();
+            above.q[i] += h;
+            below.q[i] -= h;
+            let slope = (energy(&above, &mut scene) - energy(&below, &mut scene)) / (2.0 * h);
+            // Not where a pair enters or leaves between the two.
+            if candidates(&scene, &above).len() == candidates(&scene, &below).len() {
+                assert!((f[i] + slope).abs() < 1e-5 * f[i].abs(), "{} {slope}", f[i]);
+            }
+        }
+        turned = turned.max((t[1] / t[0] / 1.5 - 1.0).abs());
+    }
+    assert!(turned > 1e-4, "the relief turns nothing");
 }
 
 #[test]

@@ -332,7 +332,7 @@ fn stiffness_over_the_radius_books_its_jumps_and_work() {
         let mut scene = build(&spec, &[model.clone(), rigid()], &contact(5e10));
         let mut s = scene.initial();
         let mut ledger = Ledger::default();
-        let plan = TimePlan::new(0.02, Resolution::Tolerance(1e-9));
+        let plan = TimePlan::new(0.01, Resolution::Tolerance(1e-9));
         let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
         let mut work = Work::default();
         method.run(&mut scene, &mut s, &plan, &mut ledger, &mut work).unwrap();
@@ -346,6 +346,21 @@ fn stiffness_over_the_radius_books_its_jumps_and_work() {
         let closed = scene.contact_forces(s.at()).len();
         assert_eq!(engaged, closed, "teeth with k(r) and contacts");
     }
+}
+
+#[test]
+fn a_run_that_starts_anew_lets_go_of_old_contacts() {
+    let mut spec = case_a(0.0);
+    spec.meshes[0].start = start(Side::Left, -3e-6);
+    let mut scene = build(&spec, &[by_radius(0.0), rigid()], &contact(5e10));
+    let mut s = scene.initial();
+    scene.begin(&mut s, true);
+    assert_eq!(engaged_teeth(&scene, &s), scene.contact_forces(s.at()).len());
+    assert!(engaged_teeth(&scene, &s) > 0);
+    let wheel = scene.gears()[1].range().start;
+    s.q[wheel] -= 3e-4;
+    scene.begin(&mut s, true);
+    assert_eq!(engaged_teeth(&scene, &s), 0);
 }
 
 /// Teeth of the first gear that use `k(r)`: those whose spring answers with another stiffness than at rest.

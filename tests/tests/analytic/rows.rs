@@ -67,8 +67,8 @@ fn check(name: &str, spec: &SceneSpec, models: &[ModelSpec], tolerance: f64) {
     let mut scene = build(spec, models, &contact(1.5e10));
     let mut numbers = Numbers::new(7);
     let (mut most, mut worst) = (0, 0.0_f64);
-    for place in 0..40 {
-        let s = rolled(&mut scene, spec, 0.023 * f64::from(place) - 0.3, &mut numbers);
+    for place in 0..16 {
+        let s = rolled(&mut scene, spec, 0.057 * f64::from(place) - 0.3, &mut numbers);
         let (error, n) = worst_row_error(&scene, &s);
         worst = worst.max(error);
         most = most.max(n);

@@ -24,8 +24,8 @@ fn scene_of(model: &Model, contact: &ContactSpec) -> Scene {
 fn fine(info: &MethodInfo) -> Resolution {
     match (info.stepping, info.order) {
         (Stepping::Adaptive, _) => Resolution::Tolerance(1e-9),
-        (_, 0 | 1) => Resolution::Step(4e-10),
-        (_, 2) => Resolution::Step(2e-8),
+        (_, 0 | 1) => Resolution::Step(6e-10),
+        (_, 2) => Resolution::Step(5e-8),
         _ => Resolution::Step(1e-7),
     }
 }
@@ -160,8 +160,8 @@ fn the_ledger_closes_with_varying_stiffness() {
             let resolution = match method.info.stepping {
                 Stepping::Adaptive => Resolution::Tolerance(1e-10),
                 _ if method.info.order >= 4 => Resolution::Step(5e-8),
-                _ if method.info.order == 1 => Resolution::Step(4e-10),
-                _ => Resolution::Step(1e-8),
+                _ if method.info.order == 1 => Resolution::Step(1.5e-9),
+                _ => Resolution::Step(2e-8),
             };
             let o = run(&mut scene, method.info.id, resolution, T_END).unwrap(method.info.id);
             let (residual, work) = (o.ledger.residual_relative(), o.ledger.parametric);
