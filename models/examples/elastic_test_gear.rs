@@ -39,8 +39,8 @@ use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::mount::{Hub, Mount};
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec, Start,
-    Value,
+    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec,
+    Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 
@@ -52,29 +52,37 @@ pub const MODEL: Model = Model {
     build,
 };
 
+const fn takes(key: &'static str, meaning: &'static str, required: bool) -> ParameterInfo {
+    ParameterInfo {
+        key,
+        meaning,
+        required,
+    }
+}
+
 /// Parameters of the model.
 const PARAMETERS: &[ParameterInfo] = &[
-    ParameterInfo {
-        key: "omega_rad_per_s",
-        meaning: "natural angular frequency of each mode",
-        required: true,
-    },
-    ParameterInfo { key: "damping_ratio", meaning: "of each mode; default 0", required: false },
-    ParameterInfo {
-        key: "flank_shape_per_sqrt_kg",
-        meaning: "mass-normalised shape at the flanks, teeth of the first mode, then of the second, ...",
-        required: true,
-    },
-    ParameterInfo {
-        key: "compliance_m_per_n",
-        meaning: "local compliance c0 of a flank; default 0",
-        required: false,
-    },
-    ParameterInfo {
-        key: "compliance_coupling",
-        meaning: "compliance between neighbouring teeth over c0, in [0, 1); default 0",
-        required: false,
-    },
+    takes(
+        "omega_rad_per_s",
+        "natural angular frequency of each mode",
+        true,
+    ),
+    takes("damping_ratio", "of each mode; default 0", false),
+    takes(
+        "flank_shape_per_sqrt_kg",
+        "mass-normalised, per mode and tooth",
+        true,
+    ),
+    takes(
+        "compliance_m_per_n",
+        "local compliance c0 of a flank; default 0",
+        false,
+    ),
+    takes(
+        "compliance_coupling",
+        "of neighbouring teeth over c0, in [0, 1); default 0",
+        false,
+    ),
 ];
 
 /// One mode.
@@ -98,62 +106,80 @@ pub struct ElasticTestGear {
     coupling: f64,
 }
 
+fn refuse(key: &str, message: impl Into<String>) -> BuildError {
+    BuildError::parameter(MODEL.id, key, message)
+}
+
+/// Values of a parameter, all finite and at least `low`; none when it is not given.
+fn numbers(context: &GearContext<'_>, key: &str, low: f64) -> Result<Vec<f64>, BuildError> {
+    let values = match context.parameters.get(key) {
+        None => vec![],
+        Some(Value::Number(x)) => vec![*x],
+        Some(Value::List(x)) => x.clone(),
+        Some(Value::Text(x)) => {
+            return Err(refuse(key, format!("expected numbers, found \"{x}\"")));
+        }
+    };
+    match values.iter().find(|x| !(x.is_finite() && **x >= low)) {
+        Some(x) => Err(refuse(
+            key,
+            format!("{x} is not a number from {low:e} upwards"),
+        )),
+        None => Ok(values),
+    }
+}
+
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let refuse = |key: &str, message: String| BuildError::parameter(MODEL.id, key, message);
     let Body::Gear(gear) = context.body else {
-        return Err(BuildError::gear(context.name, "the elastic test gear is no rack; use another model"));
+        let message = "the elastic test gear is no rack; use another model";
+        return Err(BuildError::gear(context.name, message));
     };
     let teeth = gear.teeth() as usize;
-    let list = |key: &str| match context.parameters.get(key) {
-        None => Ok(None),
-        Some(Value::Number(x)) => Ok(Some(vec![*x])),
-        Some(Value::List(x)) => Ok(Some(x.clone())),
-        Some(Value::Text(x)) => Err(refuse(key, format!("expected numbers, found \"{x}\""))),
-    };
-    let needed = |key: &str| list(key)?.ok_or_else(|| refuse(key, "is missing".into()));
-    let number = |key: &str| match list(key)?.as_deref() {
-        None => Ok(0.0),
-        Some([x]) => Ok(*x),
-        Some(x) => Err(refuse(key, format!("{} values; give one number", x.len()))),
-    };
-    let in_range = |key: &str, x: f64, low: f64, high: f64| {
-        if x.is_finite() && low <= x && x < high {
-            Ok(x)
-        } else {
-            Err(refuse(key, format!("{x} is not in [{low}, {high})")))
-        }
-    };
-
-    let omega = needed("omega_rad_per_s")?;
-    let shape = needed("flank_shape_per_sqrt_kg")?;
-    let zeta = list("damping_ratio")?.unwrap_or_else(|| vec![0.0; omega.len()]);
-    if zeta.len() != omega.len() {
-        return Err(refuse("damping_ratio", format!("{} values for {} modes", zeta.len(), omega.len())));
-    }
-    if shape.len() != omega.len() * teeth {
+    let omega = numbers(context, "omega_rad_per_s", f64::MIN_POSITIVE)?;
+    if omega.is_empty() {
         return Err(refuse(
-            "flank_shape_per_sqrt_kg",
-            format!("{} values; give {} modes times {teeth} teeth", shape.len(), omega.len()),
+            "omega_rad_per_s",
+            "is missing; give one value per mode",
         ));
     }
-    let mut modes = Vec::new();
-    for ((&omega, &zeta), shape) in omega.iter().zip(&zeta).zip(shape.chunks_exact(teeth)) {
-        for &x in shape {
-            in_range("flank_shape_per_sqrt_kg", x, f64::MIN, f64::INFINITY)?;
-        }
-        modes.push(Mode {
-            omega: in_range("omega_rad_per_s", omega, f64::MIN_POSITIVE, f64::INFINITY)?,
-            zeta: in_range("damping_ratio", zeta, 0.0, f64::INFINITY)?,
-            shape: shape.to_vec(),
-        });
+    let mut zeta = numbers(context, "damping_ratio", 0.0)?;
+    if zeta.is_empty() {
+        zeta.resize(omega.len(), 0.0);
     }
+    let shape = numbers(context, "flank_shape_per_sqrt_kg", f64::MIN)?;
+    if zeta.len() != omega.len() || shape.len() != omega.len() * teeth {
+        return Err(refuse(
+            "flank_shape_per_sqrt_kg",
+            format!(
+                "{} values and {} damping ratios; give {} modes times {teeth} teeth",
+                shape.len(),
+                zeta.len(),
+                omega.len()
+            ),
+        ));
+    }
+    let one = |key: &str| numbers(context, key, 0.0).map(|x| x.first().copied().unwrap_or(0.0));
+    let coupling = one("compliance_coupling")?;
+    if coupling >= 1.0 {
+        return Err(refuse(
+            "compliance_coupling",
+            format!("{coupling} is not below 1"),
+        ));
+    }
+    let modes = omega.iter().zip(&zeta).zip(shape.chunks_exact(teeth));
     Ok(Box::new(ElasticTestGear {
         hub: context.hub.clone(),
         teeth,
         lever: context.lever,
-        modes,
-        local: in_range("compliance_m_per_n", number("compliance_m_per_n")?, 0.0, f64::INFINITY)?,
-        coupling: in_range("compliance_coupling", number("compliance_coupling")?, 0.0, 1.0)?,
+        modes: modes
+            .map(|((&omega, &zeta), shape)| Mode {
+                omega,
+                zeta,
+                shape: shape.to_vec(),
+            })
+            .collect(),
+        local: one("compliance_m_per_n")?,
+        coupling,
     }))
 }
 
@@ -183,7 +209,10 @@ impl GearModel for ElasticTestGear {
     }
 
     fn coordinates(&self) -> Coordinates {
-        Coordinates { n: self.first() + self.modes.len(), memory: 0 }
+        Coordinates {
+            n: self.first() + self.modes.len(),
+            memory: 0,
+        }
     }
 
     fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
@@ -191,7 +220,11 @@ impl GearModel for ElasticTestGear {
             // A deflection at the flank as an angle of the hub, or as a modal coordinate.
             let per_coordinate = match i.checked_sub(self.first()) {
                 None => self.lever,
-                Some(j) => self.modes[j].shape.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(1e-3),
+                Some(j) => self.modes[j]
+                    .shape
+                    .iter()
+                    .fold(0.0_f64, |m, x| m.max(x.abs()))
+                    .max(1e-3),
             };
             *q = m.deflection / per_coordinate;
             *v = m.speed / per_coordinate;
@@ -207,7 +240,11 @@ impl GearModel for ElasticTestGear {
     }
 
     fn contact_mass(&self) -> f64 {
-        let hub = if self.first() > 0 { self.lever.powi(2) / self.hub.inertia } else { 0.0 };
+        let hub = if self.first() > 0 {
+            self.lever.powi(2) / self.hub.inertia
+        } else {
+            0.0
+        };
         let softest = (0..self.teeth)
             .map(|i| self.modes.iter().map(|m| m.shape[i].powi(2)).sum::<f64>())
             .fold(0.0, f64::max);
@@ -215,7 +252,9 @@ impl GearModel for ElasticTestGear {
     }
 
     fn pace(&self) -> f64 {
-        self.modes.iter().fold(f64::INFINITY, |t, m| t.min(1.0 / m.omega))
+        self.modes
+            .iter()
+            .fold(f64::INFINITY, |t, m| t.min(1.0 / m.omega))
     }
 
     fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
@@ -239,14 +278,21 @@ impl GearModel for ElasticTestGear {
             row.push(0, self.hub.lever(&p.x, n));
         }
         let (tooth, along) = (self.tooth(p.tooth), self.along(p, n));
-        row.push_span(self.first(), self.modes.iter().map(|m| m.shape[tooth] * along));
+        row.push_span(
+            self.first(),
+            self.modes.iter().map(|m| m.shape[tooth] * along),
+        );
     }
 
     fn compliance(&self, p: &Point, n: &Vec3, r: &Point, m: &Vec3) -> f64 {
         let apart = self.tooth(p.tooth).abs_diff(self.tooth(r.tooth));
         let apart = apart.min(self.teeth - apart);
         // A geometric decay around the gear is positive definite.
-        let value = if apart == 0 { self.local } else { self.local * self.coupling.powi(apart as i32) };
+        let value = if apart == 0 {
+            self.local
+        } else {
+            self.local * self.coupling.powi(apart as i32)
+        };
         value * self.along(p, n) * self.along(r, m)
     }
 
@@ -322,12 +368,20 @@ impl GearModel for ElasticTestGear {
 
     fn dissipated(&self, at: At<'_>) -> f64 {
         let rates = &at.v[self.first()..];
-        self.modes.iter().zip(rates).map(|(m, v)| 2.0 * m.zeta * m.omega * v * v).sum()
+        self.modes
+            .iter()
+            .zip(rates)
+            .map(|(m, v)| 2.0 * m.zeta * m.omega * v * v)
+            .sum()
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
-        HubState { travel: self.hub.travel(at.t, at.q), speed, momentum: self.hub.inertia * speed }
+        HubState {
+            travel: self.hub.travel(at.t, at.q),
+            speed,
+            momentum: self.hub.inertia * speed,
+        }
     }
 }
 
@@ -343,7 +397,10 @@ pub fn harmonic_modes(z: usize, omega: &[f64], zeta: f64, amplitude: f64) -> Par
         both.extend([omega, omega]);
     }
     Parameters::from([
-        ("damping_ratio".to_string(), Value::List(vec![zeta; both.len()])),
+        (
+            "damping_ratio".to_string(),
+            Value::List(vec![zeta; both.len()]),
+        ),
         ("omega_rad_per_s".to_string(), Value::List(both)),
         ("flank_shape_per_sqrt_kg".to_string(), Value::List(shape)),
     ])
@@ -351,8 +408,19 @@ pub fn harmonic_modes(z: usize, omega: &[f64], zeta: f64, amplitude: f64) -> Par
 
 /// One impact of an elastic pinion on a rigid wheel: z = 20/30, m = 4 mm, 20 rad/s.
 pub fn impact_scene() -> Result<Scene, Box<dyn std::error::Error>> {
-    let gear = |name: &str, teeth, bore_radius, x, speed| -> Result<GearSpec, Box<dyn std::error::Error>> {
-        let params = GearParams { teeth, module: 4e-3, tip_radius: 0.3, bore_radius, ..Default::default() };
+    let gear = |name: &str,
+                teeth,
+                bore_radius,
+                x,
+                speed|
+     -> Result<GearSpec, Box<dyn std::error::Error>> {
+        let params = GearParams {
+            teeth,
+            module: 4e-3,
+            tip_radius: 0.3,
+            bore_radius,
+            ..Default::default()
+        };
         Ok(GearSpec {
             name: name.into(),
             body: Body::Gear(Gear::new(params)?),
@@ -367,10 +435,17 @@ pub fn impact_scene() -> Result<Scene, Box<dyn std::error::Error>> {
         })
     };
     let spec = SceneSpec {
-        gears: vec![gear("pinion", 20, 0.015, 0.0, 20.0)?, gear("wheel", 30, 0.025, 0.1001, 0.0)?],
+        gears: vec![
+            gear("pinion", 20, 0.015, 0.0, 20.0)?,
+            gear("wheel", 30, 0.025, 0.1001, 0.0)?,
+        ],
         meshes: vec![MeshSpec {
             gears: [0, 1],
-            start: Start { side: Side::Left, gap: 3e-6, path_coordinate: None },
+            start: Start {
+                side: Side::Left,
+                gap: 3e-6,
+                path_coordinate: None,
+            },
         }],
     };
     let mut elastic = harmonic_modes(20, &[2.5e5, 4e5, 6e5], 0.01, 3.0);
@@ -378,11 +453,20 @@ pub fn impact_scene() -> Result<Scene, Box<dyn std::error::Error>> {
     elastic.insert("compliance_coupling".into(), Value::Number(0.25));
     let modelling = Modelling {
         gears: vec![
-            ModelSpec { id: MODEL.id.into(), parameters: elastic },
-            ModelSpec { id: "rigid".into(), parameters: Parameters::new() },
+            ModelSpec {
+                id: MODEL.id.into(),
+                parameters: elastic,
+            },
+            ModelSpec {
+                id: "rigid".into(),
+                parameters: Parameters::new(),
+            },
         ],
         contacts: vec![ContactSpec {
-            stiffness: PairStiffness::Constant { per_width: 3e10, of: PairOrMesh::Pair },
+            stiffness: PairStiffness::Constant {
+                per_width: 3e10,
+                of: PairOrMesh::Pair,
+            },
             exponent: 1.0,
             damping: Damping::None,
             friction: None,
@@ -403,21 +487,43 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut work = Work::default();
     let (_, mut integrator) = method("dopri5")?;
     let plan = TimePlan::new(t_end, Resolution::Tolerance(1e-8));
-    integrator.run(&mut scene, &mut state, &plan, &mut Tee(vec![&mut record, &mut ledger]), &mut work)?;
+    integrator.run(
+        &mut scene,
+        &mut state,
+        &plan,
+        &mut Tee(vec![&mut record, &mut ledger]),
+        &mut work,
+    )?;
 
     let force = record.column(0);
-    let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b])).unwrap_or(0);
-    println!("{} coordinates, {} steps, {} events", scene.layout().n, work.steps, work.events);
-    println!("peak contact force {:.1} N at {:.1} us", force[peak], 1e6 * record.grid[peak]);
-    println!("energy at the start {:.6e} J", ledger.start.unwrap_or_default().total());
+    let peak = (0..force.len())
+        .max_by(|&a, &b| force[a].total_cmp(&force[b]))
+        .unwrap_or(0);
     println!(
-        "energy at the end   {:.6e} J: kinetic {:.6e}, strain {:.6e}, contact {:.6e}",
-        ledger.end.total(),
-        ledger.end.kinetic,
-        ledger.end.strain,
-        ledger.end.contact
+        "{} coordinates, {} steps, {} events",
+        scene.layout().n,
+        work.steps,
+        work.events
+    );
+    println!(
+        "peak contact force {:.1} N at {:.1} us",
+        force[peak],
+        1e6 * record.grid[peak]
+    );
+    let (start, end) = (ledger.start.unwrap_or_default(), ledger.end);
+    println!(
+        "energy at the start {:.6e} J, at the end {:.6e} J",
+        start.total(),
+        end.total()
+    );
+    println!(
+        "of it kinetic {:.6e} J, strain {:.6e} J",
+        end.kinetic, end.strain
     );
     println!("lost to modal damping {:.6e} J", ledger.dissipated);
-    println!("not explained {:.1e} of the energy", ledger.residual_relative());
+    println!(
+        "not explained {:.1e} of the energy",
+        ledger.residual_relative()
+    );
     Ok(())
 }

@@ -5,8 +5,8 @@
 
 use gearbench_integrators::observers::{Tee, ledger::Ledger};
 use gearbench_integrators::{
-    AcceptedStep, Control, METHODS, Method, Outputs, Resolution, SecondOrderSystem, Sink, State, StepError,
-    Stepping, TimePlan, Work,
+    AcceptedStep, Control, METHODS, Method, Outputs, Resolution, SecondOrderSystem, Sink, State,
+    StepError, Stepping, TimePlan, Work,
 };
 use gearbench_models::contact::candidate::Candidate;
 use gearbench_models::contact::law::Damping;
@@ -17,8 +17,8 @@ use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec, Start,
-    Value,
+    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec,
+    Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 
@@ -35,7 +35,13 @@ pub fn models() -> Vec<Model> {
 
 /// Geometry of a spur gear of module 4 mm.
 pub fn spur(teeth: u32) -> GearParams {
-    GearParams { teeth, module: 4e-3, tip_radius: 0.3, bore_radius: 0.015, ..Default::default() }
+    GearParams {
+        teeth,
+        module: 4e-3,
+        tip_radius: 0.3,
+        bore_radius: 0.015,
+        ..Default::default()
+    }
 }
 
 /// A gear at a position on the x axis that is free to turn.
@@ -56,7 +62,12 @@ pub fn gear(name: &str, params: GearParams, x: f64, speed: f64) -> GearSpec {
 
 /// A rack of module 4 mm in front of a gear at the origin, teeth towards it.
 pub fn rack(name: &str, teeth: u32, distance: f64, speed: f64) -> GearSpec {
-    let params = RackParams { teeth, module: 4e-3, tip_radius: 0.3, ..Default::default() };
+    let params = RackParams {
+        teeth,
+        module: 4e-3,
+        tip_radius: 0.3,
+        ..Default::default()
+    };
     GearSpec {
         body: Body::Rack(Rack::new(params).expect("the rack can be cut")),
         mount: Mount::Prismatic,
@@ -67,19 +78,37 @@ pub fn rack(name: &str, teeth: u32, distance: f64, speed: f64) -> GearSpec {
 
 /// The tooth pair of a mesh that is placed at the start.
 pub fn start(side: Side, gap: f64) -> Start {
-    Start { side, gap, path_coordinate: None }
+    Start {
+        side,
+        gap,
+        path_coordinate: None,
+    }
 }
 
 /// Two gears in mesh.
 pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
-    SceneSpec { gears: vec![a, b], meshes: vec![MeshSpec { gears: [0, 1], start }] }
+    SceneSpec {
+        gears: vec![a, b],
+        meshes: vec![MeshSpec {
+            gears: [0, 1],
+            start,
+        }],
+    }
 }
 
 /// The impact of reference case A: z = 20/30, m = 4 mm, 10 mm wide, 20 rad/s, inertias of the stored meshes.
 pub fn case_a(gap: f64) -> SceneSpec {
     let mut a = gear("pinion", spur(20), 0.0, 20.0);
     a.inertia = Some(0.000_310_205_607_253_510_6);
-    let mut b = gear("wheel", GearParams { bore_radius: 0.025, ..spur(30) }, 0.1001, 0.0);
+    let mut b = gear(
+        "wheel",
+        GearParams {
+            bore_radius: 0.025,
+            ..spur(30)
+        },
+        0.1001,
+        0.0,
+    );
     b.inertia = Some(0.001_543_270_566_960_835_3);
     pair_of(a, b, start(Side::Left, gap))
 }
@@ -87,7 +116,10 @@ pub fn case_a(gap: f64) -> SceneSpec {
 /// A linear elastic contact of constant stiffness per width [N/m per m] of a tooth pair.
 pub fn contact(per_width: f64) -> ContactSpec {
     ContactSpec {
-        stiffness: PairStiffness::Constant { per_width, of: PairOrMesh::Pair },
+        stiffness: PairStiffness::Constant {
+            per_width,
+            of: PairOrMesh::Pair,
+        },
         exponent: 1.0,
         damping: Damping::None,
         friction: None,
@@ -97,7 +129,10 @@ pub fn contact(per_width: f64) -> ContactSpec {
 
 /// The rigid model.
 pub fn rigid() -> ModelSpec {
-    ModelSpec { id: "rigid".into(), parameters: Parameters::new() }
+    ModelSpec {
+        id: "rigid".into(),
+        parameters: Parameters::new(),
+    }
 }
 
 /// Movable teeth with spring [N/m], mass [kg] and damper [N s/m] of each tooth.
@@ -107,7 +142,10 @@ pub fn movable(k: f64, m: f64, c: f64) -> ModelSpec {
         ("tooth_mass_kg".to_string(), Value::Number(m)),
         ("tooth_damping_ns_per_m".to_string(), Value::Number(c)),
     ]);
-    ModelSpec { id: "movable-teeth".into(), parameters }
+    ModelSpec {
+        id: "movable-teeth".into(),
+        parameters,
+    }
 }
 
 /// The same model with another parameter.
@@ -124,7 +162,10 @@ pub fn all_teeth(model: ModelSpec) -> ModelSpec {
 /// The example: two pairs of modes and a local compliance [m/N], coupled to the neighbours by `coupling`.
 pub fn elastic(teeth: usize, zeta: f64, local: f64, coupling: f64) -> ModelSpec {
     let parameters = elastic_test_gear::harmonic_modes(teeth, &[2.0e5, 4.5e5], zeta, 3.0);
-    let model = ModelSpec { id: elastic_test_gear::MODEL.id.into(), parameters };
+    let model = ModelSpec {
+        id: elastic_test_gear::MODEL.id.into(),
+        parameters,
+    };
     let model = with(model, "compliance_m_per_n", Value::Number(local));
     with(model, "compliance_coupling", Value::Number(coupling))
 }
@@ -134,7 +175,10 @@ pub fn usual(model: &Model, teeth: usize) -> ModelSpec {
     match model.id {
         "movable-teeth" => movable(5.3e8, 4.8e-3, 0.0),
         "elastic-test" => elastic(teeth, 0.0, 2e-9, 0.3),
-        id => ModelSpec { id: id.into(), parameters: Parameters::new() },
+        id => ModelSpec {
+            id: id.into(),
+            parameters: Parameters::new(),
+        },
     }
 }
 
@@ -144,8 +188,15 @@ pub fn usual_stiffness(model: &Model) -> f64 {
 }
 
 /// Builds a scene with the joined table.
-pub fn try_build(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec) -> Result<Scene, BuildError> {
-    let modelling = Modelling { gears: gears.to_vec(), contacts: vec![contact.clone(); spec.meshes.len()] };
+pub fn try_build(
+    spec: &SceneSpec,
+    gears: &[ModelSpec],
+    contact: &ContactSpec,
+) -> Result<Scene, BuildError> {
+    let modelling = Modelling {
+        gears: gears.to_vec(),
+        contacts: vec![contact.clone(); spec.meshes.len()],
+    };
     Scene::build(spec, &modelling, &models())
 }
 
@@ -160,11 +211,20 @@ pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
     for (m, mesh) in scene.meshes().iter().enumerate() {
         let party = |i: usize| {
             let g = &scene.gears()[i];
-            Party { gear: g.model.as_ref(), at: g.at(s.at()) }
+            Party {
+                gear: g.model.as_ref(),
+                at: g.at(s.at()),
+            }
         };
         let mut found = Vec::new();
         let wanted = Wanted::Touching(f64::INFINITY);
-        mesh.search.candidates(party(mesh.gears[0]), party(mesh.gears[1]), &[], wanted, &mut found);
+        mesh.search.candidates(
+            party(mesh.gears[0]),
+            party(mesh.gears[1]),
+            &[],
+            wanted,
+            &mut found,
+        );
         all.extend(found.into_iter().map(|c| (m, c)));
     }
     all
@@ -173,7 +233,10 @@ pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
 /// The candidate of the same teeth, flank and slice at another state.
 pub fn same_candidate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Option<Candidate> {
     let same = |x: &Candidate| x.slot == c.slot && x.points[0].tooth == c.points[0].tooth;
-    candidates(scene, s).into_iter().find(|(m, x)| *m == mesh && same(x)).map(|(_, x)| x)
+    candidates(scene, s)
+        .into_iter()
+        .find(|(m, x)| *m == mesh && same(x))
+        .map(|(_, x)| x)
 }
 
 /// The contact row `dg/dq` of a candidate as a full vector.
@@ -255,26 +318,57 @@ impl Sink for Forces {
 /// Runs a scene from its initial state with a method `id(name=value)`.
 pub fn run(scene: &mut Scene, id: &str, resolution: Resolution, t_end: f64) -> Outcome {
     let s = scene.initial();
-    run_from(scene, s, id, &TimePlan { max_steps: 4_000_000, ..TimePlan::new(t_end, resolution) })
+    run_from(
+        scene,
+        s,
+        id,
+        &TimePlan {
+            max_steps: 4_000_000,
+            ..TimePlan::new(t_end, resolution)
+        },
+    )
 }
 
 /// Runs a scene from a state.
 pub fn run_from(scene: &mut Scene, mut state: State, id: &str, plan: &TimePlan<'_>) -> Outcome {
     let (_, mut integrator) = gearbench_integrators::method(id).expect("the method is known");
     let mut ledger = Ledger::default();
-    let mut forces = Forces { meshes: scene.meshes().len(), ..Forces::default() };
+    let mut forces = Forces {
+        meshes: scene.meshes().len(),
+        ..Forces::default()
+    };
     let mut work = Work::default();
-    let result =
-        integrator.run(scene, &mut state, plan, &mut Tee(vec![&mut ledger, &mut forces]), &mut work);
-    let Forces { normal_min, impulse, peak, .. } = forces;
-    Outcome { state, ledger, work, normal_min, impulse, peak, result }
+    let result = integrator.run(
+        scene,
+        &mut state,
+        plan,
+        &mut Tee(vec![&mut ledger, &mut forces]),
+        &mut work,
+    );
+    let Forces {
+        normal_min,
+        impulse,
+        peak,
+        ..
+    } = forces;
+    Outcome {
+        state,
+        ledger,
+        work,
+        normal_min,
+        impulse,
+        peak,
+        result,
+    }
 }
 
 /// Value of a named channel at a state.
 pub fn channel(scene: &mut Scene, s: &State, name: &str) -> f64 {
     let mut out = Outputs::default();
     scene.output(s.at(), &mut out);
-    out.channels[scene.channel(name).unwrap_or_else(|| panic!("there is no channel {name}"))]
+    out.channels[scene
+        .channel(name)
+        .unwrap_or_else(|| panic!("there is no channel {name}"))]
 }
 
 /// A resolution a method can run at: the step [s], or a tolerance where it takes no steps.
@@ -311,7 +405,7 @@ impl Numbers {
     }
 
     /// The next number (xorshift64*).
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
@@ -321,7 +415,7 @@ impl Numbers {
 
     /// A vector of them, scaled by entries of `scale`.
     pub fn vector(&mut self, scale: &[f64]) -> Vec<f64> {
-        scale.iter().map(|s| s * self.next()).collect()
+        scale.iter().map(|s| s * self.draw()).collect()
     }
 }
 

@@ -11,7 +11,7 @@ const SAMPLES_PER_PACE: f64 = 0.2;
 /// Samples in one step at most.
 const MOST_PARTS: f64 = 24.0;
 /// Rows kept beyond the grid at most.
-const MOST_STEPS: usize = 40_000;
+const MOST_STEPS: usize = 100_000;
 
 /// Records channels of a run.
 #[derive(Clone, Debug, Default)]

@@ -22,16 +22,25 @@ fn pairs() -> Vec<[ModelSpec; 2]> {
 }
 
 /// A scene somewhere around touching, with the pinion ahead by `depth` [m].
-fn around_touch(models: &[ModelSpec; 2], contact: &ContactSpec, depth: f64, numbers: &mut Numbers) -> (Scene, State) {
+fn around_touch(
+    models: &[ModelSpec; 2],
+    contact: &ContactSpec,
+    depth: f64,
+    numbers: &mut Numbers,
+) -> (Scene, State) {
     let scene = build(&case_a(0.0), models, contact);
     let mut s = scene.initial();
     let (sq, sv) = scales(&scene);
     for i in 0..s.q.len() {
-        s.q[i] += 0.05 * sq[i] * numbers.next();
-        s.v[i] += 0.5 * sv[i] * numbers.next();
+        s.q[i] += 0.05 * sq[i] * numbers.draw();
+        s.v[i] += 0.5 * sv[i] * numbers.draw();
     }
     let range = scene.gears()[0].range();
-    let n = if models[0].id == "elastic-test" { 1 } else { range.len() };
+    let n = if models[0].id == "elastic-test" {
+        1
+    } else {
+        range.len()
+    };
     range.take(n).for_each(|i| s.q[i] += depth / 0.0376);
     (scene, s)
 }
@@ -45,8 +54,17 @@ fn contacts() -> Vec<ContactSpec> {
         (1.0, Damping::KelvinVoigt { c: 500.0 }),
         (10.0 / 9.0, Damping::HuntCrossley { e: 0.8 }),
     ] {
-        all.push(ContactSpec { exponent, damping, ..contact(1.5e10) });
-        all.push(ContactSpec { exponent, damping, friction, ..contact(1.5e10) });
+        all.push(ContactSpec {
+            exponent,
+            damping,
+            ..contact(1.5e10)
+        });
+        all.push(ContactSpec {
+            exponent,
+            damping,
+            friction,
+            ..contact(1.5e10)
+        });
     }
     all
 }
@@ -63,7 +81,10 @@ fn force_repeats_bit_for_bit_whatever_is_evaluated_in_between() {
                 let kept = s.clone();
                 // Other states, tangents, guards and outputs leave no trace.
                 let (_, other) = around_touch(&models, &contact, -2e-6, &mut numbers);
-                let other = State { memory: s.memory.clone(), ..other };
+                let other = State {
+                    memory: s.memory.clone(),
+                    ..other
+                };
                 force(&mut scene, &other);
                 let mut df = vec![0.0; s.q.len()];
                 scene.tangent_times(other.at(), &other.v, &other.v, &mut df);
@@ -93,7 +114,11 @@ fn closed_contacts_with_positive_guards_push_and_others_do_not() {
                 scene.guards(s.at(), &mut guards);
                 // A linear damper that has let go while the flanks still overlap may sit below its root.
                 let lowest = guards.iter().fold(f64::INFINITY, |m, &g| m.min(g));
-                assert!(lowest >= -1e-9, "{:?} at depth {depth}: guard {lowest:e}", contact.damping);
+                assert!(
+                    lowest >= -1e-9,
+                    "{:?} at depth {depth}: guard {lowest:e}",
+                    contact.damping
+                );
                 assert!(channel(&mut scene, &s, "normal_min:0") >= 0.0);
                 let located = force(&mut scene, &s);
                 let mut clipped = s.clone();
@@ -101,7 +126,11 @@ fn closed_contacts_with_positive_guards_push_and_others_do_not() {
                 let want = force(&mut scene, &clipped);
                 let size = want.iter().fold(1e-9_f64, |m, x| m.max(x.abs()));
                 for (a, b) in located.iter().zip(&want) {
-                    assert!((a - b).abs() <= 1e-9 * size, "{:?} {depth}: {a} {b}", contact.damping);
+                    assert!(
+                        (a - b).abs() <= 1e-9 * size,
+                        "{:?} {depth}: {a} {b}",
+                        contact.damping
+                    );
                 }
             }
         }
@@ -112,20 +141,32 @@ fn closed_contacts_with_positive_guards_push_and_others_do_not() {
 fn elastic_laws_switch_without_a_jump_of_the_force() {
     for models in pairs() {
         for exponent in [1.0, 1.5] {
-            let contact = ContactSpec { exponent, ..contact(1.5e10) };
+            let contact = ContactSpec {
+                exponent,
+                ..contact(1.5e10)
+            };
             let scene = build(&case_a(3e-6), &models, &contact);
             let mut scene = scene;
             let mut s = scene.initial();
             scene.begin(&mut s, true);
             // To where the pair of the start touches exactly: the smallest gap is zero.
-            let gap = candidates(&scene, &s).iter().map(|(_, c)| c.gap).fold(f64::INFINITY, f64::min);
+            let gap = candidates(&scene, &s)
+                .iter()
+                .map(|(_, c)| c.gap)
+                .fold(f64::INFINITY, f64::min);
             let range = scene.gears()[0].range();
-            let n = if models[0].id == "elastic-test" { 1 } else { range.len() };
+            let n = if models[0].id == "elastic-test" {
+                1
+            } else {
+                range.len()
+            };
             let lever = gearbench_models::scene::build::lever(&case_a(3e-6).gears[0].body);
             range.take(n).for_each(|i| s.q[i] += gap / lever);
             let mut guards = vec![0.0; scene.layout().guards];
             scene.guards(s.at(), &mut guards);
-            let at_root: Vec<usize> = (0..guards.len()).filter(|&i| guards[i].abs() < 1e-15).collect();
+            let at_root: Vec<usize> = (0..guards.len())
+                .filter(|&i| guards[i].abs() < 1e-15)
+                .collect();
             assert!(!at_root.is_empty(), "no guard at its root");
             let before = force(&mut scene, &s);
             for &guard in &at_root {
@@ -133,7 +174,11 @@ fn elastic_laws_switch_without_a_jump_of_the_force() {
             }
             let after = force(&mut scene, &s);
             for (a, b) in before.iter().zip(&after) {
-                assert!((a - b).abs() < 1e-6, "{} {exponent}: the force jumps from {a} to {b}", models[0].id);
+                assert!(
+                    (a - b).abs() < 1e-6,
+                    "{} {exponent}: the force jumps from {a} to {b}",
+                    models[0].id
+                );
             }
             // And back: opening there changes nothing either.
             for &guard in &at_root {

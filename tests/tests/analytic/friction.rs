@@ -12,7 +12,10 @@ const MU: f64 = 0.08;
 const V_REF: f64 = 0.01;
 
 fn rubbing(per_width: f64) -> ContactSpec {
-    ContactSpec { friction: Some(Friction::new(MU, V_REF).unwrap()), ..contact(per_width) }
+    ContactSpec {
+        friction: Some(Friction::new(MU, V_REF).unwrap()),
+        ..contact(per_width)
+    }
 }
 
 #[test]
@@ -31,7 +34,10 @@ fn friction_opposes_sliding_and_flips_at_the_pitch_point() {
             scene.begin(&mut s, false);
             for c in scene.contact_forces(s.at()) {
                 let n = c.force - c.force.dot(&normal(&scene, &s, &c)) * normal(&scene, &s, &c);
-                let (_, candidate) = candidates(&scene, &s).into_iter().find(|(_, x)| x.points[0].x == c.x).unwrap();
+                let (_, candidate) = candidates(&scene, &s)
+                    .into_iter()
+                    .find(|(_, x)| x.points[0].x == c.x)
+                    .unwrap();
                 // Velocity of gear 2 over gear 1 at the contact.
                 let at = |k: usize, w: f64| {
                     let r = c.x - scene.gears()[k].model.hub().centre;
@@ -40,18 +46,32 @@ fn friction_opposes_sliding_and_flips_at_the_pitch_point() {
                 let relative = at(1, s.v[1]) - at(0, s.v[0]);
                 let slide = relative - relative.dot(&candidate.normal) * candidate.normal;
                 let want = (20.0 + 20.0 / 1.5) * (candidate.s - l.pitch_point).abs();
-                assert!((slide.norm() - want).abs() < 1e-9, "slides at {} m/s, {want} m/s", slide.norm());
+                assert!(
+                    (slide.norm() - want).abs() < 1e-9,
+                    "slides at {} m/s, {want} m/s",
+                    slide.norm()
+                );
                 let force = MU * c.normal_force * (slide.norm() / V_REF).tanh();
-                assert!((n.norm() - force).abs() < 1e-9 * c.normal_force, "{} N, {force} N", n.norm());
+                assert!(
+                    (n.norm() - force).abs() < 1e-9 * c.normal_force,
+                    "{} N, {force} N",
+                    n.norm()
+                );
                 assert!(n.dot(&slide) <= 0.0, "friction drives the sliding");
                 // The force on gear 2 points to one side before the pitch point, to the other after it.
                 let t = gearbench_models::Vec3::new(-candidate.normal.y, candidate.normal.x, 0.0);
                 let side = n.dot(&t) * turning;
                 if candidate.s < l.pitch_point - 1e-5 {
-                    assert!(side < 0.0 || n.norm() < 1e-9, "{side} before the pitch point");
+                    assert!(
+                        side < 0.0 || n.norm() < 1e-9,
+                        "{side} before the pitch point"
+                    );
                     before += 1;
                 } else if candidate.s > l.pitch_point + 1e-5 {
-                    assert!(side > 0.0 || n.norm() < 1e-9, "{side} after the pitch point");
+                    assert!(
+                        side > 0.0 || n.norm() < 1e-9,
+                        "{side} after the pitch point"
+                    );
                     after += 1;
                 }
             }
@@ -65,7 +85,11 @@ fn normal(
     s: &gearbench_integrators::State,
     c: &gearbench_models::scene::ContactForce,
 ) -> gearbench_models::Vec3 {
-    candidates(scene, s).into_iter().find(|(_, x)| x.points[0].x == c.x).map(|(_, x)| x.normal).unwrap()
+    candidates(scene, s)
+        .into_iter()
+        .find(|(_, x)| x.points[0].x == c.x)
+        .map(|(_, x)| x.normal)
+        .unwrap()
 }
 
 #[test]
@@ -87,14 +111,24 @@ fn friction_never_drives_and_its_loss_is_in_the_ledger() {
             }
             let damping = Damping::KelvinVoigtRatio { ratio: 0.05 };
             let run_with = |friction: Option<Friction>| {
-                let contact = ContactSpec { friction, damping, ..contact(1.5e10) };
+                let contact = ContactSpec {
+                    friction,
+                    damping,
+                    ..contact(1.5e10)
+                };
                 let mut scene = build(&spec, &models, &contact);
                 run(&mut scene, "dopri5", Resolution::Tolerance(1e-8), 0.012).unwrap("friction")
             };
-            let (with, without) = (run_with(Some(Friction::new(MU, V_REF).unwrap())), run_with(None));
+            let (with, without) = (
+                run_with(Some(Friction::new(MU, V_REF).unwrap())),
+                run_with(None),
+            );
             let what = format!("{}, driven {driven}", models[0].id);
             let residual = with.ledger.residual_relative();
-            assert!(residual.abs() < 1e-5, "{what}: {residual:.2e} of the energy is not explained");
+            assert!(
+                residual.abs() < 1e-5,
+                "{what}: {residual:.2e} of the energy is not explained"
+            );
             // Friction takes about mu N times the sliding path; damping alone far less.
             let more = with.ledger.dissipated - without.ledger.dissipated;
             assert!(more > 0.05, "{what}: friction takes {more} J");
@@ -123,9 +157,22 @@ fn friction_at_rest_carries_no_force_and_has_its_slope() {
     scene.force(s.at(), &mut f);
     let l = mesh_layout(&case_a(0.0).gears[0], &case_a(0.0).gears[1]).unwrap();
     for c in scene.contact_forces(s.at()) {
-        let sliding = 2.5 * w * (candidates(&scene, &s).iter().find(|(_, x)| x.points[0].x == c.x).unwrap().1.s - l.pitch_point);
-        let tangential = (c.force.norm_squared() - c.normal_force.powi(2)).max(0.0).sqrt();
+        let sliding = 2.5
+            * w
+            * (candidates(&scene, &s)
+                .iter()
+                .find(|(_, x)| x.points[0].x == c.x)
+                .unwrap()
+                .1
+                .s
+                - l.pitch_point);
+        let tangential = (c.force.norm_squared() - c.normal_force.powi(2))
+            .max(0.0)
+            .sqrt();
         let want = MU * c.normal_force * sliding.abs() / V_REF;
-        assert!((tangential - want).abs() < 1e-3 * want + 1e-5 * n, "{tangential} {want}");
+        assert!(
+            (tangential - want).abs() < 1e-3 * want + 1e-5 * n,
+            "{tangential} {want}"
+        );
     }
 }

@@ -2,21 +2,36 @@
 
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
 use gearbench_models::contact::law::Damping;
-use gearbench_models::geometry::{Gear, GearParams, Modifications, Pair, ReliefShape, Side, TipRelief};
+use gearbench_models::geometry::{
+    Gear, GearParams, Modifications, Pair, ReliefShape, Side, TipRelief,
+};
 use gearbench_models::scene::spec::{Body, ContactSpec, SceneSpec};
 use gearbench_models::stiffness::{
-    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength, ToothModel,
+    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
+    ToothModel,
 };
 use gearbench_tests::*;
 
 fn stiffnesses() -> Vec<PairStiffness> {
     let s: Vec<f64> = (0..9).map(|i| 4e-3 + 2e-3 * f64::from(i)).collect();
-    let k = vec![1.1e8, 1.2e8, 1.4e8, 1.5e8, 1.6e8, 1.5e8, 1.35e8, 1.2e8, 1.15e8];
+    let k = vec![
+        1.1e8, 1.2e8, 1.4e8, 1.5e8, 1.6e8, 1.5e8, 1.35e8, 1.2e8, 1.15e8,
+    ];
     vec![
-        PairStiffness::Constant { per_width: 1.5e10, of: PairOrMesh::Pair },
-        PairStiffness::Constant { per_width: 2.2e10, of: PairOrMesh::Mesh },
-        PairStiffness::Iso6336 { variation: IsoVariation::IsoMean },
-        PairStiffness::Iso6336 { variation: IsoVariation::CaiHayashi },
+        PairStiffness::Constant {
+            per_width: 1.5e10,
+            of: PairOrMesh::Pair,
+        },
+        PairStiffness::Constant {
+            per_width: 2.2e10,
+            of: PairOrMesh::Mesh,
+        },
+        PairStiffness::Iso6336 {
+            variation: IsoVariation::IsoMean,
+        },
+        PairStiffness::Iso6336 {
+            variation: IsoVariation::CaiHayashi,
+        },
         PairStiffness::Compliance {
             tooth: ToothModel::WeberBanaschek,
             foundation: Foundation::SainsotVelex(RootLength::TwoRfThetaF),
@@ -43,10 +58,23 @@ fn base_radii(spec: &SceneSpec) -> [f64; 2] {
 fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
     // Loaded rotation over five pitches, both flanks, every stiffness, with profile shift and damping as well.
     let shifted = || {
-        let (a, b) = (GearParams { profile_shift: 0.3, ..spur(20) }, GearParams { profile_shift: 0.2, ..spur(31) });
+        let (a, b) = (
+            GearParams {
+                profile_shift: 0.3,
+                ..spur(20)
+            },
+            GearParams {
+                profile_shift: 0.2,
+                ..spur(31)
+            },
+        );
         let (ga, gb) = (Gear::new(a.clone()).unwrap(), Gear::new(b.clone()).unwrap());
         let x = Pair::centre_distance_for_backlash(&ga, &gb, 50e-6).unwrap();
-        pair_of(gear("pinion", a, 0.0, 3.0), gear("wheel", b, x, 0.0), start(Side::Left, 0.0))
+        pair_of(
+            gear("pinion", a, 0.0, 3.0),
+            gear("wheel", b, x, 0.0),
+            start(Side::Left, 0.0),
+        )
     };
     for spec in [case_a(0.0), shifted()] {
         for side in Side::BOTH {
@@ -58,7 +86,11 @@ fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
                         Body::Gear(g) => f64::from(g.teeth()),
                         Body::Rack(_) => unreachable!("two gears"),
                     });
-                    let contact = ContactSpec { stiffness: stiffness.clone(), damping, ..contact(1.5e10) };
+                    let contact = ContactSpec {
+                        stiffness: stiffness.clone(),
+                        damping,
+                        ..contact(1.5e10)
+                    };
                     let mut scene = build(&spec, &[rigid(), rigid()], &contact);
                     let [r1, r2] = base_radii(&spec);
                     let depth = side.sign() * 4e-6;
@@ -77,13 +109,22 @@ fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
                         assert!(force > 100.0, "{} at {roll}: {force} N", stiffness.id());
                         // Both torques have one sign: the driver is held back, the wheel is driven backwards.
                         let ratio = t[1] / t[0];
-                        assert!((ratio / (z[1] / z[0]) - 1.0).abs() < 1e-9, "{} {side:?} {roll}: {ratio}", stiffness.id());
+                        assert!(
+                            (ratio / (z[1] / z[0]) - 1.0).abs() < 1e-9,
+                            "{} {side:?} {roll}: {ratio}",
+                            stiffness.id()
+                        );
                         assert!(t[0] * side.sign() < 0.0);
-                        assert!((t[0].abs() / (force * r1) - 1.0).abs() < 1e-9, "force off the line of action");
+                        assert!(
+                            (t[0].abs() / (force * r1) - 1.0).abs() < 1e-9,
+                            "force off the line of action"
+                        );
                         // The channel is what acts on the coordinates.
                         let mut f = vec![0.0; 2];
                         scene.force(s.at(), &mut f);
-                        assert!((f[0] / t[0] - 1.0).abs() < 1e-12 && (f[1] / t[1] - 1.0).abs() < 1e-12);
+                        assert!(
+                            (f[0] / t[0] - 1.0).abs() < 1e-12 && (f[1] / t[1] - 1.0).abs() < 1e-12
+                        );
                         loaded += 1;
                     }
                     assert_eq!(loaded, 200);
@@ -107,7 +148,13 @@ fn on_modified_flanks_the_torques_follow_the_slope_of_the_flank() {
         ..Modifications::default()
     };
     let mut spec = case_a(0.0);
-    spec.gears[0].body = Body::Gear(Gear::new(GearParams { modifications: relief, ..spur(20) }).unwrap());
+    spec.gears[0].body = Body::Gear(
+        Gear::new(GearParams {
+            modifications: relief,
+            ..spur(20)
+        })
+        .unwrap(),
+    );
     let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
     let [r1, r2] = base_radii(&spec);
     let mut turned = 0.0_f64;
@@ -115,10 +162,14 @@ fn on_modified_flanks_the_torques_follow_the_slope_of_the_flank() {
         let roll = 0.0079 * f64::from(place);
         let mut s = scene.initial();
         s.q = vec![roll + 30e-6 / r1, -roll * r1 / r2];
-        let t = ["pinion", "wheel"].map(|n| channel(&mut scene, &s, &format!("contact_torque:{n}")));
+        let t =
+            ["pinion", "wheel"].map(|n| channel(&mut scene, &s, &format!("contact_torque:{n}")));
         let mut f = vec![0.0; 2];
         scene.force(s.at(), &mut f);
-        assert!((f[0] / t[0] - 1.0).abs() < 1e-12 && (f[1] / t[1] - 1.0).abs() < 1e-12, "{f:?} {t:?}");
+        assert!(
+            (f[0] / t[0] - 1.0).abs() < 1e-12 && (f[1] / t[1] - 1.0).abs() < 1e-12,
+            "{f:?} {t:?}"
+        );
         let energy = |s: &State, scene: &mut gearbench_models::scene::Scene| {
             let mut out = Outputs::default();
             scene.output(s.at(), &mut out);
@@ -147,7 +198,9 @@ fn pairs_in_contact_share_the_load() {
     // is the contact ratio.
     let spec = case_a(0.0);
     let [r1, r2] = base_radii(&spec);
-    let (Body::Gear(a), Body::Gear(b)) = (&spec.gears[0].body, &spec.gears[1].body) else { unreachable!() };
+    let (Body::Gear(a), Body::Gear(b)) = (&spec.gears[0].body, &spec.gears[1].body) else {
+        unreachable!()
+    };
     let ratio = Pair::new(a, b, 0.1001).unwrap().contact_ratio();
     let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
     let depth = 4e-6;
@@ -162,21 +215,30 @@ fn pairs_in_contact_share_the_load() {
         sum += pairs;
     }
     let mean = sum / f64::from(n);
-    assert!((mean - ratio).abs() < 2e-3, "mean number of pairs {mean}, contact ratio {ratio}");
+    assert!(
+        (mean - ratio).abs() < 2e-3,
+        "mean number of pairs {mean}, contact ratio {ratio}"
+    );
 }
 
 #[test]
 fn helical_slices_share_one_stiffness() {
     // A helical pair pressed together at any angle: the force is k d times the length of the contact lines.
     let beta = 15f64.to_radians();
-    let helix = |b: f64, z: u32| GearParams { helix_angle: b, face_width: 0.02, ..spur(z) };
+    let helix = |b: f64, z: u32| GearParams {
+        helix_angle: b,
+        face_width: 0.02,
+        ..spur(z)
+    };
     let x = 0.1001 / beta.cos();
     let spec = pair_of(
         gear("a", helix(beta, 20), 0.0, 0.0),
         gear("b", helix(-beta, 30), x, 0.0),
         start(Side::Left, 0.0),
     );
-    let (Body::Gear(a), Body::Gear(b)) = (&spec.gears[0].body, &spec.gears[1].body) else { unreachable!() };
+    let (Body::Gear(a), Body::Gear(b)) = (&spec.gears[0].body, &spec.gears[1].body) else {
+        unreachable!()
+    };
     let pair = Pair::new(a, b, x).unwrap();
     let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
     let depth = 4e-6;
@@ -194,5 +256,9 @@ fn helical_slices_share_one_stiffness() {
         sum += -f[0] / (3e8 * depth * a.r_base() * a.base_helix_angle().cos().powi(2));
     }
     let mean = sum / f64::from(n);
-    assert!((mean - pair.contact_ratio()).abs() < 5e-3, "{mean} against {}", pair.contact_ratio());
+    assert!(
+        (mean - pair.contact_ratio()).abs() < 5e-3,
+        "{mean} against {}",
+        pair.contact_ratio()
+    );
 }

@@ -1,4 +1,6 @@
 //! Exact solutions, difference checks and refusals of the gear models and the assembled scene.
+//! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
+#![allow(clippy::print_stdout)]
 
 mod force;
 mod friction;
@@ -8,4 +10,6 @@ mod movable_teeth;
 mod refusals;
 mod rows;
 mod tangents;
+mod tooth_springs;
+mod trains;
 mod zones;

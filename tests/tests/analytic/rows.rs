@@ -29,7 +29,9 @@ fn worst_row_error(scene: &Scene, s: &State) -> (f64, usize) {
                 same_candidate(scene, &moved, *mesh, c).map(|c| c.gap)
             };
             // A pair at the very end of its path may leave it under the difference.
-            let (Some(above), Some(below)) = (gap(h), gap(-h)) else { continue };
+            let (Some(above), Some(below)) = (gap(h), gap(-h)) else {
+                continue;
+            };
             worst = worst.max(((above - below) / (2.0 * h) - w[i]).abs() / largest);
         }
     }
@@ -38,7 +40,11 @@ fn worst_row_error(scene: &Scene, s: &State) -> (f64, usize) {
 
 /// Gears of a train turn in alternate directions; a rack goes along with its gear.
 fn rolling_sign(index: usize, g: &GearSpec) -> f64 {
-    if matches!(g.body, Body::Rack(_)) || index % 2 == 0 { 1.0 } else { -1.0 }
+    if matches!(g.body, Body::Rack(_)) || index % 2 == 0 {
+        1.0
+    } else {
+        -1.0
+    }
 }
 
 /// A state with the gears rolled together by an angle of the first and every coordinate off by deflections.
@@ -49,14 +55,18 @@ fn rolled(scene: &mut Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers)
     for (i, (g, sg)) in spec.gears.iter().zip(scene.gears()).enumerate() {
         let travel = rolling_sign(i, g) * roll * r0 / lever(&g.body);
         // Modal coordinates stand after the hub and stay small.
-        let n = if sg.model.id() == "elastic-test" { 1 } else { sg.range().len() };
+        let n = if sg.model.id() == "elastic-test" {
+            1
+        } else {
+            sg.range().len()
+        };
         if sg.model.hub().coordinates() > 0 {
             sg.range().take(n).for_each(|i| s.q[i] += travel);
         }
     }
     for i in 0..s.q.len() {
-        s.q[i] += sq[i] * numbers.next();
-        s.v[i] += sv[i] * numbers.next();
+        s.q[i] += sq[i] * numbers.draw();
+        s.v[i] += sv[i] * numbers.draw();
     }
     scene.commit(&mut s);
     s
@@ -68,18 +78,34 @@ fn check(name: &str, spec: &SceneSpec, models: &[ModelSpec], tolerance: f64) {
     let mut numbers = Numbers::new(7);
     let (mut most, mut worst) = (0, 0.0_f64);
     for place in 0..16 {
-        let s = rolled(&mut scene, spec, 0.057 * f64::from(place) - 0.3, &mut numbers);
+        let s = rolled(
+            &mut scene,
+            spec,
+            0.057 * f64::from(place) - 0.3,
+            &mut numbers,
+        );
         let (error, n) = worst_row_error(&scene, &s);
         worst = worst.max(error);
         most = most.max(n);
     }
     assert!(most >= 3, "{name}: only {most} candidates");
-    assert!(worst <= tolerance, "{name}: rows off by {worst:.3e} of the lever, tolerance {tolerance:.0e}");
+    assert!(
+        worst <= tolerance,
+        "{name}: rows off by {worst:.3e} of the lever, tolerance {tolerance:.0e}"
+    );
 }
 
 fn by_radius(model: ModelSpec) -> ModelSpec {
-    let model = with(model, "stiffness_radius_m", Value::List(vec![0.036, 0.040, 0.044, 0.062]));
-    with(model, "stiffness_at_radius_n_per_m", Value::List(vec![7e8, 6e8, 4e8, 3e8]))
+    let model = with(
+        model,
+        "stiffness_radius_m",
+        Value::List(vec![0.036, 0.040, 0.044, 0.062]),
+    );
+    with(
+        model,
+        "stiffness_at_radius_n_per_m",
+        Value::List(vec![7e8, 6e8, 4e8, 3e8]),
+    )
 }
 
 #[test]
@@ -91,9 +117,15 @@ fn every_model_on_both_flanks_of_spur_gears() {
         for (name, models) in [
             ("rigid", [rigid(), rigid()]),
             ("movable", [teeth.clone(), teeth.clone()]),
-            ("all teeth", [all_teeth(teeth.clone()), all_teeth(teeth.clone())]),
+            (
+                "all teeth",
+                [all_teeth(teeth.clone()), all_teeth(teeth.clone())],
+            ),
             ("k(r)", [by_radius(teeth.clone()), by_radius(teeth.clone())]),
-            ("elastic", [elastic(20, 0.01, 2e-9, 0.3), elastic(30, 0.01, 2e-9, 0.3)]),
+            (
+                "elastic",
+                [elastic(20, 0.01, 2e-9, 0.3), elastic(30, 0.01, 2e-9, 0.3)],
+            ),
             ("mixed", [elastic(20, 0.0, 0.0, 0.0), teeth.clone()]),
         ] {
             check(&format!("{name} {side:?}"), &spec, &models, 2e-8);
@@ -102,7 +134,10 @@ fn every_model_on_both_flanks_of_spur_gears() {
 }
 
 fn modified(params: GearParams, modifications: Modifications) -> GearParams {
-    GearParams { modifications, ..params }
+    GearParams {
+        modifications,
+        ..params
+    }
 }
 
 #[test]
@@ -117,13 +152,30 @@ fn helical_and_modified_flanks_in_slices() {
         profile_crowning: 5e-6,
         lead_crowning: 4e-6,
     };
-    let crowned = Modifications { profile_crowning: 8e-6, ..Modifications::default() };
-    let helix = |beta: f64, z: u32| GearParams { helix_angle: beta, face_width: 0.02, ..spur(z) };
+    let crowned = Modifications {
+        profile_crowning: 8e-6,
+        ..Modifications::default()
+    };
+    let helix = |beta: f64, z: u32| GearParams {
+        helix_angle: beta,
+        face_width: 0.02,
+        ..spur(z)
+    };
     let distance = 0.1001;
     let wide = distance / 15f64.to_radians().cos();
     for (name, a, b, x) in [
-        ("relief", modified(spur(20), relief), modified(spur(30), crowned), distance),
-        ("helical", helix(15f64.to_radians(), 20), helix(-15f64.to_radians(), 30), wide),
+        (
+            "relief",
+            modified(spur(20), relief),
+            modified(spur(30), crowned),
+            distance,
+        ),
+        (
+            "helical",
+            helix(15f64.to_radians(), 20),
+            helix(-15f64.to_radians(), 30),
+            wide,
+        ),
         (
             "helical with relief",
             modified(helix(-15f64.to_radians(), 20), relief),
@@ -132,13 +184,22 @@ fn helical_and_modified_flanks_in_slices() {
         ),
     ] {
         for side in Side::BOTH {
-            let spec = pair_of(gear("a", a.clone(), 0.0, 5.0), gear("b", b.clone(), x, 0.0), start(side, 3e-6));
+            let spec = pair_of(
+                gear("a", a.clone(), 0.0, 5.0),
+                gear("b", b.clone(), x, 0.0),
+                start(side, 3e-6),
+            );
             for models in [
                 [rigid(), rigid()],
                 [movable(5e8, 5e-3, 0.0), movable(5e8, 5e-3, 0.0)],
                 [elastic(20, 0.0, 2e-9, 0.3), rigid()],
             ] {
-                check(&format!("{name} {side:?} {}", models[0].id), &spec, &models, 5e-7);
+                check(
+                    &format!("{name} {side:?} {}", models[0].id),
+                    &spec,
+                    &models,
+                    5e-7,
+                );
             }
         }
     }
@@ -158,7 +219,10 @@ fn gear_and_rack_on_both_flanks() {
         r.body = Body::Rack(Rack::new(params).unwrap());
         r
     };
-    let helical_gear = GearParams { helix_angle: 10f64.to_radians(), ..spur(20) };
+    let helical_gear = GearParams {
+        helix_angle: 10f64.to_radians(),
+        ..spur(20)
+    };
     for side in Side::BOTH {
         for (name, a, b) in [
             ("spur", spur(20), rack("rack", 40, 0.0401, 0.0)),
@@ -172,7 +236,12 @@ fn gear_and_rack_on_both_flanks() {
                 [all_teeth(teeth.clone()), all_teeth(teeth.clone())],
                 [elastic(20, 0.0, 2e-9, 0.3), rigid()],
             ] {
-                check(&format!("{name} {side:?} {}", models[0].id), &spec, &models, 5e-8);
+                check(
+                    &format!("{name} {side:?} {}", models[0].id),
+                    &spec,
+                    &models,
+                    5e-8,
+                );
             }
         }
     }
@@ -187,8 +256,14 @@ fn idler_train() -> SceneSpec {
     SceneSpec {
         gears: vec![first, idler, last],
         meshes: vec![
-            MeshSpec { gears: [0, 1], start: start(Side::Left, 3e-6) },
-            MeshSpec { gears: [1, 2], start: start(Side::Right, 3e-6) },
+            MeshSpec {
+                gears: [0, 1],
+                start: start(Side::Left, 3e-6),
+            },
+            MeshSpec {
+                gears: [1, 2],
+                start: start(Side::Right, 3e-6),
+            },
         ],
     }
 }
@@ -209,14 +284,24 @@ fn an_idler_with_two_meshes() {
 #[test]
 fn gap_rate_holds_with_driven_gears() {
     // One gear or the other driven, ramp and table; movable teeth have coordinates on a driven hub as well.
-    let ramp = Profile::Ramp { from: 3.0, to: 9.0, start: 0.0, end: 0.1 };
-    let table = Profile::Table { time: vec![0.0, 0.02, 0.3], value: vec![2.0, -4.0, 6.0] };
+    let ramp = Profile::Ramp {
+        from: 3.0,
+        to: 9.0,
+        start: 0.0,
+        end: 0.1,
+    };
+    let table = Profile::Table {
+        time: vec![0.0, 0.02, 0.3],
+        value: vec![2.0, -4.0, 6.0],
+    };
     let teeth = movable(5e8, 5e-3, 10.0);
     for driven in 0..2 {
         for profile in [ramp.clone(), table.clone()] {
-            for (first, second) in
-                [(rigid(), rigid()), (teeth.clone(), rigid()), (elastic(20, 0.0, 2e-9, 0.3), teeth.clone())]
-            {
+            for (first, second) in [
+                (rigid(), rigid()),
+                (teeth.clone(), rigid()),
+                (elastic(20, 0.0, 2e-9, 0.3), teeth.clone()),
+            ] {
                 for with_rack in [false, true] {
                     let mut spec = case_a(3e-6);
                     if with_rack {
@@ -230,8 +315,8 @@ fn gap_rate_holds_with_driven_gears() {
                     let mut s = scene.initial();
                     s.t = 0.05;
                     for i in 0..s.q.len() {
-                        s.q[i] += sq[i] * numbers.next();
-                        s.v[i] += numbers.next();
+                        s.q[i] += sq[i] * numbers.draw();
+                        s.v[i] += numbers.draw();
                     }
                     let h = 1e-7;
                     let gap = |dt: f64, mesh: usize, c: &Candidate| {
@@ -245,8 +330,10 @@ fn gap_rate_holds_with_driven_gears() {
                     let mut seen = 0;
                     for (mesh, c) in candidates(&scene, &s) {
                         let w = contact_row(&scene, &s, mesh, &c);
-                        let rate: f64 = w.iter().zip(&s.v).map(|(w, v)| w * v).sum::<f64>() + c.gap_t;
-                        let (Some(above), Some(below)) = (gap(h, mesh, &c), gap(-h, mesh, &c)) else {
+                        let rate: f64 =
+                            w.iter().zip(&s.v).map(|(w, v)| w * v).sum::<f64>() + c.gap_t;
+                        let (Some(above), Some(below)) = (gap(h, mesh, &c), gap(-h, mesh, &c))
+                        else {
                             continue;
                         };
                         let by_difference = (above - below) / (2.0 * h);

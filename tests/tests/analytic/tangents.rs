@@ -28,10 +28,17 @@ fn laws() -> Vec<(f64, Damping)> {
 
 fn stiffnesses() -> Vec<PairStiffness> {
     let s: Vec<f64> = (0..9).map(|i| 4e-3 + 2e-3 * f64::from(i)).collect();
-    let k = vec![1.1e8, 1.2e8, 1.4e8, 1.5e8, 1.6e8, 1.5e8, 1.35e8, 1.2e8, 1.15e8];
+    let k = vec![
+        1.1e8, 1.2e8, 1.4e8, 1.5e8, 1.6e8, 1.5e8, 1.35e8, 1.2e8, 1.15e8,
+    ];
     vec![
-        PairStiffness::Constant { per_width: 1.5e10, of: PairOrMesh::Pair },
-        PairStiffness::Iso6336 { variation: IsoVariation::IsoMean },
+        PairStiffness::Constant {
+            per_width: 1.5e10,
+            of: PairOrMesh::Pair,
+        },
+        PairStiffness::Iso6336 {
+            variation: IsoVariation::IsoMean,
+        },
         PairStiffness::Table {
             s,
             k,
@@ -55,7 +62,12 @@ fn pairs() -> Vec<[ModelSpec; 2]> {
 }
 
 /// A scene pressed together by some deflections and approaching, both with a viscous load, located or not.
-fn pressed(models: &[ModelSpec; 2], contact: &ContactSpec, located: bool, depth: f64) -> (Scene, State) {
+fn pressed(
+    models: &[ModelSpec; 2],
+    contact: &ContactSpec,
+    located: bool,
+    depth: f64,
+) -> (Scene, State) {
     let mut spec = case_a(0.0);
     spec.gears[1].loads = vec![Load::Viscous(0.3)];
     spec.gears[0].loads = vec![Load::Viscous(0.2)];
@@ -64,12 +76,16 @@ fn pressed(models: &[ModelSpec; 2], contact: &ContactSpec, located: bool, depth:
     let mut numbers = Numbers::new(11);
     let (sq, sv) = scales(&scene);
     for i in 0..s.q.len() {
-        s.q[i] += 0.02 * sq[i] * numbers.next();
-        s.v[i] += 0.02 * sv[i] * numbers.next();
+        s.q[i] += 0.02 * sq[i] * numbers.draw();
+        s.v[i] += 0.02 * sv[i] * numbers.draw();
     }
     // Hub and teeth of the pinion go forward by the depth.
     let range = scene.gears()[0].range();
-    let n = if models[0].id == "elastic-test" { 1 } else { range.len() };
+    let n = if models[0].id == "elastic-test" {
+        1
+    } else {
+        range.len()
+    };
     range.take(n).for_each(|i| s.q[i] += depth / 0.0376);
     scene.begin(&mut s, located);
     (scene, s)
@@ -123,12 +139,21 @@ fn tangent_is_the_derivative_of_the_force() {
         for stiffness in stiffnesses() {
             for (exponent, damping) in laws() {
                 for friction in frictions {
-                    let contact =
-                        ContactSpec { stiffness: stiffness.clone(), exponent, damping, friction, slices: None };
+                    let contact = ContactSpec {
+                        stiffness: stiffness.clone(),
+                        exponent,
+                        damping,
+                        friction,
+                        slices: None,
+                    };
                     for located in [false, true] {
                         let (mut scene, s) = pressed(&models, &contact, located, 3e-6);
                         let touching = channel(&mut scene, &s, "force:0");
-                        assert!(touching > 0.1, "{} {damping:?} {located}: {touching} N", models[0].id);
+                        assert!(
+                            touching > 0.1,
+                            "{} {damping:?} {located}: {touching} N",
+                            models[0].id
+                        );
                         let error = tangent_error(&mut scene, &s);
                         assert!(
                             error < 2e-6,
@@ -152,23 +177,47 @@ fn closed_contacts_continue_smoothly_into_the_gap() {
     // A located contact that is closed keeps its branch on the far side of zero, so that a root can be sought.
     for models in pairs() {
         for (exponent, damping) in laws() {
-            let contact = ContactSpec { exponent, damping, ..contact(1.5e10) };
+            let contact = ContactSpec {
+                exponent,
+                damping,
+                ..contact(1.5e10)
+            };
             let (mut scene, mut s) = pressed(&models, &contact, true, 3e-6);
             let first = scene.gears()[0].range();
-            let n = if models[0].id == "elastic-test" { 1 } else { first.len() };
+            let n = if models[0].id == "elastic-test" {
+                1
+            } else {
+                first.len()
+            };
             first.take(n).for_each(|i| s.q[i] -= 5e-6 / 0.0376);
             let found = candidates(&scene, &s);
             assert!(found.iter().all(|(_, c)| c.gap > 0.0));
             let error = tangent_error(&mut scene, &s);
-            assert!(error < 2e-6, "{} {exponent} {damping:?}: {error:.2e}", models[0].id);
+            assert!(
+                error < 2e-6,
+                "{} {exponent} {damping:?}: {error:.2e}",
+                models[0].id
+            );
         }
     }
 }
 
 const COEFFICIENTS: [Coeffs; 3] = [
-    Coeffs { m: 1.0, d: 3e-7, k: 1e-13 },
-    Coeffs { m: 1.0, d: 4e-5, k: 2e-9 },
-    Coeffs { m: 1.0, d: 1e-3, k: 1e-6 },
+    Coeffs {
+        m: 1.0,
+        d: 3e-7,
+        k: 1e-13,
+    },
+    Coeffs {
+        m: 1.0,
+        d: 4e-5,
+        k: 2e-9,
+    },
+    Coeffs {
+        m: 1.0,
+        d: 1e-3,
+        k: 1e-6,
+    },
 ];
 
 /// What turning sliding forces add to `K`: `-F (dt/ds) (ds/dq)` of each contact, as a full matrix.
@@ -176,10 +225,11 @@ fn turning(scene: &mut Scene, s: &State) -> Vec<f64> {
     let n = s.q.len();
     let mut k = vec![0.0; n * n];
     for contact in scene.contact_forces(s.at()) {
-        let Some((mesh, c)) = candidates(scene, s)
-            .into_iter()
-            .find(|(m, c)| *m == contact.mesh && c.points[0].x == contact.x && c.points[0].tooth == contact.teeth[0])
-        else {
+        let Some((mesh, c)) = candidates(scene, s).into_iter().find(|(m, c)| {
+            *m == contact.mesh
+                && c.points[0].x == contact.x
+                && c.points[0].tooth == contact.teeth[0]
+        }) else {
             continue;
         };
         let t = Vec3::new(-c.normal.y, c.normal.x, 0.0);
@@ -277,13 +327,21 @@ fn correction_with_friction_leaves_out_only_the_turning_of_the_sliding_force() {
     for models in pairs() {
         for (exponent, damping) in laws() {
             let friction = Some(Friction::new(0.08, 0.02).unwrap());
-            let contact = ContactSpec { exponent, damping, friction, ..contact(1.5e10) };
+            let contact = ContactSpec {
+                exponent,
+                damping,
+                friction,
+                ..contact(1.5e10)
+            };
             for located in [false, true] {
                 let (mut scene, s) = pressed(&models, &contact, located, 3e-6);
                 for c in COEFFICIENTS {
                     let error = correct_error(&mut scene, &s, c);
                     let name = &models[0].id;
-                    assert!(error < 1e-8, "{name}, {exponent}, {damping:?}, located {located}, {c:?}: {error:.2e}");
+                    assert!(
+                        error < 1e-8,
+                        "{name}, {exponent}, {damping:?}, located {located}, {c:?}: {error:.2e}"
+                    );
                 }
             }
         }

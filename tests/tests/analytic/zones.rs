@@ -23,7 +23,10 @@ fn driven(speed: f64, torque: f64) -> SceneSpec {
 }
 
 fn damped(per_width: f64) -> ContactSpec {
-    ContactSpec { damping: Damping::KelvinVoigtRatio { ratio: 0.1 }, ..contact(per_width) }
+    ContactSpec {
+        damping: Damping::KelvinVoigtRatio { ratio: 0.1 },
+        ..contact(per_width)
+    }
 }
 
 /// States at which the run was switched or handed over.
@@ -42,7 +45,14 @@ impl Sink for Switches {
 #[test]
 fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
     for speed in [80.0, -80.0] {
-        for id in ["rk4", "dopri5", "velocity-verlet", "generalised-alpha", "bdf", "tsit45"] {
+        for id in [
+            "rk4",
+            "dopri5",
+            "velocity-verlet",
+            "generalised-alpha",
+            "bdf",
+            "tsit45",
+        ] {
             let spec = driven(speed, 60.0);
             let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
             let mut scene = build(&spec, &[rigid(), rigid()], &damped(1.5e10));
@@ -53,7 +63,9 @@ fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
             let pitches = 6.0;
             let t_end = pitches * std::f64::consts::TAU / 20.0 / speed.abs();
             let plan = TimePlan::new(t_end, resolution(row, 2e-6, 1e-6));
-            method.run(&mut scene, &mut s, &plan, &mut switches, &mut work).unwrap();
+            method
+                .run(&mut scene, &mut s, &plan, &mut switches, &mut work)
+                .unwrap();
             let mut at_ends = 0;
             for s in &switches.0 {
                 // A pinion's tooth at either end of the path, on either flank.
@@ -61,18 +73,31 @@ fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
                     .into_iter()
                     .map(|x| (x - l.path[0]).abs().min((x - l.path[1]).abs()))
                     .fold(f64::INFINITY, f64::min);
-                let touch = candidates(&scene, s).iter().map(|(_, c)| c.gap.abs()).fold(f64::INFINITY, f64::min);
-                assert!(off < 1e-12 || touch < 1e-12, "{id}: switched {off:.1e} m off an end, {touch:.1e} m off touch");
+                let touch = candidates(&scene, s)
+                    .iter()
+                    .map(|(_, c)| c.gap.abs())
+                    .fold(f64::INFINITY, f64::min);
+                assert!(
+                    off < 1e-12 || touch < 1e-12,
+                    "{id}: switched {off:.1e} m off an end, {touch:.1e} m off touch"
+                );
                 at_ends += usize::from(off < 1e-12);
             }
             // Each pitch one pair enters and one leaves on each flank; the load never lets the flanks part.
-            assert!((at_ends as f64 - 4.0 * pitches).abs() <= 2.0, "{id}: {at_ends} ends in {pitches} pitches");
+            assert!(
+                (at_ends as f64 - 4.0 * pitches).abs() <= 2.0,
+                "{id}: {at_ends} ends in {pitches} pitches"
+            );
         }
     }
 }
 
 /// Path coordinates of listed pairs and their neighbours on both flanks.
-fn candidates_beyond(scene: &gearbench_models::scene::Scene, s: &State, base_pitch: f64) -> Vec<f64> {
+fn candidates_beyond(
+    scene: &gearbench_models::scene::Scene,
+    s: &State,
+    base_pitch: f64,
+) -> Vec<f64> {
     let mut all = Vec::new();
     for (_, c) in candidates(scene, s) {
         all.extend([c.s - base_pitch, c.s, c.s + base_pitch]);
@@ -88,7 +113,10 @@ fn many_rotations_have_the_expected_number_of_events() {
     let t_end = 10.0 * std::f64::consts::TAU / 200.0;
     let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-6), t_end).unwrap("rotation");
     let events = o.work.events as f64;
-    assert!((events - 800.0).abs() < 25.0, "{events} events in 200 pitches");
+    assert!(
+        (events - 800.0).abs() < 25.0,
+        "{events} events in 200 pitches"
+    );
     assert!(o.normal_min >= 0.0 && o.ledger.residual_relative().abs() < 1e-5);
     let wheel = o.state.q[0] * 1.5 / (10.0 * std::f64::consts::TAU);
     assert!((wheel + 1.0).abs() < 1e-4, "{wheel}");
@@ -117,27 +145,46 @@ fn movable_and_elastic_teeth_pass_the_ends_of_the_path_at_any_speed() {
             scene = build(&close, &models, &contact);
             s.clone_from(&scene.initial());
             let t_end = (1e-4 / (0.0376 * speed.abs())).max(2e-3);
-            let plan = TimePlan { max_steps: 3_000_000, ..TimePlan::new(t_end, Resolution::Tolerance(1e-6)) };
-            let o = run_from(&mut scene, s, "dopri5", &plan).unwrap(&format!("{} at {speed} rad/s", models[0].id));
+            let plan = TimePlan {
+                max_steps: 3_000_000,
+                ..TimePlan::new(t_end, Resolution::Tolerance(1e-6))
+            };
+            let o = run_from(&mut scene, s, "dopri5", &plan)
+                .unwrap(&format!("{} at {speed} rad/s", models[0].id));
             let pitches = speed.abs() * t_end / (std::f64::consts::TAU / 20.0);
             let most = 60.0 + 60.0 * pitches;
-            assert!((o.work.events as f64) < most, "{} at {speed} rad/s: {} events", models[0].id, o.work.events);
+            assert!(
+                (o.work.events as f64) < most,
+                "{} at {speed} rad/s: {} events",
+                models[0].id,
+                o.work.events
+            );
         }
     }
 }
 
 #[test]
 fn hammering_in_the_backlash_keeps_the_energy() {
-    for model in [rigid(), movable(5.3e8, 4.8e-3, 0.0), elastic(20, 0.0, 2e-9, 0.3)] {
+    for model in [
+        rigid(),
+        movable(5.3e8, 4.8e-3, 0.0),
+        elastic(20, 0.0, 2e-9, 0.3),
+    ] {
         let spec = case_a(34e-6);
-        let second = if model.id == "elastic-test" { rigid() } else { model.clone() };
+        let second = if model.id == "elastic-test" {
+            rigid()
+        } else {
+            model.clone()
+        };
         let mut scene = build(&spec, &[model.clone(), second], &contact(2e10));
         let mut s = scene.initial();
         let mut switches = Switches::default();
         let plan = TimePlan::new(3e-3, Resolution::Tolerance(1e-9));
         let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
         let mut work = Work::default();
-        method.run(&mut scene, &mut s, &plan, &mut switches, &mut work).unwrap();
+        method
+            .run(&mut scene, &mut s, &plan, &mut switches, &mut work)
+            .unwrap();
         // Both flanks take part, again and again.
         let mut flanks = [0, 0];
         for s in &switches.0 {
@@ -149,10 +196,19 @@ fn hammering_in_the_backlash_keeps_the_energy() {
             flanks[0] += usize::from(touching(Side::Left));
             flanks[1] += usize::from(touching(Side::Right));
         }
-        assert!(flanks.iter().all(|&n| n >= 8), "{}: {flanks:?} events on the flanks", model.id);
+        assert!(
+            flanks.iter().all(|&n| n >= 8),
+            "{}: {flanks:?} events on the flanks",
+            model.id
+        );
         let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-9), 3e-3).unwrap("hammer");
         let e = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
-        assert!(e.abs() < 1e-6, "{}: energy changes by {e:.2e} over {} events", model.id, work.events);
+        assert!(
+            e.abs() < 1e-6,
+            "{}: energy changes by {e:.2e} over {} events",
+            model.id,
+            work.events
+        );
     }
 }
 
@@ -160,14 +216,25 @@ fn hammering_in_the_backlash_keeps_the_energy() {
 fn without_events_a_run_converges_to_the_same_motion() {
     // The clipped force with its kinks at unlocated times: order two is all that remains, and velocity Verlet
     // keeps it.
-    for model in [rigid(), movable(5.3e8, 4.8e-3, 0.0), elastic(20, 0.0, 2e-9, 0.3)] {
-        let second = if model.id == "elastic-test" { rigid() } else { model.clone() };
+    for model in [
+        rigid(),
+        movable(5.3e8, 4.8e-3, 0.0),
+        elastic(20, 0.0, 2e-9, 0.3),
+    ] {
+        let second = if model.id == "elastic-test" {
+            rigid()
+        } else {
+            model.clone()
+        };
         let models = [model.clone(), second];
         let contact = contact(2e10);
         let run_at = |resolution: Resolution, events: bool, id: &str| {
             let mut scene = build(&case_a(3e-6), &models, &contact);
             let s = scene.initial();
-            let plan = TimePlan { events, ..TimePlan::new(2e-4, resolution) };
+            let plan = TimePlan {
+                events,
+                ..TimePlan::new(2e-4, resolution)
+            };
             run_from(&mut scene, s, id, &plan).unwrap(id)
         };
         let reference = run_at(Resolution::Tolerance(1e-11), true, "dopri5");
@@ -181,10 +248,18 @@ fn without_events_a_run_converges_to_the_same_motion() {
             })
             .collect();
         let order = slope(&steps, &errors);
-        assert!(order > 1.7, "{}: order {order:.2} without events, errors {errors:?}", model.id);
+        assert!(
+            order > 1.7,
+            "{}: order {order:.2} without events, errors {errors:?}",
+            model.id
+        );
         let o = run_at(Resolution::Tolerance(1e-8), false, "dopri5");
         let error = (o.state.v[0] - reference.state.v[0]).abs() / 20.0;
-        assert!(error < 1e-4, "{}: dopri5 without events is off by {error:.2e}", model.id);
+        assert!(
+            error < 1e-4,
+            "{}: dopri5 without events is off by {error:.2e}",
+            model.id
+        );
         let _ = lever(&case_a(0.0).gears[0].body);
     }
 }
@@ -198,7 +273,10 @@ fn impact_speeds_belong_to_their_own_impact() {
     let r = gearbench_models::contact::law::realised_restitution(chi);
     for turned in [0.0, 300.0] {
         let spec = case_a(34e-6);
-        let contact = ContactSpec { damping, ..contact(2e10) };
+        let contact = ContactSpec {
+            damping,
+            ..contact(2e10)
+        };
         let mut scene = build(&spec, &[rigid(), rigid()], &contact);
         let mut s = scene.initial();
         let pitch = std::f64::consts::TAU / 20.0;
@@ -210,11 +288,22 @@ fn impact_speeds_belong_to_their_own_impact() {
         let mut switches = Switches::default();
         let plan = TimePlan::new(1.2e-3, Resolution::Tolerance(1e-9));
         let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
-        method.run(&mut scene, &mut s, &plan, &mut switches, &mut Work::default()).unwrap();
+        method
+            .run(
+                &mut scene,
+                &mut s,
+                &plan,
+                &mut switches,
+                &mut Work::default(),
+            )
+            .unwrap();
         // Free flights between impacts: their relative speeds fall by r each time.
         let mut speeds: Vec<f64> = Vec::new();
         for s in &switches.0 {
-            let gap = candidates(&scene, s).iter().map(|(_, c)| c.gap.abs()).fold(f64::INFINITY, f64::min);
+            let gap = candidates(&scene, s)
+                .iter()
+                .map(|(_, c)| c.gap.abs())
+                .fold(f64::INFINITY, f64::min);
             let v = closing(s).abs();
             if gap < 1e-11 && speeds.last().is_none_or(|last| (last - v).abs() > 1e-6 * v) {
                 speeds.push(v);
@@ -223,7 +312,10 @@ fn impact_speeds_belong_to_their_own_impact() {
         assert!(speeds.len() >= 4, "{speeds:?}");
         for (i, v) in speeds.iter().enumerate() {
             let want = first * r.powi(i as i32);
-            assert!((v / want - 1.0).abs() < 1e-5, "turned by {turned} pitches, flight {i}: {v} m/s, {want} m/s");
+            assert!(
+                (v / want - 1.0).abs() < 1e-5,
+                "turned by {turned} pitches, flight {i}: {v} m/s, {want} m/s"
+            );
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The elastic impact of case A under every model and every method.
 
 use gearbench_integrators::{
-    AcceptedStep, Control, MethodInfo, Outputs, Resolution, SecondOrderSystem, Sink, Stepping, TimePlan, Work,
+    AcceptedStep, Control, MethodInfo, Outputs, Resolution, SecondOrderSystem, Sink, Stepping,
+    TimePlan, Work,
 };
 use gearbench_models::contact::law::{Damping, realised_restitution};
 use gearbench_models::gear::table::Model;
@@ -44,7 +45,8 @@ impl Invariant {
     fn new(scene: &Scene) -> Self {
         let spec = case_a(GAP);
         Invariant {
-            per_speed: [0, 1].map(|i| scene.gears()[i].model.hub().inertia / lever(&spec.gears[i].body)),
+            per_speed: [0, 1]
+                .map(|i| scene.gears()[i].model.hub().inertia / lever(&spec.gears[i].body)),
             channels: ["speed:pinion", "speed:wheel"].map(|c| scene.channel(c).unwrap()),
             start: None,
             drift: 0.0,
@@ -53,7 +55,11 @@ impl Invariant {
         }
     }
 
-    fn momenta(&mut self, sys: &mut dyn SecondOrderSystem, s: &gearbench_integrators::State) -> [f64; 2] {
+    fn momenta(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &gearbench_integrators::State,
+    ) -> [f64; 2] {
         sys.output(s.at(), &mut self.out);
         [0, 1].map(|i| self.out.channels[self.channels[i]] * self.per_speed[i])
     }
@@ -80,13 +86,22 @@ fn momentum_along_the_line_of_action_is_invariant() {
                 let mut scene = scene_of(model, &contact(usual_stiffness(model)));
                 let mut watch = Invariant::new(&scene);
                 let mut s = scene.initial();
-                let plan = TimePlan { events, ..TimePlan::new(T_END, resolution(method, 2e-7, 1e-6)) };
+                let plan = TimePlan {
+                    events,
+                    ..TimePlan::new(T_END, resolution(method, 2e-7, 1e-6))
+                };
                 let mut work = Work::default();
-                method.build().run(&mut scene, &mut s, &plan, &mut watch, &mut work).unwrap();
+                method
+                    .build()
+                    .run(&mut scene, &mut s, &plan, &mut watch, &mut work)
+                    .unwrap();
                 let what = format!("{} under {}, events {events}", model.id, method.info.id);
                 assert!(watch.impulse > 0.1, "{what}: impulse {}", watch.impulse);
                 let drift = watch.drift / watch.impulse;
-                assert!(drift <= 1e-10, "{what}: L1/r_b1 - L2/r_b2 drifts by {drift:.2e} of the impulse");
+                assert!(
+                    drift <= 1e-10,
+                    "{what}: L1/r_b1 - L2/r_b2 drifts by {drift:.2e} of the impulse"
+                );
             }
         }
     }
@@ -97,12 +112,17 @@ fn methods_without_dissipation_keep_the_energy_of_an_elastic_impact() {
     for model in &models() {
         for method in methods().iter().filter(|m| !m.info.dissipative) {
             let mut scene = scene_of(model, &contact(usual_stiffness(model)));
-            let o = run(&mut scene, method.info.id, fine(method.info), T_END).unwrap(method.info.id);
+            let o =
+                run(&mut scene, method.info.id, fine(method.info), T_END).unwrap(method.info.id);
             let start = o.ledger.start.unwrap().total();
             let error = o.ledger.end.total() / start - 1.0;
             let what = format!("{} under {}", model.id, method.info.id);
             assert!(error.abs() <= 1e-6, "{what}: energy changes by {error:.2e}");
-            assert!(o.normal_min >= -1e-9 * o.peak, "{what}: the contact pulls with {} N", o.normal_min);
+            assert!(
+                o.normal_min >= -1e-9 * o.peak,
+                "{what}: the contact pulls with {} N",
+                o.normal_min
+            );
             assert!(o.ledger.end.contact == 0.0, "{what}: still in contact");
         }
     }
@@ -133,10 +153,21 @@ fn the_loss_of_dissipative_methods_falls_with_the_declared_order() {
                 })
                 .collect();
             // What rounding leaves says nothing.
-            let (x, loss): (Vec<f64>, Vec<f64>) = x.into_iter().zip(loss).filter(|(_, e)| *e > 1e-12).unzip();
-            assert!(x.len() >= 3, "{} under {}: too fine to fit", model.id, info.id);
+            let (x, loss): (Vec<f64>, Vec<f64>) =
+                x.into_iter().zip(loss).filter(|(_, e)| *e > 1e-12).unzip();
+            assert!(
+                x.len() >= 3,
+                "{} under {}: too fine to fit",
+                model.id,
+                info.id
+            );
             let observed = slope(&x, &loss);
-            table += &format!("{:14} {:20} declared {declared:.2} observed {observed:.2} {}\n", model.id, info.id, loss.iter().map(|x| format!(" {x:.1e}")).collect::<String>());
+            table += &format!(
+                "{:14} {:20} declared {declared:.2} observed {observed:.2} {}\n",
+                model.id,
+                info.id,
+                loss.iter().map(|x| format!(" {x:.1e}")).collect::<String>()
+            );
             bad |= observed < declared - 0.25;
         }
     }
@@ -149,13 +180,16 @@ fn the_ledger_closes_with_varying_stiffness() {
     for model in &models() {
         for method in methods() {
             let contact = ContactSpec {
-                stiffness: PairStiffness::Iso6336 { variation: IsoVariation::IsoMean },
+                stiffness: PairStiffness::Iso6336 {
+                    variation: IsoVariation::IsoMean,
+                },
                 ..contact(1.0)
             };
             // On the rising part of the stiffness.
             let mut spec = case_a(GAP);
             let at = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
-            spec.meshes[0].start.path_coordinate = Some(at.path[0] + 0.35 * (at.path[1] - at.path[0]));
+            spec.meshes[0].start.path_coordinate =
+                Some(at.path[0] + 0.35 * (at.path[1] - at.path[0]));
             let mut scene = build(&spec, &[usual(model, 20), usual(model, 30)], &contact);
             let resolution = match method.info.stepping {
                 Stepping::Adaptive => Resolution::Tolerance(1e-10),
@@ -167,7 +201,10 @@ fn the_ledger_closes_with_varying_stiffness() {
             let (residual, work) = (o.ledger.residual_relative(), o.ledger.parametric);
             let what = format!("{} under {}", model.id, method.info.id);
             assert!(work.abs() > 1e-6, "{what}: no parametric work, {work:e} J");
-            assert!(residual.abs() <= 1e-6, "{what}: {residual:.2e} of the energy is not explained");
+            assert!(
+                residual.abs() <= 1e-6,
+                "{what}: {residual:.2e} of the energy is not explained"
+            );
         }
     }
 }
@@ -184,18 +221,30 @@ fn the_ledger_closes_with_damped_contacts() {
         ] {
             // A nonlinear law needs more than the linear stiffness for the same force.
             let stiffness = usual_stiffness(model) * 1e-5_f64.powf(1.0 - exponent);
-            let contact = ContactSpec { exponent, damping, ..contact(stiffness) };
-            for (id, resolution) in
-                [("dopri5", Resolution::Tolerance(1e-9)), ("generalised-alpha", Resolution::Step(2e-8))]
-            {
+            let contact = ContactSpec {
+                exponent,
+                damping,
+                ..contact(stiffness)
+            };
+            for (id, resolution) in [
+                ("dopri5", Resolution::Tolerance(1e-9)),
+                ("generalised-alpha", Resolution::Step(2e-8)),
+            ] {
                 let mut scene = scene_of(model, &contact);
                 let o = run(&mut scene, id, resolution, T_END).unwrap(id);
                 let what = format!("{} with {damping:?} under {id}", model.id);
                 let residual = o.ledger.residual_relative();
-                assert!(residual.abs() <= 2e-6, "{what}: {residual:.2e} of the energy is not explained");
+                assert!(
+                    residual.abs() <= 2e-6,
+                    "{what}: {residual:.2e} of the energy is not explained"
+                );
                 let lost = o.ledger.dissipated / o.ledger.start.unwrap().total();
                 assert!((0.01..0.6).contains(&lost), "{what}: loses {lost:.3}");
-                assert!(o.normal_min >= -1e-9 * o.peak, "{what}: the contact pulls with {} N", o.normal_min);
+                assert!(
+                    o.normal_min >= -1e-9 * o.peak,
+                    "{what}: the contact pulls with {} N",
+                    o.normal_min
+                );
             }
         }
     }
@@ -217,7 +266,11 @@ fn rigid_gears_rebound_with_the_restitution_of_the_law() {
     ] {
         for exponent in [1.0, 1.5] {
             let stiffness = 1.54e10 * 1e-5_f64.powf(1.0 - exponent);
-            let contact = ContactSpec { exponent, damping, ..contact(stiffness) };
+            let contact = ContactSpec {
+                exponent,
+                damping,
+                ..contact(stiffness)
+            };
             for method in methods().iter().filter(|m| m.info.order > 1) {
                 let mut scene = build(&spec, &[rigid(), rigid()], &contact);
                 let s = scene.initial();
