@@ -24,6 +24,9 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
     };
     let reference = gearbench_reference::reference(id).map_err(|e| Refusal::Files(e.to_string()))?;
     let history = &reference.history;
+    // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
+    let n = history.time.partition_point(|&t| t <= scene.duration);
+    let (time, force) = (&history.time[..n], &history.contact_force[..n]);
 
     let choices = scene.select(args.model.as_deref())?;
     let fitted: Vec<_> = choices
@@ -44,7 +47,7 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
             &scene.spec_for(choice),
             &choice.modelling,
             MODELS,
-            (&history.time, &history.contact_force),
+            (time, force),
             |n, error| {
                 bar.set_message(format!("{}: {n} integrations, force error {:.3} %", choice.label, 100.0 * error));
             },

@@ -271,7 +271,7 @@ fn impact_speeds_belong_to_their_own_impact() {
     let damping = Damping::Flores { e: 0.8 };
     let chi = 1.6 * 0.2 / 0.8;
     let r = gearbench_models::contact::law::realised_restitution(chi);
-    for turned in [0.0, 300.0] {
+    for turned in [0.0, 300.0, 30_000.0] {
         let spec = case_a(34e-6);
         let contact = ContactSpec {
             damping,
