@@ -23,9 +23,12 @@ struct Point {
 fn gearbench(problem: Problem) -> Vec<Point> {
     let mut scene = problem.scene();
     let n = 5000;
-    let grid: Vec<f64> = (0..=n).map(|i| problem.end() * f64::from(i) / f64::from(n)).collect();
+    let grid: Vec<f64> = (0..=n)
+        .map(|i| problem.end() * f64::from(i) / f64::from(n))
+        .collect();
     let exact = problem.exact(&grid);
-    let span = exact.iter().fold(f64::MIN, |a, &b| a.max(b)) - exact.iter().fold(f64::MAX, |a, &b| a.min(b));
+    let span = exact.iter().fold(f64::MIN, |a, &b| a.max(b))
+        - exact.iter().fold(f64::MAX, |a, &b| a.min(b));
     let mut points = Vec::new();
     for row in METHODS {
         for resolution in sweep(row.info.stepping != Stepping::Fixed, 2e-5) {
@@ -35,16 +38,31 @@ fn gearbench(problem: Problem) -> Vec<Point> {
                 continue;
             }
             let mut method = row.build();
-            let Ok(speed) = record(&mut scene, method.as_mut(), resolution, &grid, "speed:pinion") else {
+            let Ok(speed) = record(
+                &mut scene,
+                method.as_mut(),
+                resolution,
+                &grid,
+                "speed:pinion",
+            ) else {
                 continue;
             };
-            let mean = speed.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / speed.len() as f64;
+            let mean = speed
+                .iter()
+                .zip(&exact)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>()
+                / speed.len() as f64;
             let (wall, _) = time(&mut scene, method.as_mut(), resolution, problem.end());
             let value = match resolution {
                 Resolution::Step(h) => format!("h {h:.1e}"),
                 Resolution::Tolerance(r) => format!("rtol {r:.1e}"),
             };
-            points.push(Point { what: format!("{} {value}", row.info.id), error: mean.sqrt() / span, wall });
+            points.push(Point {
+                what: format!("{} {value}", row.info.id),
+                error: mean.sqrt() / span,
+                wall,
+            });
         }
     }
     points
@@ -57,12 +75,19 @@ fn scipy(path: &str, problem: Problem) -> Vec<Point> {
         .deserialize()
         .map(|r: Result<(String, String, f64, f64, f64, f64), _>| r.unwrap())
         .filter(|r| r.0 == problem.name())
-        .map(|r| Point { what: format!("{} {:.0e}", r.1, r.2), error: r.3, wall: r.4 })
+        .map(|r| Point {
+            what: format!("{} {:.0e}", r.1, r.2),
+            error: r.3,
+            wall: r.4,
+        })
         .collect()
 }
 
 fn cheapest(points: &[Point], level: f64) -> Option<&Point> {
-    points.iter().filter(|p| p.error <= level).min_by(|a, b| a.wall.total_cmp(&b.wall))
+    points
+        .iter()
+        .filter(|p| p.error <= level)
+        .min_by(|a, b| a.wall.total_cmp(&b.wall))
 }
 
 #[allow(clippy::print_stdout)]
@@ -71,11 +96,19 @@ fn main() {
     for problem in [Problem::Impact, Problem::Hammer] {
         let ours = gearbench(problem);
         let theirs = path.as_deref().map_or_else(Vec::new, |p| scipy(p, problem));
-        println!("\n{}: cheapest run at an rms error of the pinion speed of at most", problem.name());
-        println!("{:>8}  {:>10} {:<26} {:>10} {:<24} {:>7}", "error", "gearbench", "", "SciPy", "", "ratio");
+        println!(
+            "\n{}: cheapest run at an rms error of the pinion speed of at most",
+            problem.name()
+        );
+        println!(
+            "{:>8}  {:>10} {:<26} {:>10} {:<24} {:>7}",
+            "error", "gearbench", "", "SciPy", "", "ratio"
+        );
         for exponent in 2..=9 {
             let level = 10f64.powi(-exponent);
-            let Some(a) = cheapest(&ours, level) else { continue };
+            let Some(a) = cheapest(&ours, level) else {
+                continue;
+            };
             let wall = |p: &Point| format!("{:.1} us", p.wall * 1e6);
             match cheapest(&theirs, level) {
                 Some(b) => println!(
@@ -91,6 +124,8 @@ fn main() {
         }
     }
     if path.is_none() {
-        println!("\nSciPy's side: python3 benchmarks/scripts/scipy_floor.py scipy.csv, then give scipy.csv here");
+        println!(
+            "\nSciPy's side: python3 benchmarks/scripts/scipy_floor.py scipy.csv, then give scipy.csv here"
+        );
     }
 }

@@ -26,14 +26,27 @@ struct Best {
 fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     let grid = grid(end);
     let mut tight = gearbench_integrators::method("dopri5").ok()?.1;
-    let converged = record(scene, tight.as_mut(), Resolution::Tolerance(1e-11), &grid, "force:0").ok()?;
+    let converged = record(
+        scene,
+        tight.as_mut(),
+        Resolution::Tolerance(1e-11),
+        &grid,
+        "force:0",
+    )
+    .ok()?;
     let size: f64 = converged.iter().map(|f| f * f).sum();
     let mut best: Option<Best> = None;
     for row in METHODS {
         for resolution in sweep(row.info.stepping != Stepping::Fixed, 3e-5) {
             let mut method = row.build();
-            let Ok(force) = record(scene, method.as_mut(), resolution, &grid, "force:0") else { continue };
-            let error: f64 = force.iter().zip(&converged).map(|(a, b)| (a - b).powi(2)).sum();
+            let Ok(force) = record(scene, method.as_mut(), resolution, &grid, "force:0") else {
+                continue;
+            };
+            let error: f64 = force
+                .iter()
+                .zip(&converged)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum();
             let error = (error / size).sqrt();
             if error > OWN_ERROR || error.is_nan() {
                 continue;
@@ -45,7 +58,12 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
                     Resolution::Tolerance(r) => format!("rtol {r:.1e}"),
                 };
                 let what = format!("{}, {value}", row.info.id);
-                best = Some(Best { wall, what, error, forces: work.force_evaluations });
+                best = Some(Best {
+                    wall,
+                    what,
+                    error,
+                    forces: work.force_evaluations,
+                });
             }
         }
     }
@@ -56,17 +74,35 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
 fn main() {
     let (mut rigid, end) = spur_impact("rigid");
     let (mut teeth, _) = spur_impact("movable-teeth");
-    println!("same method, same step (0.5 us), spur_impact, {:.0} us", end * 1e6);
-    println!("{:<22} {:>12} {:>14} {:>7}", "method", "rigid", "movable teeth", "ratio");
-    for row in METHODS.iter().filter(|m| m.info.stepping != Stepping::Adaptive) {
+    println!(
+        "same method, same step (0.5 us), spur_impact, {:.0} us",
+        end * 1e6
+    );
+    println!(
+        "{:<22} {:>12} {:>14} {:>7}",
+        "method", "rigid", "movable teeth", "ratio"
+    );
+    for row in METHODS
+        .iter()
+        .filter(|m| m.info.stepping != Stepping::Adaptive)
+    {
         let mut method = row.build();
         let step = Resolution::Step(5e-7);
         let (a, work) = time(&mut rigid, method.as_mut(), step, end);
         let (b, _) = time(&mut teeth, method.as_mut(), step, end);
         let per_step = |wall: f64| format!("{:.0} ns/step", 1e9 * wall / work.steps as f64);
-        println!("{:<22} {:>12} {:>14} {:>7.2}", row.info.id, per_step(a), per_step(b), b / a);
+        println!(
+            "{:<22} {:>12} {:>14} {:>7.2}",
+            row.info.id,
+            per_step(a),
+            per_step(b),
+            b / a
+        );
     }
-    println!("\nat an own error of {:.0} % of the force history, cheapest method of each", 100.0 * OWN_ERROR);
+    println!(
+        "\nat an own error of {:.0} % of the force history, cheapest method of each",
+        100.0 * OWN_ERROR
+    );
     if let (Some(a), Some(b)) = (best(&mut rigid, end), best(&mut teeth, end)) {
         for (name, x) in [("rigid", &a), ("movable teeth", &b)] {
             println!(

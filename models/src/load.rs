@@ -33,12 +33,20 @@ impl Profile {
     pub fn problem(&self) -> Option<String> {
         let finite = |x: &f64| x.is_finite();
         match self {
-            Profile::Constant(x) => (!x.is_finite()).then(|| format!("the value {x} is not a number")),
-            Profile::Ramp { from, to, start, end } => {
+            Profile::Constant(x) => {
+                (!x.is_finite()).then(|| format!("the value {x} is not a number"))
+            }
+            Profile::Ramp {
+                from,
+                to,
+                start,
+                end,
+            } => {
                 if ![from, to, start, end].into_iter().all(finite) {
                     Some("a ramp needs four finite numbers".into())
                 } else {
-                    (end <= start).then(|| format!("a ramp from {start} s to {end} s has no length"))
+                    (end <= start)
+                        .then(|| format!("a ramp from {start} s to {end} s has no length"))
                 }
             }
             Profile::Table { time, value } => {
@@ -59,9 +67,12 @@ impl Profile {
     pub fn value(&self, t: f64) -> f64 {
         match self {
             Profile::Constant(x) => *x,
-            Profile::Ramp { from, to, start, end } => {
-                from + (to - from) * ((t - start) / (end - start)).clamp(0.0, 1.0)
-            }
+            Profile::Ramp {
+                from,
+                to,
+                start,
+                end,
+            } => from + (to - from) * ((t - start) / (end - start)).clamp(0.0, 1.0),
             Profile::Table { time, value } => {
                 let i = time.partition_point(|&x| x <= t);
                 if i == 0 {
@@ -94,12 +105,14 @@ impl Profile {
     pub fn next_knot(&self, t: f64) -> f64 {
         match self {
             Profile::Constant(_) => f64::INFINITY,
-            Profile::Ramp { start, end, .. } => {
-                [*start, *end].into_iter().find(|&k| k > t).unwrap_or(f64::INFINITY)
-            }
-            Profile::Table { time, .. } => {
-                time.get(time.partition_point(|&k| k <= t)).copied().unwrap_or(f64::INFINITY)
-            }
+            Profile::Ramp { start, end, .. } => [*start, *end]
+                .into_iter()
+                .find(|&k| k > t)
+                .unwrap_or(f64::INFINITY),
+            Profile::Table { time, .. } => time
+                .get(time.partition_point(|&k| k <= t))
+                .copied()
+                .unwrap_or(f64::INFINITY),
         }
     }
 }
@@ -119,19 +132,30 @@ mod tests {
 
     #[test]
     fn integral_is_exact_over_kinks() {
-        let p = Profile::Table { time: vec![1.0, 2.0, 4.0], value: vec![0.0, 3.0, -1.0] };
+        let p = Profile::Table {
+            time: vec![1.0, 2.0, 4.0],
+            value: vec![0.0, 3.0, -1.0],
+        };
         // 0 until 1, triangle 1.5 to 2, then (3 - 1)/2 * 2 = 2 to 4, then -1 per second.
         assert!((p.integral(5.0) - (1.5 + 2.0 - 1.0)).abs() < 1e-14);
         assert_eq!(p.next_knot(1.0), 2.0);
         assert_eq!(p.next_knot(4.0), f64::INFINITY);
-        let r = Profile::Ramp { from: 2.0, to: 4.0, start: 1.0, end: 3.0 };
+        let r = Profile::Ramp {
+            from: 2.0,
+            to: 4.0,
+            start: 1.0,
+            end: 3.0,
+        };
         assert!((r.integral(3.0) - (2.0 + 6.0)).abs() < 1e-14);
         assert_eq!(r.value(2.0), 3.0);
     }
 
     #[test]
     fn names_what_is_wrong() {
-        let p = Profile::Table { time: vec![0.0, 0.0], value: vec![1.0, 2.0] };
+        let p = Profile::Table {
+            time: vec![0.0, 0.0],
+            value: vec![1.0, 2.0],
+        };
         assert!(p.problem().unwrap().contains("ascend"));
         assert!(Profile::Constant(f64::NAN).problem().is_some());
         assert!(Profile::Constant(1.0).problem().is_none());

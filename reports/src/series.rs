@@ -343,7 +343,12 @@ mod tests {
             long.push(t, (300.0 * t).sin(), t, -t);
         }
         let thin = long.thinned_around(20, [0.1, 0.12]);
-        let count = |s: &TimeSeries| s.time_s.iter().filter(|t| (0.1..=0.12).contains(*t)).count();
+        let count = |s: &TimeSeries| {
+            s.time_s
+                .iter()
+                .filter(|t| (0.1..=0.12).contains(*t))
+                .count()
+        };
         assert_eq!(count(&thin), count(&long));
         assert!(thin.len() < 500, "{}", thin.len());
         assert!(thin.validate().is_ok());

@@ -49,8 +49,16 @@ impl Problem {
 
     fn data(self) -> Data {
         match self {
-            Problem::Impact => Data { end: 1e-3, start: 0.5 * BACKLASH, speed: [1.0, 0.0] },
-            Problem::Hammer => Data { end: 0.25, start: 0.0, speed: [101.0, 99.0 * 2.0 / 3.0] },
+            Problem::Impact => Data {
+                end: 1e-3,
+                start: 0.5 * BACKLASH,
+                speed: [1.0, 0.0],
+            },
+            Problem::Hammer => Data {
+                end: 0.25,
+                start: 0.0,
+                speed: [101.0, 99.0 * 2.0 / 3.0],
+            },
         }
     }
 
@@ -63,14 +71,23 @@ impl Problem {
     pub fn scene(self) -> Scene {
         let data = self.data();
         let gear = |teeth| {
-            Gear::new(GearParams { teeth, module: MODULE, face_width: WIDTH, ..Default::default() }).unwrap()
+            Gear::new(GearParams {
+                teeth,
+                module: MODULE,
+                face_width: WIDTH,
+                ..Default::default()
+            })
+            .unwrap()
         };
         let (one, two) = (gear(20), gear(30));
         // The distance at which the backlash along the line of action is as asked.
         let mut distance = 0.1251;
         for _ in 0..20 {
-            let alpha = Pair::new(&one, &two, distance).unwrap().working_pressure_angle();
-            distance = Pair::centre_distance_for_backlash(&one, &two, BACKLASH / alpha.cos()).unwrap();
+            let alpha = Pair::new(&one, &two, distance)
+                .unwrap()
+                .working_pressure_angle();
+            distance =
+                Pair::centre_distance_for_backlash(&one, &two, BACKLASH / alpha.cos()).unwrap();
         }
         let spec = |name: &str, gear: Gear, x: f64, speed: f64| GearSpec {
             name: name.into(),
@@ -91,14 +108,24 @@ impl Problem {
             ],
             meshes: vec![MeshSpec {
                 gears: [0, 1],
-                start: Start { side: Side::Left, gap: 0.5 * BACKLASH - data.start, path_coordinate: None },
+                start: Start {
+                    side: Side::Left,
+                    gap: 0.5 * BACKLASH - data.start,
+                    path_coordinate: None,
+                },
             }],
         };
-        let rigid = ModelSpec { id: "rigid".into(), parameters: Parameters::new() };
+        let rigid = ModelSpec {
+            id: "rigid".into(),
+            parameters: Parameters::new(),
+        };
         let modelling = Modelling {
             gears: vec![rigid.clone(), rigid],
             contacts: vec![ContactSpec {
-                stiffness: PairStiffness::Constant { per_width: STIFFNESS / WIDTH, of: PairOrMesh::Mesh },
+                stiffness: PairStiffness::Constant {
+                    per_width: STIFFNESS / WIDTH,
+                    of: PairOrMesh::Mesh,
+                },
                 exponent: 1.0,
                 damping: Damping::KelvinVoigtRatio { ratio: RATIO },
                 friction: None,
@@ -138,7 +165,8 @@ impl Problem {
                 let side = s.signum();
                 let u = v;
                 let wave = |tau: f64| {
-                    u * (-decay * tau).exp() * ((omega * tau).cos() - decay / omega * (omega * tau).sin())
+                    u * (-decay * tau).exp()
+                        * ((omega * tau).cos() - decay / omega * (omega * tau).sin())
                 };
                 fill(t, t + release, &wave);
                 s = side * half + u / omega * (-decay * release).exp() * (omega * release).sin();
@@ -153,7 +181,9 @@ impl Problem {
             }
             touching = !touching;
         }
-        rate.iter().map(|r| (mean + r * mass[1] / (mass[0] + mass[1])) / base[0]).collect()
+        rate.iter()
+            .map(|r| (mean + r * mass[1] / (mass[0] + mass[1])) / base[0])
+            .collect()
     }
 }
 
@@ -169,7 +199,10 @@ fn inertia(gear: &Gear) -> f64 {
 pub fn spur_impact(label: &str) -> (Scene, f64) {
     let scene = scene_file::load("spur_impact").unwrap_or_else(|e| panic!("{e:?}"));
     let choice = scene.model(label).unwrap();
-    (Scene::build(&scene.spec_for(choice), &choice.modelling, MODELS).unwrap(), scene.duration)
+    (
+        Scene::build(&scene.spec_for(choice), &choice.modelling, MODELS).unwrap(),
+        scene.duration,
+    )
 }
 
 /// A channel of a recorded run on a grid.
@@ -213,8 +246,12 @@ pub fn time(
 /// Resolutions over which a method is swept: tolerances, or steps that start at `coarsest` [s].
 pub fn sweep(adaptive: bool, coarsest: f64) -> Vec<Resolution> {
     if adaptive {
-        (2..=20).map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i)))).collect()
+        (2..=20)
+            .map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i))))
+            .collect()
     } else {
-        (0..12).map(|i| Resolution::Step(coarsest * 0.6f64.powi(i))).collect()
+        (0..12)
+            .map(|i| Resolution::Step(coarsest * 0.6f64.powi(i)))
+            .collect()
     }
 }

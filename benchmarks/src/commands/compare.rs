@@ -76,7 +76,11 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
         .map_err(|e| Refusal::Files(e.to_string()))?;
     summarise(&results, &dir, &page);
     let unfinished = results.runs.iter().any(|r| r.status.is_failure());
-    Ok(if unfinished { ExitCode::from(FAILED_RUN) } else { ExitCode::SUCCESS })
+    Ok(if unfinished {
+        ExitCode::from(FAILED_RUN)
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
 fn series(r: &ExternalReference) -> ReferenceSeries {
@@ -108,7 +112,10 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
         "model", "integrator", "step/rtol", "wall", "steps"
     ));
     for r in &results.runs {
-        let resolution = r.step.or(r.rtol).map_or(String::new(), |x| format!("{x:.0e}"));
+        let resolution = r
+            .step
+            .or(r.rtol)
+            .map_or(String::new(), |x| format!("{x:.0e}"));
         let wall = if r.wall_s < 1e-3 {
             format!("{:.0} us", r.wall_s * 1e6)
         } else if r.wall_s < 1.0 {
@@ -116,10 +123,16 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
         } else {
             format!("{:.2} s", r.wall_s)
         };
-        let outcome = match (r.status, r.against(against).and_then(|m| m.force_l2_aligned)) {
+        let outcome = match (
+            r.status,
+            r.against(against).and_then(|m| m.force_l2_aligned),
+        ) {
             (Status::Converged, Some(e)) => format!("{} %", short(100.0 * e, 3)),
             (Status::Converged, None) => "converged".into(),
-            (status, _) => format!("{status}: {}", r.message.as_deref().unwrap_or("no reason given")),
+            (status, _) => format!(
+                "{status}: {}",
+                r.message.as_deref().unwrap_or("no reason given")
+            ),
         };
         say(&format!(
             "{:<24} {:<30} {:>9} {:>9} {:>8}  {}",
@@ -131,9 +144,16 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
             outcome
         ));
     }
-    let failed = results.runs.iter().filter(|r| r.status.is_failure()).count();
+    let failed = results
+        .runs
+        .iter()
+        .filter(|r| r.status.is_failure())
+        .count();
     if failed > 0 {
-        say(&format!("{failed} of {} runs failed; they are recorded as failures", results.runs.len()));
+        say(&format!(
+            "{failed} of {} runs failed; they are recorded as failures",
+            results.runs.len()
+        ));
     }
     say(&format!("record: {}", dir.join("results.json").display()));
     let absolute: PathBuf = page.canonicalize().unwrap_or_else(|_| page.to_path_buf());
@@ -145,7 +165,10 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
 fn settings(scene: &SceneFile, choices: &[&ModelChoice], no_events: bool) -> Vec<(String, String)> {
     let mut rows: Vec<(String, String)> = Vec::new();
     let mut row = |what: &str, value: String| rows.push((what.to_string(), value));
-    row("simulated time", format!("{} ms", short(scene.duration * 1e3, 4)));
+    row(
+        "simulated time",
+        format!("{} ms", short(scene.duration * 1e3, 4)),
+    );
     for g in &scene.spec.gears {
         row(&format!("gear {}", g.name), gear_text(g));
     }
@@ -165,14 +188,18 @@ fn settings(scene: &SceneFile, choices: &[&ModelChoice], no_events: bool) -> Vec
         }
     }
     for choice in choices {
-        row(&format!("model {}", choice.label), model_text(scene, choice));
+        row(
+            &format!("model {}", choice.label),
+            model_text(scene, choice),
+        );
     }
     row(
         "events",
         if no_events || !scene.study.events {
             "not located: contact opens and closes inside steps".into()
         } else {
-            "contact opening and closing, ends of the path of contact and table knots are located".into()
+            "contact opening and closing, ends of the path of contact and table knots are located"
+                .into()
         },
     );
     row(
@@ -207,14 +234,26 @@ fn gear_text(g: &gearbench_models::scene::spec::GearSpec) -> String {
         }
         Body::Rack(x) => {
             let p = x.params();
-            format!("rack, {} teeth, m = {} mm, b = {} mm", p.teeth, short(p.module * 1e3, 4), short(p.face_width * 1e3, 4))
+            format!(
+                "rack, {} teeth, m = {} mm, b = {} mm",
+                p.teeth,
+                short(p.module * 1e3, 4),
+                short(p.face_width * 1e3, 4)
+            )
         }
     };
     let (inertia, unit, speed) = match &g.body {
-        Body::Gear(x) => {
-            (g.inertia.unwrap_or_else(|| x.mass_properties(g.material.density).izz), "kg m^2", "rad/s")
-        }
-        Body::Rack(x) => (g.inertia.unwrap_or_else(|| x.mass(g.material.density)), "kg", "m/s"),
+        Body::Gear(x) => (
+            g.inertia
+                .unwrap_or_else(|| x.mass_properties(g.material.density).izz),
+            "kg m^2",
+            "rad/s",
+        ),
+        Body::Rack(x) => (
+            g.inertia.unwrap_or_else(|| x.mass(g.material.density)),
+            "kg",
+            "m/s",
+        ),
     };
     let mount = match &g.mount {
         gearbench_models::mount::Mount::Fixed => "fixed",
@@ -240,14 +279,26 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
     }
     for (contact, mesh) in choice.modelling.contacts.iter().zip(&spec.meshes) {
         parts.push(format!("contact: {}", contact.stiffness.describe()));
-        parts.push(format!("law exponent {}, damping {}", contact.exponent, contact.damping.id()));
-        parts.push(format!("gap at the start {} um", short(mesh.start.gap * 1e6, 4)));
+        parts.push(format!(
+            "law exponent {}, damping {}",
+            contact.exponent,
+            contact.damping.id()
+        ));
+        parts.push(format!(
+            "gap at the start {} um",
+            short(mesh.start.gap * 1e6, 4)
+        ));
         parts.extend(warnings(&spec, mesh.gears, contact));
     }
     if let Some(first) = choice.modelling.gears.first() {
         parts.extend(parameters(first));
         if choice.modelling.gears.iter().any(|g| g.id != first.id) {
-            let ids: Vec<&str> = choice.modelling.gears.iter().map(|g| g.id.as_str()).collect();
+            let ids: Vec<&str> = choice
+                .modelling
+                .gears
+                .iter()
+                .map(|g| g.id.as_str())
+                .collect();
             parts.push(format!("gears modelled as {}", ids.join(", ")));
         }
     }
@@ -273,19 +324,36 @@ fn warnings(
     contact: &gearbench_models::scene::spec::ContactSpec,
 ) -> Vec<String> {
     let [a, b] = gears.map(|i| &spec.gears[i]);
-    let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else { return Vec::new() };
+    let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
+        return Vec::new();
+    };
     debug_assert!(lever(&a.body) > 0.0);
     let materials = [a.material, b.material];
     let built = match &b.body {
         Body::Gear(gb) => Pair::new(ga, gb, l.distance).ok().and_then(|pair| {
-            build_with_warnings(&contact.stiffness, ga, Mate::Gear(gb, &pair), materials, l.face_width).ok()
+            build_with_warnings(
+                &contact.stiffness,
+                ga,
+                Mate::Gear(gb, &pair),
+                materials,
+                l.face_width,
+            )
+            .ok()
         }),
-        Body::Rack(rack) => {
-            gearbench_models::geometry::RackPair::new(ga, rack, l.distance).ok().and_then(|pair| {
-                build_with_warnings(&contact.stiffness, ga, Mate::Rack(rack, &pair), materials, l.face_width)
-                    .ok()
-            })
-        }
+        Body::Rack(rack) => gearbench_models::geometry::RackPair::new(ga, rack, l.distance)
+            .ok()
+            .and_then(|pair| {
+                build_with_warnings(
+                    &contact.stiffness,
+                    ga,
+                    Mate::Rack(rack, &pair),
+                    materials,
+                    l.face_width,
+                )
+                .ok()
+            }),
     };
-    built.map_or_else(Vec::new, |b| b.warnings.iter().map(|w| format!("note: {w}")).collect())
+    built.map_or_else(Vec::new, |b| {
+        b.warnings.iter().map(|w| format!("note: {w}")).collect()
+    })
 }

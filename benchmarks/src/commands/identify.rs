@@ -2,8 +2,8 @@
 
 use super::{Refusal, progress_bar, say};
 use crate::cli::Identify;
-use crate::scene_file::{self, Calibration, SceneFile};
 use crate::scene_file::calibration::Constants;
+use crate::scene_file::{self, Calibration, SceneFile};
 use crate::study::identify::{Identification, IdentifyError, identify, keys};
 use crate::study::machine;
 use gearbench_models::gear::table::MODELS;
@@ -22,7 +22,8 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
             scene.name
         )));
     };
-    let reference = gearbench_reference::reference(id).map_err(|e| Refusal::Files(e.to_string()))?;
+    let reference =
+        gearbench_reference::reference(id).map_err(|e| Refusal::Files(e.to_string()))?;
     let history = &reference.history;
     // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
     let n = history.time.partition_point(|&t| t <= scene.duration);
@@ -49,7 +50,11 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
             MODELS,
             (time, force),
             |n, error| {
-                bar.set_message(format!("{}: {n} integrations, force error {:.3} %", choice.label, 100.0 * error));
+                bar.set_message(format!(
+                    "{}: {n} integrations, force error {:.3} %",
+                    choice.label,
+                    100.0 * error
+                ));
             },
         );
         bar.finish_and_clear();
@@ -70,7 +75,10 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
 }
 
 fn calibrated(choice: &scene_file::ModelChoice) -> bool {
-    choice.calibration.as_ref().is_some_and(|c| c.name == NAME && c.label == choice.label)
+    choice
+        .calibration
+        .as_ref()
+        .is_some_and(|c| c.name == NAME && c.label == choice.label)
 }
 
 fn print(label: &str, reference: &str, r: &Identification) {
@@ -80,14 +88,25 @@ fn print(label: &str, reference: &str, r: &Identification) {
         r.evaluations
     ));
     for p in &r.parameters {
-        say(&format!("  {:<26} {:>12.5e}  +- {:.1} % (95 %)", p.key, p.value, 100.0 * p.relative_95));
+        say(&format!(
+            "  {:<26} {:>12.5e}  +- {:.1} % (95 %)",
+            p.key,
+            p.value,
+            100.0 * p.relative_95
+        ));
         if p.relative_95 > 0.5 {
-            say("    hardly identifiable: the force history does not tell this value apart from its neighbours");
+            say(
+                "    hardly identifiable: the force history does not tell this value apart from its neighbours",
+            );
         }
     }
 }
 
-fn write(scene: &SceneFile, found: &[(String, Identification)], command: &str) -> Result<(), Refusal> {
+fn write(
+    scene: &SceneFile,
+    found: &[(String, Identification)],
+    command: &str,
+) -> Result<(), Refusal> {
     let path = scene.calibration_path();
     let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
     // Calibrations of other names or labels stay as they are.
@@ -97,12 +116,18 @@ fn write(scene: &SceneFile, found: &[(String, Identification)], command: &str) -
     };
     calibration.header = vec![
         format!("Written by: {command}"),
-        format!("Reference: {}", scene.reference.as_deref().unwrap_or("none")),
+        format!(
+            "Reference: {}",
+            scene.reference.as_deref().unwrap_or("none")
+        ),
         format!("Commit {}, {}", machine::COMMIT, machine::now()),
     ];
     for (label, r) in found {
-        let intervals: Vec<String> =
-            r.parameters.iter().map(|p| format!("{} {:.1} %", p.key, 100.0 * p.relative_95)).collect();
+        let intervals: Vec<String> = r
+            .parameters
+            .iter()
+            .map(|p| format!("{} {:.1} %", p.key, 100.0 * p.relative_95))
+            .collect();
         calibration.header.push(format!(
             "{label}: relative L2 error of the force history {:.4}; 95 % intervals: {}",
             r.force_l2,
@@ -118,7 +143,11 @@ fn write(scene: &SceneFile, found: &[(String, Identification)], command: &str) -
                 }
             }
         }
-        calibration.sets.entry(NAME.into()).or_default().insert(label.clone(), constants);
+        calibration
+            .sets
+            .entry(NAME.into())
+            .or_default()
+            .insert(label.clone(), constants);
     }
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
     if let Some(parent) = parent

@@ -33,7 +33,10 @@ pub fn run() -> Result<ExitCode, Refusal> {
             Stepping::Adaptive => "adaptive",
             Stepping::Both => "adaptive or fixed step",
         };
-        say(&format!("  {:<20} order {}, {kind}, {stepping}; {}", i.id, i.order, i.citation));
+        say(&format!(
+            "  {:<20} order {}, {kind}, {stepping}; {}",
+            i.id, i.order, i.citation
+        ));
         for p in i.parameters {
             say(&format!(
                 "    {} = {} in [{}, {}]: {}",

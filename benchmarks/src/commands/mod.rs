@@ -68,8 +68,14 @@ pub fn run(cli: Cli) -> ExitCode {
 /// The command line as it was given, with the program's own name instead of its path.
 fn told() -> String {
     let quote = |a: String| {
-        let plain = !a.is_empty() && a.chars().all(|c| c.is_ascii_alphanumeric() || "-_./=@,:+".contains(c));
-        if plain { a } else { format!("'{}'", a.replace('\'', "'\\''")) }
+        let plain = !a.is_empty()
+            && a.chars()
+                .all(|c| c.is_ascii_alphanumeric() || "-_./=@,:+".contains(c));
+        if plain {
+            a
+        } else {
+            format!("'{}'", a.replace('\'', "'\\''"))
+        }
     };
     let arguments: Vec<String> = std::env::args().skip(1).map(quote).collect();
     format!("gearbench {}", arguments.join(" "))

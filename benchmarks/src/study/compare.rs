@@ -17,8 +17,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Tolerances tried for the converged solution and the time each may take; long stiff scenes get the second.
-const SELF: [(f64, Duration); 2] =
-    [(1e-10, Duration::from_secs(3)), (1e-8, Duration::from_secs(15))];
+const SELF: [(f64, Duration); 2] = [
+    (1e-10, Duration::from_secs(3)),
+    (1e-8, Duration::from_secs(15)),
+];
 /// Half width of the close-up around the peak, over the duration.
 const CLOSE_UP: f64 = 0.012;
 /// Buckets of a history in the record.
@@ -88,11 +90,18 @@ impl Plan<'_> {
     /// Times to record at: those of the reference, and an even grid.
     fn grid(&self) -> Vec<f64> {
         let n = self.samples.max(2) - 1;
-        let mut grid: Vec<f64> = (0..=n).map(|i| self.duration * i as f64 / n as f64).collect();
+        let mut grid: Vec<f64> = (0..=n)
+            .map(|i| self.duration * i as f64 / n as f64)
+            .collect();
         if let Some(r) = &self.reference {
             let last = r.series.time_s.last().copied().unwrap_or(0.0);
             grid.retain(|&t| t > last);
-            let own = r.series.time_s.iter().copied().filter(|&t| t <= self.duration);
+            let own = r
+                .series
+                .time_s
+                .iter()
+                .copied()
+                .filter(|&t| t <= self.duration);
             let mut all: Vec<f64> = own.collect();
             all.append(&mut grid);
             grid = all;
@@ -108,8 +117,10 @@ pub fn compare(
     mut progress: impl FnMut(usize, &str),
 ) -> Result<Results, RunError> {
     let grid = plan.grid();
-    let tight = SELF
-        .map(|(rtol, _)| Method { text: "dopri5".into(), resolution: Resolution::Tolerance(rtol) });
+    let tight = SELF.map(|(rtol, _)| Method {
+        text: "dopri5".into(),
+        resolution: Resolution::Tolerance(rtol),
+    });
     let mut runs = Vec::with_capacity(plan.len());
     for entry in &plan.entries {
         let job = |method| Job {
@@ -168,7 +179,12 @@ fn converged<'a>(
     tight: &'a [Method; 2],
 ) -> Result<Option<TimeSeries>, RunError> {
     for (method, (_, timeout)) in tight.iter().zip(SELF) {
-        let row = run(&Job { repeats: 0, timeout, events: true, ..job(method) })?;
+        let row = run(&Job {
+            repeats: 0,
+            timeout,
+            events: true,
+            ..job(method)
+        })?;
         if !row.status.is_failure() {
             return Ok(row.series);
         }
@@ -179,7 +195,10 @@ fn converged<'a>(
 /// What sets an entry apart from others of its model: its label, without the model's id in front.
 fn variant(entry: &Entry) -> Option<String> {
     (entry.label != entry.model).then(|| {
-        let rest = entry.label.strip_prefix(&entry.model).and_then(|r| r.strip_prefix('-'));
+        let rest = entry
+            .label
+            .strip_prefix(&entry.model)
+            .and_then(|r| r.strip_prefix('-'));
         rest.unwrap_or(&entry.label).to_string()
     })
 }
@@ -200,7 +219,12 @@ fn thin(series: &TimeSeries) -> TimeSeries {
 fn measure_against(row: &mut Run, plan: &Plan<'_>, converged: Option<&TimeSeries>) {
     let Some(series) = &row.series else { return };
     if let Some(reference) = &plan.reference {
-        row.metrics.push(measure(series, &row.ledger, &reference.series, &reference.id));
+        row.metrics.push(measure(
+            series,
+            &row.ledger,
+            &reference.series,
+            &reference.id,
+        ));
     }
     if let Some(own) = converged {
         row.metrics.push(measure(series, &row.ledger, own, "self"));
@@ -257,18 +281,27 @@ pub fn methods_from(text: &str, scene: &[Method]) -> Result<Vec<Method>, String>
                 .map(|m| m.resolution)
                 .or_else(|| {
                     let fixed = row.info.stepping == Stepping::Fixed;
-                    scene.iter().map(|m| m.resolution).find(|r| adaptive(r) != fixed)
+                    scene
+                        .iter()
+                        .map(|m| m.resolution)
+                        .find(|r| adaptive(r) != fixed)
                 })
                 .unwrap_or(match row.info.stepping {
                     Stepping::Fixed => Resolution::Step(1e-6),
                     _ => Resolution::Tolerance(1e-6),
                 }),
         };
-        found.push(Method { text: name.to_string(), resolution });
+        found.push(Method {
+            text: name.to_string(),
+            resolution,
+        });
     }
     if found.is_empty() {
         let known: Vec<&str> = METHODS.iter().map(|m| m.info.id).collect();
-        return Err(format!("no integrator named; there are {}", known.join(", ")));
+        return Err(format!(
+            "no integrator named; there are {}",
+            known.join(", ")
+        ));
     }
     Ok(found)
 }
@@ -302,15 +335,24 @@ mod tests {
 
     fn scene() -> Vec<Method> {
         vec![
-            Method { text: "rk4".into(), resolution: Resolution::Step(2e-6) },
-            Method { text: "dopri5".into(), resolution: Resolution::Tolerance(1e-5) },
+            Method {
+                text: "rk4".into(),
+                resolution: Resolution::Step(2e-6),
+            },
+            Method {
+                text: "dopri5".into(),
+                resolution: Resolution::Tolerance(1e-5),
+            },
         ]
     }
 
     #[test]
     fn integrators_from_the_command_line() {
-        let m = methods_from("rk4, generalised-alpha(rho_inf=0.5), dopri5@1e-8,hht-alpha@1e-7", &scene())
-            .unwrap();
+        let m = methods_from(
+            "rk4, generalised-alpha(rho_inf=0.5), dopri5@1e-8,hht-alpha@1e-7",
+            &scene(),
+        )
+        .unwrap();
         let want = [
             ("rk4", Resolution::Step(2e-6)),
             ("generalised-alpha(rho_inf=0.5)", Resolution::Step(2e-6)),
@@ -325,8 +367,16 @@ mod tests {
     #[test]
     fn refusals_say_what_there_is() {
         assert!(methods_from("rk5", &scene()).unwrap_err().contains("rk4"));
-        assert!(methods_from("rk4@-1", &scene()).unwrap_err().contains("positive"));
-        assert!(methods_from("rk4@x", &scene()).unwrap_err().contains("not a number"));
+        assert!(
+            methods_from("rk4@-1", &scene())
+                .unwrap_err()
+                .contains("positive")
+        );
+        assert!(
+            methods_from("rk4@x", &scene())
+                .unwrap_err()
+                .contains("not a number")
+        );
         assert!(methods_from(",", &scene()).unwrap_err().contains("dopri5"));
     }
 }

@@ -43,7 +43,13 @@ pub struct History {
 impl History {
     /// Records on an ascending grid [s]; `also_steps` adds the accepted steps in contact.
     pub fn new(grid: Vec<f64>, force: usize, least: usize, also_steps: bool) -> Self {
-        History { grid, force, least, also_steps, ..Default::default() }
+        History {
+            grid,
+            force,
+            least,
+            also_steps,
+            ..Default::default()
+        }
     }
 
     /// One channel over time.
@@ -88,13 +94,19 @@ impl Sink for History {
         let h = t1 - t0;
         // A long step through a contact is resolved as finely as the contact's own pace asks.
         let parts = if self.also_steps && self.rows.len() < self.grid.len() + MOST_STEPS {
-            (h / (SAMPLES_PER_PACE * sys.pace(step.to.at()))).ceil().clamp(1.0, MOST_PARTS)
+            (h / (SAMPLES_PER_PACE * sys.pace(step.to.at())))
+                .ceil()
+                .clamp(1.0, MOST_PARTS)
         } else {
             -1.0
         };
         let mut part = 0.0;
         while self.next < self.grid.len() && self.grid[self.next] <= t1 || part <= parts {
-            let on_step = if part <= parts { t0 + h * (part / parts) } else { f64::INFINITY };
+            let on_step = if part <= parts {
+                t0 + h * (part / parts)
+            } else {
+                f64::INFINITY
+            };
             let on_grid = self.grid.get(self.next).copied().unwrap_or(f64::INFINITY);
             let t = on_step.min(on_grid).min(t1);
             let keep = on_grid <= t;

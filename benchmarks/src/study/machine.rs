@@ -13,20 +13,32 @@ pub fn machine() -> Machine {
         .lines()
         .find_map(|l| l.strip_prefix("model name"))
         .and_then(|l| l.split_once(':'))
-        .map_or_else(|| "unknown".to_string(), |(_, name)| name.trim().to_string());
+        .map_or_else(
+            || "unknown".to_string(),
+            |(_, name)| name.trim().to_string(),
+        );
     Machine {
         cpu,
         cores: std::thread::available_parallelism().map_or(1, usize::from),
         os: std::env::consts::OS.to_string(),
         arch: Some(std::env::consts::ARCH.to_string()),
-        profile: Some(if cfg!(debug_assertions) { "debug" } else { "release" }.to_string()),
+        profile: Some(
+            if cfg!(debug_assertions) {
+                "debug"
+            } else {
+                "release"
+            }
+            .to_string(),
+        ),
         note: None,
     }
 }
 
 /// Now, in UTC, as RFC 3339 to the second.
 pub fn now() -> String {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let seconds = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |d| d.as_secs());
     rfc3339(seconds)
 }
 

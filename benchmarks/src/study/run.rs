@@ -39,7 +39,11 @@ impl Sink for Watch<'_> {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         self.history.accepted(sys, step);
         self.ledger.accepted(sys, step);
-        if self.ledger.residual_relative() > HOPELESS { Control::Stop } else { Control::Continue }
+        if self.ledger.residual_relative() > HOPELESS {
+            Control::Stop
+        } else {
+            Control::Continue
+        }
     }
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
@@ -127,7 +131,10 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     let mut work = Work::default();
     let begin = Instant::now();
     let outcome = {
-        let mut watch = Watch { history: &mut history, ledger: &mut ledger };
+        let mut watch = Watch {
+            history: &mut history,
+            ledger: &mut ledger,
+        };
         method.run(&mut scene, &mut state, &job.plan(), &mut watch, &mut work)
     };
     let observed = begin.elapsed().as_secs_f64();
@@ -157,9 +164,18 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         let mut s = scene.initial();
         let plan = job.plan();
         let begin = Instant::now();
-        let _ = method.run(&mut scene, &mut s, &plan, &mut NullSink, &mut Work::default());
+        let _ = method.run(
+            &mut scene,
+            &mut s,
+            &plan,
+            &mut NullSink,
+            &mut Work::default(),
+        );
         walls.push(begin.elapsed().as_secs_f64());
-        if job.cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed)) {
+        if job
+            .cancel
+            .is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed))
+        {
             return Err(RunError::Interrupted);
         }
     }
@@ -193,7 +209,10 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         events: work.events,
         dofs: scene.layout().n,
         ledger: ledger_record(job, &ledger, &series, start_momenta, end_momenta),
-        contacts: history.peak_state.as_ref().map(|s| snapshot(job.scene, &mut scene, s)),
+        contacts: history
+            .peak_state
+            .as_ref()
+            .map(|s| snapshot(job.scene, &mut scene, s)),
         series: Some(series),
         ..Run::default()
     })
@@ -207,12 +226,17 @@ pub fn force_on_grid(
     max_steps: u64,
     grid: &[f64],
 ) -> Result<Vec<f64>, StepError> {
-    let (force, least) =
-        (scene.channel("force:0").unwrap_or(0), scene.channel("normal_min:0").unwrap_or(0));
+    let (force, least) = (
+        scene.channel("force:0").unwrap_or(0),
+        scene.channel("normal_min:0").unwrap_or(0),
+    );
     let mut history = History::new(grid.to_vec(), force, least, false);
     let mut state = scene.initial();
     let end = grid.last().copied().unwrap_or(0.0);
-    let plan = TimePlan { max_steps, ..TimePlan::new(end, resolution) };
+    let plan = TimePlan {
+        max_steps,
+        ..TimePlan::new(end, resolution)
+    };
     let sink: &mut dyn Sink = &mut history;
     method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
     Ok(history.column(force))
@@ -220,7 +244,9 @@ pub fn force_on_grid(
 
 fn status_of(e: &StepError) -> Status {
     match e {
-        StepError::NewtonDiverged { .. } | StepError::SingularTangent { .. } => Status::NewtonFailure,
+        StepError::NewtonDiverged { .. } | StepError::SingularTangent { .. } => {
+            Status::NewtonFailure
+        }
         StepError::NonFinite { .. } => Status::BlowUp,
         StepError::StepTooSmall { .. } => Status::StepUnderflow,
         StepError::Chatter { .. } => Status::Chatter,
@@ -250,7 +276,10 @@ fn judge(
     if let Some((mesh, depth)) = deepest(job.scene, series) {
         return Some((
             Status::Tunnelling,
-            format!("the teeth of mesh {mesh} overlap by {:.3} mm: a contact was missed", depth * 1e3),
+            format!(
+                "the teeth of mesh {mesh} overlap by {:.3} mm: a contact was missed",
+                depth * 1e3
+            ),
         ));
     }
     if history.least_normal < -ADHESION * history.peak {
@@ -267,7 +296,9 @@ fn deepest(scene: &SceneSpec, series: &TimeSeries) -> Option<(usize, f64)> {
     let column = |name: &str| series.columns.iter().find(|c| c.name.starts_with(name));
     for (m, mesh) in scene.meshes.iter().enumerate() {
         let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
-        let Ok(layout) = mesh_layout(a, b) else { continue };
+        let Ok(layout) = mesh_layout(a, b) else {
+            continue;
+        };
         let (Some(qa), Some(qb)) = (
             column(&format!("travel_{}_", a.name)),
             column(&format!("travel_{}_", b.name)),
@@ -276,12 +307,16 @@ fn deepest(scene: &SceneSpec, series: &TimeSeries) -> Option<(usize, f64)> {
         };
         let Body::Gear(gear) = &a.body else { continue };
         let sign = mesh.start.side.sign();
-        let along_b = if matches!(b.body, Body::Gear(_)) { 1.0 } else { -1.0 };
+        let along_b = if matches!(b.body, Body::Gear(_)) {
+            1.0
+        } else {
+            -1.0
+        };
         for (x, y) in qa.values.iter().zip(&qb.values) {
             // Approach of the flanks that started `gap` apart; the others are one backlash away.
             let approach = sign * (lever(&a.body) * x + along_b * lever(&b.body) * y);
-            let depth = (approach - mesh.start.gap)
-                .max(-approach - (layout.backlash - mesh.start.gap));
+            let depth =
+                (approach - mesh.start.gap).max(-approach - (layout.backlash - mesh.start.gap));
             if depth > TUNNELLING * gear.params().module {
                 return Some((m, depth));
             }
@@ -292,18 +327,28 @@ fn deepest(scene: &SceneSpec, series: &TimeSeries) -> Option<(usize, f64)> {
 
 fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
     let column = |name: String| {
-        scene.channel(&name).map_or_else(Vec::new, |c| history.column(c))
+        scene
+            .channel(&name)
+            .map_or_else(Vec::new, |c| history.column(c))
     };
     let names: Vec<&str> = job.scene.gears.iter().map(|g| g.name.as_str()).collect();
     let mut series = TimeSeries {
         time_s: history.time.clone(),
         contact_force_n: column("force:0".into()),
-        omega1_rad_s: names.first().map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
-        omega2_rad_s: names.get(1).map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        omega1_rad_s: names
+            .first()
+            .map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        omega2_rad_s: names
+            .get(1)
+            .map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
         columns: Vec::new(),
     };
     for g in &job.scene.gears {
-        let unit = if matches!(g.body, Body::Gear(_)) { "rad" } else { "m" };
+        let unit = if matches!(g.body, Body::Gear(_)) {
+            "rad"
+        } else {
+            "m"
+        };
         series.columns.push(gearbench_reports::series::Column {
             name: format!("travel_{}_{unit}", g.name),
             values: column(format!("travel:{}", g.name)),
@@ -342,12 +387,20 @@ fn ledger_record(
             g.loads.is_empty()
                 && matches!(
                     g.mount,
-                    gearbench_models::mount::Mount::Revolute | gearbench_models::mount::Mount::Prismatic
+                    gearbench_models::mount::Mount::Revolute
+                        | gearbench_models::mount::Mount::Prismatic
                 )
         });
     let drift = two_free.then(|| {
-        let r = [lever(&job.scene.gears[0].body), lever(&job.scene.gears[1].body)];
-        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) { -1.0 } else { 1.0 };
+        let r = [
+            lever(&job.scene.gears[0].body),
+            lever(&job.scene.gears[1].body),
+        ];
+        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) {
+            -1.0
+        } else {
+            1.0
+        };
         let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
         let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);
         (change[0] / r[0] + sign * change[1] / r[1]) / moved
@@ -380,7 +433,11 @@ fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapsh
             Body::Gear(gear) => (phase + travel, 0.0, gear.outline(24)),
             Body::Rack(rack) => {
                 // Outline: teeth towards -x, travel along +y.
-                (g.facing + std::f64::consts::PI, phase + travel, rack.outline(24))
+                (
+                    g.facing + std::f64::consts::PI,
+                    phase + travel,
+                    rack.outline(24),
+                )
             }
         };
         let (sin, cos) = turn.sin_cos();
@@ -388,10 +445,16 @@ fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapsh
             .into_iter()
             .map(|[x, y]| {
                 let y = y + shift;
-                [g.position[0] + cos * x - sin * y, g.position[1] + sin * x + cos * y]
+                [
+                    g.position[0] + cos * x - sin * y,
+                    g.position[1] + sin * x + cos * y,
+                ]
             })
             .collect();
-        outlines.push(Outline { gear: g.name.clone(), points });
+        outlines.push(Outline {
+            gear: g.name.clone(),
+            points,
+        });
     }
     let forces = scene.contact_forces(state.at());
     let line = forces.first().and_then(|f| scene.line_of_action(f));
@@ -403,7 +466,12 @@ fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapsh
             pair: pair_name(spec, f),
         })
         .collect();
-    ContactSnapshot { time_s: state.t, outlines, line_of_action: line, contacts }
+    ContactSnapshot {
+        time_s: state.t,
+        outlines,
+        line_of_action: line,
+        contacts,
+    }
 }
 
 /// Teeth of a contact, counted from 1 within each gear.

@@ -316,7 +316,12 @@ impl Law {
 
     /// The elastic part of the law.
     pub const fn undamped(&self) -> Law {
-        Law { damping: Damping::None, c: 0.0, chi: 0.0, ..*self }
+        Law {
+            damping: Damping::None,
+            c: 0.0,
+            chi: 0.0,
+            ..*self
+        }
     }
 
     /// The same law with another floor of the impact speed (m/s). A contact that closes from rest

@@ -37,8 +37,14 @@ impl Deviation {
     /// Samples `e(s)` [m] on `[start, end]`.
     pub fn sample(range: [f64; 2], samples: usize, e: impl Fn(f64) -> f64) -> Self {
         let step = (range[1] - range[0]) / (samples - 1) as f64;
-        let value = (0..samples).map(|i| e(range[0] + i as f64 * step)).collect();
-        Deviation { start: range[0], step, value }
+        let value = (0..samples)
+            .map(|i| e(range[0] + i as f64 * step))
+            .collect();
+        Deviation {
+            start: range[0],
+            step,
+            value,
+        }
     }
 
     /// Value and slope at `s`; cubic between samples (Catmull-Rom) and straight on outside, so the slope is
@@ -61,8 +67,16 @@ impl Deviation {
         let i = x as usize;
         let u = x - i as f64;
         let (p1, p2) = (self.value[i], self.value[i + 1]);
-        let p0 = if i > 0 { self.value[i - 1] } else { 2.0 * p1 - p2 };
-        let p3 = if i + 2 < n { self.value[i + 2] } else { 2.0 * p2 - p1 };
+        let p0 = if i > 0 {
+            self.value[i - 1]
+        } else {
+            2.0 * p1 - p2
+        };
+        let p3 = if i + 2 < n {
+            self.value[i + 2]
+        } else {
+            2.0 * p2 - p1
+        };
         let (m1, m2) = (0.5 * (p2 - p0), 0.5 * (p3 - p1));
         let (d, r) = (p2 - p1, 1.0 - u);
         let value = p1 + u * d + u * r * (r * (m1 - d) - u * (m2 - d));
@@ -114,6 +128,7 @@ pub struct LinesOfAction {
     /// Contact slots per line.
     pub pairs: usize,
     helix_cos: f64,
+    per_base_pitch: f64,
     lines: Vec<Line>,
 }
 
@@ -129,6 +144,12 @@ struct Line {
     origin: Vec3,
     /// `s = at_zero + per_travel * travel + per_pair * pair` for both gears, helix included.
     map: [PathMap; 2],
+    /// Whether the teeth count up with the pairs, for both gears.
+    ascending: [bool; 2],
+    /// Neither flank is modified, so teeth that move as one have one gap:
+    /// `helix_cos (slack - per_travel_a travel_a - per_travel_b travel_b)`.
+    plain: bool,
+    slack: f64,
 }
 
 /// Path coordinate of a flank as a linear function of its tooth's travel and the pair's number.
@@ -140,9 +161,31 @@ struct PathMap {
 }
 
 impl PathMap {
-    #[inline]
+    #[inline(always)]
     fn s(&self, travel: f64, pair: i64) -> f64 {
         self.at_zero + self.per_travel * travel + self.per_pair * pair as f64
+    }
+}
+
+/// A gear at a state, as the lines of action see it.
+struct Mover<'a> {
+    party: &'a Party<'a>,
+    /// Travel of all its teeth, where they move as one.
+    travel: Option<f64>,
+    displaced: bool,
+}
+
+impl<'a> Mover<'a> {
+    #[inline]
+    fn new(party: &'a Party<'a>) -> Self {
+        let Party { gear, at } = *party;
+        let first = Tooth { index: 0, mesh: 0 };
+        let travel = gear.moves_as_one().then(|| gear.tooth_travel(at, first));
+        Mover {
+            party,
+            travel,
+            displaced: travel.is_none() && gear.has_displacement(),
+        }
     }
 }
 
@@ -175,10 +218,24 @@ pub struct MeshGeometry {
 }
 
 const ZONE_GUARDS: usize = 4;
+/// Pairs whose path coordinates are asked for at once: those of a line, for contact ratios up to three.
+const BLOCK: usize = 4;
+
+/// The whole number nearest to `x`, within 32 bits: no gear turns through 2^31 teeth, a run that blows up
+/// might. (`round` is a library call on processors without SSE 4.1.)
+#[inline]
+fn nearest(x: f64) -> i64 {
+    i64::from((x + 0.5_f64.copysign(x)) as i32)
+}
 
 impl LinesOfAction {
     /// Builds the lines of both flanks.
-    pub fn new(g: MeshGeometry, stiffness: StiffnessCurve, whole_mesh: bool, slices: Vec<Slice>) -> Self {
+    pub fn new(
+        g: MeshGeometry,
+        stiffness: StiffnessCurve,
+        whole_mesh: bool,
+        slices: Vec<Slice>,
+    ) -> Self {
         let view = &g.views[0];
         let (delta, alpha) = (view.direction, view.working_pressure_angle);
         let rb = view.base_radius.unwrap_or(0.0);
@@ -191,7 +248,8 @@ impl LinesOfAction {
             let (c, s) = (g.base_helix.cos(), g.base_helix.sin());
             let normal = Vec3::new(c * transverse.x, c * transverse.y, -sign * s);
             for (i, slice) in slices.iter().enumerate() {
-                let mut origin = g.centre_a + rb * Vec3::new(to_tangent.cos(), to_tangent.sin(), 0.0);
+                let mut origin =
+                    g.centre_a + rb * Vec3::new(to_tangent.cos(), to_tangent.sin(), 0.0);
                 origin.z = slice.z;
                 lines.push(Line {
                     side,
@@ -200,11 +258,18 @@ impl LinesOfAction {
                     transverse,
                     origin,
                     map: [PathMap::default(); 2],
+                    ascending: [true; 2],
+                    plain: slice.deviation.iter().all(Option::is_none),
+                    slack: 0.0,
                 });
             }
         }
         let ratio = (g.zone[1] - g.zone[0]) / g.base_pitch;
-        let pairs = if whole_mesh { 1 } else { ratio.floor() as usize + 2 };
+        let pairs = if whole_mesh {
+            1
+        } else {
+            ratio.floor() as usize + 2
+        };
         let mut loa = LinesOfAction {
             views: g.views,
             mesh_of_gear: g.mesh_of_gear,
@@ -219,6 +284,7 @@ impl LinesOfAction {
             slices,
             pairs,
             helix_cos: g.base_helix.cos(),
+            per_base_pitch: g.base_pitch.recip(),
             lines,
         };
         for side in [Side::Left, Side::Right] {
@@ -235,6 +301,7 @@ impl LinesOfAction {
             let (side, slice) = (loa.lines[l].side, loa.lines[l].slice);
             let offset = side.sign() * loa.slices[slice].offset;
             let teeth = [0, 1].map(|pair| loa.teeth(side, pair));
+            loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
             loa.lines[l].map = [0, 1].map(|k| {
                 let v = &loa.views[k];
                 let s = |tooth: i64, travel: f64| {
@@ -249,6 +316,8 @@ impl LinesOfAction {
                     per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.base_pitch,
                 }
             });
+            loa.lines[l].slack =
+                loa.length - loa.lines[l].map[0].at_zero - loa.lines[l].map[1].at_zero;
         }
         loa
     }
@@ -265,63 +334,194 @@ impl LinesOfAction {
     fn teeth(&self, side: Side, pair: i64) -> [Tooth; 2] {
         let i = if side == Side::Left { pair } else { -pair };
         // Gears turn against each other, a rack goes along.
-        let j = if self.views[1].base_radius.is_some() { -i } else { i };
+        let j = if self.views[1].base_radius.is_some() {
+            -i
+        } else {
+            i
+        };
         [
-            Tooth { index: i, mesh: self.mesh_of_gear[0] },
-            Tooth { index: j + self.partner[side_index(side)], mesh: self.mesh_of_gear[1] },
+            Tooth {
+                index: i,
+                mesh: self.mesh_of_gear[0],
+            },
+            Tooth {
+                index: j + self.partner[side_index(side)],
+                mesh: self.mesh_of_gear[1],
+            },
         ]
     }
 
-    /// Path coordinate of gear a's flank in a pair [m].
-    #[inline]
-    fn s_a(&self, line: &Line, a: &Party<'_>, pair: i64) -> f64 {
-        line.map[0].s(a.gear.tooth_travel(a.at, self.teeth(line.side, pair)[0]), pair)
+    /// Path coordinate of the flank of gear `k` in a pair [m].
+    #[inline(always)]
+    fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
+        let travel = match gear.travel {
+            Some(travel) => travel,
+            None => gear
+                .party
+                .gear
+                .tooth_travel(gear.party.at, self.teeth(line.side, pair)[k]),
+        };
+        line.map[k].s(travel, pair)
+    }
+
+    /// Path coordinates of the flanks of gear `k` in consecutive pairs from `first` on [m].
+    #[inline(always)]
+    fn path_coordinates(
+        &self,
+        line: &Line,
+        k: usize,
+        gear: &Mover<'_>,
+        first: i64,
+        out: &mut [f64],
+    ) {
+        if let Some(travel) = gear.travel {
+            for (pair, s) in (first..).zip(out) {
+                *s = line.map[k].s(travel, pair);
+            }
+            return;
+        }
+        let up = line.ascending[k];
+        let lowest = if up {
+            first
+        } else {
+            first + out.len() as i64 - 1
+        };
+        gear.party
+            .gear
+            .tooth_travels(gear.party.at, self.teeth(line.side, lowest)[k], out);
+        if !up {
+            out.reverse();
+        }
+        for (pair, x) in (first..).zip(out) {
+            *x = line.map[k].s(*x, pair);
+        }
+    }
+
+    /// Calls `f(slot, pair, path coordinates)` for consecutive pairs of a line.
+    #[inline(always)]
+    fn each_pair(
+        &self,
+        l: usize,
+        (first, last): (i64, i64),
+        [a, b]: [&Mover<'_>; 2],
+        mut f: impl FnMut(usize, i64, [f64; 2]),
+    ) {
+        let line = &self.lines[l];
+        let (mut pair, mut slot) = (first, self.slot(l, first));
+        if let [Some(a), Some(b)] = [a.travel, b.travel] {
+            while pair <= last {
+                f(slot, pair, [line.map[0].s(a, pair), line.map[1].s(b, pair)]);
+                pair += 1;
+                slot = self.next_slot(l, slot);
+            }
+            return;
+        }
+        while pair <= last {
+            let n = ((last - pair + 1) as usize).min(BLOCK);
+            let mut s = [[0.0; BLOCK]; 2];
+            self.path_coordinates(line, 0, a, pair, &mut s[0][..n]);
+            self.path_coordinates(line, 1, b, pair, &mut s[1][..n]);
+            for i in 0..n {
+                f(slot, pair, [s[0][i], s[1][i]]);
+                pair += 1;
+                slot = self.next_slot(l, slot);
+            }
+        }
     }
 
     /// Where a pair stands: its teeth, path coordinates and gap.
     ///
     /// An elastic displacement along the normal carries the flank along the line of action like a turn of the
     /// tooth: it belongs to the path coordinate, which modifications and stiffness are read at.
-    #[inline]
-    fn pair(&self, line: &Line, pair: i64, a: &Party<'_>, b: &Party<'_>) -> PairState {
+    #[inline(always)]
+    fn pair(&self, line: &Line, pair: i64, mut s: [f64; 2], [a, b]: [&Mover<'_>; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        let mut s = [
-            line.map[0].s(a.gear.tooth_travel(a.at, teeth[0]), pair),
-            line.map[1].s(b.gear.tooth_travel(b.at, teeth[1]), pair),
-        ];
-        if a.gear.has_displacement() || b.gear.has_displacement() {
-            let points = self.points(line, teeth, s);
-            s[0] += a.gear.displacement(a.at, &points[0]).dot(&line.normal) / self.helix_cos;
-            s[1] -= b.gear.displacement(b.at, &points[1]).dot(&line.normal) / self.helix_cos;
+        if a.displaced || b.displaced {
+            s = self.displaced(line, teeth, s, [a.party, b.party]);
         }
-        let mut gap = self.helix_cos * (self.length - s[0] - s[1]);
+        let (mut gap, mut scale) = (self.helix_cos * (self.length - s[0] - s[1]), [1.0, 1.0]);
+        if !line.plain {
+            (gap, scale) = self.modified(line, s, gap);
+        }
+        PairState {
+            teeth,
+            s,
+            gap,
+            scale,
+        }
+    }
+
+    fn displaced(
+        &self,
+        line: &Line,
+        teeth: [Tooth; 2],
+        mut s: [f64; 2],
+        [a, b]: [&Party<'_>; 2],
+    ) -> [f64; 2] {
+        let points = self.points(line, teeth, s);
+        s[0] += a.gear.displacement(a.at, &points[0]).dot(&line.normal) / self.helix_cos;
+        s[1] -= b.gear.displacement(b.at, &points[1]).dot(&line.normal) / self.helix_cos;
+        s
+    }
+
+    /// Gap and scales with the modifications of both flanks.
+    fn modified(&self, line: &Line, s: [f64; 2], mut gap: f64) -> (f64, [f64; 2]) {
         let mut scale = [1.0, 1.0];
-        let slice = &self.slices[line.slice];
-        for k in 0..2 {
-            if let Some(deviation) = &slice.deviation[k] {
+        for (k, deviation) in self.slices[line.slice].deviation.iter().enumerate() {
+            if let Some(deviation) = deviation {
                 let (e, slope) = deviation.eval(s[k]);
                 gap += e;
                 scale[k] -= slope / self.helix_cos;
             }
         }
-        PairState { teeth, s, gap, scale }
+        (gap, scale)
     }
 
+    /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
+    /// move as one. False says nothing.
+    #[inline(always)]
+    fn clearly_open(&self, line: &Line, [a, b]: [&Mover<'_>; 2], reach: f64) -> bool {
+        let (Some(a), Some(b), true) = (a.travel, b.travel, line.plain) else {
+            return false;
+        };
+        let slack = line.slack - line.map[0].per_travel * a - line.map[1].per_travel * b;
+        // Rounding may leave the exact gap a hair below.
+        self.helix_cos * slack > reach + 1e-9 * self.base_pitch
+    }
+
+    #[inline(always)]
     fn points(&self, line: &Line, teeth: [Tooth; 2], s: [f64; 2]) -> [Point; 2] {
         let x = line.origin + s[0] * line.transverse;
         let zeta = self.slices[line.slice].zeta;
-        [0, 1].map(|k| {
+        let flank = |k: usize| {
             let radius = match self.views[k].base_radius {
                 Some(rb) => (rb * rb + s[k] * s[k]).sqrt(),
-                None => {
-                    // The reference line of a rack lies at `length / sin(alpha)` from gear a.
-                    let (sin, cos) = self.views[k].working_pressure_angle.sin_cos();
-                    let rb = self.views[0].base_radius.unwrap_or(0.0);
-                    self.length / sin - (rb * cos + s[0] * sin)
-                }
+                None => self.height_on_rack(k, s[0]),
             };
-            Point { tooth: teeth[k], locus: Locus::Flank { radius, zeta }, x }
-        })
+            Point {
+                tooth: teeth[k],
+                locus: Locus::Flank { radius, zeta },
+                x,
+            }
+        };
+        [flank(0), flank(1)]
+    }
+
+    /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
+    fn height_on_rack(&self, k: usize, s_a: f64) -> f64 {
+        let (sin, cos) = self.views[k].working_pressure_angle.sin_cos();
+        let rb = self.views[0].base_radius.unwrap_or(0.0);
+        self.length / sin - (rb * cos + s_a * sin)
+    }
+
+    /// Slot of the pair after the one in `slot`.
+    #[inline(always)]
+    fn next_slot(&self, l: usize, slot: usize) -> usize {
+        if slot + 1 == (l + 1) * self.pairs {
+            l * self.pairs
+        } else {
+            slot + 1
+        }
     }
 
     #[inline]
@@ -330,15 +530,21 @@ impl LinesOfAction {
         l * self.pairs + (pair as i32).rem_euclid(self.pairs as i32) as usize
     }
 
-    fn candidate(&self, l: usize, pair: i64, p: &PairState, a: &Party<'_>, b: &Party<'_>) -> Candidate {
-        let line = &self.lines[l];
+    #[inline]
+    fn candidate(
+        &self,
+        line: &Line,
+        slot: usize,
+        p: &PairState,
+        [a, b]: [&Party<'_>; 2],
+    ) -> Candidate {
         let weight = self.slices[line.slice].weight;
         let points = self.points(line, p.teeth, p.s);
         let (k, k_s) = self.stiffness.eval(p.s[0]);
         let gap_t = p.scale[1] * b.gear.drift(b.at, &points[1], &line.normal)
             - p.scale[0] * a.gear.drift(a.at, &points[0], &line.normal);
         Candidate {
-            slot: self.slot(l, pair),
+            slot,
             points,
             normal: line.normal,
             scale: p.scale,
@@ -350,16 +556,98 @@ impl LinesOfAction {
         }
     }
 
+    /// Appends the candidates of a line.
+    fn collect(
+        &self,
+        l: usize,
+        movers: [&Mover<'_>; 2],
+        memory: &[f64],
+        wanted: Wanted<'_>,
+        out: &mut Vec<Candidate>,
+    ) {
+        let line = &self.lines[l];
+        let listed = !matches!(wanted, Wanted::Touching(_));
+        let range = self.pairs_of(l, movers[0], memory, listed);
+        self.each_pair(l, range, movers, |slot, pair, s| {
+            if let Wanted::Closed(modes) = wanted
+                && modes[2 * slot] == 0.0
+            {
+                return;
+            }
+            let p = self.pair(line, pair, s, movers);
+            if let Wanted::Touching(reach) = wanted
+                && p.gap > reach
+            {
+                return;
+            }
+            out.push(self.candidate(line, slot, &p, [movers[0].party, movers[1].party]));
+        });
+    }
+
+    /// Gaps of consecutive pairs of a line, by slot.
+    fn gaps_of_pairs(&self, l: usize, range: (i64, i64), movers: [&Mover<'_>; 2], out: &mut [f64]) {
+        let line = &self.lines[l];
+        self.each_pair(l, range, movers, |slot, pair, s| {
+            out[slot] = self.pair(line, pair, s, movers).gap
+        });
+    }
+
+    /// Guards and gaps of a line; the travels of teeth that move each on its own are read once for both.
+    fn watch_line(
+        &self,
+        l: usize,
+        (lo, hi): (i64, i64),
+        movers: [&Mover<'_>; 2],
+        guards: &mut [f64],
+        gaps: &mut [f64],
+    ) {
+        let line = &self.lines[l];
+        let n = (hi - lo + 1) as usize;
+        let (mut a, mut b) = ([0.0; BLOCK + 2], [0.0; BLOCK]);
+        if n > BLOCK {
+            self.zone_guards(line, (lo, hi), movers[0], guards);
+            return self.gaps_of_pairs(l, (lo, hi), movers, gaps);
+        }
+        let (a, b) = (&mut a[..n + 2], &mut b[..n]);
+        self.path_coordinates(line, 0, movers[0], lo - 1, a);
+        self.path_coordinates(line, 1, movers[1], lo, b);
+        self.set_zone_guards([a[0], a[1], a[n], a[n + 1]], guards);
+        let mut slot = self.slot(l, lo);
+        for (i, b) in b.iter().enumerate() {
+            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b], movers).gap;
+            slot = self.next_slot(l, slot);
+        }
+    }
+
+    /// Guards of a line's first and last pair.
+    #[inline(always)]
+    fn zone_guards(&self, line: &Line, (lo, hi): (i64, i64), a: &Mover<'_>, guards: &mut [f64]) {
+        let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
+        self.path_coordinates(line, 0, a, lo - 1, &mut low);
+        self.path_coordinates(line, 0, a, hi, &mut high);
+        self.set_zone_guards([low[0], low[1], high[0], high[1]], guards);
+    }
+
+    /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
+    #[inline(always)]
+    fn set_zone_guards(&self, s: [f64; 4], guards: &mut [f64]) {
+        let scale = self.per_base_pitch;
+        guards[0] = (self.zone[1] - s[2]) * scale;
+        guards[1] = (s[1] - self.zone[0]) * scale;
+        guards[2] = (self.zone[0] - s[0]) * scale;
+        guards[3] = (s[3] - self.zone[1]) * scale;
+    }
+
     /// Pairs that a line looks at: those in memory, or those in the zone now.
-    #[inline]
-    fn pairs_of(&self, l: usize, a: &Party<'_>, memory: &[f64], listed: bool) -> (i64, i64) {
+    #[inline(always)]
+    fn pairs_of(&self, l: usize, a: &Mover<'_>, memory: &[f64], listed: bool) -> (i64, i64) {
         let line = &self.lines[l];
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
             // rigid gears have its gap.
             let middle = 0.5 * (self.zone[0] + self.zone[1]);
-            let s0 = self.s_a(line, a, 0);
-            let pair = ((middle - s0) / self.base_pitch).round() as i64;
+            let s0 = self.path_coordinate(line, 0, a, 0);
+            let pair = nearest((middle - s0) * self.per_base_pitch);
             (pair, pair)
         } else if listed {
             (memory[2 * l] as i64, memory[2 * l + 1] as i64)
@@ -369,13 +657,19 @@ impl LinesOfAction {
     }
 
     /// First and last pair in the zone at a state.
-    fn zone_now(&self, line: &Line, a: &Party<'_>) -> (i64, i64) {
+    fn zone_now(&self, line: &Line, a: &Mover<'_>) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
         let middle = 0.5 * (self.zone[0] + self.zone[1]);
-        let s0 = self.s_a(line, a, 0);
-        let guess = ((middle - s0) / self.base_pitch).round() as i64;
+        let s0 = self.path_coordinate(line, 0, a, 0);
+        let guess = nearest((middle - s0) * self.per_base_pitch);
+        // Two pairs on each side are all that a contact ratio below three has.
+        let mut around = [0.0; 5];
+        self.path_coordinates(line, 0, a, guess - 2, &mut around);
         let inside = |p: i64| {
-            let s = self.s_a(line, a, p);
+            let known = around.get((p - guess + 2) as usize);
+            let s = known
+                .copied()
+                .unwrap_or_else(|| self.path_coordinate(line, 0, a, p));
             s >= self.zone[0] && s <= self.zone[1]
         };
         let reach = self.pairs as i64 + 1;
@@ -388,6 +682,19 @@ impl LinesOfAction {
         }
         (lo, hi)
     }
+}
+
+/// Whether no slot is closed; per slot `(mode, impact speed)`.
+#[inline]
+pub(crate) fn all_open(modes: &[f64]) -> bool {
+    let mut slot = 0;
+    while slot < modes.len() {
+        if modes[slot] != 0.0 {
+            return false;
+        }
+        slot += 2;
+    }
+    true
 }
 
 #[inline]
@@ -408,10 +715,15 @@ impl ContactSearch for LinesOfAction {
     }
 
     fn guard_count(&self) -> usize {
-        if self.whole_mesh { 0 } else { ZONE_GUARDS * self.lines.len() }
+        if self.whole_mesh {
+            0
+        } else {
+            ZONE_GUARDS * self.lines.len()
+        }
     }
 
     fn begin(&self, a: Party<'_>, _b: Party<'_>, memory: &mut [f64]) {
+        let a = Mover::new(&a);
         for (line, m) in self.lines.iter().zip(memory.chunks_exact_mut(2)) {
             let (lo, hi) = self.zone_now(line, &a);
             m[0] = lo as f64;
@@ -427,45 +739,25 @@ impl ContactSearch for LinesOfAction {
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     ) {
-        if let Wanted::Closed(modes) = wanted
-            && modes.chunks_exact(2).all(|m| m[0] == 0.0)
-        {
-            return;
-        }
-        for l in 0..self.lines.len() {
-            if let Wanted::Closed(modes) = wanted
-                && modes[2 * l * self.pairs..][..2 * self.pairs].chunks_exact(2).all(|m| m[0] == 0.0)
-            {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        for (l, line) in self.lines.iter().enumerate() {
+            let skip = match wanted {
+                Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
+                Wanted::Touching(reach) => self.clearly_open(line, movers, reach),
+                Wanted::Listed => false,
+            };
+            if skip {
                 continue;
             }
-            let line = &self.lines[l];
-            let listed = !matches!(wanted, Wanted::Touching(_));
-            let (lo, hi) = self.pairs_of(l, &a, memory, listed);
-            for pair in lo..=hi {
-                if let Wanted::Closed(modes) = wanted
-                    && modes[2 * self.slot(l, pair)] == 0.0
-                {
-                    continue;
-                }
-                let p = self.pair(line, pair, &a, &b);
-                if let Wanted::Touching(reach) = wanted
-                    && p.gap > reach
-                {
-                    continue;
-                }
-                out.push(self.candidate(l, pair, &p, &a, &b));
-            }
+            self.collect(l, movers, memory, wanted, out);
         }
     }
 
     fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]) {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
         for l in 0..self.lines.len() {
-            let line = &self.lines[l];
-            let (lo, hi) = self.pairs_of(l, &a, memory, true);
-            for pair in lo..=hi {
-                let p = self.pair(line, pair, &a, &b);
-                out[self.slot(l, pair)] = p.gap;
-            }
+            let range = self.pairs_of(l, movers[0], memory, true);
+            self.gaps_of_pairs(l, range, movers, out);
         }
     }
 
@@ -473,15 +765,32 @@ impl ContactSearch for LinesOfAction {
         if self.whole_mesh {
             return;
         }
-        for (l, line) in self.lines.iter().enumerate() {
-            let s = |p: f64| self.s_a(line, &a, p as i64);
-            let (lo, hi) = (memory[2 * l], memory[2 * l + 1]);
-            let scale = 1.0 / self.base_pitch;
-            let g = &mut out[ZONE_GUARDS * l..][..ZONE_GUARDS];
-            g[0] = (self.zone[1] - s(hi)) * scale;
-            g[1] = (s(lo) - self.zone[0]) * scale;
-            g[2] = (self.zone[0] - s(lo - 1.0)) * scale;
-            g[3] = (s(hi + 1.0) - self.zone[1]) * scale;
+        let a = Mover::new(&a);
+        for ((line, m), guards) in self
+            .lines
+            .iter()
+            .zip(memory.chunks_exact(2))
+            .zip(out.chunks_exact_mut(ZONE_GUARDS))
+        {
+            self.zone_guards(line, (m[0] as i64, m[1] as i64), &a, guards);
+        }
+    }
+
+    fn watch(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        memory: &[f64],
+        guards: &mut [f64],
+        gaps: &mut [f64],
+    ) {
+        if self.whole_mesh {
+            return self.gaps(a, b, memory, gaps);
+        }
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        for (l, g) in guards.chunks_exact_mut(ZONE_GUARDS).enumerate() {
+            let (lo, hi) = (memory[2 * l] as i64, memory[2 * l + 1] as i64);
+            self.watch_line(l, (lo, hi), movers, g, gaps);
         }
     }
 
@@ -514,7 +823,11 @@ impl ContactSearch for LinesOfAction {
     fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point: the line is shown as far as the path of contact reaches.
-        let end = if self.views[1].base_radius.is_some() { self.length } else { 1.2 * self.zone[1] };
+        let end = if self.views[1].base_radius.is_some() {
+            self.length
+        } else {
+            1.2 * self.zone[1]
+        };
         Some([line.origin, line.origin + end * line.transverse])
     }
 

@@ -1,14 +1,22 @@
 //! Sparse rows over the generalised coordinates of a scene: `w = dg/dq` and its kin.
 //!
 //! A row is a few spans of consecutive coordinates: one entry for a rigid gear, one or two for movable
-//! teeth, all modes for an elastic one. Buffers are kept between uses.
+//! teeth, all modes for an elastic one. Single entries stand in the row itself, longer spans in buffers that are
+//! kept between uses.
+
+/// Entries of one coordinate that a row holds without a span: both gears of a mesh, with room for two each.
+const SINGLES: usize = 4;
 
 /// A sparse row.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
+    /// Entries of one coordinate, `(coordinate, value)`: all that rigid gears and movable teeth need.
+    singles: [(u32, f64); SINGLES],
+    count: u32,
+    /// Longer spans `(coordinate, length)`, and further entries of one coordinate.
     spans: Vec<(u32, u32)>,
     values: Vec<f64>,
-    /// Number of spans and values that belong to the first gear of the mesh.
+    /// Number of singles and spans that belong to the first gear of the mesh.
     split: (u32, u32),
     offset: u32,
     factor: f64,
@@ -18,8 +26,11 @@ impl Row {
     /// Empties the row.
     #[inline]
     pub fn clear(&mut self) {
-        self.spans.clear();
-        self.values.clear();
+        self.count = 0;
+        if !self.spans.is_empty() {
+            self.spans.clear();
+            self.values.clear();
+        }
         self.split = (0, 0);
         self.offset = 0;
         self.factor = 1.0;
@@ -35,14 +46,20 @@ impl Row {
     /// What follows belongs to the second gear of the mesh.
     #[inline]
     pub fn mark_split(&mut self) {
-        self.split = (self.spans.len() as u32, self.values.len() as u32);
+        self.split = (self.count, self.spans.len() as u32);
     }
 
     /// One entry at the gear's coordinate `i`.
     #[inline]
     pub fn push(&mut self, i: usize, value: f64) {
-        self.spans.push((self.offset + i as u32, 1));
-        self.values.push(self.factor * value);
+        let entry = (self.offset + i as u32, self.factor * value);
+        if let Some(free) = self.singles.get_mut(self.count as usize) {
+            *free = entry;
+            self.count += 1;
+        } else {
+            self.spans.push((entry.0, 1));
+            self.values.push(entry.1);
+        }
     }
 
     /// Consecutive entries from the gear's coordinate `i`.
@@ -51,62 +68,83 @@ impl Row {
         let before = self.values.len();
         let factor = self.factor;
         self.values.extend(values.into_iter().map(|x| factor * x));
-        self.spans.push((self.offset + i as u32, (self.values.len() - before) as u32));
+        self.spans
+            .push((self.offset + i as u32, (self.values.len() - before) as u32));
+    }
+
+    /// The longer spans among the first `count`: their first coordinate and values.
+    #[inline]
+    fn spans(&self, count: u32) -> impl Iterator<Item = (usize, &[f64])> {
+        let mut rest = self.values.as_slice();
+        self.spans[..count as usize]
+            .iter()
+            .map(move |&(start, len)| {
+                let (values, tail) = rest.split_at(len as usize);
+                rest = tail;
+                (start as usize, values)
+            })
+    }
+
+    /// `row . x` over so many singles and spans.
+    #[inline]
+    fn dot_of(&self, (singles, spans): (u32, u32), x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for &(i, value) in &self.singles[..singles as usize] {
+            sum += value * x[i as usize];
+        }
+        for (start, values) in self.spans(spans) {
+            for (value, xi) in values.iter().zip(&x[start..]) {
+                sum += value * xi;
+            }
+        }
+        sum
+    }
+
+    /// `y += factor row` over so many singles and spans.
+    #[inline]
+    fn add_of(&self, (singles, spans): (u32, u32), factor: f64, y: &mut [f64]) {
+        for &(i, value) in &self.singles[..singles as usize] {
+            y[i as usize] += factor * value;
+        }
+        for (start, values) in self.spans(spans) {
+            for (value, yi) in values.iter().zip(&mut y[start..]) {
+                *yi += factor * value;
+            }
+        }
+    }
+
+    #[inline]
+    fn all(&self) -> (u32, u32) {
+        (self.count, self.spans.len() as u32)
     }
 
     /// `row . x`.
     #[inline]
     pub fn dot(&self, x: &[f64]) -> f64 {
-        let (mut sum, mut k) = (0.0, 0usize);
-        for &(start, len) in &self.spans {
-            for (i, &xi) in x[start as usize..][..len as usize].iter().enumerate() {
-                sum += self.values[k + i] * xi;
-            }
-            k += len as usize;
-        }
-        sum
+        self.dot_of(self.all(), x)
     }
 
     /// The part of `row . x` that belongs to the first gear.
     #[inline]
     pub fn dot_first(&self, x: &[f64]) -> f64 {
-        let (mut sum, mut k) = (0.0, 0usize);
-        for &(start, len) in &self.spans[..self.split.0 as usize] {
-            for (i, &xi) in x[start as usize..][..len as usize].iter().enumerate() {
-                sum += self.values[k + i] * xi;
-            }
-            k += len as usize;
-        }
-        sum
+        self.dot_of(self.split, x)
     }
 
     /// `y += factor row`.
     #[inline]
     pub fn add_to(&self, factor: f64, y: &mut [f64]) {
-        let mut k = 0usize;
-        for &(start, len) in &self.spans {
-            for (i, yi) in y[start as usize..][..len as usize].iter_mut().enumerate() {
-                *yi += factor * self.values[k + i];
-            }
-            k += len as usize;
-        }
+        self.add_of(self.all(), factor, y);
     }
 
     /// `y += factor` times the part of the row that belongs to the first gear.
     #[inline]
     pub fn add_first_to(&self, factor: f64, y: &mut [f64]) {
-        let mut k = 0usize;
-        for &(start, len) in &self.spans[..self.split.0 as usize] {
-            for (i, yi) in y[start as usize..][..len as usize].iter_mut().enumerate() {
-                *yi += factor * self.values[k + i];
-            }
-            k += len as usize;
-        }
+        self.add_of(self.split, factor, y);
     }
 
     /// True when no coordinate takes part.
     pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
+        self.count == 0 && self.values.is_empty()
     }
 }
 
@@ -130,5 +168,26 @@ mod tests {
         row.add_to(0.5, &mut y);
         row.add_first_to(1.0, &mut y);
         assert_eq!(y, [0.0, -3.0, 0.0, 0.0, 1.5, 2.0]);
+    }
+
+    #[test]
+    fn more_single_entries_than_fit_inline() {
+        let mut row = Row::default();
+        for _ in 0..2 {
+            row.clear();
+            for i in 0..6 {
+                if i == 5 {
+                    row.mark_split();
+                }
+                row.target(i, 2.0);
+                row.push(0, (i + 1) as f64);
+            }
+        }
+        let x = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5];
+        assert_eq!(row.dot(&x), 2.0 * 654321.0);
+        assert_eq!(row.dot_first(&x), 2.0 * 54321.0);
+        let mut y = [0.0; 6];
+        row.add_to(1.0, &mut y);
+        assert_eq!(y, [2.0, 4.0, 6.0, 8.0, 10.0, 12.0]);
     }
 }

@@ -67,6 +67,19 @@ pub trait ContactSearch {
     /// Guards of the memory.
     fn guards(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]);
 
+    /// [`Self::guards`] and [`Self::gaps`] at once, for searches that share work between them.
+    fn watch(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        memory: &[f64],
+        guards: &mut [f64],
+        gaps: &mut [f64],
+    ) {
+        self.guards(a, b, memory, guards);
+        self.gaps(a, b, memory, gaps);
+    }
+
     /// Flips what guard `i` watches.
     fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange;
 

@@ -53,8 +53,10 @@ impl CompliantSolve {
             // Gap of each point if it alone let go, from the forces of the last iteration.
             self.released.clear();
             for i in 0..n {
-                let others: f64 =
-                    (0..n).filter(|&j| j != i).map(|j| c[i * n + j] * points[j].force.n).sum();
+                let others: f64 = (0..n)
+                    .filter(|&j| j != i)
+                    .map(|j| c[i * n + j] * points[j].force.n)
+                    .sum();
                 self.released.push(points[i].gap0 + others);
             }
             for (p, &released) in points.iter_mut().zip(&self.released) {
@@ -108,7 +110,8 @@ impl CompliantSolve {
             for i in 0..n {
                 for j in 0..n {
                     let unit = if i == j { 1.0 } else { 0.0 };
-                    self.jacobian.push(unit - points[i].force.dn_dg * c[i * n + j]);
+                    self.jacobian
+                        .push(unit - points[i].force.dn_dg * c[i * n + j]);
                 }
                 self.residual.push(rows[i * len + column]);
             }
@@ -126,7 +129,8 @@ impl CompliantSolve {
         for i in 0..n {
             for j in 0..n {
                 let unit = if i == j { 1.0 } else { 0.0 };
-                self.jacobian.push(unit - c[i * n + j] * points[j].force.dn_dg);
+                self.jacobian
+                    .push(unit - c[i * n + j] * points[j].force.dn_dg);
             }
         }
     }
@@ -140,7 +144,11 @@ mod tests {
     #[test]
     fn springs_in_series() {
         // One point, linear law k and compliance C: N = d / (1/k + C).
-        let mut p = [SolvePoint { gap0: -1e-5, stiffness: 2e8, ..Default::default() }];
+        let mut p = [SolvePoint {
+            gap0: -1e-5,
+            stiffness: 2e8,
+            ..Default::default()
+        }];
         CompliantSolve::default().solve(&[3e-9], &mut p).unwrap();
         let want = 1e-5 / (1.0 / 2e8 + 3e-9);
         assert!((p[0].force.n - want).abs() < 1e-10 * want);
@@ -150,8 +158,16 @@ mod tests {
     fn coupling_opens_a_neighbour() {
         // Pressing point 0 moves point 1 away: it must end open with zero force.
         let mut p = [
-            SolvePoint { gap0: -1e-5, stiffness: 1e9, ..Default::default() },
-            SolvePoint { gap0: -1e-7, stiffness: 1e9, ..Default::default() },
+            SolvePoint {
+                gap0: -1e-5,
+                stiffness: 1e9,
+                ..Default::default()
+            },
+            SolvePoint {
+                gap0: -1e-7,
+                stiffness: 1e9,
+                ..Default::default()
+            },
         ];
         let c = [4e-9, 1e-9, 1e-9, 4e-9];
         CompliantSolve::default().solve(&c, &mut p).unwrap();
@@ -166,20 +182,43 @@ mod tests {
         let law = Law::new(1.0, Damping::KelvinVoigt { c: 500.0 }).unwrap();
         let (k, c, v) = (1.5e8, 3e-9, 0.7);
         for closed in [None, Some(true)] {
-            let mut p =
-                [SolvePoint { law, gap0: -1e-9, rate: -v, stiffness: k, closed, ..Default::default() }];
+            let mut p = [SolvePoint {
+                law,
+                gap0: -1e-9,
+                rate: -v,
+                stiffness: k,
+                closed,
+                ..Default::default()
+            }];
             CompliantSolve::default().solve(&[c], &mut p).unwrap();
             let want = (k * 1e-9 + 500.0 * v) / (1.0 + k * c);
-            assert!((p[0].force.n - want).abs() < 1e-9 * want, "{} {want}", p[0].force.n);
+            assert!(
+                (p[0].force.n - want).abs() < 1e-9 * want,
+                "{} {want}",
+                p[0].force.n
+            );
         }
     }
 
     #[test]
     fn each_point_keeps_its_own_law() {
         let damped = Law::new(1.0, Damping::KelvinVoigt { c: 500.0 }).unwrap();
-        let point = SolvePoint { gap0: -1e-6, rate: -0.5, stiffness: 1e8, ..Default::default() };
-        let mut p = [point, SolvePoint { law: damped, ..point }];
-        CompliantSolve::default().solve(&[1e-9, 0.0, 0.0, 1e-9], &mut p).unwrap();
+        let point = SolvePoint {
+            gap0: -1e-6,
+            rate: -0.5,
+            stiffness: 1e8,
+            ..Default::default()
+        };
+        let mut p = [
+            point,
+            SolvePoint {
+                law: damped,
+                ..point
+            },
+        ];
+        CompliantSolve::default()
+            .solve(&[1e-9, 0.0, 0.0, 1e-9], &mut p)
+            .unwrap();
         assert!((p[0].force.n - 100.0 / 1.1).abs() < 1e-9);
         assert!((p[1].force.n - 350.0 / 1.1).abs() < 1e-9);
     }

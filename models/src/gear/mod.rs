@@ -39,7 +39,8 @@ pub struct MeshView {
 impl MeshView {
     /// Derivative of a left flank's path coordinate by the tooth's angle [m] (travel [-] for a rack).
     pub fn path_per_travel(&self) -> f64 {
-        self.base_radius.unwrap_or_else(|| -self.working_pressure_angle.cos())
+        self.base_radius
+            .unwrap_or_else(|| -self.working_pressure_angle.cos())
     }
 
     /// Path coordinate of a flank from the gear's own tangent point [m], for a tooth at `angle` (or
@@ -122,6 +123,18 @@ pub trait GearModel {
     /// Angle of a tooth from its assembled position [rad] (travel [m] for a rack), pitch not included.
     fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64;
 
+    /// [`Self::tooth_travel`] of consecutive teeth from `first` on.
+    fn tooth_travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        for (index, travel) in (first.index..).zip(out) {
+            *travel = self.tooth_travel(at, Tooth { index, ..first });
+        }
+    }
+
+    /// True when all teeth always have the travel of the hub and no [`Self::displacement`] comes on top.
+    fn moves_as_one(&self) -> bool {
+        false
+    }
+
     /// Elastic displacement of a point beyond the motion of its tooth [m].
     fn displacement(&self, _at: At<'_>, _p: &Point) -> Vec3 {
         Vec3::zeros()
@@ -155,6 +168,11 @@ pub trait GearModel {
         false
     }
 
+    /// False lets the scene skip [`Self::internal_force`].
+    fn has_internal_force(&self) -> bool {
+        true
+    }
+
     /// Adds internal forces.
     fn internal_force(&mut self, _at: At<'_>, _f: &mut [f64]) {}
 
@@ -166,6 +184,11 @@ pub trait GearModel {
 
     /// `y = M x`.
     fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]);
+
+    /// Writes the mass matrix where it is diagonal and constant; false where it is not.
+    fn constant_mass(&self, _diagonal: &mut [f64]) -> bool {
+        false
+    }
 
     /// `x = (c.m M + c.d D + c.k K)^-1 rhs` without contact and loads, but with `hub_damping` [N m s/rad]
     /// from viscous loads on the mount's coordinate. The scene adds contacts as low-rank terms.
@@ -197,6 +220,11 @@ pub trait GearModel {
 
     /// Hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState;
+
+    /// False lets the scene skip [`Self::engage`].
+    fn uses_engagement(&self) -> bool {
+        true
+    }
 
     /// A contact of a tooth opened or closed: gears whose springs know the contact radius use it.
     fn engage(&mut self, _memory: &mut [f64], _tooth: Tooth, _side: Side, _closed: bool) -> Change {

@@ -34,7 +34,10 @@ impl GearModel for Rigid {
     }
 
     fn coordinates(&self) -> Coordinates {
-        Coordinates { n: self.hub.coordinates(), memory: 0 }
+        Coordinates {
+            n: self.hub.coordinates(),
+            memory: 0,
+        }
     }
 
     fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
@@ -48,12 +51,33 @@ impl GearModel for Rigid {
     }
 
     fn contact_mass(&self) -> f64 {
-        if self.hub.coordinates() > 0 { self.hub.inertia / self.lever.powi(2) } else { f64::INFINITY }
+        if self.hub.coordinates() > 0 {
+            self.hub.inertia / self.lever.powi(2)
+        } else {
+            f64::INFINITY
+        }
     }
 
     #[inline]
     fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
         self.hub.travel(at.t, at.q)
+    }
+
+    #[inline]
+    fn tooth_travels(&self, at: At<'_>, _first: Tooth, out: &mut [f64]) {
+        out.fill(self.hub.travel(at.t, at.q));
+    }
+
+    fn moves_as_one(&self) -> bool {
+        true
+    }
+
+    fn has_internal_force(&self) -> bool {
+        false
+    }
+
+    fn uses_engagement(&self) -> bool {
+        false
     }
 
     #[inline]
@@ -77,6 +101,11 @@ impl GearModel for Rigid {
         }
     }
 
+    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
+        diagonal.fill(self.hub.inertia);
+        true
+    }
+
     fn correct(
         &mut self,
         _at: At<'_>,
@@ -96,12 +125,23 @@ impl GearModel for Rigid {
 
     fn energy(&self, at: At<'_>) -> Energy {
         let speed = self.hub.speed(at.t, at.v);
-        let kinetic = if self.hub.coordinates() > 0 { 0.5 * self.hub.inertia * speed * speed } else { 0.0 };
-        Energy { kinetic, ..Energy::default() }
+        let kinetic = if self.hub.coordinates() > 0 {
+            0.5 * self.hub.inertia * speed * speed
+        } else {
+            0.0
+        };
+        Energy {
+            kinetic,
+            ..Energy::default()
+        }
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
-        HubState { travel: self.hub.travel(at.t, at.q), speed, momentum: self.hub.inertia * speed }
+        HubState {
+            travel: self.hub.travel(at.t, at.q),
+            speed,
+            momentum: self.hub.inertia * speed,
+        }
     }
 }

@@ -47,12 +47,20 @@ pub struct Model {
 }
 
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    Ok(Box::new(rigid::Rigid::new(context.hub.clone(), context.lever)))
+    Ok(Box::new(rigid::Rigid::new(
+        context.hub.clone(),
+        context.lever,
+    )))
 }
 
 /// The models of this crate.
 pub static MODELS: &[Model] = &[
-    Model { id: "rigid", title: "rigid gear; all compliance in the contact law", parameters: &[], build: build_rigid },
+    Model {
+        id: "rigid",
+        title: "rigid gear; all compliance in the contact law",
+        parameters: &[],
+        build: build_rigid,
+    },
     Model {
         id: "movable-teeth",
         title: "one tangential coordinate per tooth (Ebrahimi, Eberhard 2006)",
@@ -72,7 +80,11 @@ impl Model {
                 } else {
                     format!("it takes {}", known.join(", "))
                 };
-                return Err(BuildError::parameter(self.id, key, format!("is not known; {way_out}")));
+                return Err(BuildError::parameter(
+                    self.id,
+                    key,
+                    format!("is not known; {way_out}"),
+                ));
             }
         }
         (self.build)(context)

@@ -59,7 +59,9 @@ pub fn lever(body: &Body) -> f64 {
 pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
     let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
     let Body::Gear(ga) = &a.body else {
-        return Err(error("the first gear of a mesh may not be a rack; name the gear first".into()));
+        return Err(error(
+            "the first gear of a mesh may not be a rack; name the gear first".into(),
+        ));
     };
     let (dx, dy) = (b.position[0] - a.position[0], b.position[1] - a.position[1]);
     match &b.body {
@@ -163,18 +165,23 @@ fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f64>, BuildE
         let [va, vb] = views(l, a, b, [0.0, 0.0]);
         // The pitch in path coordinates brings a placed gear's tooth nearest to where the start is wanted.
         let nearest = |view: &MeshView, phase: f64, s: f64| {
-            let placed = MeshView { assembled: phase, ..*view };
+            let placed = MeshView {
+                assembled: phase,
+                ..*view
+            };
             let s0 = placed.path_coordinate(mesh.start.side, phase);
             s0 + ((s - s0) / l.base_pitch).round() * l.base_pitch
         };
         match (phase[ia], phase[ib]) {
             (None, None) => {
                 phase[ia] = Some(phase_at(&va, sign, wanted));
-                phase[ib] = Some(phase_at(&vb, sign, l.length - wanted - mesh.start.gap) - l.rack_offset);
+                phase[ib] =
+                    Some(phase_at(&vb, sign, l.length - wanted - mesh.start.gap) - l.rack_offset);
             }
             (Some(p), None) => {
                 let s = nearest(&va, p, wanted);
-                phase[ib] = Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
+                phase[ib] =
+                    Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (None, Some(p)) => {
                 let s = nearest(&vb, p + l.rack_offset, l.length - wanted);
@@ -191,7 +198,12 @@ fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f64>, BuildE
 const LARGEST_OVERLAP: f64 = 0.01;
 
 /// Refuses starts at which flanks overlap by more than a preload.
-fn check_start(spec: &SceneSpec, mesh: &MeshSpec, l: &MeshLayout, loa: &LinesOfAction) -> Result<(), BuildError> {
+fn check_start(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    l: &MeshLayout,
+    loa: &LinesOfAction,
+) -> Result<(), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     for side in Side::BOTH {
         let gap = loa.assembled_gap(side);
@@ -209,7 +221,11 @@ fn check_start(spec: &SceneSpec, mesh: &MeshSpec, l: &MeshLayout, loa: &LinesOfA
         ));
     }
     if !mesh.start.gap.is_finite() {
-        return Err(BuildError::mesh(&a.name, &b.name, format!("the gap {} at the start is no number", mesh.start.gap)));
+        return Err(BuildError::mesh(
+            &a.name,
+            &b.name,
+            format!("the gap {} at the start is no number", mesh.start.gap),
+        ));
     }
     Ok(())
 }
@@ -220,7 +236,9 @@ fn deviation(body: &Body, own_path: [f64; 2], zeta: f64) -> Option<Deviation> {
         return None;
     }
     let rb = g.r_base();
-    Some(Deviation::sample(own_path, DEVIATION_SAMPLES, |s| g.flank_deviation(rb.hypot(s), zeta)))
+    Some(Deviation::sample(own_path, DEVIATION_SAMPLES, |s| {
+        g.flank_deviation(rb.hypot(s), zeta)
+    }))
 }
 
 fn varies_over_width(body: &Body) -> bool {
@@ -245,9 +263,13 @@ fn lines_of_action(
     let curve = stiffness_curve(a, b, l, contact).map_err(|e| error(e.to_string()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
     let many = varies_over_width(&a.body) || varies_over_width(&b.body);
-    let count = contact.slices.unwrap_or(if many { DEFAULT_SLICES } else { 1 });
+    let count = contact
+        .slices
+        .unwrap_or(if many { DEFAULT_SLICES } else { 1 });
     if count == 0 || count > 1000 {
-        return Err(error(format!("{count} slices over the width; use 1 to 1000")));
+        return Err(error(format!(
+            "{count} slices over the width; use 1 to 1000"
+        )));
     }
     let base_helix = match &a.body {
         Body::Gear(g) => g.base_helix_angle(),
@@ -314,15 +336,24 @@ fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     });
     let inertia = own + g.added_inertia;
     if !(inertia > 0.0 && inertia.is_finite()) {
-        return Err(BuildError::gear(&g.name, format!("inertia {inertia} is not positive")));
+        return Err(BuildError::gear(
+            &g.name,
+            format!("inertia {inertia} is not positive"),
+        ));
     }
     let rack = matches!(g.body, Body::Rack(_));
     match (&g.mount, rack) {
         (Mount::Prismatic, false) => {
-            return Err(BuildError::gear(&g.name, "a prismatic mount is for racks; use revolute"));
+            return Err(BuildError::gear(
+                &g.name,
+                "a prismatic mount is for racks; use revolute",
+            ));
         }
         (Mount::Revolute, true) => {
-            return Err(BuildError::gear(&g.name, "a rack cannot turn; use prismatic or fixed"));
+            return Err(BuildError::gear(
+                &g.name,
+                "a rack cannot turn; use prismatic or fixed",
+            ));
         }
         _ => {}
     }
@@ -341,8 +372,14 @@ impl Scene {
     ///
     /// # Errors
     /// [`BuildError`] names the gear, mesh or parameter and a way out.
-    pub fn build(spec: &SceneSpec, modelling: &Modelling, models: &[Model]) -> Result<Scene, BuildError> {
-        if modelling.gears.len() != spec.gears.len() || modelling.contacts.len() != spec.meshes.len() {
+    pub fn build(
+        spec: &SceneSpec,
+        modelling: &Modelling,
+        models: &[Model],
+    ) -> Result<Scene, BuildError> {
+        if modelling.gears.len() != spec.gears.len()
+            || modelling.contacts.len() != spec.meshes.len()
+        {
             return Err(BuildError {
                 subject: "scene".into(),
                 gear: None,
@@ -371,14 +408,21 @@ impl Scene {
             if let Mount::Driven(p) = &g.mount
                 && let Some(problem) = p.problem()
             {
-                return Err(BuildError::gear(&g.name, format!("driven motion: {problem}")));
+                return Err(BuildError::gear(
+                    &g.name,
+                    format!("driven motion: {problem}"),
+                ));
             }
             let hub = hub_of(g)?;
             let row = models.iter().find(|m| m.id == model.id).ok_or_else(|| {
                 let known: Vec<&str> = models.iter().map(|m| m.id).collect();
                 BuildError::gear(
                     &g.name,
-                    format!("there is no model `{}`; there are {}", model.id, known.join(", ")),
+                    format!(
+                        "there is no model `{}`; there are {}",
+                        model.id,
+                        known.join(", ")
+                    ),
                 )
             })?;
             let context = GearContext {
@@ -395,6 +439,7 @@ impl Scene {
                 offset: 0,
                 n: 0,
                 memory: (0, 0),
+                internal: true,
             });
         }
 
@@ -435,6 +480,9 @@ impl Scene {
                 friction: contact.friction,
                 memory: 0,
                 guards: 0,
+                cells: 0,
+                slots: 0,
+                zones: 0,
             });
         }
         Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
@@ -453,16 +501,23 @@ impl Scene {
             let c = g.model.coordinates();
             (g.offset, g.n) = (n, c.n);
             g.memory = (memory, c.memory);
+            g.internal = g.model.has_internal_force();
             n += c.n;
             memory += c.memory;
         }
         for m in &mut meshes {
             (m.memory, m.guards) = (memory, guards);
-            memory += m.search.memory() + 2 * m.search.slots();
-            guards += m.search.guard_count() + m.search.slots();
+            (m.cells, m.slots, m.zones) =
+                (m.search.memory(), m.search.slots(), m.search.guard_count());
+            memory += m.cells + 2 * m.slots;
+            guards += m.zones + m.slots;
         }
-        let mut initial =
-            State { t: 0.0, q: vec![0.0; n], v: vec![0.0; n], memory: vec![0.0; memory] };
+        let mut initial = State {
+            t: 0.0,
+            q: vec![0.0; n],
+            v: vec![0.0; n],
+            memory: vec![0.0; memory],
+        };
         for (g, s) in gears.iter().zip(&spec.gears) {
             let range = g.range();
             // A prescribed motion says itself how fast its gear moves.
@@ -478,9 +533,21 @@ impl Scene {
                 &mut initial.memory[g.memory.0..][..g.memory.1],
             );
         }
-        let pace = gears.iter().map(|g| g.model.pace()).fold(scales.pace, f64::min);
+        let pace = gears
+            .iter()
+            .map(|g| g.model.pace())
+            .fold(scales.pace, f64::min);
         let channels = channel_names(&gears, meshes.len());
         let compliant = gears.iter().any(|g| g.model.is_compliant());
+        let tracks = meshes.iter().any(|m| m.law.needs_impact_speed())
+            || gears.iter().any(|g| g.model.uses_engagement());
+        let mut mass = vec![0.0; n];
+        if !gears
+            .iter()
+            .all(|g| g.model.constant_mass(&mut mass[g.range()]))
+        {
+            mass.clear();
+        }
         Scene {
             gears,
             meshes,
@@ -491,6 +558,9 @@ impl Scene {
             memory,
             guards,
             compliant,
+            tracks,
+            inverse_mass: mass.iter().map(|m| m.recip()).collect(),
+            mass,
             work: Workspace::default(),
             initial,
             phases,
@@ -508,7 +578,11 @@ struct Scales {
 
 impl Default for Scales {
     fn default() -> Self {
-        Scales { deflection: 0.0, speed: 0.0, pace: f64::INFINITY }
+        Scales {
+            deflection: 0.0,
+            speed: 0.0,
+            pace: f64::INFINITY,
+        }
     }
 }
 
@@ -534,7 +608,10 @@ impl Scales {
         };
         let force = along[0].1.max(along[1].1);
         let m = if mass.is_finite() { mass } else { 1.0 };
-        let speed = closing.max(force / (k * m).sqrt()).max(1e-3 * fastest).max(1e-6);
+        let speed = closing
+            .max(force / (k * m).sqrt())
+            .max(1e-3 * fastest)
+            .max(1e-6);
         self.speed = self.speed.max(speed);
         self.deflection = self.deflection.max(speed * (m / k).sqrt());
         let light = if own.is_finite() { own.min(m) } else { m };
@@ -543,7 +620,11 @@ impl Scales {
 
     fn magnitudes(&self) -> Magnitudes {
         Magnitudes {
-            deflection: if self.deflection > 0.0 { self.deflection } else { 1e-6 },
+            deflection: if self.deflection > 0.0 {
+                self.deflection
+            } else {
+                1e-6
+            },
             speed: if self.speed > 0.0 { self.speed } else { 1e-3 },
         }
     }
@@ -567,7 +648,11 @@ impl SceneGear {
 
 /// Mass along the line of action that a hub stands for [kg]; infinite when it is held.
 fn hub_mass(spec: &GearSpec, hub: &Hub) -> f64 {
-    if hub.coordinates() == 0 { f64::INFINITY } else { hub.inertia / lever(&spec.body).powi(2) }
+    if hub.coordinates() == 0 {
+        f64::INFINITY
+    } else {
+        hub.inertia / lever(&spec.body).powi(2)
+    }
 }
 
 fn reduced_mass(m: [f64; 2]) -> f64 {
@@ -604,7 +689,10 @@ fn law_of(
                     "a damping ratio needs a gear that can move; both are held, give the damper in N s/m".into(),
                 ));
             }
-            contact.damping.resolved(contact.exponent, k, mass).map_err(|e| error(e.to_string()))?
+            contact
+                .damping
+                .resolved(contact.exponent, k, mass)
+                .map_err(|e| error(e.to_string()))?
         }
         other => other,
     };

@@ -4,10 +4,11 @@ use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Tooth};
 use crate::contact::law::{FrictionForce, LawForce};
+use crate::contact::lines_of_action::all_open;
 use crate::contact::row::Row;
 use crate::contact::search::{Party, Wanted};
-use crate::geometry::Side;
 use crate::contact::solve::{CompliantSolve, SolvePoint};
+use crate::geometry::Side;
 use gearbench_integrators::system::{At, Singular};
 
 /// A contact that carries (or may carry) a force.
@@ -76,8 +77,14 @@ pub(super) fn sliding_direction(n: &Vec3) -> Vec3 {
     t / t.norm()
 }
 
-fn fill_rows(gears: &[SceneGear], mesh: &SceneMesh, sides: [Party<'_>; 2], c: &Candidate, rows: &mut [Row; 3]) {
-    let [a, b] = sides;
+#[inline]
+fn fill_rows(
+    gears: &[SceneGear],
+    mesh: &SceneMesh,
+    [a, b]: [&Party<'_>; 2],
+    c: &Candidate,
+    rows: &mut [Row; 3],
+) {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
     row.clear();
@@ -108,59 +115,72 @@ fn fill_rows(gears: &[SceneGear], mesh: &SceneMesh, sides: [Party<'_>; 2], c: &C
 
 impl Scene {
     /// Fills `work.active` and its rows with the contacts at a state.
+    #[inline]
     pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
         if self.compliant {
             self.evaluate_compliant(at);
             return;
         }
+        self.work.active.clear();
+        self.work.candidates.clear();
         let located = at.memory[0] != 0.0;
-        let Scene { gears, meshes, work, .. } = self;
-        work.active.clear();
-        work.candidates.clear();
-        for (m, mesh) in meshes.iter().enumerate() {
-            let (a, b) = parties(gears, mesh, at);
-            let first = work.candidates.len();
-            let memory = &at.memory[mesh.search_memory()];
-            let wanted = if located {
-                Wanted::Closed(&at.memory[mesh.modes()])
+        for m in 0..self.meshes.len() {
+            if !(located && all_open(&at.memory[self.meshes[m].modes()])) {
+                self.evaluate_mesh(at, m, located);
+            }
+        }
+    }
+
+    /// Appends the contacts of a mesh.
+    #[inline(never)]
+    fn evaluate_mesh(&mut self, at: At<'_>, m: usize, located: bool) {
+        let Scene {
+            gears,
+            meshes,
+            work,
+            ..
+        } = self;
+        let mesh = &meshes[m];
+        let (a, b) = parties(gears, mesh, at);
+        let first = work.candidates.len();
+        let memory = &at.memory[mesh.search_memory()];
+        let wanted = if located {
+            Wanted::Closed(&at.memory[mesh.modes()])
+        } else {
+            Wanted::Touching(0.0)
+        };
+        mesh.search
+            .candidates(a, b, memory, wanted, &mut work.candidates);
+        for (k, c) in work.candidates.iter().enumerate().skip(first) {
+            let i = work.active.len();
+            if i == work.rows.len() {
+                work.rows.push(Default::default());
+            }
+            let rows = &mut work.rows[i];
+            fill_rows(gears, mesh, [&a, &b], c, rows);
+            let rate = rows[0].dot(at.v) + c.gap_t;
+            let stored = at.memory[mesh.slot(c.slot) + 1];
+            let impact_speed = if stored > 0.0 { stored } else { -rate };
+            let force = if located {
+                mesh.law.smooth(c.gap, rate, impact_speed, c.stiffness)
             } else {
-                Wanted::Touching(0.0)
+                mesh.law.clipped(c.gap, rate, impact_speed, c.stiffness)
             };
-            mesh.search.candidates(a, b, memory, wanted, &mut work.candidates);
-            for k in first..work.candidates.len() {
-                let c = &work.candidates[k];
-                let slot = mesh.slot(c.slot);
-                let i = work.active.len();
-                if i == work.rows.len() {
-                    work.rows.push(Default::default());
-                }
-                let rows = &mut work.rows[i];
-                fill_rows(gears, mesh, [a, b], c, rows);
-                let rate = rows[0].dot(at.v) + c.gap_t;
-                let stored = at.memory[slot + 1];
-                let impact_speed = if stored > 0.0 { stored } else { -rate };
-                let force = if located {
-                    mesh.law.smooth(c.gap, rate, impact_speed, c.stiffness)
-                } else {
-                    mesh.law.clipped(c.gap, rate, impact_speed, c.stiffness)
-                };
-                if !located && force.n == 0.0 {
-                    continue;
-                }
-                let mut active = Active {
-                    mesh: m,
-                    candidate: k,
-                    gap: c.gap,
-                    rate,
-                    impact_speed,
-                    force,
-                    friction: FrictionForce::default(),
-                    sliding: 0.0,
-                };
-                if mesh.friction.is_some() {
-                    slide(mesh, [a, b], at, c, rows, &mut active);
-                }
-                work.active.push(active);
+            if !located && force.n == 0.0 {
+                continue;
+            }
+            work.active.push(Active {
+                mesh: m,
+                candidate: k,
+                gap: c.gap,
+                rate,
+                impact_speed,
+                force,
+                friction: FrictionForce::default(),
+                sliding: 0.0,
+            });
+            if mesh.friction.is_some() {
+                slide(mesh, [a, b], at, c, rows, &mut work.active[i]);
             }
         }
     }
@@ -168,7 +188,12 @@ impl Scene {
     /// The same with local compliance: all points are solved for together.
     fn evaluate_compliant(&mut self, at: At<'_>) {
         let located = at.memory[0] != 0.0;
-        let Scene { gears, meshes, work, .. } = self;
+        let Scene {
+            gears,
+            meshes,
+            work,
+            ..
+        } = self;
         work.active.clear();
         work.points.clear();
         work.candidates.clear();
@@ -176,15 +201,20 @@ impl Scene {
             let (a, b) = parties(gears, mesh, at);
             let first = work.candidates.len();
             let memory = &at.memory[mesh.search_memory()];
-            let wanted = if located { Wanted::Listed } else { Wanted::Touching(f64::INFINITY) };
-            mesh.search.candidates(a, b, memory, wanted, &mut work.candidates);
+            let wanted = if located {
+                Wanted::Listed
+            } else {
+                Wanted::Touching(f64::INFINITY)
+            };
+            mesh.search
+                .candidates(a, b, memory, wanted, &mut work.candidates);
             for k in first..work.candidates.len() {
                 let c = &work.candidates[k];
                 let i = work.active.len();
                 if i == work.rows.len() {
                     work.rows.push(Default::default());
                 }
-                fill_rows(gears, mesh, [a, b], c, &mut work.rows[i]);
+                fill_rows(gears, mesh, [&a, &b], c, &mut work.rows[i]);
                 let slot = mesh.slot(c.slot);
                 let rate = work.rows[i][0].dot(at.v) + c.gap_t;
                 let stored = at.memory[slot + 1];
@@ -236,7 +266,10 @@ impl Scene {
                 work.compliance.push(sum);
             }
         }
-        work.failed = work.solve.solve(&work.compliance, &mut work.points).is_err();
+        work.failed = work
+            .solve
+            .solve(&work.compliance, &mut work.points)
+            .is_err();
         for i in 0..n {
             let active = &mut work.active[i];
             active.gap = work.points[i].gap;
@@ -262,12 +295,17 @@ impl Scene {
             p.law = p.law.undamped();
             p.closed = Some(p.closed.unwrap_or(p.force.n != 0.0));
         }
-        if work.solve.solve(&work.compliance, &mut work.elastic).is_err() {
+        if work
+            .solve
+            .solve(&work.compliance, &mut work.elastic)
+            .is_err()
+        {
             work.elastic.iter_mut().for_each(|p| p.force.n = f64::NAN);
         }
     }
 
     /// Applies `x += N w + F t` of all active contacts.
+    #[inline]
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
         for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
             rows[0].add_to(c.force.n, f);
@@ -291,7 +329,8 @@ impl Scene {
             );
         }
         if self.compliant {
-            work.solve.couple(&work.compliance, &work.points, &mut work.rhs, 1)?;
+            work.solve
+                .couple(&work.compliance, &work.points, &mut work.rhs, 1)?;
         }
         Ok(())
     }
@@ -332,8 +371,7 @@ fn slide(
     if let Some(friction) = &mesh.friction {
         let t = sliding_direction(&c.normal);
         let [a, b] = sides;
-        let drift =
-            b.gear.drift(b.at, &c.points[1], &t) - a.gear.drift(a.at, &c.points[0], &t);
+        let drift = b.gear.drift(b.at, &c.points[1], &t) - a.gear.drift(a.at, &c.points[0], &t);
         active.sliding = rows[1].dot(at.v) + drift;
         active.friction = friction.force(active.force.n, active.sliding);
     }

@@ -35,17 +35,20 @@ pub struct SceneGear {
     offset: usize,
     n: usize,
     memory: (usize, usize),
+    /// It has forces of its own.
+    internal: bool,
 }
 
 impl SceneGear {
     /// The gear's own slice of a state.
-    #[inline]
+    #[inline(always)]
     pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
+        let (own, cells) = (self.range(), self.memory.0..self.memory.0 + self.memory.1);
         At {
             t: at.t,
-            q: &at.q[self.offset..][..self.n],
-            v: &at.v[self.offset..][..self.n],
-            memory: &at.memory[self.memory.0..][..self.memory.1],
+            q: &at.q[own.clone()],
+            v: &at.v[own],
+            memory: &at.memory[cells],
         }
     }
 
@@ -61,10 +64,14 @@ impl SceneGear {
     }
 
     fn viscous(&self) -> f64 {
-        self.loads.iter().map(|l| if let Load::Viscous(c) = l { *c } else { 0.0 }).sum()
+        self.loads
+            .iter()
+            .map(|l| if let Load::Viscous(c) = l { *c } else { 0.0 })
+            .sum()
     }
 
     /// Range of its coordinates in the scene's.
+    #[inline]
     pub fn range(&self) -> std::ops::Range<usize> {
         self.offset..self.offset + self.n
     }
@@ -83,20 +90,27 @@ pub struct SceneMesh {
     /// Offset of its memory, and of its guards.
     memory: usize,
     guards: usize,
+    /// What the search says of itself: cells of memory, contact slots, guards.
+    cells: usize,
+    slots: usize,
+    zones: usize,
 }
 
 impl SceneMesh {
+    #[inline]
     fn search_memory(&self) -> std::ops::Range<usize> {
-        self.memory..self.memory + self.search.memory()
+        self.memory..self.memory + self.cells
     }
 
     /// Modes and impact speeds of its slots.
+    #[inline]
     fn modes(&self) -> std::ops::Range<usize> {
-        self.slot(0)..self.slot(self.search.slots())
+        self.slot(0)..self.slot(self.slots)
     }
 
+    #[inline]
     fn slot(&self, slot: usize) -> usize {
-        self.memory + self.search.memory() + 2 * slot
+        self.memory + self.cells + 2 * slot
     }
 }
 
@@ -111,6 +125,11 @@ pub struct Scene {
     memory: usize,
     guards: usize,
     compliant: bool,
+    /// Without event location: somebody needs impact speeds or engaged teeth to be followed.
+    tracks: bool,
+    /// The mass matrix and its inverse where it is diagonal and constant, else empty.
+    mass: Vec<f64>,
+    inverse_mass: Vec<f64>,
     work: Workspace,
     initial: State,
     phases: Vec<f64>,
@@ -159,7 +178,11 @@ impl Scene {
     }
 }
 
+#[inline(always)]
 fn parties<'a>(gears: &'a [SceneGear], mesh: &SceneMesh, at: At<'a>) -> (Party<'a>, Party<'a>) {
-    let party = |i: usize| Party { gear: gears[i].model.as_ref(), at: gears[i].at(at) };
+    let party = |i: usize| Party {
+        gear: gears[i].model.as_ref(),
+        at: gears[i].at(at),
+    };
     (party(mesh.gears[0]), party(mesh.gears[1]))
 }

@@ -61,7 +61,8 @@ impl Scene {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
             // A closed contact whose force passes through zero still holds its energy.
-            let released = self.compliant && !self.work.points[i].closed.unwrap_or(a.force.n != 0.0);
+            let released =
+                self.compliant && !self.work.points[i].closed.unwrap_or(a.force.n != 0.0);
             // The elastic force at the gap before local compliance, and the gap it leaves. The damper of a
             // compliant contact acts beside law and compliance in series: their energy is that of the
             // elastic part alone, and all the rest of the force is lost.
@@ -69,12 +70,16 @@ impl Scene {
                 let work = &self.work;
                 let n = work.elastic.len();
                 let p = &work.elastic[i];
-                let deflection: f64 =
-                    (0..n).map(|j| work.compliance[i * n + j] * work.elastic[j].force.n).sum();
+                let deflection: f64 = (0..n)
+                    .map(|j| work.compliance[i * n + j] * work.elastic[j].force.n)
+                    .sum();
                 energy.contact += 0.5 * p.force.n * deflection;
                 (p.force.n, p.gap)
             } else {
-                (mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n, a.gap)
+                (
+                    mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n,
+                    a.gap,
+                )
             };
             if !released {
                 energy.contact += mesh.law.potential(gap, c.stiffness);

@@ -26,17 +26,26 @@ fn open_guard(law: &Law, c: &Candidate, gap: f64, rate: f64, impact_speed: f64) 
 #[inline]
 fn as_length(law: &Law, n: f64, k: f64) -> f64 {
     let x = n / k;
-    if law.exponent() == 1.0 { x } else { x.signum() * x.abs().powf(1.0 / law.exponent()) }
+    if law.exponent() == 1.0 {
+        x
+    } else {
+        x.signum() * x.abs().powf(1.0 / law.exponent())
+    }
 }
 
 impl SecondOrderSystem for Scene {
     fn layout(&self) -> Layout {
-        Layout { n: self.n, guards: self.guards, memory: self.memory }
+        Layout {
+            n: self.n,
+            guards: self.guards,
+            memory: self.memory,
+        }
     }
 
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         for g in &self.gears {
-            g.model.scales(self.magnitudes, &mut q[g.range()], &mut v[g.range()]);
+            g.model
+                .scales(self.magnitudes, &mut q[g.range()], &mut v[g.range()]);
         }
     }
 
@@ -47,11 +56,13 @@ impl SecondOrderSystem for Scene {
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f.fill(0.0);
         for g in &mut self.gears {
-            let own = g.at(at);
-            let range = g.range();
-            g.model.internal_force(own, &mut f[range]);
+            if g.internal {
+                let own = g.at(at);
+                let range = g.range();
+                g.model.internal_force(own, &mut f[range]);
+            }
             if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
-                f[g.offset] += g.load(at.t, own.v[0]);
+                f[g.offset] += g.load(at.t, at.v[g.offset]);
             }
         }
         self.evaluate_contacts(at);
@@ -59,6 +70,12 @@ impl SecondOrderSystem for Scene {
     }
 
     fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+        if !self.inverse_mass.is_empty() {
+            for (f, m) in f_to_a.iter_mut().zip(&self.inverse_mass) {
+                *f *= m;
+            }
+            return;
+        }
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
@@ -67,6 +84,12 @@ impl SecondOrderSystem for Scene {
     }
 
     fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        if !self.mass.is_empty() {
+            for ((y, x), m) in y.iter_mut().zip(x).zip(&self.mass) {
+                *y = m * x;
+            }
+            return;
+        }
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
@@ -82,7 +105,14 @@ impl SecondOrderSystem for Scene {
         if m == 0 {
             return Ok(());
         }
-        let friction = self.work.active.iter().any(|a| self.meshes[a.mesh].friction.is_some());
+        if m == 1 && !self.compliant && self.meshes[self.work.active[0].mesh].friction.is_none() {
+            return self.correct_one_contact(at, c, rhs_to_x);
+        }
+        let friction = self
+            .work
+            .active
+            .iter()
+            .any(|a| self.meshes[a.mesh].friction.is_some());
         let terms = if friction { 2 * m } else { m };
 
         // Rows V (how the forces answer to x) and columns Z = A0^-1 U (how x answers to the forces).
@@ -105,7 +135,9 @@ impl SecondOrderSystem for Scene {
         let mut result = Ok(());
         if self.compliant {
             let work = &mut self.work;
-            result = work.solve.couple(&work.compliance, &work.points, &mut v[..m * n], n);
+            result = work
+                .solve
+                .couple(&work.compliance, &work.points, &mut v[..m * n], n);
         }
         if friction {
             for i in 0..m {
@@ -151,12 +183,8 @@ impl SecondOrderSystem for Scene {
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
-            g.model.internal_tangent(
-                own,
-                &dq[range.clone()],
-                &dv[range.clone()],
-                &mut df[range],
-            );
+            g.model
+                .internal_tangent(own, &dq[range.clone()], &dv[range.clone()], &mut df[range]);
             if g.model.hub().coordinates() > 0 {
                 df[g.offset] -= g.viscous() * dv[g.offset];
             }
@@ -185,61 +213,34 @@ impl SecondOrderSystem for Scene {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
         if self.compliant {
-            self.evaluate_contacts(at);
+            self.compliant_guards(at, out);
+            return;
         }
-        let Scene { gears, meshes, work, compliant, .. } = self;
-        for (m, mesh) in meshes.iter().enumerate() {
-            let (a, b) = parties(gears, mesh, at);
-            let memory = &at.memory[mesh.search_memory()];
-            let zones = mesh.search.guard_count();
-            let (zone, slots) = out[mesh.guards..].split_at_mut(zones);
-            mesh.search.guards(a, b, memory, zone);
-            if *compliant {
-                for active in work.active.iter().filter(|x| x.mesh == m) {
-                    let c = &work.candidates[active.candidate];
-                    let closed = at.memory[mesh.slot(c.slot)] != 0.0;
-                    slots[c.slot] = if closed {
-                        as_length(&mesh.law, active.force.n, c.stiffness)
-                    } else {
-                        open_guard(&mesh.law, c, active.gap, active.rate, active.impact_speed)
-                    };
-                }
-                continue;
-            }
+        for m in 0..self.meshes.len() {
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, at);
+            let (zone, slots) =
+                out[mesh.guards..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
+            mesh.search
+                .watch(a, b, &at.memory[mesh.search_memory()], zone, slots);
             // Gaps are all that open contacts and contacts without damping need.
-            slots[..mesh.search.slots()].fill(f64::INFINITY);
-            mesh.search.gaps(a, b, memory, &mut slots[..mesh.search.slots()]);
             let modes = &at.memory[mesh.modes()];
-            let damped = mesh.law.is_dissipative();
-            let mut look_closer = false;
+            let (mut closed, mut overlap) = (false, false);
             for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
-                if *g == f64::INFINITY {
-                    *g = 1.0;
-                } else if mode[0] != 0.0 {
-                    look_closer |= damped;
+                if mode[0] != 0.0 {
+                    closed = true;
                     *g = -*g;
                 } else {
-                    look_closer |= damped && *g <= 0.0;
+                    overlap |= *g <= 0.0;
                 }
             }
-            if !look_closer {
-                continue;
-            }
-            work.candidates.clear();
-            mesh.search.candidates(a, b, memory, Wanted::Listed, &mut work.candidates);
-            for c in &work.candidates {
-                let (mode, stored) = (modes[2 * c.slot], modes[2 * c.slot + 1]);
-                if mode == 0.0 && c.gap > 0.0 {
-                    continue;
-                }
-                let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);
-                let v0 = if stored > 0.0 { stored } else { -rate };
-                slots[c.slot] = if mode != 0.0 {
-                    let n = mesh.law.smooth(c.gap, rate, v0, c.stiffness).n;
-                    as_length(&mesh.law, n, c.stiffness)
+            if (closed || overlap) && mesh.law.is_dissipative() {
+                let wanted = if overlap {
+                    Wanted::Listed
                 } else {
-                    open_guard(&mesh.law, c, c.gap, rate, v0)
+                    Wanted::Closed(modes)
                 };
+                self.damped_guards(at, m, wanted, out);
             }
         }
     }
@@ -284,10 +285,14 @@ impl SecondOrderSystem for Scene {
     }
 
     fn switch(&mut self, s: &mut State, guard: usize) -> Change {
-        let m = self.meshes.iter().rposition(|mesh| guard >= mesh.guards).unwrap_or(0);
+        let m = self
+            .meshes
+            .iter()
+            .rposition(|mesh| guard >= mesh.guards)
+            .unwrap_or(0);
         let mesh = &self.meshes[m];
         let local = guard - mesh.guards;
-        let zones = mesh.search.guard_count();
+        let zones = mesh.zones;
         if local < zones {
             let range = mesh.search_memory();
             // A pair that leaves is no candidate any more: look at it before.
@@ -295,9 +300,12 @@ impl SecondOrderSystem for Scene {
             listed.clear();
             let (a, b) = parties(&self.gears, mesh, s.at());
             let memory = &s.memory[range.clone()];
-            mesh.search.candidates(a, b, memory, Wanted::Listed, &mut listed);
+            mesh.search
+                .candidates(a, b, memory, Wanted::Listed, &mut listed);
             let change = mesh.search.switch(local, &mut s.memory[range]);
-            let leaving = change.left.and_then(|slot| listed.iter().find(|c| c.slot == slot).copied());
+            let leaving = change
+                .left
+                .and_then(|slot| listed.iter().find(|c| c.slot == slot).copied());
             self.work.listed = listed;
             if let Some(slot) = change.left {
                 let at = self.meshes[m].slot(slot);
@@ -315,7 +323,9 @@ impl SecondOrderSystem for Scene {
             let at = mesh.slot(slot);
             let closing = s.memory[at] == 0.0;
             // A contact that a damper releases early keeps its impact speed until the flanks part.
-            let apart = self.gap_of(s, m, slot).is_none_or(|g| g >= -1e-6 * self.magnitudes.deflection);
+            let apart = self
+                .gap_of(s, m, slot)
+                .is_none_or(|g| g >= -1e-6 * self.magnitudes.deflection);
             if closing {
                 if apart || s.memory[at + 1] <= 0.0 {
                     let speed = self.approach_speed(s, m, slot);
@@ -339,11 +349,14 @@ impl SecondOrderSystem for Scene {
             let range = g.range();
             let State { t, q, v, memory } = s;
             let own = &mut memory[g.memory.0..][..g.memory.1];
-            if g.model.commit(*t, &mut q[range.clone()], &mut v[range], own) == Change::Restart {
+            if g.model
+                .commit(*t, &mut q[range.clone()], &mut v[range], own)
+                == Change::Restart
+            {
                 change = Change::Restart;
             }
         }
-        if s.memory[0] == 0.0 {
+        if s.memory[0] == 0.0 && self.tracks {
             self.track_modes(s);
         }
         change
@@ -390,8 +403,106 @@ impl Scene {
         Ok(())
     }
 
+    /// Adds one contact without friction to `x = A0^-1 rhs`: `x += z (v.x) / (1 - v.z)`.
+    fn correct_one_contact(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let mut z = std::mem::take(&mut self.work.z);
+        z.clear();
+        z.resize(self.n, 0.0);
+        self.work.rows[0][0].add_to(1.0, &mut z);
+        let solved = self.correct_gears(at, c, &mut z);
+        let (force, row) = (&self.work.active[0].force, &self.work.rows[0][0]);
+        let candidate = &self.work.candidates[self.work.active[0].candidate];
+        let per_gap = c.k * force.dn_dg + c.d * force.dn_dgdot;
+        let per_path = -c.k * force.dn_dk * candidate.stiffness_s / candidate.scale[0];
+        let v_dot = |x: &[f64]| {
+            let along = if per_path == 0.0 {
+                0.0
+            } else {
+                per_path * row.dot_first(x)
+            };
+            per_gap * row.dot(x) + along
+        };
+        let pivot = 1.0 - v_dot(&z);
+        let singular = pivot == 0.0 || !pivot.is_finite();
+        let y = v_dot(x) / pivot;
+        for (x, z) in x.iter_mut().zip(&z) {
+            *x += y * z;
+        }
+        self.work.z = z;
+        if singular { Err(Singular) } else { solved }
+    }
+
+    /// Guards of contacts with local compliance.
+    fn compliant_guards(&mut self, at: At<'_>, out: &mut [f64]) {
+        self.evaluate_contacts(at);
+        for (m, mesh) in self.meshes.iter().enumerate() {
+            let (a, b) = parties(&self.gears, mesh, at);
+            let (zone, slots) = out[mesh.guards..].split_at_mut(mesh.zones);
+            mesh.search
+                .guards(a, b, &at.memory[mesh.search_memory()], zone);
+            for active in self.work.active.iter().filter(|x| x.mesh == m) {
+                let c = &self.work.candidates[active.candidate];
+                let closed = at.memory[mesh.slot(c.slot)] != 0.0;
+                slots[c.slot] = if closed {
+                    as_length(&mesh.law, active.force.n, c.stiffness)
+                } else {
+                    open_guard(&mesh.law, c, active.gap, active.rate, active.impact_speed)
+                };
+            }
+        }
+    }
+
+    /// Guards of a mesh's closed or overlapping contacts with a damper, from the force.
+    fn damped_guards(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
+        let Scene {
+            gears,
+            meshes,
+            work,
+            ..
+        } = self;
+        let mesh = &meshes[m];
+        let (a, b) = parties(gears, mesh, at);
+        let modes = &at.memory[mesh.modes()];
+        let slots = &mut out[mesh.guards + mesh.zones..];
+        work.candidates.clear();
+        mesh.search.candidates(
+            a,
+            b,
+            &at.memory[mesh.search_memory()],
+            wanted,
+            &mut work.candidates,
+        );
+        for c in &work.candidates {
+            let (mode, stored) = (modes[2 * c.slot], modes[2 * c.slot + 1]);
+            if mode == 0.0 && c.gap > 0.0 {
+                continue;
+            }
+            let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);
+            let v0 = if stored > 0.0 { stored } else { -rate };
+            slots[c.slot] = if mode != 0.0 {
+                let n = mesh.law.smooth(c.gap, rate, v0, c.stiffness).n;
+                as_length(&mesh.law, n, c.stiffness)
+            } else {
+                open_guard(&mesh.law, c, c.gap, rate, v0)
+            };
+        }
+    }
+
     /// Rows of the sliding force of contact `i` in the Newton correction: terms `m..2m`.
-    fn friction_terms(&mut self, at: At<'_>, c: Coeffs, i: usize, m: usize, v: &mut [f64], z: &mut [f64]) {
+    fn friction_terms(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        i: usize,
+        m: usize,
+        v: &mut [f64],
+        z: &mut [f64],
+    ) {
         let n = self.n;
         let (a, rows) = (&self.work.active[i], &self.work.rows[i]);
         if self.meshes[a.mesh].friction.is_none() {
@@ -421,7 +532,8 @@ impl Scene {
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, s.at());
             let memory = &s.memory[mesh.search_memory()];
-            mesh.search.candidates(a, b, memory, Wanted::Listed, &mut found);
+            mesh.search
+                .candidates(a, b, memory, Wanted::Listed, &mut found);
             for c in &found {
                 if only.is_some_and(|x| x != (m, c.slot)) {
                     continue;
@@ -451,13 +563,20 @@ impl Scene {
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, s.at());
             let memory = &s.memory[mesh.search_memory()];
-            mesh.search.candidates(a, b, memory, Wanted::Touching(0.0), &mut found);
+            mesh.search
+                .candidates(a, b, memory, Wanted::Touching(0.0), &mut found);
             for slot in 0..mesh.search.slots() {
                 let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
                 let at = self.meshes[m].slot(slot);
                 match touching {
                     Some(c) if s.memory[at] == 0.0 => {
-                        let rate = gap_rate(&self.gears, &self.meshes[m], c, s.at(), &mut self.work.scratch);
+                        let rate = gap_rate(
+                            &self.gears,
+                            &self.meshes[m],
+                            c,
+                            s.at(),
+                            &mut self.work.scratch,
+                        );
                         s.memory[at] = 1.0;
                         s.memory[at + 1] = (-rate).max(0.0);
                         self.engage(s, m, slot, true);
@@ -479,8 +598,11 @@ impl Scene {
         let (a, b) = parties(&self.gears, mesh, s.at());
         let mut found = std::mem::take(&mut self.work.candidates);
         found.clear();
-        let wanted =
-            if s.memory[0] != 0.0 { Wanted::Listed } else { Wanted::Touching(f64::INFINITY) };
+        let wanted = if s.memory[0] != 0.0 {
+            Wanted::Listed
+        } else {
+            Wanted::Touching(f64::INFINITY)
+        };
         let memory = &s.memory[mesh.search_memory()];
         mesh.search.candidates(a, b, memory, wanted, &mut found);
         let c = found.iter().find(|c| c.slot == slot).copied();
@@ -500,8 +622,16 @@ impl Scene {
     }
 
     fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
-        let Some(c) = self.find(s, m, slot) else { return 0.0 };
-        let rate = gap_rate(&self.gears, &self.meshes[m], &c, s.at(), &mut self.work.scratch);
+        let Some(c) = self.find(s, m, slot) else {
+            return 0.0;
+        };
+        let rate = gap_rate(
+            &self.gears,
+            &self.meshes[m],
+            &c,
+            s.at(),
+            &mut self.work.scratch,
+        );
         (-rate).max(0.0)
     }
 

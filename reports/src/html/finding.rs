@@ -67,7 +67,11 @@ fn first(view: &View<'_>) -> String {
         _ => format!("{}\u{a0}%", short(100.0 * tolerance.limit, 3)),
     };
     let metric = metric_name(&tolerance.metric);
-    let article = if metric.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+    let article = if metric.starts_with(['a', 'e', 'i', 'o', 'u']) {
+        "an"
+    } else {
+        "a"
+    };
     let asked = format!(
         "{article} {metric} of at most {limit} against {}",
         escape(&view.reference_name(&tolerance.against)),

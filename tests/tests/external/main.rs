@@ -14,7 +14,13 @@ use gearbench_reports::series::TimeSeries;
 use std::time::Duration;
 
 fn stored(scene: &scene_file::SceneFile) -> ExternalReference {
-    reference(scene.reference.as_deref().expect("the scene names a reference")).expect("it is stored")
+    reference(
+        scene
+            .reference
+            .as_deref()
+            .expect("the scene names a reference"),
+    )
+    .expect("it is stored")
 }
 
 /// Metrics of each model of a scene against its reference, by label, under a tight adaptive method.
@@ -45,11 +51,18 @@ fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) 
                 modelling: c.modelling.clone(),
             })
             .collect(),
-        methods: vec![Method { text: "dopri5".into(), resolution: Resolution::Tolerance(1e-8) }],
+        methods: vec![Method {
+            text: "dopri5".into(),
+            resolution: Resolution::Tolerance(1e-8),
+        }],
         models: MODELS,
         duration: scene.duration,
         samples: 200,
-        reference: Some(ReferenceSeries { id: "calculix".into(), series, ..Default::default() }),
+        reference: Some(ReferenceSeries {
+            id: "calculix".into(),
+            series,
+            ..Default::default()
+        }),
         tolerance: None,
         settings: Vec::new(),
         repeats: 0,
@@ -67,7 +80,11 @@ fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) 
 }
 
 fn of<'a>(found: &'a [(String, Metrics)], label: &str) -> &'a Metrics {
-    &found.iter().find(|(l, _)| l == label).expect("the model is in the scene").1
+    &found
+        .iter()
+        .find(|(l, _)| l == label)
+        .expect("the model is in the scene")
+        .1
 }
 
 #[test]
@@ -76,19 +93,31 @@ fn case_a_fine_within_the_limits_of_rigid_and_movable_teeth() {
     for (label, limit) in [("rigid", 0.05), ("movable-teeth", 0.035)] {
         let m = of(&found, label);
         let error = m.force_l2_aligned.unwrap();
-        assert!(error <= limit, "{label}: aligned force error {error:.4} beyond {limit}");
+        assert!(
+            error <= limit,
+            "{label}: aligned force error {error:.4} beyond {limit}"
+        );
         // Neither model keeps energy in vibrations of the bodies: they rebound a little too fast, by the
         // 1.5 % that the restitution of the reference leaves (e = 0.985).
         let impulse = m.impulse_rel.unwrap();
-        assert!((0.0..0.012).contains(&impulse), "{label}: impulse {impulse:+.4}");
+        assert!(
+            (0.0..0.012).contains(&impulse),
+            "{label}: impulse {impulse:+.4}"
+        );
         let peak = m.peak_force_rel.unwrap();
         assert!(peak.abs() < 0.04, "{label}: peak {peak:+.4}");
         let span = 20.0 - external.summary.omega1_mean_end_rad_s;
         let rebound = (m.omega1_end.unwrap() - external.summary.omega1_mean_end_rad_s) / span;
-        assert!(rebound.abs() < 0.01, "{label}: rebound {rebound:+.4} of the span");
+        assert!(
+            rebound.abs() < 0.01,
+            "{label}: rebound {rebound:+.4} of the span"
+        );
     }
     let (rigid, teeth) = (of(&found, "rigid"), of(&found, "movable-teeth"));
-    assert!(teeth.force_l2_aligned < rigid.force_l2_aligned, "movable teeth follow the ripples better");
+    assert!(
+        teeth.force_l2_aligned < rigid.force_l2_aligned,
+        "movable teeth follow the ripples better"
+    );
 }
 
 #[test]
@@ -97,11 +126,27 @@ fn case_c_in_force_impulse_and_rebound() {
     let (found, external) = against_reference("spur_impact_large");
     for label in ["rigid", "movable-teeth"] {
         let m = of(&found, label);
-        assert!(m.force_l2_aligned.unwrap() < 0.05, "{label}: {:?}", m.force_l2_aligned);
-        assert!(m.impulse_rel.unwrap().abs() < 0.012, "{label}: {:?}", m.impulse_rel);
-        assert!(m.peak_force_rel.unwrap().abs() < 0.10, "{label}: {:?}", m.peak_force_rel);
+        assert!(
+            m.force_l2_aligned.unwrap() < 0.05,
+            "{label}: {:?}",
+            m.force_l2_aligned
+        );
+        assert!(
+            m.impulse_rel.unwrap().abs() < 0.012,
+            "{label}: {:?}",
+            m.impulse_rel
+        );
+        assert!(
+            m.peak_force_rel.unwrap().abs() < 0.10,
+            "{label}: {:?}",
+            m.peak_force_rel
+        );
         let end = external.summary.omega2_mean_end_rad_s;
-        assert!((m.omega2_end.unwrap() / end - 1.0).abs() < 0.012, "{label}: {:?} against {end}", m.omega2_end);
+        assert!(
+            (m.omega2_end.unwrap() / end - 1.0).abs() < 0.012,
+            "{label}: {:?} against {end}",
+            m.omega2_end
+        );
     }
 }
 
@@ -120,10 +165,25 @@ fn identification_finds_the_stored_rigid_calibration_again() {
     )
     .unwrap();
     let calibrated = scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"));
-    let constants = calibrated.model("rigid").unwrap().calibration.clone().unwrap().constants.unwrap();
-    let stiffness = found.parameters.iter().find(|p| p.key == "stiffness_n_per_m2").unwrap();
+    let constants = calibrated
+        .model("rigid")
+        .unwrap()
+        .calibration
+        .clone()
+        .unwrap()
+        .constants
+        .unwrap();
+    let stiffness = found
+        .parameters
+        .iter()
+        .find(|p| p.key == "stiffness_n_per_m2")
+        .unwrap();
     let stored = constants.stiffness.unwrap();
-    assert!((stiffness.value / stored - 1.0).abs() < 1e-4, "{} against {stored}", stiffness.value);
+    assert!(
+        (stiffness.value / stored - 1.0).abs() < 1e-4,
+        "{} against {stored}",
+        stiffness.value
+    );
     assert!(stiffness.relative_95 < 0.05, "{stiffness:?}");
     assert!(found.force_l2 < 0.05);
 
@@ -131,7 +191,11 @@ fn identification_finds_the_stored_rigid_calibration_again() {
     let error = |factor: f64| {
         let (mut spec, mut modelling) = (scene.spec_for(choice), choice.modelling.clone());
         let gap = constants.gap.unwrap();
-        apply(&[("stiffness_n_per_m2", factor * stored), ("gap_m", gap)], &mut spec, &mut modelling);
+        apply(
+            &[("stiffness_n_per_m2", factor * stored), ("gap_m", gap)],
+            &mut spec,
+            &mut modelling,
+        );
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
         let (_, mut dopri5) = gearbench_integrators::method("dopri5").unwrap();
         let force = gearbench::study::run::force_on_grid(
@@ -142,7 +206,11 @@ fn identification_finds_the_stored_rigid_calibration_again() {
             &external.history.time,
         )
         .unwrap();
-        force.iter().zip(&external.history.contact_force).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+        force
+            .iter()
+            .zip(&external.history.contact_force)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
     };
     assert!(error(1.0) < error(0.98) && error(1.0) < error(1.02));
 }

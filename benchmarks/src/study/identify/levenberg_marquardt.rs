@@ -27,10 +27,7 @@ const MAX_ITERATIONS: u32 = 40;
 
 /// Minimises `sum r(x)^2` from `x0 > 0`; `residuals` returns `None` where they cannot be evaluated.
 /// `None` when not even the start can.
-pub fn fit(
-    mut residuals: impl FnMut(&[f64]) -> Option<Vec<f64>>,
-    x0: &[f64],
-) -> Option<Fit> {
+pub fn fit(mut residuals: impl FnMut(&[f64]) -> Option<Vec<f64>>, x0: &[f64]) -> Option<Fit> {
     let p = x0.len();
     let mut evaluations = 0;
     let mut eval = |z: &DVector<f64>| {
@@ -101,9 +98,19 @@ pub fn fit(
     let freedom = (r.len().max(p + 1) - p) as f64;
     let covariance = normal.try_inverse().map(|m| m * (sum / freedom));
     let relative_95 = (0..p)
-        .map(|j| covariance.as_ref().map_or(f64::INFINITY, |c| 1.96 * c[(j, j)].max(0.0).sqrt()))
+        .map(|j| {
+            covariance
+                .as_ref()
+                .map_or(f64::INFINITY, |c| 1.96 * c[(j, j)].max(0.0).sqrt())
+        })
         .collect();
-    Some(Fit { x: z.iter().map(|z| z.exp()).collect(), relative_95, sum, evaluations, converged })
+    Some(Fit {
+        x: z.iter().map(|z| z.exp()).collect(),
+        relative_95,
+        sum,
+        evaluations,
+        converged,
+    })
 }
 
 #[cfg(test)]
@@ -114,31 +121,46 @@ mod tests {
     fn recovers_known_parameters() {
         // y = a exp(-b t) with a = 2.5, b = 0.7, exact data.
         let t: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.1).collect();
-        let model = |x: &[f64]| -> Vec<f64> { t.iter().map(|t| x[0] * (-x[1] * t).exp()).collect() };
+        let model =
+            |x: &[f64]| -> Vec<f64> { t.iter().map(|t| x[0] * (-x[1] * t).exp()).collect() };
         let y = model(&[2.5, 0.7]);
         let got = fit(
             |x| Some(model(x).iter().zip(&y).map(|(a, b)| a - b).collect()),
             &[1.0, 2.0],
         )
         .unwrap();
-        assert!((got.x[0] - 2.5).abs() < 1e-8 && (got.x[1] - 0.7).abs() < 1e-8, "{got:?}");
+        assert!(
+            (got.x[0] - 2.5).abs() < 1e-8 && (got.x[1] - 0.7).abs() < 1e-8,
+            "{got:?}"
+        );
     }
 
     #[test]
     fn interval_covers_the_truth_and_scales_with_noise() {
         let t: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.01).collect();
-        let model = |x: &[f64]| -> Vec<f64> { t.iter().map(|t| x[0] * (-x[1] * t).exp()).collect() };
+        let model =
+            |x: &[f64]| -> Vec<f64> { t.iter().map(|t| x[0] * (-x[1] * t).exp()).collect() };
         // A fixed, zero-mean, non-smooth disturbance.
         let noise = |i: usize, s: f64| s * ((i as f64 * 12.9898).sin() * 43_758.547).fract();
         let with = |s: f64| {
-            let y: Vec<f64> =
-                model(&[2.5, 0.7]).iter().enumerate().map(|(i, y)| y + noise(i, s)).collect();
-            fit(|x| Some(model(x).iter().zip(&y).map(|(a, b)| a - b).collect()), &[1.0, 2.0]).unwrap()
+            let y: Vec<f64> = model(&[2.5, 0.7])
+                .iter()
+                .enumerate()
+                .map(|(i, y)| y + noise(i, s))
+                .collect();
+            fit(
+                |x| Some(model(x).iter().zip(&y).map(|(a, b)| a - b).collect()),
+                &[1.0, 2.0],
+            )
+            .unwrap()
         };
         let (small, large) = (with(0.01), with(0.1));
         let ratio = large.relative_95[1] / small.relative_95[1];
         assert!((7.0..14.0).contains(&ratio), "{ratio}");
-        assert!((small.x[1] / 0.7 - 1.0).abs() < 3.0 * small.relative_95[1], "{small:?}");
+        assert!(
+            (small.x[1] / 0.7 - 1.0).abs() < 3.0 * small.relative_95[1],
+            "{small:?}"
+        );
     }
 
     #[test]

@@ -53,7 +53,9 @@ pub enum IdentifyError {
     #[error(transparent)]
     Build(#[from] BuildError),
     /// There is no recipe for the model.
-    #[error("there is nothing to identify for the model `{0}`; rigid and movable-teeth have stiffness to fit")]
+    #[error(
+        "there is nothing to identify for the model `{0}`; rigid and movable-teeth have stiffness to fit"
+    )]
     Model(String),
     /// The reference has no force.
     #[error("the reference has no contact force to fit to")]
@@ -67,9 +69,12 @@ pub enum IdentifyError {
 pub fn keys(model: &str) -> Option<&'static [&'static str]> {
     match model {
         "rigid" => Some(&["stiffness_n_per_m2", "gap_m"]),
-        "movable-teeth" => {
-            Some(&["stiffness_n_per_m2", "tooth_stiffness_n_per_m", "tooth_mass_kg", "gap_m"])
-        }
+        "movable-teeth" => Some(&[
+            "stiffness_n_per_m2",
+            "tooth_stiffness_n_per_m",
+            "tooth_mass_kg",
+            "gap_m",
+        ]),
         _ => None,
     }
 }
@@ -80,7 +85,10 @@ pub fn apply(values: &[(&str, f64)], spec: &mut SceneSpec, modelling: &mut Model
         match key {
             "stiffness_n_per_m2" => {
                 for c in &mut modelling.contacts {
-                    c.stiffness = PairStiffness::Constant { per_width: value, of: PairOrMesh::Pair };
+                    c.stiffness = PairStiffness::Constant {
+                        per_width: value,
+                        of: PairOrMesh::Pair,
+                    };
                 }
             }
             "gap_m" => {
@@ -122,8 +130,14 @@ pub fn identify(
         let built = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string());
         let run = built.and_then(|mut scene| {
             let (_, mut dopri5) = gearbench_integrators::method("dopri5")?;
-            force_on_grid(&mut scene, dopri5.as_mut(), Resolution::Tolerance(RTOL), MAX_STEPS, time)
-                .map_err(|e| e.to_string())
+            force_on_grid(
+                &mut scene,
+                dopri5.as_mut(),
+                Resolution::Tolerance(RTOL),
+                MAX_STEPS,
+                time,
+            )
+            .map_err(|e| e.to_string())
         });
         match run {
             Ok(f) if f.len() == force.len() => {
@@ -148,13 +162,23 @@ pub fn identify(
             best = Some(f);
         }
     }
-    let Some(best) = best else { return Err(IdentifyError::Failed(why)) };
+    let Some(best) = best else {
+        return Err(IdentifyError::Failed(why));
+    };
     let parameters = keys
         .iter()
         .zip(best.x.iter().zip(&best.relative_95))
-        .map(|(&key, (&value, &relative_95))| Identified { key, value, relative_95 })
+        .map(|(&key, (&value, &relative_95))| Identified {
+            key,
+            value,
+            relative_95,
+        })
         .collect();
-    Ok(Identification { parameters, force_l2: best.sum.sqrt(), evaluations: count })
+    Ok(Identification {
+        parameters,
+        force_l2: best.sum.sqrt(),
+        evaluations: count,
+    })
 }
 
 /// Starting points: one pair of steel teeth has about 14 N/(um mm) whatever the module; several splits of
@@ -166,7 +190,10 @@ fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
             let m = gear.params().module;
             // A tooth is roughly a bar of half a pitch by 2.25 modules.
             let area = 0.5 * std::f64::consts::PI * m * 2.25 * m;
-            (gear.face_width(), g.material.density * area * gear.face_width())
+            (
+                gear.face_width(),
+                g.material.density * area * gear.face_width(),
+            )
         }
         gearbench_models::scene::spec::Body::Rack(rack) => (rack.face_width(), 5e-3),
     });

@@ -46,7 +46,12 @@ fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
     } else {
         (1.0, dt)
     };
-    [decay * (co + a * si), decay * si, -decay * w2 * si, decay * (co - a * si)]
+    [
+        decay * (co + a * si),
+        decay * si,
+        -decay * w2 * si,
+        decay * (co - a * si),
+    ]
 }
 
 impl Deviations {
@@ -155,7 +160,10 @@ mod tests {
             let residual = p.mass[0] * a + c * v + p.stiffness[0] * d(t);
             let m = propagator(&p, t);
             assert!((m[2] * 1e-6 + m[3] * 0.3 - v).abs() < 1e-5 * 0.3, "c {c}");
-            assert!(residual.abs() < 1e-3 * p.stiffness[0] * 1e-6, "c {c}: {residual}");
+            assert!(
+                residual.abs() < 1e-3 * p.stiffness[0] * 1e-6,
+                "c {c}: {residual}"
+            );
         }
     }
 
@@ -171,8 +179,15 @@ mod tests {
         let mut state = [1e-4, 2.0, 9e-5, 1.5];
         let before = 3.0 * state[0] + state[2];
         let before_v = 3.0 * state[1] + state[3];
-        let teeth = Exchange { t: 0.0, count: 3.0, leaves: 0, enters: 3 };
-        d.exchange(&p, teeth, &mut memory, &mut state, |i| ![1, 2, 3].contains(&i));
+        let teeth = Exchange {
+            t: 0.0,
+            count: 3.0,
+            leaves: 0,
+            enters: 3,
+        };
+        d.exchange(&p, teeth, &mut memory, &mut state, |i| {
+            ![1, 2, 3].contains(&i)
+        });
         assert!((3.0 * state[0] + state[2] - before).abs() < 1e-18);
         assert!((3.0 * state[1] + state[3] - before_v).abs() < 1e-14);
         let sum: f64 = (0..6).map(|i| memory[HEAD + 2 * i]).sum();

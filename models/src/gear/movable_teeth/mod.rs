@@ -88,6 +88,8 @@ pub struct MovableTeeth {
     views: Vec<MeshView>,
     /// Number of teeth in windows.
     slots: usize,
+    /// The springs behind the gear's own coordinates where they are constant, else empty.
+    constant: Vec<Spring>,
 }
 
 impl MovableTeeth {
@@ -106,7 +108,11 @@ impl MovableTeeth {
     /// each slot.
     #[inline]
     fn head(&self) -> usize {
-        let slots = if self.integrated == Integrated::All { self.teeth } else { self.slots };
+        let slots = if self.integrated == Integrated::All {
+            self.teeth
+        } else {
+            self.slots
+        };
         self.views.len().max(1) + slots
     }
 
@@ -155,6 +161,13 @@ impl MovableTeeth {
     /// derivative by the angle, damping, tooth inertia; all about the hub (times `r_d^2`).
     #[inline]
     fn spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+        match self.constant.get(i) {
+            Some(spring) => *spring,
+            None => self.varying_spring(at, i, s),
+        }
+    }
+
+    fn varying_spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
         let n = self.count(i);
         let slot = self.slot(i);
         let p = &self.springs;
@@ -176,6 +189,21 @@ impl MovableTeeth {
         }
     }
 
+    /// Notes the springs that do not change.
+    fn note_constants(&mut self) {
+        self.constant.clear();
+        if self.springs.radius.is_none() {
+            let at = At {
+                t: 0.0,
+                q: &[],
+                v: &[],
+                memory: &[],
+            };
+            let own = self.coordinates().n - self.first();
+            self.constant = (0..own).map(|i| self.varying_spring(at, i, 0.0)).collect();
+        }
+    }
+
     /// `k(r)` and `dk/dS` of a tooth in contact.
     fn stiffness_in_contact(
         &self,
@@ -186,9 +214,15 @@ impl MovableTeeth {
         s: f64,
     ) -> (f64, f64) {
         let mesh = engaged.abs() as usize - 1;
-        let side = if engaged > 0.0 { Side::Left } else { Side::Right };
+        let side = if engaged > 0.0 {
+            Side::Left
+        } else {
+            Side::Right
+        };
         let view = &self.views[mesh];
-        let Some(rb) = view.base_radius else { return (table.at(0.0).0, 0.0) };
+        let Some(rb) = view.base_radius else {
+            return (table.at(0.0).0, 0.0);
+        };
         let index = self.tooth_of_slot(at.memory, mesh, slot);
         let angle = view.assembled + s + index as f64 * view.pitch;
         let path = view.path_coordinate(side, angle);
@@ -211,7 +245,11 @@ impl MovableTeeth {
     /// Index of the tooth nearest to a mesh, as a real number.
     fn nearest(&self, mesh: usize, travel: f64) -> f64 {
         let v = &self.views[mesh];
-        let target = if v.base_radius.is_some() { v.direction } else { 0.0 };
+        let target = if v.base_radius.is_some() {
+            v.direction
+        } else {
+            0.0
+        };
         (target - v.assembled - travel) / v.pitch
     }
 
@@ -235,7 +273,11 @@ impl MovableTeeth {
         let mut windows = Vec::new();
         let (mut base, mut slot) = (self.first() + 1, 0);
         for view in &self.views {
-            let w = Window { half: Self::half_window(view), base, slot };
+            let w = Window {
+                half: Self::half_window(view),
+                base,
+                slot,
+            };
             base += w.len() as usize;
             slot += w.len() as usize;
             windows.push(w);
@@ -277,12 +319,16 @@ impl GearModel for MovableTeeth {
             Integrated::All => self.teeth,
             Integrated::Windows(_) => 1 + self.slots,
         };
-        Coordinates { n: self.first() + own, memory: self.head() + self.deviations().cells() }
+        Coordinates {
+            n: self.first() + own,
+            memory: self.head() + self.deviations().cells(),
+        }
     }
 
     fn attach(&mut self, view: MeshView) {
         self.views.push(view);
         self.arrange();
+        self.note_constants();
     }
 
     fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
@@ -300,7 +346,12 @@ impl GearModel for MovableTeeth {
     }
 
     fn contact_mass(&self) -> f64 {
-        let lightest = self.springs.mass.iter().copied().fold(f64::INFINITY, f64::min);
+        let lightest = self
+            .springs
+            .mass
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
         lightest * self.springs.radius_squared / self.lever.powi(2)
     }
 
@@ -317,6 +368,36 @@ impl GearModel for MovableTeeth {
         }
     }
 
+    fn tooth_travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        let mean = at.q[self.first()];
+        match &self.integrated {
+            Integrated::All => {
+                let own = &at.q[self.first()..];
+                let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
+                for travel in out {
+                    *travel = own[i];
+                    i = if i + 1 == own.len() { 0 } else { i + 1 };
+                }
+            }
+            Integrated::Windows(windows) => {
+                let w = &windows[first.mesh as usize];
+                let from = at.memory[first.mesh as usize] as i64 - w.half;
+                let own = &at.q[w.base..][..w.len() as usize];
+                let mut i = (first.index as i32).rem_euclid(own.len() as i32) as usize;
+                // Distance behind the window's first tooth; negative is huge.
+                let mut behind = (first.index - from) as u64;
+                for travel in out {
+                    *travel = if behind < own.len() as u64 {
+                        own[i]
+                    } else {
+                        mean
+                    };
+                    behind = behind.wrapping_add(1);
+                    i = if i + 1 == own.len() { 0 } else { i + 1 };
+                }
+            }
+        }
+    }
 
     #[inline]
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
@@ -334,6 +415,21 @@ impl GearModel for MovableTeeth {
         let first = self.first();
         let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
         let mut on_body = 0.0;
+        if !self.constant.is_empty() {
+            let own = f[first..]
+                .iter_mut()
+                .zip(&at.q[first..])
+                .zip(&at.v[first..]);
+            for (((f, s), v), p) in own.zip(&self.constant) {
+                let torque = p.k * (s - phi) + p.c * (v - speed);
+                *f -= torque;
+                on_body += torque;
+            }
+            if first > 0 {
+                f[0] += on_body;
+            }
+            return;
+        }
         for i in 0..at.q.len() - first {
             let (s, v) = (at.q[first + i], at.v[first + i]);
             let p = self.spring(at, i, s);
@@ -349,7 +445,11 @@ impl GearModel for MovableTeeth {
     fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let first = self.first();
         let phi = self.hub.travel(at.t, at.q);
-        let (dphi, dspeed) = if first > 0 { (dq[0], dv[0]) } else { (0.0, 0.0) };
+        let (dphi, dspeed) = if first > 0 {
+            (dq[0], dv[0])
+        } else {
+            (0.0, 0.0)
+        };
         let mut on_body = 0.0;
         for i in 0..at.q.len() - first {
             let s = at.q[first + i];
@@ -382,6 +482,22 @@ impl GearModel for MovableTeeth {
         for i in 0..at.q.len() - first {
             y[first + i] = self.tooth_inertia(i) * x[first + i];
         }
+    }
+
+    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
+        let first = self.first();
+        for (i, m) in diagonal.iter_mut().enumerate() {
+            *m = if i < first {
+                self.body
+            } else {
+                self.tooth_inertia(i - first)
+            };
+        }
+        true
+    }
+
+    fn uses_engagement(&self) -> bool {
+        self.springs.radius.is_some()
     }
 
     /// Arrow matrix: the teeth are coupled through the hub only.
@@ -439,9 +555,14 @@ impl GearModel for MovableTeeth {
         }
         if self.slots > 0 {
             // The cross terms with the mean vanish because the deviations sum to zero.
-            let (dd, vv) = self.deviations().squares(&self.springs, at.t, &at.memory[self.head()..]);
-            let (k, m, r2) =
-                (self.springs.stiffness[0], self.springs.mass[0], self.springs.radius_squared);
+            let (dd, vv) =
+                self.deviations()
+                    .squares(&self.springs, at.t, &at.memory[self.head()..]);
+            let (k, m, r2) = (
+                self.springs.stiffness[0],
+                self.springs.mass[0],
+                self.springs.radius_squared,
+            );
             e.strain += 0.5 * k * r2 * dd;
             e.kinetic += 0.5 * m * r2 * vv;
         }
@@ -457,7 +578,9 @@ impl GearModel for MovableTeeth {
             power += p.c * (at.v[first + i] - speed).powi(2);
         }
         if self.slots > 0 && self.springs.damping[0] > 0.0 {
-            let (_, vv) = self.deviations().squares(&self.springs, at.t, &at.memory[self.head()..]);
+            let (_, vv) = self
+                .deviations()
+                .squares(&self.springs, at.t, &at.memory[self.head()..]);
             power += self.springs.damping[0] * self.springs.radius_squared * vv;
         }
         power
@@ -493,19 +616,32 @@ impl GearModel for MovableTeeth {
     fn hub_state(&self, at: At<'_>) -> HubState {
         let first = self.first();
         let speed = self.hub.speed(at.t, at.v);
-        let teeth: f64 =
-            (0..at.q.len() - first).map(|i| self.tooth_inertia(i) * at.v[first + i]).sum();
-        HubState { travel: self.hub.travel(at.t, at.q), speed, momentum: self.body * speed + teeth }
+        let teeth: f64 = (0..at.q.len() - first)
+            .map(|i| self.tooth_inertia(i) * at.v[first + i])
+            .sum();
+        HubState {
+            travel: self.hub.travel(at.t, at.q),
+            speed,
+            momentum: self.body * speed + teeth,
+        }
     }
 
     fn engage(&mut self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
         if self.springs.radius.is_none() {
             return Change::None;
         }
-        let Some(i) = self.coordinate(memory, tooth) else { return Change::None };
-        let Some(slot) = self.slot(i - self.first()) else { return Change::None };
+        let Some(i) = self.coordinate(memory, tooth) else {
+            return Change::None;
+        };
+        let Some(slot) = self.slot(i - self.first()) else {
+            return Change::None;
+        };
         let cell = self.engaged_cell(slot);
-        memory[cell] = if closed { side.sign() * f64::from(tooth.mesh + 1) } else { 0.0 };
+        memory[cell] = if closed {
+            side.sign() * f64::from(tooth.mesh + 1)
+        } else {
+            0.0
+        };
         Change::Restart
     }
 
@@ -536,8 +672,14 @@ impl GearModel for MovableTeeth {
                             from_first.rem_euclid(self.teeth as i64) >= w.len()
                         })
                     };
-                    let teeth = Exchange { t, count: self.count(0), leaves, enters };
-                    self.deviations().exchange(&self.springs, teeth, free, &mut state, outside);
+                    let teeth = Exchange {
+                        t,
+                        count: self.count(0),
+                        leaves,
+                        enters,
+                    };
+                    self.deviations()
+                        .exchange(&self.springs, teeth, free, &mut state, outside);
                     [q[mean], v[mean], q[i], v[i]] = state;
                     change = Change::Restart;
                 }
@@ -563,7 +705,11 @@ impl MovableTeeth {
     #[inline]
     fn tooth_inertia(&self, i: usize) -> f64 {
         let p = &self.springs;
-        let tooth = if p.uniform { 0 } else { self.slot(i).unwrap_or(0) };
+        let tooth = if p.uniform {
+            0
+        } else {
+            self.slot(i).unwrap_or(0)
+        };
         self.count(i) * p.mass[tooth] * p.radius_squared
     }
 }

@@ -48,12 +48,21 @@ pub static PARAMETERS: &[ParameterInfo] = &[
 ];
 
 fn positive(key: &str, x: &[f64], zero_allowed: bool) -> Result<(), BuildError> {
-    let bad = x.iter().find(|x| !x.is_finite() || **x < 0.0 || (**x == 0.0 && !zero_allowed));
+    let bad = x
+        .iter()
+        .find(|x| !x.is_finite() || **x < 0.0 || (**x == 0.0 && !zero_allowed));
     match bad {
         Some(x) => Err(BuildError::parameter(
             MODEL,
             key,
-            format!("{x} is not {}; give a value in SI units", if zero_allowed { "zero or positive" } else { "positive" }),
+            format!(
+                "{x} is not {}; give a value in SI units",
+                if zero_allowed {
+                    "zero or positive"
+                } else {
+                    "positive"
+                }
+            ),
         )),
         None => Ok(()),
     }
@@ -73,25 +82,41 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             Some(Value::List(x)) => Err(BuildError::parameter(
                 MODEL,
                 key,
-                format!("{} values for {teeth} teeth; give one number or one per tooth", x.len()),
+                format!(
+                    "{} values for {teeth} teeth; give one number or one per tooth",
+                    x.len()
+                ),
             )),
-            Some(Value::Text(x)) => {
-                Err(BuildError::parameter(MODEL, key, format!("expected a number, found \"{x}\"")))
-            }
+            Some(Value::Text(x)) => Err(BuildError::parameter(
+                MODEL,
+                key,
+                format!("expected a number, found \"{x}\""),
+            )),
         }
     };
     let list = |key: &str| -> Result<Option<Vec<f64>>, BuildError> {
         match context.parameters.get(key) {
             None => Ok(None),
             Some(Value::List(x)) => Ok(Some(x.clone())),
-            Some(_) => Err(BuildError::parameter(MODEL, key, "expected a list of numbers")),
+            Some(_) => Err(BuildError::parameter(
+                MODEL,
+                key,
+                "expected a list of numbers",
+            )),
         }
     };
 
-    let radius = match (list("stiffness_radius_m")?, list("stiffness_at_radius_n_per_m")?) {
+    let radius = match (
+        list("stiffness_radius_m")?,
+        list("stiffness_at_radius_n_per_m")?,
+    ) {
         (None, None) => None,
         (Some(r), Some(k)) => {
-            if r.len() != k.len() || r.len() < 2 || r.windows(2).any(|w| w[1].partial_cmp(&w[0]) != Some(std::cmp::Ordering::Greater)) {
+            if r.len() != k.len()
+                || r.len() < 2
+                || r.windows(2)
+                    .any(|w| w[1].partial_cmp(&w[0]) != Some(std::cmp::Ordering::Greater))
+            {
                 return Err(BuildError::parameter(
                     MODEL,
                     "stiffness_radius_m",
@@ -122,7 +147,11 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         }
     };
     let mass = per_tooth("tooth_mass_kg")?.ok_or_else(|| {
-        BuildError::parameter(MODEL, "tooth_mass_kg", "is missing; `gearbench identify` finds it against a reference")
+        BuildError::parameter(
+            MODEL,
+            "tooth_mass_kg",
+            "is missing; `gearbench identify` finds it against a reference",
+        )
     })?;
     let damping = per_tooth("tooth_damping_ns_per_m")?.unwrap_or_else(|| vec![0.0]);
     positive("tooth_stiffness_n_per_m", &stiffness, false)?;
@@ -132,7 +161,11 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     let r_d = match (context.parameters.get("spring_radius_m"), context.body) {
         (Some(Value::Number(r)), Body::Gear(_)) => *r,
         (Some(_), Body::Gear(_)) => {
-            return Err(BuildError::parameter(MODEL, "spring_radius_m", "expected a number in metres"));
+            return Err(BuildError::parameter(
+                MODEL,
+                "spring_radius_m",
+                "expected a number in metres",
+            ));
         }
         (None, Body::Gear(g)) => g.r_root(),
         (_, Body::Rack(_)) => 1.0,
@@ -144,13 +177,24 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         Some(Value::Text(x)) if x == "active" => false,
         Some(Value::Text(x)) if x == "all" => true,
         Some(_) => {
-            return Err(BuildError::parameter(MODEL, "integrate", "expected \"active\" or \"all\""));
+            return Err(BuildError::parameter(
+                MODEL,
+                "integrate",
+                "expected \"active\" or \"all\"",
+            ));
         }
     };
 
     let uniform = stiffness.len() == 1 && mass.len() == 1 && damping.len() == 1;
     let springs = if uniform {
-        ToothSprings { uniform, stiffness, damping, mass, radius_squared: r_d * r_d, radius }
+        ToothSprings {
+            uniform,
+            stiffness,
+            damping,
+            mass,
+            radius_squared: r_d * r_d,
+            radius,
+        }
     } else {
         let spread = |x: Vec<f64>| if x.len() == 1 { vec![x[0]; teeth] } else { x };
         ToothSprings {
@@ -162,7 +206,11 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             radius,
         }
     };
-    let taken: f64 = (0..teeth).map(|i| springs.mass[if uniform { 0 } else { i }]).sum::<f64>() * r_d * r_d;
+    let taken: f64 = (0..teeth)
+        .map(|i| springs.mass[if uniform { 0 } else { i }])
+        .sum::<f64>()
+        * r_d
+        * r_d;
     let body = context.hub.inertia - taken;
     if body <= 0.0 && context.hub.coordinates() > 0 {
         return Err(BuildError::parameter(
@@ -174,7 +222,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             ),
         ));
     }
-    Ok(Box::new(MovableTeeth {
+    let mut gear = MovableTeeth {
         hub: context.hub.clone(),
         teeth,
         body,
@@ -184,5 +232,8 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         integrated: Integrated::All,
         views: Vec::new(),
         slots: 0,
-    }))
+        constant: Vec::new(),
+    };
+    gear.note_constants();
+    Ok(Box::new(gear))
 }

@@ -26,7 +26,9 @@ impl ToothSprings {
             let most = self.radius.as_ref().map_or(0.0, |r| r.largest());
             pick(&self.stiffness, i).max(most)
         };
-        (0..n).map(|i| (pick(&self.mass, i) / k(i)).sqrt()).fold(f64::INFINITY, f64::min)
+        (0..n)
+            .map(|i| (pick(&self.mass, i) / k(i)).sqrt())
+            .fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -50,10 +52,18 @@ impl RadiusStiffness {
                     return 0.0;
                 }
                 let (a, b) = (chord(i - 1), chord(i));
-                if a * b <= 0.0 { 0.0 } else { 2.0 * a * b / (a + b) }
+                if a * b <= 0.0 {
+                    0.0
+                } else {
+                    2.0 * a * b / (a + b)
+                }
             })
             .collect();
-        RadiusStiffness { radius, stiffness, slope }
+        RadiusStiffness {
+            radius,
+            stiffness,
+            slope,
+        }
     }
 
     /// Value of a tooth out of contact: the first knot.
@@ -98,7 +108,11 @@ mod tests {
             let r = 0.0301 + 0.0098 * f64::from(i) / 40.0;
             let h = 1e-8;
             let fd = (k.at(r + h).0 - k.at(r - h).0) / (2.0 * h);
-            assert!((fd - k.at(r).1).abs() < 1e-5 * 1e11, "{r} {fd} {}", k.at(r).1);
+            assert!(
+                (fd - k.at(r).1).abs() < 1e-5 * 1e11,
+                "{r} {fd} {}",
+                k.at(r).1
+            );
         }
         assert_eq!(k.at(0.02), (6e8, 0.0));
         assert_eq!(k.at(0.05), (2e8, 0.0));
