@@ -2,7 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `reader`, `suggest`, [`error`] | typed access with places, "did you mean", refusals with line and way out |
+//! | `reader`, `suggest`, `error` | typed access with places, "did you mean", refusals with line and way out |
 //! | `gear`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `contact`, [`calibration`] | `[[models]]`, `contact = { .. }`, fitted constants |
 //! | `study_plan` | `[study]`, `tolerance` |

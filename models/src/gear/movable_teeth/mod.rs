@@ -17,7 +17,7 @@
 //! `d_i = S_i - R` obey the free equation `m d'' + c d' + k d = 0`, known in closed form. As `sum d_i = 0` they do
 //! not act on the body. So the state is `[phi, R, window teeth...]`: exact, at a cost that does not grow with
 //! the number of teeth. When the gear turns by a tooth the window moves by one: the tooth that leaves joins
-//! the mean, the tooth that enters takes its place, momentum and energy are kept ([`deviations`]). With
+//! the mean, the tooth that enters takes its place, momentum and energy are kept (`deviations`). With
 //! unequal teeth all are integrated.
 //!
 //! A rack is the same with travel for angles and `r_d = 1`.
