@@ -1,4 +1,4 @@
-//! Springs of movable teeth against the equations of seed 001 (Ebrahimi, Eberhard 2006), total inertia, and
+//! Springs of movable teeth against the equations of Ebrahimi and Eberhard (2006), total inertia, and
 //! stiffness over the contact radius.
 
 use gearbench_integrators::observers::ledger::Ledger;

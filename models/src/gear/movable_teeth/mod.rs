@@ -1,4 +1,4 @@
-//! Tangentially movable teeth: one tangential coordinate per tooth (seed 001: S. Ebrahimi, P. Eberhard,
+//! Tangentially movable teeth: one tangential coordinate per tooth (S. Ebrahimi, P. Eberhard,
 //! *Contact modeling of meshing gear wheels using tangentially movable teeth*, SIMPACK user meeting 2006).
 //!
 //! Tooth `i` at angle `S_i`, body at `phi`, spring and damper between them on the radius `r_d`:

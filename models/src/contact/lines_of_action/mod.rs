@@ -10,7 +10,7 @@
 //!
 //! with `theta` the angle of the tooth from the line of centres, `chi` its half angle on the base circle, `L`
 //! the length between the tangent points, `e` the flank modification. A pair lies in the zone while
-//! `s_A <= s_a <= s_E`. This is the six-step search of seed 001 (Ebrahimi, Eberhard 2006: tooth of gear 1 in
+//! `s_A <= s_a <= s_E`. This is the six-step search of Ebrahimi and Eberhard (2006: tooth of gear 1 in
 //! the contact region, its neighbours, their partners, intersection with the line of action, relative angle;
 //! the same for the other flank) with each tooth's own angle, so it serves rigid gears, movable teeth, and
 //! elastic gears whose points stay on the line.
@@ -18,72 +18,19 @@
 //! The line's normal, for flank sign +1 (left) or -1 and direction of centres `delta`: angle
 //! `delta + sign (pi/2 - alpha_w)`, tangent point at angle `delta - sign alpha_w`.
 
+mod assembly;
+mod deviation;
+mod search;
+
+pub use assembly::MeshGeometry;
+pub use deviation::Deviation;
+
 use super::candidate::{Candidate, Locus, Point, Tooth};
-use super::search::{ContactSearch, Party, Wanted, ZoneChange};
+use super::search::{Party, Wanted};
 use crate::Vec3;
 use crate::gear::MeshView;
 use crate::geometry::Side;
 use crate::stiffness::StiffnessCurve;
-
-/// Deviation of one gear's flank over its own path coordinate, sampled once.
-#[derive(Clone, Debug)]
-pub struct Deviation {
-    start: f64,
-    step: f64,
-    value: Vec<f64>,
-}
-
-impl Deviation {
-    /// Samples `e(s)` [m] on `[start, end]`.
-    pub fn sample(range: [f64; 2], samples: usize, e: impl Fn(f64) -> f64) -> Self {
-        let step = (range[1] - range[0]) / (samples - 1) as f64;
-        let value = (0..samples)
-            .map(|i| e(range[0] + i as f64 * step))
-            .collect();
-        Deviation {
-            start: range[0],
-            step,
-            value,
-        }
-    }
-
-    /// Value and slope at `s`; cubic between samples (Catmull-Rom) and straight on outside, so the slope is
-    /// continuous: a flank that is short of the other's tip by the gap reaches a little beyond its path.
-    #[inline]
-    pub fn eval(&self, s: f64) -> (f64, f64) {
-        let n = self.value.len();
-        let last = (n - 1) as f64;
-        let x = (s - self.start) / self.step;
-        let line = |i: usize, from: f64| {
-            let rise = self.value[i + 1] - self.value[i];
-            (self.value[i] + (x - from) * rise, rise / self.step)
-        };
-        if x <= 0.0 {
-            return line(0, 0.0);
-        }
-        if x >= last {
-            return line(n - 2, last - 1.0);
-        }
-        let i = x as usize;
-        let u = x - i as f64;
-        let (p1, p2) = (self.value[i], self.value[i + 1]);
-        let p0 = if i > 0 {
-            self.value[i - 1]
-        } else {
-            2.0 * p1 - p2
-        };
-        let p3 = if i + 2 < n {
-            self.value[i + 2]
-        } else {
-            2.0 * p2 - p1
-        };
-        let (m1, m2) = (0.5 * (p2 - p0), 0.5 * (p3 - p1));
-        let (d, r) = (p2 - p1, 1.0 - u);
-        let value = p1 + u * d + u * r * (r * (m1 - d) - u * (m2 - d));
-        let slope = d + r * (1.0 - 3.0 * u) * (m1 - d) + u * (2.0 - 3.0 * u) * (d - m2);
-        (value, slope / self.step)
-    }
-}
 
 /// A slice of the face width.
 #[derive(Clone, Debug)]
@@ -198,25 +145,6 @@ struct PairState {
     scale: [f64; 2],
 }
 
-/// Everything of [`LinesOfAction`] that is given; lines and slots follow.
-#[derive(Clone, Debug)]
-pub struct MeshGeometry {
-    /// See [`LinesOfAction::views`].
-    pub views: [MeshView; 2],
-    /// See [`LinesOfAction::mesh_of_gear`].
-    pub mesh_of_gear: [u8; 2],
-    /// See [`LinesOfAction::centre_a`].
-    pub centre_a: Vec3,
-    /// See [`LinesOfAction::length`].
-    pub length: f64,
-    /// See [`LinesOfAction::base_pitch`].
-    pub base_pitch: f64,
-    /// See [`LinesOfAction::zone`].
-    pub zone: [f64; 2],
-    /// See [`LinesOfAction::base_helix`].
-    pub base_helix: f64,
-}
-
 const ZONE_GUARDS: usize = 4;
 /// Pairs whose path coordinates are asked for at once: those of a line, for contact ratios up to three.
 const BLOCK: usize = 4;
@@ -229,107 +157,6 @@ fn nearest(x: f64) -> i64 {
 }
 
 impl LinesOfAction {
-    /// Builds the lines of both flanks.
-    pub fn new(
-        g: MeshGeometry,
-        stiffness: StiffnessCurve,
-        whole_mesh: bool,
-        slices: Vec<Slice>,
-    ) -> Self {
-        let view = &g.views[0];
-        let (delta, alpha) = (view.direction, view.working_pressure_angle);
-        let rb = view.base_radius.unwrap_or(0.0);
-        let mut lines = Vec::new();
-        for side in [Side::Left, Side::Right] {
-            let sign = side.sign();
-            let along = delta + sign * (std::f64::consts::FRAC_PI_2 - alpha);
-            let transverse = Vec3::new(along.cos(), along.sin(), 0.0);
-            let to_tangent = delta - sign * alpha;
-            let (c, s) = (g.base_helix.cos(), g.base_helix.sin());
-            let normal = Vec3::new(c * transverse.x, c * transverse.y, -sign * s);
-            for (i, slice) in slices.iter().enumerate() {
-                let mut origin =
-                    g.centre_a + rb * Vec3::new(to_tangent.cos(), to_tangent.sin(), 0.0);
-                origin.z = slice.z;
-                lines.push(Line {
-                    side,
-                    slice: i,
-                    normal,
-                    transverse,
-                    origin,
-                    map: [PathMap::default(); 2],
-                    ascending: [true; 2],
-                    plain: slice.deviation.iter().all(Option::is_none),
-                    slack: 0.0,
-                });
-            }
-        }
-        let ratio = (g.zone[1] - g.zone[0]) / g.base_pitch;
-        let pairs = if whole_mesh {
-            1
-        } else {
-            ratio.floor() as usize + 2
-        };
-        let mut loa = LinesOfAction {
-            views: g.views,
-            mesh_of_gear: g.mesh_of_gear,
-            centre_a: g.centre_a,
-            length: g.length,
-            base_pitch: g.base_pitch,
-            zone: g.zone,
-            base_helix: g.base_helix,
-            partner: [0, 0],
-            stiffness,
-            whole_mesh,
-            slices,
-            pairs,
-            helix_cos: g.base_helix.cos(),
-            per_base_pitch: g.base_pitch.recip(),
-            lines,
-        };
-        for side in [Side::Left, Side::Right] {
-            let gap = |j: i64| {
-                let a = loa.views[0].path_coordinate(side, loa.views[0].assembled);
-                let vb = &loa.views[1];
-                let b = vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch);
-                loa.length - a - b
-            };
-            let slope = gap(1) - gap(0);
-            loa.partner[side_index(side)] = (-gap(0) / slope).round() as i64;
-        }
-        for l in 0..loa.lines.len() {
-            let (side, slice) = (loa.lines[l].side, loa.lines[l].slice);
-            let offset = side.sign() * loa.slices[slice].offset;
-            let teeth = [0, 1].map(|pair| loa.teeth(side, pair));
-            loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
-            loa.lines[l].map = [0, 1].map(|k| {
-                let v = &loa.views[k];
-                let s = |tooth: i64, travel: f64| {
-                    v.path_coordinate(side, v.assembled + travel + tooth as f64 * v.pitch)
-                };
-                let (t0, t1) = (teeth[0][k].index, teeth[1][k].index);
-                let shift = if k == 0 { offset } else { -offset };
-                PathMap {
-                    at_zero: s(t0, 0.0) + shift,
-                    per_travel: side.sign() * v.path_per_travel(),
-                    // One base pitch per pair, up for gear a and down for gear b.
-                    per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.base_pitch,
-                }
-            });
-            loa.lines[l].slack =
-                loa.length - loa.lines[l].map[0].at_zero - loa.lines[l].map[1].at_zero;
-        }
-        loa
-    }
-
-    /// Gap of pair 0 of a flank at the assembled position [m], without modifications.
-    pub fn assembled_gap(&self, side: Side) -> f64 {
-        let j = self.partner[side_index(side)];
-        let a = self.views[0].path_coordinate(side, self.views[0].assembled);
-        let vb = &self.views[1];
-        self.length - a - vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch)
-    }
-
     #[inline]
     fn teeth(&self, side: Side, pair: i64) -> [Tooth; 2] {
         let i = if side == Side::Left { pair } else { -pair };
@@ -702,137 +529,5 @@ fn side_index(side: Side) -> usize {
     match side {
         Side::Left => 0,
         Side::Right => 1,
-    }
-}
-
-impl ContactSearch for LinesOfAction {
-    fn slots(&self) -> usize {
-        self.lines.len() * self.pairs
-    }
-
-    fn memory(&self) -> usize {
-        2 * self.lines.len()
-    }
-
-    fn guard_count(&self) -> usize {
-        if self.whole_mesh {
-            0
-        } else {
-            ZONE_GUARDS * self.lines.len()
-        }
-    }
-
-    fn begin(&self, a: Party<'_>, _b: Party<'_>, memory: &mut [f64]) {
-        let a = Mover::new(&a);
-        for (line, m) in self.lines.iter().zip(memory.chunks_exact_mut(2)) {
-            let (lo, hi) = self.zone_now(line, &a);
-            m[0] = lo as f64;
-            m[1] = hi as f64;
-        }
-    }
-
-    fn candidates(
-        &self,
-        a: Party<'_>,
-        b: Party<'_>,
-        memory: &[f64],
-        wanted: Wanted<'_>,
-        out: &mut Vec<Candidate>,
-    ) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
-        for (l, line) in self.lines.iter().enumerate() {
-            let skip = match wanted {
-                Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
-                Wanted::Touching(reach) => self.clearly_open(line, movers, reach),
-                Wanted::Listed => false,
-            };
-            if skip {
-                continue;
-            }
-            self.collect(l, movers, memory, wanted, out);
-        }
-    }
-
-    fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
-        for l in 0..self.lines.len() {
-            let range = self.pairs_of(l, movers[0], memory, true);
-            self.gaps_of_pairs(l, range, movers, out);
-        }
-    }
-
-    fn guards(&self, a: Party<'_>, _b: Party<'_>, memory: &[f64], out: &mut [f64]) {
-        if self.whole_mesh {
-            return;
-        }
-        let a = Mover::new(&a);
-        for ((line, m), guards) in self
-            .lines
-            .iter()
-            .zip(memory.chunks_exact(2))
-            .zip(out.chunks_exact_mut(ZONE_GUARDS))
-        {
-            self.zone_guards(line, (m[0] as i64, m[1] as i64), &a, guards);
-        }
-    }
-
-    fn watch(
-        &self,
-        a: Party<'_>,
-        b: Party<'_>,
-        memory: &[f64],
-        guards: &mut [f64],
-        gaps: &mut [f64],
-    ) {
-        if self.whole_mesh {
-            return self.gaps(a, b, memory, gaps);
-        }
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
-        for (l, g) in guards.chunks_exact_mut(ZONE_GUARDS).enumerate() {
-            let (lo, hi) = (memory[2 * l] as i64, memory[2 * l + 1] as i64);
-            self.watch_line(l, (lo, hi), movers, g, gaps);
-        }
-    }
-
-    fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange {
-        let l = guard / ZONE_GUARDS;
-        let slot = |p: f64| l * self.pairs + (p as i64).rem_euclid(self.pairs as i64) as usize;
-        let m = &mut memory[2 * l..2 * l + 2];
-        let mut change = ZoneChange::default();
-        match guard % ZONE_GUARDS {
-            0 => {
-                change.left = Some(slot(m[1]));
-                m[1] -= 1.0;
-            }
-            1 => {
-                change.left = Some(slot(m[0]));
-                m[0] += 1.0;
-            }
-            2 => {
-                m[0] -= 1.0;
-                change.entered = Some(slot(m[0]));
-            }
-            _ => {
-                m[1] += 1.0;
-                change.entered = Some(slot(m[1]));
-            }
-        }
-        change
-    }
-
-    fn line(&self, side: Side) -> Option<[Vec3; 2]> {
-        let line = self.lines.iter().find(|l| l.side == side)?;
-        // A rack has no tangent point: the line is shown as far as the path of contact reaches.
-        let end = if self.views[1].base_radius.is_some() {
-            self.length
-        } else {
-            1.2 * self.zone[1]
-        };
-        Some([line.origin, line.origin + end * line.transverse])
-    }
-
-    fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
-        let side = self.lines[c.slot / self.pairs].side;
-        ([c.points[0].tooth, c.points[1].tooth], side)
     }
 }

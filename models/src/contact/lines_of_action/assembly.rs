@@ -1,0 +1,129 @@
+//! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
+
+use super::{Line, LinesOfAction, PathMap, Slice, side_index};
+use crate::Vec3;
+use crate::gear::MeshView;
+use crate::geometry::Side;
+use crate::stiffness::StiffnessCurve;
+
+/// Everything of [`LinesOfAction`] that is given; lines and slots follow.
+#[derive(Clone, Debug)]
+pub struct MeshGeometry {
+    /// See [`LinesOfAction::views`].
+    pub views: [MeshView; 2],
+    /// See [`LinesOfAction::mesh_of_gear`].
+    pub mesh_of_gear: [u8; 2],
+    /// See [`LinesOfAction::centre_a`].
+    pub centre_a: Vec3,
+    /// See [`LinesOfAction::length`].
+    pub length: f64,
+    /// See [`LinesOfAction::base_pitch`].
+    pub base_pitch: f64,
+    /// See [`LinesOfAction::zone`].
+    pub zone: [f64; 2],
+    /// See [`LinesOfAction::base_helix`].
+    pub base_helix: f64,
+}
+
+impl LinesOfAction {
+    /// Builds the lines of both flanks.
+    pub fn new(
+        g: MeshGeometry,
+        stiffness: StiffnessCurve,
+        whole_mesh: bool,
+        slices: Vec<Slice>,
+    ) -> Self {
+        let view = &g.views[0];
+        let (delta, alpha) = (view.direction, view.working_pressure_angle);
+        let rb = view.base_radius.unwrap_or(0.0);
+        let mut lines = Vec::new();
+        for side in [Side::Left, Side::Right] {
+            let sign = side.sign();
+            let along = delta + sign * (std::f64::consts::FRAC_PI_2 - alpha);
+            let transverse = Vec3::new(along.cos(), along.sin(), 0.0);
+            let to_tangent = delta - sign * alpha;
+            let (c, s) = (g.base_helix.cos(), g.base_helix.sin());
+            let normal = Vec3::new(c * transverse.x, c * transverse.y, -sign * s);
+            for (i, slice) in slices.iter().enumerate() {
+                let mut origin =
+                    g.centre_a + rb * Vec3::new(to_tangent.cos(), to_tangent.sin(), 0.0);
+                origin.z = slice.z;
+                lines.push(Line {
+                    side,
+                    slice: i,
+                    normal,
+                    transverse,
+                    origin,
+                    map: [PathMap::default(); 2],
+                    ascending: [true; 2],
+                    plain: slice.deviation.iter().all(Option::is_none),
+                    slack: 0.0,
+                });
+            }
+        }
+        let ratio = (g.zone[1] - g.zone[0]) / g.base_pitch;
+        let pairs = if whole_mesh {
+            1
+        } else {
+            ratio.floor() as usize + 2
+        };
+        let mut loa = LinesOfAction {
+            views: g.views,
+            mesh_of_gear: g.mesh_of_gear,
+            centre_a: g.centre_a,
+            length: g.length,
+            base_pitch: g.base_pitch,
+            zone: g.zone,
+            base_helix: g.base_helix,
+            partner: [0, 0],
+            stiffness,
+            whole_mesh,
+            slices,
+            pairs,
+            helix_cos: g.base_helix.cos(),
+            per_base_pitch: g.base_pitch.recip(),
+            lines,
+        };
+        for side in [Side::Left, Side::Right] {
+            let gap = |j: i64| {
+                let a = loa.views[0].path_coordinate(side, loa.views[0].assembled);
+                let vb = &loa.views[1];
+                let b = vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch);
+                loa.length - a - b
+            };
+            let slope = gap(1) - gap(0);
+            loa.partner[side_index(side)] = (-gap(0) / slope).round() as i64;
+        }
+        for l in 0..loa.lines.len() {
+            let (side, slice) = (loa.lines[l].side, loa.lines[l].slice);
+            let offset = side.sign() * loa.slices[slice].offset;
+            let teeth = [0, 1].map(|pair| loa.teeth(side, pair));
+            loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
+            loa.lines[l].map = [0, 1].map(|k| {
+                let v = &loa.views[k];
+                let s = |tooth: i64, travel: f64| {
+                    v.path_coordinate(side, v.assembled + travel + tooth as f64 * v.pitch)
+                };
+                let (t0, t1) = (teeth[0][k].index, teeth[1][k].index);
+                let shift = if k == 0 { offset } else { -offset };
+                PathMap {
+                    at_zero: s(t0, 0.0) + shift,
+                    per_travel: side.sign() * v.path_per_travel(),
+                    // One base pitch per pair, up for gear a and down for gear b.
+                    per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.base_pitch,
+                }
+            });
+            loa.lines[l].slack =
+                loa.length - loa.lines[l].map[0].at_zero - loa.lines[l].map[1].at_zero;
+        }
+        loa
+    }
+
+    /// Gap of pair 0 of a flank at the assembled position [m], without modifications.
+    pub fn assembled_gap(&self, side: Side) -> f64 {
+        let j = self.partner[side_index(side)];
+        let a = self.views[0].path_coordinate(side, self.views[0].assembled);
+        let vb = &self.views[1];
+        self.length - a - vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch)
+    }
+}

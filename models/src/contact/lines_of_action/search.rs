@@ -1,0 +1,139 @@
+//! The lines of action as a contact search: candidates, gaps, guards of the contact zone.
+
+use super::{LinesOfAction, Mover, ZONE_GUARDS, all_open};
+use crate::Vec3;
+use crate::contact::candidate::{Candidate, Tooth};
+use crate::contact::search::{ContactSearch, Party, Wanted, ZoneChange};
+use crate::geometry::Side;
+
+impl ContactSearch for LinesOfAction {
+    fn slots(&self) -> usize {
+        self.lines.len() * self.pairs
+    }
+
+    fn memory(&self) -> usize {
+        2 * self.lines.len()
+    }
+
+    fn guard_count(&self) -> usize {
+        if self.whole_mesh {
+            0
+        } else {
+            ZONE_GUARDS * self.lines.len()
+        }
+    }
+
+    fn begin(&self, a: Party<'_>, _b: Party<'_>, memory: &mut [f64]) {
+        let a = Mover::new(&a);
+        for (line, m) in self.lines.iter().zip(memory.chunks_exact_mut(2)) {
+            let (lo, hi) = self.zone_now(line, &a);
+            m[0] = lo as f64;
+            m[1] = hi as f64;
+        }
+    }
+
+    fn candidates(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        memory: &[f64],
+        wanted: Wanted<'_>,
+        out: &mut Vec<Candidate>,
+    ) {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        for (l, line) in self.lines.iter().enumerate() {
+            let skip = match wanted {
+                Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
+                Wanted::Touching(reach) => self.clearly_open(line, movers, reach),
+                Wanted::Listed => false,
+            };
+            if skip {
+                continue;
+            }
+            self.collect(l, movers, memory, wanted, out);
+        }
+    }
+
+    fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]) {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        for l in 0..self.lines.len() {
+            let range = self.pairs_of(l, movers[0], memory, true);
+            self.gaps_of_pairs(l, range, movers, out);
+        }
+    }
+
+    fn guards(&self, a: Party<'_>, _b: Party<'_>, memory: &[f64], out: &mut [f64]) {
+        if self.whole_mesh {
+            return;
+        }
+        let a = Mover::new(&a);
+        for ((line, m), guards) in self
+            .lines
+            .iter()
+            .zip(memory.chunks_exact(2))
+            .zip(out.chunks_exact_mut(ZONE_GUARDS))
+        {
+            self.zone_guards(line, (m[0] as i64, m[1] as i64), &a, guards);
+        }
+    }
+
+    fn watch(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        memory: &[f64],
+        guards: &mut [f64],
+        gaps: &mut [f64],
+    ) {
+        if self.whole_mesh {
+            return self.gaps(a, b, memory, gaps);
+        }
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
+        for (l, g) in guards.chunks_exact_mut(ZONE_GUARDS).enumerate() {
+            let (lo, hi) = (memory[2 * l] as i64, memory[2 * l + 1] as i64);
+            self.watch_line(l, (lo, hi), movers, g, gaps);
+        }
+    }
+
+    fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange {
+        let l = guard / ZONE_GUARDS;
+        let slot = |p: f64| l * self.pairs + (p as i64).rem_euclid(self.pairs as i64) as usize;
+        let m = &mut memory[2 * l..2 * l + 2];
+        let mut change = ZoneChange::default();
+        match guard % ZONE_GUARDS {
+            0 => {
+                change.left = Some(slot(m[1]));
+                m[1] -= 1.0;
+            }
+            1 => {
+                change.left = Some(slot(m[0]));
+                m[0] += 1.0;
+            }
+            2 => {
+                m[0] -= 1.0;
+                change.entered = Some(slot(m[0]));
+            }
+            _ => {
+                m[1] += 1.0;
+                change.entered = Some(slot(m[1]));
+            }
+        }
+        change
+    }
+
+    fn line(&self, side: Side) -> Option<[Vec3; 2]> {
+        let line = self.lines.iter().find(|l| l.side == side)?;
+        // A rack has no tangent point: the line is shown as far as the path of contact reaches.
+        let end = if self.views[1].base_radius.is_some() {
+            self.length
+        } else {
+            1.2 * self.zone[1]
+        };
+        Some([line.origin, line.origin + end * line.transverse])
+    }
+
+    fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
+        let side = self.lines[c.slot / self.pairs].side;
+        ([c.points[0].tooth, c.points[1].tooth], side)
+    }
+}
