@@ -25,7 +25,7 @@ impl Bounds {
         if plan.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
             return Err(StepError::Interrupted { t });
         }
-        let look = self.tries % CLOCK_STRIDE == 0;
+        let look = self.tries.is_multiple_of(CLOCK_STRIDE);
         self.tries += 1;
         if self.tries > plan.max_steps
             || (look && plan.deadline.is_some_and(|d| Instant::now() >= d))
