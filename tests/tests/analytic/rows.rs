@@ -40,7 +40,7 @@ fn worst_row_error(scene: &Scene, s: &State) -> (f64, usize) {
 
 /// Gears of a train turn in alternate directions; a rack goes along with its gear.
 fn rolling_sign(index: usize, g: &GearSpec) -> f64 {
-    if matches!(g.body, Body::Rack(_)) || index % 2 == 0 {
+    if matches!(g.body, Body::Rack(_)) || index.is_multiple_of(2) {
         1.0
     } else {
         -1.0
