@@ -314,7 +314,7 @@ impl SecondOrderSystem for Counting {
         self.commits += 1.0;
         s.memory[0] = self.commits;
         self.seen += 1;
-        if self.seen % self.restart_every == 0 {
+        if self.seen.is_multiple_of(self.restart_every) {
             Change::Restart
         } else {
             Change::None
