@@ -2,6 +2,12 @@
 //!
 //! | room | owns |
 //! |---|---|
+//! | [`mesh`] | structured hexahedral meshes of gears and racks, their quality, VTU |
+//! | [`deck`] | Abaqus and CalculiX decks: reading, checking, writing |
+//! | [`element`], [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
+//! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
+//! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
+//! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
 //! | [`external`] | what a stored reference of another program carries, and how it is read |
 //! | [`table`] | the stored references, embedded in the program: one line each in [`table::REFERENCES`] |
 //!
@@ -9,7 +15,15 @@
 //! and a `SOURCE.md` that says who computed what and how; `regenerate.sh` there runs a deck again.
 //! Everything is in SI units; the conventions of a case stand in its `SOURCE.md`.
 
+pub mod assembly;
+pub mod deck;
+pub mod element;
 pub mod external;
+pub mod full_order;
+pub mod mesh;
+pub mod modes;
+pub mod solve;
+pub mod statics;
 mod stored_format;
 pub mod table;
 

@@ -11,6 +11,7 @@ pub mod table;
 
 use crate::Vec3;
 use crate::contact::candidate::{Point, Tooth};
+use crate::contact::flank_points::Flanks;
 use crate::contact::row::Row;
 use crate::geometry::Side;
 use crate::mount::Hub;
@@ -144,6 +145,15 @@ pub trait GearModel {
     fn has_displacement(&self) -> bool {
         false
     }
+
+    /// Its flanks as grids of nodes, for gears whose contact is searched point by point. Such a gear takes
+    /// [`Locus::Quadrature`](crate::contact::candidate::Locus) points in [`Self::row`].
+    fn flanks(&self) -> Option<&Flanks> {
+        None
+    }
+
+    /// Deformed positions in space [m] of nodes of its [`Self::flanks`].
+    fn node_positions(&self, _at: At<'_>, _nodes: &[u32], _out: &mut [Vec3]) {}
 
     /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear.
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row);

@@ -1,0 +1,92 @@
+//! Contact between flanks given as structured grids of nodes.
+
+use crate::Vec3;
+use crate::geometry::Side;
+
+/// A flank of one tooth as a structured grid of nodes, in the gear's own frame (axis z through the origin,
+/// tooth 0 centred on +x; a rack: reference line on y, teeth pointing to +x).
+///
+/// Rows run along the profile from the root to the tip, columns over the width from -z to +z.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlankGrid {
+    /// Tooth, from 0, counter-clockwise.
+    pub tooth: u32,
+    /// Which flank.
+    pub side: Side,
+    /// Nodes along the profile, at least 2.
+    pub rows: usize,
+    /// Nodes over the width, at least 2.
+    pub columns: usize,
+    /// The gear's node numbers, row by row.
+    pub nodes: Vec<u32>,
+    /// Undeformed positions of those nodes [m].
+    pub positions: Vec<Vec3>,
+}
+
+/// All flanks of a gear. Its faces are numbered through, grid by grid, row by row: that number is the `face`
+/// of [`Locus::Quadrature`](crate::contact::candidate::Locus).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Flanks {
+    grids: Vec<FlankGrid>,
+    /// First face of each grid, and the number of all faces.
+    first_face: Vec<u32>,
+}
+
+impl Flanks {
+    /// Takes the grids of a gear.
+    #[must_use]
+    pub fn new(grids: Vec<FlankGrid>) -> Self {
+        let mut first_face = vec![0];
+        for g in &grids {
+            let faces = ((g.rows - 1) * (g.columns - 1)) as u32;
+            first_face.push(first_face[first_face.len() - 1] + faces);
+        }
+        Flanks { grids, first_face }
+    }
+
+    /// The grids.
+    #[must_use]
+    pub fn grids(&self) -> &[FlankGrid] {
+        &self.grids
+    }
+
+    /// Index of the grid of a tooth's flank.
+    #[must_use]
+    pub fn find(&self, tooth: u32, side: Side) -> Option<usize> {
+        self.grids
+            .iter()
+            .position(|g| g.tooth == tooth && g.side == side)
+    }
+
+    /// Number of a face by its grid and its row and column there.
+    #[must_use]
+    pub fn face(&self, grid: usize, row: usize, column: usize) -> u32 {
+        self.first_face[grid] + (row * (self.grids[grid].columns - 1) + column) as u32
+    }
+
+    /// The gear's node numbers at the corners of a face: (row, column), (row + 1, column),
+    /// (row + 1, column + 1), (row, column + 1). Local coordinates `xi` in [-1, 1]: the first along the
+    /// profile, the second over the width.
+    #[must_use]
+    pub fn corners(&self, face: u32) -> [u32; 4] {
+        let grid = self.first_face.partition_point(|&first| first <= face) - 1;
+        let g = &self.grids[grid];
+        let within = (face - self.first_face[grid]) as usize;
+        let (row, column) = (within / (g.columns - 1), within % (g.columns - 1));
+        let at = |r: usize, c: usize| g.nodes[r * g.columns + c];
+        [
+            at(row, column),
+            at(row + 1, column),
+            at(row + 1, column + 1),
+            at(row, column + 1),
+        ]
+    }
+
+    /// Bilinear shape functions of the corners.
+    #[inline]
+    #[must_use]
+    pub fn weights(xi: [f64; 2]) -> [f64; 4] {
+        let (a, b) = (0.5 * (1.0 + xi[0]), 0.5 * (1.0 + xi[1]));
+        [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]
+    }
+}

@@ -1,0 +1,1 @@
+//! Hexahedral elements: stiffness and mass of one element.

@@ -1,0 +1,1 @@
+//! The full-order gear model `fe`.

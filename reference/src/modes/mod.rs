@@ -1,0 +1,1 @@
+//! Eigenmodes: shift-invert block Lanczos, and cyclic symmetry.

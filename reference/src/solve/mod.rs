@@ -1,0 +1,1 @@
+//! Sparse symmetric solves: Cholesky factorisation.

@@ -1,0 +1,1 @@
+//! Loaded tooth contact: load sharing, mesh stiffness, transmission error.
