@@ -5,9 +5,10 @@
 //! - Nodes and elements are numbered from 0 inside the program; labels of a deck are its own affair.
 //! - Element nodes and faces follow Abaqus and CalculiX: nodes 0-3 on the lower face, 4-7 above them, then the
 //!   mid-side nodes; faces `S1` to `S6` are 0 to 5 here ([`Face`]).
-//! - A [`GearMesh`] stands in its own frame: axis z through the origin (a rack: reference line on y, teeth
-//!   pointing to +x), tooth 0 centred on +x. Tooth `k` follows counter-clockwise (a rack: towards +y).
-//!   Sets are named from 1, as the decks have them: `flank_1l` is the counter-clockwise flank of tooth 0.
+//! - A [`GearMesh`] stands in its own frame: axis z through the origin, tooth 0 centred on +x, tooth `k` follows
+//!   counter-clockwise. A rack as in [`gearbench_models::geometry`]: reference line on y, teeth pointing to -x,
+//!   tooth 0 centred on y = 0, tooth `k` follows towards +y, `Left` is the side that meets left flanks of gears.
+//!   Sets are named from 1, as the decks have them: `flank_1l` is the left flank of tooth 0.
 
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::FlankGrid;

@@ -3,8 +3,8 @@
 use crate::Vec3;
 use crate::geometry::Side;
 
-/// A flank of one tooth as a structured grid of nodes, in the gear's own frame (axis z through the origin,
-/// tooth 0 centred on +x; a rack: reference line on y, teeth pointing to +x).
+/// A flank of one tooth as a structured grid of nodes, in the gear's own frame: axis z through the origin and
+/// tooth 0 centred on +x; a rack as in [`crate::geometry`], reference line on y, teeth pointing to -x.
 ///
 /// Rows run along the profile from the root to the tip, columns over the width from -z to +z.
 #[derive(Clone, Debug, PartialEq)]
