@@ -101,6 +101,28 @@ impl Profile {
         if t < 0.0 { -sum } else { sum }
     }
 
+    /// Slope just after `t`.
+    pub fn slope(&self, t: f64) -> f64 {
+        match self {
+            Profile::Constant(_) => 0.0,
+            Profile::Ramp {
+                from,
+                to,
+                start,
+                end,
+            } if (*start..*end).contains(&t) => (to - from) / (end - start),
+            Profile::Ramp { .. } => 0.0,
+            Profile::Table { time, value } => {
+                let i = time.partition_point(|&x| x <= t);
+                if i == 0 || i == time.len() {
+                    0.0
+                } else {
+                    (value[i] - value[i - 1]) / (time[i] - time[i - 1])
+                }
+            }
+        }
+    }
+
     /// Next knot after `t` [s], or infinity.
     pub fn next_knot(&self, t: f64) -> f64 {
         match self {

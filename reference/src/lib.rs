@@ -19,7 +19,6 @@ pub mod assembly;
 pub mod deck;
 pub mod element;
 pub mod external;
-pub mod full_order;
 pub mod mesh;
 pub mod modes;
 pub mod solve;

@@ -1,1 +1,65 @@
 //! Sparse stiffness and mass of a whole mesh, and the rigid tie of its bore to the hub.
+//!
+//! Coordinates of the whole mesh are `3 node + axis`. The stiffness is kept in 3x3 blocks, the mass as one
+//! scalar per pair of nodes (times the unit matrix of three axes), both symmetric with the upper part stored.
+
+pub mod blocks;
+pub mod tie;
+
+#[cfg(test)]
+mod tests;
+
+use crate::element::{ElementError, matrices};
+use crate::mesh::Mesh;
+pub use blocks::{BlockMatrix, Pattern, ScalarMatrix};
+use gearbench_models::stiffness::Material;
+use std::sync::Arc;
+
+/// Stiffness and mass over all nodes of a mesh.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// Stiffness [N/m].
+    pub stiffness: BlockMatrix,
+    /// Consistent mass [kg], times the unit matrix of three axes.
+    pub mass: ScalarMatrix,
+    /// Lumped mass per node [kg]: row sums for eight-node elements, the scaled diagonal (E. Hinton, T. Rock,
+    /// O. C. Zienkiewicz, *Earthquake Eng. Struct. Dyn.* 4 (1976) 245) for twenty-node ones.
+    pub lumped: Vec<f64>,
+}
+
+/// Assembles a mesh.
+///
+/// # Errors
+/// [`ElementError`] names an element that cannot be integrated.
+pub fn assemble(mesh: &Mesh, material: &Material) -> Result<Assembly, ElementError> {
+    let n = mesh.kind.nodes();
+    let pattern = Arc::new(Pattern::of(mesh));
+    let mut stiffness = BlockMatrix::zeros(pattern.clone());
+    let mut mass = ScalarMatrix::zeros(pattern);
+    let mut lumped = vec![0.0; mesh.nodes.len()];
+    let (mut k, mut m) = (vec![0.0; 9 * n * n], vec![0.0; n * n]);
+    let mut x = Vec::with_capacity(n);
+    for (e, nodes) in mesh.elements().enumerate() {
+        x.clear();
+        x.extend(nodes.iter().map(|&node| mesh.nodes[node as usize]));
+        matrices(mesh.kind, e, &x, material, &mut k, &mut m)?;
+        stiffness.add(nodes, &k);
+        mass.add(nodes, &m);
+        if n == 8 {
+            for (a, &node) in nodes.iter().enumerate() {
+                lumped[node as usize] += m[a * n..][..n].iter().sum::<f64>();
+            }
+        } else {
+            let total: f64 = m.iter().sum();
+            let trace: f64 = (0..n).map(|a| m[a * n + a]).sum();
+            for (a, &node) in nodes.iter().enumerate() {
+                lumped[node as usize] += m[a * n + a] * total / trace;
+            }
+        }
+    }
+    Ok(Assembly {
+        stiffness,
+        mass,
+        lumped,
+    })
+}

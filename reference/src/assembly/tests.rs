@@ -1,0 +1,151 @@
+use super::tie::{HubMotion, MassKind, Tie};
+use super::{Assembly, assemble};
+use crate::mesh::{ElementKind, Mesh};
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+use std::collections::BTreeMap;
+
+/// A bar of `n` bricks along x, slightly distorted inside.
+fn bar(n: usize) -> Mesh {
+    let mut nodes = Vec::new();
+    for i in 0..=n {
+        for (y, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            let inside = f64::from(u8::from(i > 0 && i < n));
+            nodes.push(Vec3::new(
+                1e-2 * (i as f64 + 0.1 * inside * (y + 0.5 * z)),
+                5e-3 * y,
+                4e-3 * z,
+            ));
+        }
+    }
+    let connectivity = (0..n as u32)
+        .flat_map(|i| {
+            let a = 4 * i;
+            [a, a + 4, a + 5, a + 1, a + 3, a + 7, a + 6, a + 2]
+        })
+        .collect();
+    Mesh {
+        nodes,
+        kind: ElementKind::C3D8,
+        connectivity,
+        node_sets: BTreeMap::new(),
+        face_sets: BTreeMap::new(),
+    }
+}
+
+fn assembled(n: usize) -> (Mesh, Assembly) {
+    let mesh = bar(n);
+    let a = assemble(&mesh, &Material::STEEL).unwrap();
+    (mesh, a)
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+#[test]
+fn a_pulled_bar_needs_forces_at_its_ends_only() {
+    // Uniaxial stress: a linear displacement field that every mesh must hold exactly.
+    let (mesh, a) = assembled(5);
+    let nu = Material::STEEL.poisson;
+    let u: Vec<f64> = mesh
+        .nodes
+        .iter()
+        .flat_map(|x| [1e-4 * x.x, -1e-4 * nu * x.y, -1e-4 * nu * x.z])
+        .collect();
+    let mut f = vec![0.0; u.len()];
+    a.stiffness.apply(&u, &mut f);
+    let size = largest(&f);
+    assert!(largest(&f[12..60]) < 1e-11 * size);
+    let pull: f64 = (0..4).map(|k| f[60 + 3 * k]).sum();
+    let expected = 1e-4 * Material::STEEL.young * 1e-2 * 8e-3;
+    assert!((pull / expected - 1.0).abs() < 1e-12, "{pull} {expected}");
+}
+
+#[test]
+fn mass_is_that_of_the_bar() {
+    let (_, a) = assembled(5);
+    let expected = Material::STEEL.density * 5e-2 * 1e-2 * 8e-3;
+    let n = 3 * a.lumped.len();
+    let mut y = vec![0.0; n];
+    a.mass.apply3(&vec![1.0; n], &mut y);
+    assert!((y.iter().sum::<f64>() / 3.0 / expected - 1.0).abs() < 1e-12);
+    assert!((a.lumped.iter().sum::<f64>() / expected - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn reduced_matrices_are_those_of_the_tied_mesh() {
+    let (mesh, a) = assembled(4);
+    let bore: Vec<u32> = (0..4).collect();
+    let motions = [
+        HubMotion::Turn,
+        HubMotion::Slide(Vec3::new(0.6, 0.0, 0.8)),
+        HubMotion::TurnAbout(Vec3::x()),
+    ];
+    let added = [1e-3, 2e-2, 3e-4];
+    let tie = Tie::new(&mesh.nodes, &bore, &motions);
+    let n = tie.coordinates();
+    let full = 3 * mesh.nodes.len();
+    for kind in [MassKind::Consistent, MassKind::Lumped] {
+        let reduced = tie.reduce(&a, &added, kind);
+        for j in 0..n {
+            let mut unit = vec![0.0; n];
+            unit[j] = 1.0;
+            let (mut u, mut f, mut expected) = (vec![0.0; full], vec![0.0; full], vec![0.0; n]);
+            tie.expand(&unit, &mut u);
+            a.stiffness.apply(&u, &mut f);
+            tie.gather(&f, &mut expected);
+            let size = largest(&expected).max(1.0);
+            for i in j..n {
+                let found = reduced.stiffness.get(i, j).copied().unwrap_or(0.0);
+                assert!((found - expected[i]).abs() < 1e-12 * size, "{i} {j}");
+            }
+            match kind {
+                MassKind::Consistent => a.mass.apply3(&u, &mut f),
+                MassKind::Lumped => {
+                    for i in 0..full {
+                        f[i] = a.lumped[i / 3] * u[i];
+                    }
+                }
+            }
+            tie.gather(&f, &mut expected);
+            if j >= n - 3 {
+                expected[j] += added[j + 3 - n];
+            }
+            for i in j..n {
+                let found = reduced.mass.get(i, j).copied().unwrap_or(0.0);
+                assert!(
+                    (found - expected[i]).abs() < 1e-14 * largest(&expected),
+                    "{i} {j}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn turning_the_whole_body_with_its_hub_stores_no_energy() {
+    let (mesh, a) = assembled(4);
+    let tie = Tie::new(&mesh.nodes, &[0, 1, 2, 3], &[HubMotion::Turn]);
+    let reduced = tie.reduce(&a, &[0.0], MassKind::Consistent);
+    let n = tie.coordinates();
+    let mut r = vec![0.0; n];
+    for (place, &node) in tie.free().iter().enumerate() {
+        let turned = HubMotion::Turn.of(&mesh.nodes[node as usize]);
+        r[3 * place..][..3].copy_from_slice(turned.as_slice());
+    }
+    r[n - 1] = 1.0;
+    let mut f = vec![0.0; n];
+    let k = &reduced.stiffness;
+    let mut size = 0.0_f64;
+    for j in 0..n {
+        for (i, x) in k.row_idx_of_col(j).zip(k.val_of_col(j)) {
+            size = size.max(x.abs() * r[j].abs());
+            f[i] += x * r[j];
+            if i != j {
+                f[j] += x * r[i];
+            }
+        }
+    }
+    assert!(largest(&f) < 1e-11 * size, "{} {size}", largest(&f));
+}

@@ -1,0 +1,236 @@
+//! The rigid tie of bore nodes to the hub point, and the matrices over what stays free.
+//!
+//! `u = T r`: a free node keeps its three displacements, a held node follows the hub. Reduced coordinates are
+//! `3 place + axis` of the free nodes in ascending order, then one per motion that the hub is free in;
+//! motions that are not listed are fixed. `K_r = T^T K T` and `M_r = T^T M T + diag(0, added)`.
+
+use super::{Assembly, Pattern};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+use gearbench_models::Vec3;
+
+/// A motion that the hub may be free in, about or along axes through the origin of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HubMotion {
+    /// Turning about z.
+    Turn,
+    /// Turning about a unit axis.
+    TurnAbout(Vec3),
+    /// Sliding along a unit direction.
+    Slide(Vec3),
+}
+
+impl HubMotion {
+    /// Displacement of a point of the hub per unit of the motion.
+    #[must_use]
+    pub fn of(self, x: &Vec3) -> Vec3 {
+        match self {
+            HubMotion::Turn => Vec3::new(-x.y, x.x, 0.0),
+            HubMotion::TurnAbout(axis) => axis.cross(x),
+            HubMotion::Slide(direction) => direction,
+        }
+    }
+}
+
+/// Which mass matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MassKind {
+    /// As the elements integrate it.
+    Consistent,
+    /// Diagonal.
+    Lumped,
+}
+
+/// Which coordinates stay free.
+#[derive(Clone, Debug)]
+pub struct Tie {
+    /// Free nodes in ascending order.
+    free: Vec<u32>,
+    /// Per node its place in `free`, or [`Tie::HELD`].
+    place: Vec<u32>,
+    /// Held nodes with their displacement per unit of each hub motion.
+    held: Vec<(u32, Vec<Vec3>)>,
+    motions: usize,
+}
+
+/// Reduced matrices: lower triangles, diagonal included.
+#[derive(Clone, Debug)]
+pub struct Reduced {
+    /// Stiffness.
+    pub stiffness: SparseColMat<usize, f64>,
+    /// Mass.
+    pub mass: SparseColMat<usize, f64>,
+}
+
+impl Tie {
+    /// Marks a node that the hub holds.
+    pub const HELD: u32 = u32::MAX;
+
+    /// Ties the bore nodes; the hub is free in the motions listed.
+    #[must_use]
+    pub fn new(nodes: &[Vec3], bore: &[u32], motions: &[HubMotion]) -> Self {
+        let mut place = vec![0; nodes.len()];
+        for &node in bore {
+            place[node as usize] = Self::HELD;
+        }
+        let mut free = Vec::new();
+        let mut held = Vec::new();
+        for (node, place) in place.iter_mut().enumerate() {
+            if *place == Self::HELD {
+                let moved = motions.iter().map(|m| m.of(&nodes[node])).collect();
+                held.push((node as u32, moved));
+            } else {
+                *place = free.len() as u32;
+                free.push(node as u32);
+            }
+        }
+        Tie {
+            free,
+            place,
+            held,
+            motions: motions.len(),
+        }
+    }
+
+    /// Free nodes in ascending order.
+    #[must_use]
+    pub fn free(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// Per node its place among the free ones, or [`Tie::HELD`].
+    #[must_use]
+    pub fn places(&self) -> &[u32] {
+        &self.place
+    }
+
+    /// Number of reduced coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        3 * self.free.len() + self.motions
+    }
+
+    /// `u = T r`: displacements of all nodes.
+    pub fn expand(&self, reduced: &[f64], full: &mut [f64]) {
+        let (nodes, hub) = reduced.split_at(3 * self.free.len());
+        for (&node, u) in self.free.iter().zip(nodes.chunks_exact(3)) {
+            full[3 * node as usize..][..3].copy_from_slice(u);
+        }
+        for (node, moved) in &self.held {
+            let u: Vec3 = moved.iter().zip(hub).map(|(m, h)| *h * m).sum();
+            full[3 * *node as usize..][..3].copy_from_slice(u.as_slice());
+        }
+    }
+
+    /// `T^T f`: forces at all nodes as reduced forces.
+    pub fn gather(&self, full: &[f64], reduced: &mut [f64]) {
+        let (nodes, hub) = reduced.split_at_mut(3 * self.free.len());
+        for (&node, f) in self.free.iter().zip(nodes.chunks_exact_mut(3)) {
+            f.copy_from_slice(&full[3 * node as usize..][..3]);
+        }
+        hub.fill(0.0);
+        for (node, moved) in &self.held {
+            let f = &full[3 * *node as usize..][..3];
+            for (h, m) in hub.iter_mut().zip(moved) {
+                *h += m.x * f[0] + m.y * f[1] + m.z * f[2];
+            }
+        }
+    }
+
+    /// `T^T K T` and `T^T M T` with inertia added at the hub, one value per free motion.
+    #[must_use]
+    pub fn reduce(&self, a: &Assembly, added_inertia: &[f64], mass: MassKind) -> Reduced {
+        let stiffness = self.reduced(
+            a.stiffness.pattern(),
+            |place| a.stiffness.blocks()[place],
+            |x, y| a.stiffness.apply(x, y),
+            &vec![0.0; self.motions],
+        );
+        let scalar = |m: f64| [m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m];
+        let mass = match mass {
+            MassKind::Consistent => self.reduced(
+                a.mass.pattern(),
+                |place| scalar(a.mass.values()[place]),
+                |x, y| a.mass.apply3(x, y),
+                added_inertia,
+            ),
+            MassKind::Lumped => {
+                let diagonal = Pattern::diagonal(a.lumped.len());
+                self.reduced(
+                    &diagonal,
+                    |place| scalar(a.lumped[place]),
+                    |x, y| {
+                        for (i, y) in y.iter_mut().enumerate() {
+                            *y = a.lumped[i / 3] * x[i];
+                        }
+                    },
+                    added_inertia,
+                )
+            }
+        };
+        Reduced { stiffness, mass }
+    }
+
+    fn reduced(
+        &self,
+        pattern: &Pattern,
+        block: impl Fn(usize) -> [f64; 9],
+        apply: impl Fn(&[f64], &mut [f64]),
+        added: &[f64],
+    ) -> SparseColMat<usize, f64> {
+        let nodes = self.free.len();
+        let n = self.coordinates();
+        // What a unit of each hub motion does: the hub's rows of the lower triangle, and its own block.
+        let mut full = vec![0.0; 3 * self.place.len()];
+        let mut image = vec![0.0; full.len()];
+        let mut hub_rows: Vec<Vec<f64>> = Vec::new();
+        for motion in 0..self.motions {
+            full.fill(0.0);
+            for (node, moved) in &self.held {
+                full[3 * *node as usize..][..3].copy_from_slice(moved[motion].as_slice());
+            }
+            apply(&full, &mut image);
+            let mut row = vec![0.0; n];
+            self.gather(&image, &mut row);
+            row[3 * nodes + motion] += added[motion];
+            hub_rows.push(row);
+        }
+        let mut starts = vec![0];
+        let (mut rows, mut values) = (Vec::new(), Vec::new());
+        for (&node, place) in self.free.iter().zip(0..) {
+            // Entries right of the diagonal in the row of a symmetric matrix are those below it in the column.
+            for axis in 0..3 {
+                for (column, at) in pattern.of_row(node as usize) {
+                    let other = self.place[column];
+                    if other == Self::HELD {
+                        continue;
+                    }
+                    let b = block(at);
+                    for i in 0..3 {
+                        if other == place && i < axis {
+                            continue;
+                        }
+                        rows.push(3 * other as usize + i);
+                        values.push(b[3 * axis + i]);
+                    }
+                }
+                let own = 3 * place as usize + axis;
+                for (motion, row) in hub_rows.iter().enumerate() {
+                    if row[own] != 0.0 {
+                        rows.push(3 * nodes + motion);
+                        values.push(row[own]);
+                    }
+                }
+                starts.push(rows.len());
+            }
+        }
+        for motion in 0..self.motions {
+            for (lower, row) in hub_rows.iter().enumerate().skip(motion) {
+                rows.push(3 * nodes + lower);
+                values.push(row[3 * nodes + motion]);
+            }
+            starts.push(rows.len());
+        }
+        let pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
+        SparseColMat::new(pattern, values)
+    }
+}
