@@ -1,0 +1,445 @@
+//! Connected bodies of a deck with their bores, flanks and material.
+
+use super::patch::{Grid, Quad, boundary};
+use super::{BodyShape, DeckGear, circle, decline, letter, rack, spur};
+use crate::deck::data::Deck;
+use crate::deck::error::DeckError;
+use crate::mesh::{ElementKind, FACE_CORNERS, Face, GearMesh, Mesh};
+use gearbench_models::Vec3;
+use gearbench_models::contact::flank_points::FlankGrid;
+use gearbench_models::geometry::Side;
+use gearbench_models::stiffness::Material;
+use std::collections::BTreeMap;
+
+/// Marks a node that no element has.
+const NONE: u32 = u32::MAX;
+
+/// A flank as the deck names it, in local numbers.
+pub(super) struct NamedFlank {
+    pub(super) set: String,
+    pub(super) label: i64,
+    pub(super) side: Side,
+    pub(super) quads: Vec<Quad>,
+}
+
+/// A flank that was found: its grid, and the tooth by where it stands.
+pub(super) struct PlacedFlank {
+    pub(super) tooth: u32,
+    pub(super) side: Side,
+    pub(super) grid: Grid,
+}
+
+/// What the placement of a body adds to its mesh.
+pub(super) struct Placement {
+    pub(super) shape: BodyShape,
+    pub(super) teeth: u32,
+    pub(super) centre: Vec3,
+    pub(super) phase: f64,
+    pub(super) flanks: Vec<PlacedFlank>,
+    /// Positions in the own frame.
+    pub(super) positions: Vec<Vec3>,
+}
+
+/// A connected body in local numbers, where the deck has it.
+pub(super) struct Body {
+    pub(super) name: String,
+    pub(super) kind: ElementKind,
+    pub(super) nodes: Vec<u32>,
+    pub(super) elements: Vec<u32>,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) connectivity: Vec<u32>,
+    pub(super) bore_set: String,
+    pub(super) bore: Vec<u32>,
+    pub(super) flanks: Vec<NamedFlank>,
+    pub(super) material: Material,
+    pub(super) rigid_body: Option<usize>,
+}
+
+/// Groups of nodes that elements join.
+pub(super) struct Groups(Vec<u32>);
+
+impl Groups {
+    pub(super) fn new(n: usize) -> Self {
+        Groups((0..n as u32).collect())
+    }
+
+    pub(super) fn find(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    /// Joins two groups; the smaller number leads.
+    pub(super) fn join(&mut self, i: u32, j: u32) {
+        let (i, j) = (self.find(i), self.find(j));
+        self.0[i.max(j) as usize] = i.min(j);
+    }
+}
+
+/// Parts of a flank's name: `flank_3l`, `flank1_3l`, `flank2_m1r` (tooth -1). `None` for other names.
+pub(in crate::deck) fn flank_name(name: &str) -> Option<(i64, Side)> {
+    let rest = name.strip_prefix("flank")?;
+    let (gear, tooth) = rest.split_once('_')?;
+    if !gear.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    let side = match tooth.as_bytes().last()? {
+        b'l' => Side::Left,
+        b'r' => Side::Right,
+        _ => return None,
+    };
+    let digits = &tooth[..tooth.len() - 1];
+    let (sign, digits) = match digits.strip_prefix('m') {
+        Some(digits) => (-1, digits),
+        None => (1, digits),
+    };
+    if !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    let label: u32 = digits.parse().ok()?;
+    Some((sign * i64::from(label), side))
+}
+
+/// True for `bore`, `bore1`, `bore2`, ...
+pub(in crate::deck) fn is_bore_name(name: &str) -> bool {
+    name.strip_prefix("bore")
+        .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// Splits a deck into bodies.
+pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+    let mut groups = Groups::new(deck.nodes.len());
+    for block in &deck.blocks {
+        for element in block.connectivity.chunks_exact(block.kind.nodes()) {
+            for &n in &element[1..] {
+                groups.join(element[0], n);
+            }
+        }
+    }
+    // Body of each group, in the order of first elements; then body and local number of each node.
+    let mut body_of_group = vec![NONE; deck.nodes.len()];
+    let mut elements: Vec<Vec<u32>> = Vec::new();
+    for e in 0..deck.element_count() as u32 {
+        let group = groups.find(deck.element(e)[0]) as usize;
+        if body_of_group[group] == NONE {
+            body_of_group[group] = elements.len() as u32;
+            elements.push(Vec::new());
+        }
+        elements[body_of_group[group] as usize].push(e);
+    }
+    let mut nodes: Vec<Vec<u32>> = vec![Vec::new(); elements.len()];
+    let mut body_of = vec![NONE; deck.nodes.len()];
+    let mut local = vec![NONE; deck.nodes.len()];
+    for n in 0..deck.nodes.len() as u32 {
+        let body = body_of_group[groups.find(n) as usize];
+        if body != NONE {
+            body_of[n as usize] = body;
+            local[n as usize] = nodes[body as usize].len() as u32;
+            nodes[body as usize].push(n);
+        }
+    }
+    let whose = |set: &str, members: &mut dyn Iterator<Item = u32>| -> Result<u32, DeckError> {
+        let mut bodies = members.map(|n| (n, body_of[n as usize]));
+        let Some((_, body)) = bodies.next() else {
+            return Err(decline(
+                deck,
+                set,
+                "nodes in the set",
+                "none",
+                "fill or remove it",
+            ));
+        };
+        match bodies.find(|b| b.1 != body || b.1 == NONE) {
+            _ if body == NONE => Err(decline(
+                deck,
+                set,
+                "nodes of elements",
+                "a node that belongs to no element",
+                "take free nodes out of the set",
+            )),
+            Some((n, _)) => Err(decline(
+                deck,
+                set,
+                "nodes of one body",
+                format!("node {} of another", deck.node_labels.label(n)),
+                "give each gear sets of its own, such as `bore1` and `bore2`",
+            )),
+            None => Ok(body),
+        }
+    };
+
+    let mut bores: Vec<Option<&str>> = vec![None; elements.len()];
+    let mut flank_sets: Vec<Vec<(&str, i64, Side)>> = vec![Vec::new(); elements.len()];
+    for (name, members) in &deck.node_sets {
+        if is_bore_name(name) {
+            let body = whose(name, &mut members.iter().copied())? as usize;
+            if let Some(other) = bores[body].replace(name) {
+                return Err(decline(
+                    deck,
+                    name,
+                    "one bore set on a body",
+                    format!("`{other}` on the same"),
+                    "name the second set otherwise",
+                ));
+            }
+        } else if let Some((label, side)) = flank_name(name) {
+            let body = whose(name, &mut members.iter().copied())? as usize;
+            flank_sets[body].push((name, label, side));
+        }
+    }
+    let mut surfaces: Vec<Vec<(&str, i64, Side)>> = vec![Vec::new(); elements.len()];
+    for (name, faces) in &deck.surfaces {
+        if let Some((label, side)) = name.strip_prefix('s').and_then(flank_name) {
+            let members = &mut faces.iter().map(|f| deck.element(f.element)[0]);
+            let body = whose(name, members)? as usize;
+            if !flank_sets[body].iter().any(|f| (f.1, f.2) == (label, side)) {
+                surfaces[body].push((name, label, side));
+            }
+        }
+    }
+
+    let materials = deck.section_materials();
+    let mut bodies = Vec::with_capacity(elements.len());
+    for (i, elements) in elements.into_iter().enumerate() {
+        let nodes = std::mem::take(&mut nodes[i]);
+        let first = elements[0];
+        let Some(bore_set) = bores[i] else {
+            return Err(decline(
+                deck,
+                "",
+                "a node set `bore` (or `bore1`, ...) on each body",
+                format!(
+                    "none on the body of element {}",
+                    deck.element_labels.label(first)
+                ),
+                "name the nodes that the hub holds",
+            ));
+        };
+        let kind = deck.block(first).kind;
+        let mut connectivity = Vec::with_capacity(elements.len() * kind.nodes());
+        let material = materials[first as usize];
+        for &e in &elements {
+            if deck.block(e).kind != kind {
+                return Err(decline(
+                    deck,
+                    bore_set,
+                    format!("one kind of element in a body, {}", kind.name()),
+                    format!(
+                        "element {} of kind {}",
+                        deck.element_labels.label(e),
+                        deck.block(e).kind.name()
+                    ),
+                    "mesh a gear with one kind",
+                ));
+            }
+            if materials[e as usize] != material {
+                return Err(decline(
+                    deck,
+                    bore_set,
+                    "one material in a body",
+                    format!("another at element {}", deck.element_labels.label(e)),
+                    "gears are homogeneous",
+                ));
+            }
+            connectivity.extend(deck.element(e).iter().map(|&n| local[n as usize]));
+        }
+        let positions: Vec<Vec3> = nodes.iter().map(|&n| deck.nodes[n as usize]).collect();
+        let mut body = Body {
+            name: deck
+                .block(first)
+                .set
+                .clone()
+                .unwrap_or_else(|| format!("gear{}", i + 1)),
+            kind,
+            material: full_material(deck, bore_set, material)?,
+            bore_set: bore_set.to_owned(),
+            bore: deck.node_sets[bore_set]
+                .iter()
+                .map(|&n| local[n as usize])
+                .collect(),
+            rigid_body: deck.rigid_bodies.iter().position(|r| r.set == bore_set),
+            nodes,
+            elements,
+            positions,
+            connectivity,
+            flanks: Vec::new(),
+        };
+        if !flank_sets[i].is_empty() {
+            let faces = boundary(&body.connectivity, kind.nodes());
+            let mut inside = vec![false; body.positions.len()];
+            for &(set, label, side) in &flank_sets[i] {
+                let members = &deck.node_sets[set];
+                for &n in members {
+                    inside[local[n as usize] as usize] = true;
+                }
+                let quads = faces
+                    .iter()
+                    .filter(|q| q.corners.iter().all(|&n| inside[n as usize]))
+                    .copied()
+                    .collect();
+                for &n in members {
+                    inside[local[n as usize] as usize] = false;
+                }
+                let set = set.to_owned();
+                body.flanks.push(NamedFlank {
+                    set,
+                    label,
+                    side,
+                    quads,
+                });
+            }
+        }
+        for &(set, label, side) in &surfaces[i] {
+            let quads = deck.surfaces[set]
+                .iter()
+                .map(|f| {
+                    // The elements of a body ascend in the deck's numbers.
+                    let element = body.elements.partition_point(|&e| e < f.element);
+                    let nodes = deck.element(f.element);
+                    Quad {
+                        face: Face {
+                            element: element as u32,
+                            face: f.face,
+                        },
+                        corners: FACE_CORNERS[f.face as usize].map(|c| local[nodes[c] as usize]),
+                    }
+                })
+                .collect();
+            let set = set.to_owned();
+            body.flanks.push(NamedFlank {
+                set,
+                label,
+                side,
+                quads,
+            });
+        }
+        bodies.push(body);
+    }
+    Ok(bodies)
+}
+
+fn full_material(deck: &Deck, bore: &str, name: Option<&str>) -> Result<Material, DeckError> {
+    let Some(name) = name else {
+        return Err(decline(
+            deck,
+            bore,
+            "a *SOLID SECTION for the elements of the body",
+            "none",
+            "give its element set a material",
+        ));
+    };
+    deck.material(name).ok_or_else(|| {
+        decline(
+            deck,
+            bore,
+            format!("*ELASTIC and *DENSITY of material `{name}`"),
+            "only part of them",
+            "a gear needs E, nu and the density",
+        )
+    })
+}
+
+impl Body {
+    /// Corner nodes of an element.
+    pub(super) fn corners(&self, element: usize) -> &[u32] {
+        &self.connectivity[element * self.kind.nodes()..][..8]
+    }
+
+    /// Bore nodes at corners of elements: mid-side nodes may lie on chords.
+    pub(super) fn bore_corners(&self) -> Vec<u32> {
+        let mut corner = vec![false; self.positions.len()];
+        for e in 0..self.elements.len() {
+            for &n in self.corners(e) {
+                corner[n as usize] = true;
+            }
+        }
+        let corners = self.bore.iter().copied();
+        corners.filter(|&n| corner[n as usize]).collect()
+    }
+
+    /// Middle of the width [m].
+    pub(super) fn mid_width(&self) -> f64 {
+        let z = || self.positions.iter().map(|x| x.z);
+        let (low, high) = (z().fold(f64::MAX, f64::min), z().fold(f64::MIN, f64::max));
+        super::snapped(0.5 * (low + high), high - low)
+    }
+
+    /// The mesh in its own frame.
+    pub(super) fn into_gear(self, deck: &Deck) -> Result<DeckGear, DeckError> {
+        let bore: Vec<Vec3> = self
+            .bore_corners()
+            .iter()
+            .map(|&n| self.positions[n as usize])
+            .collect();
+        let mut placement = match circle::shape(&bore) {
+            circle::Shape::Circle { centre, radius } => spur::place(&self, deck, centre, radius)?,
+            circle::Shape::Plane { normal } => rack::place(&self, deck, normal)?,
+            circle::Shape::Neither => {
+                return Err(decline(
+                    deck,
+                    &self.bore_set,
+                    "nodes on a circle about z (a gear) or in a plane parallel to z (a rack)",
+                    "neither",
+                    "z is the axis of rotation: turn the model if it is not",
+                ));
+            }
+        };
+        placement
+            .flanks
+            .sort_by_key(|f| (f.tooth, f.side == Side::Right));
+        if let Some(w) = placement
+            .flanks
+            .windows(2)
+            .find(|w| (w[0].tooth, w[0].side) == (w[1].tooth, w[1].side))
+        {
+            return Err(decline(
+                deck,
+                &w[1].grid.set,
+                "one set for a flank",
+                format!("`{}` for the same flank", w[0].grid.set),
+                "remove one of them",
+            ));
+        }
+        let mut node_sets = BTreeMap::from([("bore".to_owned(), self.bore.clone())]);
+        let mut face_sets = BTreeMap::new();
+        let mut flanks = Vec::with_capacity(placement.flanks.len());
+        for f in placement.flanks {
+            let name = format!("flank_{}{}", f.tooth + 1, letter(f.side));
+            face_sets.insert(format!("s{name}"), f.grid.faces);
+            node_sets.insert(name, f.grid.nodes.clone());
+            let nodes = f.grid.nodes.iter();
+            flanks.push(FlankGrid {
+                tooth: f.tooth,
+                side: f.side,
+                rows: f.grid.rows,
+                columns: f.grid.columns,
+                positions: nodes.map(|&n| placement.positions[n as usize]).collect(),
+                nodes: f.grid.nodes,
+            });
+        }
+        Ok(DeckGear {
+            name: self.name,
+            shape: placement.shape,
+            mesh: GearMesh {
+                mesh: Mesh {
+                    nodes: placement.positions,
+                    kind: self.kind,
+                    connectivity: self.connectivity,
+                    node_sets,
+                    face_sets,
+                },
+                teeth: placement.teeth,
+                bore: self.bore,
+                flanks,
+            },
+            material: self.material,
+            centre: placement.centre,
+            phase: placement.phase,
+            nodes: self.nodes,
+            elements: self.elements,
+            rigid_body: self.rigid_body,
+        })
+    }
+}

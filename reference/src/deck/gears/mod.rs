@@ -1,0 +1,148 @@
+//! From a deck to its toothed bodies: each connected body with a bore becomes a [`GearMesh`] in its own frame.
+//!
+//! - A body is what elements with common nodes make up. Its bore is the node set `bore` or `bore1`, `bore2`, ...
+//!   on it: nodes on a circle about z make a gear, nodes in a plane parallel to z a rack.
+//! - Flanks are the node sets `flank_3l` or `flank1_3l` (gear 1, tooth 3, left), or surfaces of these names with
+//!   an `s` in front. Their grids are found from the faces, whatever the labels. Teeth are numbered by where they
+//!   stand, counter-clockwise from the tooth called 1; sides have to be called what they are.
+//! - Tooth 0's centreline is the mean polar angle of its two flanks at equal radii in the middle of the width;
+//!   of the nodes of the tooth where there are no two flanks (exact on a tooth meshed symmetrically).
+//! - A rack's reference line is where its tooth is half a pitch thick: a thinned tooth counts as one cut deeper.
+
+mod bodies;
+mod circle;
+mod patch;
+mod rack;
+mod spur;
+
+use super::data::Deck;
+use super::error::{DeckError, DeckErrorKind};
+use crate::mesh::GearMesh;
+use gearbench_models::Vec3;
+use gearbench_models::geometry::Side;
+use gearbench_models::stiffness::Material;
+
+/// What kind of toothed body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BodyShape {
+    /// A gear.
+    Gear,
+    /// A rack; its own x axis stands at this angle in the deck [rad].
+    Rack {
+        /// Angle [rad].
+        direction: f64,
+    },
+}
+
+/// A toothed body of a deck: its mesh in its own frame, and how the deck has it placed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckGear {
+    /// Element set it was read from, or `gear1`, `gear2`, ... in the deck's order.
+    pub name: String,
+    /// Gear or rack.
+    pub shape: BodyShape,
+    /// Mesh in its own frame.
+    pub mesh: GearMesh,
+    /// Material.
+    pub material: Material,
+    /// Where the axis stands at half the width [m]; of a rack the point of its reference line next to the
+    /// deck's origin.
+    pub centre: Vec3,
+    /// Angle of tooth 0's centreline [rad]; of a rack its distance from `centre` along the rack's own y [m].
+    pub phase: f64,
+    /// The deck's number of each node.
+    pub nodes: Vec<u32>,
+    /// The deck's number of each element.
+    pub elements: Vec<u32>,
+    /// Which of the deck's rigid bodies holds the bore.
+    pub rigid_body: Option<usize>,
+}
+
+impl DeckGear {
+    /// Where a point of the own frame stands in the deck [m].
+    #[must_use]
+    pub fn to_deck(&self, x: Vec3) -> Vec3 {
+        match self.shape {
+            BodyShape::Gear => self.centre + turned(x, self.phase),
+            BodyShape::Rack { direction } => {
+                self.centre + turned(x + Vec3::new(0.0, self.phase, 0.0), direction)
+            }
+        }
+    }
+}
+
+/// Splits a deck into its toothed bodies, in the order of their first elements.
+///
+/// # Errors
+/// [`DeckError`] names the set or element that a gear cannot be made of.
+pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
+    let bodies = bodies::split(deck)?;
+    if bodies.is_empty() {
+        return Err(decline(
+            deck,
+            "",
+            "at least one element",
+            "none",
+            "the deck needs *ELEMENT with hexahedra",
+        ));
+    }
+    bodies.into_iter().map(|b| b.into_gear(deck)).collect()
+}
+
+/// Turned about z; no turn leaves every bit.
+fn turned(x: Vec3, angle: f64) -> Vec3 {
+    if angle == 0.0 {
+        return x;
+    }
+    let (s, c) = angle.sin_cos();
+    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
+}
+
+/// An angle in (-pi, pi].
+fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    PI - (PI - angle).rem_euclid(TAU)
+}
+
+/// A value that differs from 0 only by the digits that decks print of positions of this size counts as 0.
+fn snapped(value: f64, size: f64) -> f64 {
+    if value.abs() <= 1e-10 * size {
+        0.0
+    } else {
+        value
+    }
+}
+
+/// Letter of a side in the names of sets.
+fn letter(side: Side) -> char {
+    match side {
+        Side::Left => 'l',
+        Side::Right => 'r',
+    }
+}
+
+/// Declines a mesh, at the line of a set when it names one.
+fn decline(
+    deck: &Deck,
+    set: &str,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+    help: impl Into<String>,
+) -> DeckError {
+    let place = deck.defined.get(set);
+    DeckError {
+        kind: DeckErrorKind::Gear,
+        file: place.map_or(deck.name.as_str(), |p| &p.file).into(),
+        line: place.map_or(0, |p| p.line),
+        context: match set.is_empty() {
+            true => "".into(),
+            false => format!("set `{set}`").into(),
+        },
+        expected: expected.into().into(),
+        found: found.into().into(),
+        help: help.into().into(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! A flank's faces as a structured grid, found from how they join.
+
+use super::decline;
+use crate::deck::data::Deck;
+use crate::deck::error::DeckError;
+use crate::mesh::{FACE_CORNERS, Face};
+use std::collections::HashMap;
+
+/// A face with its corner nodes, in local numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Quad {
+    pub(super) face: Face,
+    pub(super) corners: [u32; 4],
+}
+
+/// A structured patch: rows from the root to the tip, columns from -z to +z.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Grid {
+    /// Set it came from.
+    pub(super) set: String,
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    /// Row by row.
+    pub(super) nodes: Vec<u32>,
+    /// Row by row.
+    pub(super) faces: Vec<Face>,
+}
+
+/// Faces that belong to one element only.
+pub(super) fn boundary(connectivity: &[u32], nodes_per_element: usize) -> Vec<Quad> {
+    let mut seen: HashMap<[u32; 4], u32> = HashMap::new();
+    let key = |corners: [u32; 4]| {
+        let mut key = corners;
+        key.sort_unstable();
+        key
+    };
+    let quads = || {
+        let elements = connectivity.chunks_exact(nodes_per_element);
+        elements.enumerate().flat_map(|(e, nodes)| {
+            (0..6u8).map(move |f| Quad {
+                face: Face {
+                    element: e as u32,
+                    face: f,
+                },
+                corners: FACE_CORNERS[f as usize].map(|c| nodes[c]),
+            })
+        })
+    };
+    for q in quads() {
+        *seen.entry(key(q.corners)).or_default() += 1;
+    }
+    quads().filter(|q| seen[&key(q.corners)] == 1).collect()
+}
+
+/// Lays faces out as a grid. `height` grows from the root to the tip, `z` over the width.
+pub(super) fn grid(
+    deck: &Deck,
+    set: &str,
+    quads: &[Quad],
+    height: &dyn Fn(u32) -> f64,
+    z: &dyn Fn(u32) -> f64,
+) -> Result<Grid, DeckError> {
+    lay_out(set, quads, height, z).map_err(|found| {
+        decline(
+            deck,
+            set,
+            "a structured grid of faces, rows along the profile and columns over the width",
+            found,
+            "mesh the flank with rows of quadrilaterals and put all nodes of the flank, and no others, in its set",
+        )
+    })
+}
+
+fn lay_out(
+    set: &str,
+    quads: &[Quad],
+    height: &dyn Fn(u32) -> f64,
+    z: &dyn Fn(u32) -> f64,
+) -> Result<Grid, String> {
+    if quads.is_empty() {
+        return Err("no face at the surface whose corners are all in the set".into());
+    }
+    // Faces at each node, and how many faces have each edge: boundary edges have one.
+    let mut at: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
+    for (i, q) in quads.iter().enumerate() {
+        for k in 0..4 {
+            let (a, b) = (q.corners[k], q.corners[(k + 1) % 4]);
+            at.entry(a).or_default().push(i as u32);
+            *edges.entry((a.min(b), a.max(b))).or_default() += 1;
+        }
+    }
+    let mut rim: HashMap<u32, Vec<u32>> = HashMap::new();
+    for (&(a, b), &count) in &edges {
+        if count == 1 {
+            rim.entry(a).or_default().push(b);
+            rim.entry(b).or_default().push(a);
+        }
+    }
+    let mut corners: Vec<u32> = at
+        .iter()
+        .filter(|(_, faces)| faces.len() == 1)
+        .map(|(&n, _)| n)
+        .collect();
+    if corners.len() != 4 {
+        return Err(format!(
+            "{} faces with {} corners instead of 4",
+            quads.len(),
+            corners.len()
+        ));
+    }
+    // Two corners at -z; the lower of them starts. Ties are settled by number so that the result is one.
+    corners.sort_unstable();
+    corners.sort_by(|&a, &b| z(a).total_cmp(&z(b)));
+    corners[..2].sort_by(|&a, &b| height(a).total_cmp(&height(b)));
+    let (start, tip) = (corners[0], corners[1]);
+    let walk = |next: u32| -> Option<Vec<u32>> {
+        let mut chain = vec![start, next];
+        while !corners.contains(&chain[chain.len() - 1]) {
+            let (before, here) = (chain[chain.len() - 2], chain[chain.len() - 1]);
+            let neighbours = rim.get(&here)?;
+            if neighbours.len() != 2 || chain.len() > at.len() {
+                return None;
+            }
+            chain.push(neighbours[usize::from(neighbours[0] == before)]);
+        }
+        Some(chain)
+    };
+    let starts = rim.get(&start).filter(|s| s.len() == 2);
+    let broken = || "a rim that branches".to_owned();
+    let starts = starts.ok_or_else(broken)?;
+    let one = walk(starts[0]).ok_or_else(broken)?;
+    let other = walk(starts[1]).ok_or_else(broken)?;
+    let (profile, width) = if one[one.len() - 1] == tip {
+        (one, other)
+    } else {
+        (other, one)
+    };
+    let (rows, columns) = (profile.len(), width.len());
+    if profile[rows - 1] != tip
+        || (rows - 1) * (columns - 1) != quads.len()
+        || rows * columns != at.len()
+    {
+        return Err(format!(
+            "{} faces with sides of {} and {}",
+            quads.len(),
+            rows - 1,
+            columns - 1
+        ));
+    }
+    let mut nodes = vec![u32::MAX; rows * columns];
+    for (r, &n) in profile.iter().enumerate() {
+        nodes[r * columns] = n;
+    }
+    nodes[..columns].copy_from_slice(&width);
+    let mut used = vec![false; quads.len()];
+    let mut faces = Vec::with_capacity(quads.len());
+    for r in 1..rows {
+        for c in 1..columns {
+            let three = [
+                nodes[(r - 1) * columns + c - 1],
+                nodes[(r - 1) * columns + c],
+                nodes[r * columns + c - 1],
+            ];
+            let face = at[&three[0]].iter().copied().find(|&i| {
+                !used[i as usize] && three.iter().all(|n| quads[i as usize].corners.contains(n))
+            });
+            let Some(i) = face else {
+                return Err(format!("no face at row {r}, column {c}"));
+            };
+            let quad = &quads[i as usize];
+            let Some(&last) = quad.corners.iter().find(|n| !three.contains(n)) else {
+                return Err("a face with a corner twice".into());
+            };
+            used[i as usize] = true;
+            let known = &mut nodes[r * columns + c];
+            if *known != u32::MAX && *known != last {
+                return Err(format!("rows that do not meet at row {r}, column {c}"));
+            }
+            *known = last;
+            faces.push(quad.face);
+        }
+    }
+    let mut all = nodes.clone();
+    all.sort_unstable();
+    if all.windows(2).any(|w| w[0] == w[1]) {
+        return Err("a node twice in the grid".into());
+    }
+    Ok(Grid {
+        set: set.to_owned(),
+        rows,
+        columns,
+        nodes,
+        faces,
+    })
+}

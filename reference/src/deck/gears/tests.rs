@@ -1,0 +1,246 @@
+use super::*;
+use crate::deck::{read, read_str};
+use crate::mesh::ElementKind;
+use gearbench_models::contact::flank_points::FlankGrid;
+
+fn stored(name: &str) -> Deck {
+    read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn parameters(case: &str) -> serde_json::Value {
+    let path = format!("{}/calculix/{case}/params.json", env!("CARGO_MANIFEST_DIR"));
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Rows climb, columns go to +z, positions are those of the nodes, sides are on their side.
+fn check_grid(gear: &DeckGear, f: &FlankGrid) {
+    let at = |r: usize, c: usize| f.positions[r * f.columns + c];
+    assert_eq!(f.nodes.len(), f.rows * f.columns);
+    for (n, x) in f.nodes.iter().zip(&f.positions) {
+        assert_eq!(gear.mesh.mesh.nodes[*n as usize], *x);
+    }
+    let height = |x: Vec3| match gear.shape {
+        BodyShape::Gear => x.x.hypot(x.y),
+        BodyShape::Rack { .. } => -x.x,
+    };
+    for r in 0..f.rows {
+        for c in 0..f.columns {
+            if r > 0 {
+                assert!(height(at(r, c)) > height(at(r - 1, c)));
+            }
+            if c > 0 {
+                assert!(at(r, c).z > at(r, c - 1).z);
+            }
+            if let BodyShape::Gear = gear.shape {
+                let pitch = std::f64::consts::TAU / f64::from(gear.mesh.teeth);
+                let from_centre = turned(at(r, c), -pitch * f64::from(f.tooth));
+                assert_eq!(from_centre.y > 0.0, f.side == Side::Left);
+                assert!(from_centre.y.abs() < 0.5 * pitch * from_centre.x);
+            }
+        }
+    }
+}
+
+#[test]
+fn impacts_become_two_gears_where_their_parameters_say() {
+    for (case, deck, rows) in [
+        ("case-a-fine", "AF8_d05", [21, 21]),
+        ("case-c", "C8_d25", [21, 21]),
+        ("case-a-coarse", "A8_d05", [9, 9]),
+    ] {
+        let deck = stored(&format!("{case}/{deck}.inp.gz"));
+        let p = parameters(case);
+        let found = gears(&deck).unwrap();
+        assert_eq!(found.len(), 2);
+        for (i, g) in found.iter().enumerate() {
+            let expected = &p[format!("gear{}", i + 1)];
+            assert_eq!(g.name, format!("gear{}", i + 1));
+            assert_eq!(u64::from(g.mesh.teeth), expected["z"].as_u64().unwrap());
+            assert_eq!(
+                g.mesh.mesh.nodes.len() as u64,
+                expected["nodes"].as_u64().unwrap()
+            );
+            assert_eq!(
+                g.mesh.mesh.element_count() as u64,
+                expected["elements"].as_u64().unwrap()
+            );
+            let angle = expected["tooth1_centre_angle_rad"].as_f64().unwrap();
+            assert!(
+                wrapped(g.phase - angle).abs() < 2e-11,
+                "{case} {i}: {} {angle}",
+                g.phase
+            );
+            let a = if i == 0 {
+                0.0
+            } else {
+                p["pair"]["centre_distance_m"].as_f64().unwrap()
+            };
+            assert_eq!(g.centre, Vec3::new(a, 0.0, 0.0));
+            assert_eq!(g.rigid_body, Some(i));
+            assert_eq!(g.material, Material::STEEL);
+            for &n in &g.mesh.bore {
+                let x = g.mesh.mesh.nodes[n as usize];
+                let r = expected["rbore"].as_f64().unwrap();
+                assert!((x.x.hypot(x.y) - r).abs() < 1e-11);
+            }
+            // Teeth 1, 2 and the last are meshed finely and have both flanks.
+            let teeth: Vec<u32> = g.mesh.flanks.iter().map(|f| f.tooth).collect();
+            assert_eq!(teeth, [0, 0, 1, 1, g.mesh.teeth - 1, g.mesh.teeth - 1]);
+            for f in &g.mesh.flanks {
+                assert_eq!((f.rows, f.columns), (rows[i], 2));
+                check_grid(g, f);
+                let tip = expected["r_tip"].as_f64().unwrap();
+                let top = f.positions[f.nodes.len() - 1];
+                assert!((top.x.hypot(top.y) - tip).abs() < 1e-11);
+            }
+            for (k, &n) in g.nodes.iter().enumerate() {
+                let back = g.to_deck(g.mesh.mesh.nodes[k]);
+                assert!((back - deck.nodes[n as usize]).norm() < 1e-16 + 1e-15 * back.norm());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_rack_stands_on_its_reference_line() {
+    let deck = stored("rack-pinion/R8b_d05.inp.gz");
+    let p = parameters("rack-pinion");
+    let found = gears(&deck).unwrap();
+    let (pinion, rack) = (&found[0], &found[1]);
+    assert_eq!(pinion.shape, BodyShape::Gear);
+    let angle = p["gear1"]["tooth1_centre_angle_rad"].as_f64().unwrap();
+    assert!((pinion.phase - angle).abs() < 2e-11);
+    assert_eq!(rack.shape, BodyShape::Rack { direction: 0.0 });
+    assert_eq!((rack.mesh.teeth, rack.rigid_body), (5, None));
+    let x = p["rack"]["reference_line_x_m"].as_f64().unwrap();
+    let y = p["rack"]["tooth0_centre_y_m"].as_f64().unwrap();
+    assert!(
+        (rack.centre - Vec3::new(x, 0.0, 0.0)).norm() < 2e-12,
+        "{}",
+        rack.centre
+    );
+    assert!((rack.phase - y).abs() < 2e-12, "{} {y}", rack.phase);
+    // Three left flanks: the deck's teeth 1, 0 and -1 count against y.
+    let teeth: Vec<(u32, Side)> = rack.mesh.flanks.iter().map(|f| (f.tooth, f.side)).collect();
+    assert_eq!(teeth, [(0, Side::Left), (1, Side::Left), (4, Side::Left)]);
+    for f in &rack.mesh.flanks {
+        check_grid(rack, f);
+        assert_eq!((f.rows, f.columns), (21, 2));
+        // Left flanks of a rack face -y.
+        let k = if f.tooth == 4 {
+            -1.0
+        } else {
+            f64::from(f.tooth)
+        };
+        let pitch = std::f64::consts::PI * 2e-3;
+        assert!(
+            f.positions
+                .iter()
+                .all(|x| x.y < k * pitch && x.y > (k - 0.5) * pitch)
+        );
+        let on_line = |x: &&Vec3| x.x.abs() < 0.2e-3;
+        for x in f.positions.iter().filter(on_line) {
+            let exact = k * pitch - (0.25 * pitch + x.x * 20f64.to_radians().tan());
+            assert!((x.y - exact).abs() < 2e-12);
+        }
+    }
+    for &n in &rack.mesh.bore {
+        assert!((rack.mesh.mesh.nodes[n as usize].x - 8.5e-3).abs() < 1e-11);
+    }
+    for (k, &n) in rack.nodes.iter().enumerate() {
+        assert!((rack.to_deck(rack.mesh.mesh.nodes[k]) - deck.nodes[n as usize]).norm() < 1e-17);
+    }
+}
+
+#[test]
+fn a_turned_rack_is_the_same_rack() {
+    let deck = stored("rack-pinion/R8b_d05.inp.gz");
+    let rack = gears(&deck).unwrap().swap_remove(1);
+    let mut other = deck;
+    let shift = Vec3::new(3e-3, -1e-3, 2e-3);
+    for x in &mut other.nodes {
+        *x = turned(*x, 2.1) + shift;
+    }
+    other.rigid_bodies.clear();
+    let again = gears(&other).unwrap().swap_remove(1);
+    let BodyShape::Rack { direction } = again.shape else {
+        panic!("{:?}", again.shape)
+    };
+    assert!((direction - 2.1).abs() < 1e-9);
+    for (a, b) in rack.mesh.mesh.nodes.iter().zip(&again.mesh.mesh.nodes) {
+        assert!((a - b).norm() < 1e-10);
+    }
+    assert_eq!(rack.mesh.mesh.node_sets, again.mesh.mesh.node_sets);
+}
+
+#[test]
+fn modal_and_static_decks_become_gears() {
+    let modal = [
+        ("g1_C3D8", 20, ElementKind::C3D8),
+        ("g1_C3D8I", 20, ElementKind::C3D8I),
+        ("g1_C3D20R", 20, ElementKind::C3D20R),
+        ("g2_C3D8", 30, ElementKind::C3D8),
+        ("impA_g1_C3D8", 20, ElementKind::C3D8),
+        ("impA_g1_C3D20R", 20, ElementKind::C3D20R),
+        ("impA_g2_C3D8I", 30, ElementKind::C3D8I),
+    ];
+    for (name, teeth, kind) in modal {
+        let deck = stored(&format!("modal/{name}.inp.gz"));
+        let g = gears(&deck).unwrap().swap_remove(0);
+        assert_eq!(
+            (g.mesh.teeth, g.mesh.mesh.kind, g.phase),
+            (teeth, kind, 0.0),
+            "{name}"
+        );
+        assert_eq!(g.centre, Vec3::zeros(), "{name}");
+        assert_eq!(g.mesh.mesh.nodes, deck.nodes, "{name}");
+        // The C3D20R decks name no flanks.
+        let flanks = if kind == ElementKind::C3D20R {
+            0
+        } else {
+            2 * teeth
+        };
+        assert_eq!(g.mesh.flanks.len(), flanks as usize, "{name}");
+        g.mesh.flanks.iter().for_each(|f| check_grid(&g, f));
+    }
+    let beam = stored("modal/beam_C3D20R.inp.gz");
+    assert_eq!(beam.element_count(), 80);
+    let text = gears(&beam).unwrap_err().to_string();
+    assert!(text.contains("expected a node set `bore`"), "{text}");
+    for name in ["p0_34um_C3D8", "p6_17um_C3D8", "p6_25um_C3D20R"] {
+        let deck = stored(&format!("static/{name}.inp.gz"));
+        let g = gears(&deck).unwrap();
+        assert_eq!([g[0].mesh.teeth, g[1].mesh.teeth], [20, 30]);
+        g.iter()
+            .for_each(|g| g.mesh.flanks.iter().for_each(|f| check_grid(g, f)));
+    }
+}
+
+#[test]
+fn names_of_flanks() {
+    use bodies::{flank_name, is_bore_name};
+    assert_eq!(flank_name("flank_3l"), Some((3, Side::Left)));
+    assert_eq!(flank_name("flank12_30r"), Some((30, Side::Right)));
+    assert_eq!(flank_name("flank2_m1l"), Some((-1, Side::Left)));
+    for other in [
+        "flank",
+        "flank_l",
+        "flank_3",
+        "flanks_3l",
+        "flank_3x",
+        "flank_99999999999l",
+        "flank_+1l",
+    ] {
+        assert_eq!(flank_name(other), None, "{other}");
+    }
+    assert!(is_bore_name("bore") && is_bore_name("bore2") && !is_bore_name("borehole"));
+}
+
+#[test]
+fn one_embedded_reference_reads_too() {
+    let a = crate::reference("calculix/case-a-fine").unwrap();
+    let deck = crate::deck::read_bytes("AF8_d05.inp.gz", a.deck).unwrap();
+    assert_eq!(gears(&deck).unwrap().len(), 2);
+    let none = read_str("empty.inp", "", &mut |_| unreachable!()).unwrap();
+    assert!(gears(&none).is_err());
+}

@@ -1,0 +1,336 @@
+//! Lines of a deck: keyword lines with options, data lines; comments, continuations and includes.
+//!
+//! A keyword line starts with `*` and goes on in the next line when it ends with a comma; `**` is a comment.
+//! Case and blanks do not matter outside quotes. `*INCLUDE, INPUT=file` is followed here, relative to the
+//! including file, so that the reader sees one stream of lines, each with the file and line it came from.
+
+use super::error::{DeckError, DeckErrorKind, Place, quote};
+use std::collections::VecDeque;
+use std::io;
+use std::sync::Arc;
+
+/// Includes within includes that are followed.
+pub const MAX_INCLUDE_DEPTH: usize = 16;
+
+/// Text [bytes] that a deck may have in all, includes counted each time.
+pub const MAX_DECK_BYTES: usize = 1 << 30;
+
+/// An option of a keyword line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct KeywordOption {
+    /// Name, upper case without blanks.
+    pub(crate) key: String,
+    /// Value as written, without quotes and outer blanks.
+    pub(crate) value: Option<String>,
+}
+
+/// A keyword line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Keyword {
+    /// First line of it.
+    pub(crate) place: Place,
+    /// Name, upper case without blanks and star.
+    pub(crate) key: String,
+    /// The line as written, for messages.
+    pub(crate) text: String,
+    pub(crate) options: Vec<KeywordOption>,
+}
+
+/// A data line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Data {
+    pub(crate) place: Place,
+    /// Fields without outer blanks; a comma at the end opens no further one.
+    pub(crate) fields: Vec<String>,
+}
+
+/// A line that says something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Line {
+    Keyword(Keyword),
+    Data(Data),
+}
+
+/// Reads the text of an included file; the name is joined with the folder of the including file.
+pub type Resolver<'a> = dyn FnMut(&str) -> io::Result<String> + 'a;
+
+struct Source {
+    name: Arc<str>,
+    lines: VecDeque<String>,
+    at: usize,
+}
+
+/// The stream of lines of a deck.
+pub(crate) struct Lexer<'a> {
+    stack: Vec<Source>,
+    resolver: &'a mut Resolver<'a>,
+    bytes: usize,
+    ahead: Option<Line>,
+}
+
+impl<'a> Lexer<'a> {
+    pub(crate) fn new(
+        name: &str,
+        text: &str,
+        resolver: &'a mut Resolver<'a>,
+    ) -> Result<Self, DeckError> {
+        let mut lexer = Lexer {
+            stack: Vec::new(),
+            resolver,
+            bytes: 0,
+            ahead: None,
+        };
+        let start = Place {
+            file: name.into(),
+            line: 0,
+        };
+        lexer.open(&start, name, text)?;
+        Ok(lexer)
+    }
+
+    fn open(&mut self, from: &Place, name: &str, text: &str) -> Result<(), DeckError> {
+        self.bytes = self.bytes.saturating_add(text.len());
+        if self.bytes > MAX_DECK_BYTES {
+            return Err(from.error(
+                DeckErrorKind::Limit,
+                "*INCLUDE",
+                format!("at most {MAX_DECK_BYTES} bytes in all"),
+                format!("{} bytes with {}", self.bytes, quote(name)),
+                "split the model",
+            ));
+        }
+        self.stack.push(Source {
+            name: name.into(),
+            lines: text.lines().map(str::to_owned).collect(),
+            at: 0,
+        });
+        Ok(())
+    }
+
+    /// The last line seen, for errors at the end of the deck.
+    pub(crate) fn place(&self) -> Place {
+        match self.stack.last() {
+            Some(s) => Place {
+                file: s.name.clone(),
+                line: s.at,
+            },
+            None => Place {
+                file: "".into(),
+                line: 0,
+            },
+        }
+    }
+
+    /// The next line that is not blank and not a comment, trimmed; within one file.
+    fn raw(source: &mut Source) -> Option<(Place, String)> {
+        while let Some(line) = source.lines.pop_front() {
+            source.at += 1;
+            let text = line.trim_matches(|c: char| c.is_whitespace() || c == '\u{feff}');
+            if text.is_empty() || text.starts_with("**") {
+                continue;
+            }
+            let place = Place {
+                file: source.name.clone(),
+                line: source.at,
+            };
+            return Some((place, text.to_owned()));
+        }
+        None
+    }
+
+    /// The next line without taking it.
+    pub(crate) fn peek(&mut self) -> Result<Option<&Line>, DeckError> {
+        if self.ahead.is_none() {
+            self.ahead = self.read()?;
+        }
+        Ok(self.ahead.as_ref())
+    }
+
+    /// The next line.
+    pub(crate) fn next(&mut self) -> Result<Option<Line>, DeckError> {
+        match self.ahead.take() {
+            Some(line) => Ok(Some(line)),
+            None => self.read(),
+        }
+    }
+
+    /// The next line if it is a data line.
+    pub(crate) fn data(&mut self) -> Result<Option<Data>, DeckError> {
+        if !matches!(self.peek()?, Some(Line::Data(_))) {
+            return Ok(None);
+        }
+        match self.next()? {
+            Some(Line::Data(data)) => Ok(Some(data)),
+            _ => Ok(None),
+        }
+    }
+
+    fn read(&mut self) -> Result<Option<Line>, DeckError> {
+        loop {
+            let Some(source) = self.stack.last_mut() else {
+                return Ok(None);
+            };
+            let Some((place, text)) = Self::raw(source) else {
+                if self.stack.len() == 1 {
+                    return Ok(None); // the deck itself stays, it names the end
+                }
+                self.stack.pop();
+                continue;
+            };
+            if !text.starts_with('*') {
+                return Ok(Some(Line::Data(Data {
+                    place,
+                    fields: split(&text),
+                })));
+            }
+            let keyword = Self::keyword(source, place, text)?;
+            if keyword.key == "INCLUDE" {
+                self.include(&keyword)?;
+                continue;
+            }
+            return Ok(Some(Line::Keyword(keyword)));
+        }
+    }
+
+    fn keyword(source: &mut Source, place: Place, first: String) -> Result<Keyword, DeckError> {
+        let mut text = first;
+        while text.ends_with(',') {
+            match Self::raw(source) {
+                Some((_, more)) if !more.starts_with('*') => {
+                    text.push(' ');
+                    text.push_str(&more);
+                }
+                _ => {
+                    return Err(place.error(
+                        DeckErrorKind::Syntax,
+                        short(&text),
+                        "a further line of options after the comma at the end",
+                        "none",
+                        "remove the comma",
+                    ));
+                }
+            }
+        }
+        let mut fields = split(&text).into_iter();
+        let key = squeeze(fields.next().unwrap_or_default().trim_start_matches('*'));
+        if key.is_empty() {
+            return Err(place.error(
+                DeckErrorKind::Syntax,
+                short(&text),
+                "a keyword after the star",
+                "none",
+                "a comment starts with **",
+            ));
+        }
+        let mut options: Vec<KeywordOption> = Vec::new();
+        for field in fields.filter(|f| !f.is_empty()) {
+            let (key, value) = match field.split_once('=') {
+                Some((key, value)) => (key, Some(value.trim().trim_matches('"').to_owned())),
+                None => (field.as_str(), None),
+            };
+            let key = squeeze(key);
+            if options.iter().any(|o| o.key == key) {
+                return Err(place.error(
+                    DeckErrorKind::Syntax,
+                    short(&text),
+                    "each option once",
+                    format!("{} twice", quote(&key)),
+                    "keep one",
+                ));
+            }
+            options.push(KeywordOption { key, value });
+        }
+        Ok(Keyword {
+            place,
+            key,
+            text: short(&text),
+            options,
+        })
+    }
+
+    fn include(&mut self, keyword: &Keyword) -> Result<(), DeckError> {
+        let error = |kind, expected: &str, found: String, help: &str| {
+            Err(keyword
+                .place
+                .error(kind, keyword.text.clone(), expected, found, help))
+        };
+        let input = match keyword.options.as_slice() {
+            [
+                KeywordOption {
+                    key,
+                    value: Some(value),
+                },
+            ] if key == "INPUT" && !value.is_empty() => value,
+            _ => {
+                return error(
+                    DeckErrorKind::Syntax,
+                    "*INCLUDE, INPUT=file",
+                    "other options".into(),
+                    "name one file",
+                );
+            }
+        };
+        if self.stack.len() > MAX_INCLUDE_DEPTH {
+            return error(
+                DeckErrorKind::Limit,
+                &format!("at most {MAX_INCLUDE_DEPTH} includes within each other"),
+                "more".into(),
+                "does a file include itself?",
+            );
+        }
+        let name = join(&keyword.place.file, input);
+        match (self.resolver)(&name) {
+            Ok(text) => self.open(&keyword.place, &name, &text),
+            Err(e) => error(
+                DeckErrorKind::Io,
+                "a readable file",
+                format!("{}: {e}", quote(&name)),
+                "the name counts from the folder of the including file",
+            ),
+        }
+    }
+}
+
+/// An included file's name seen from where the including file's name counts.
+fn join(including: &str, input: &str) -> String {
+    let absolute = input.starts_with(['/', '\\']) || input.get(1..2) == Some(":");
+    match including.rfind(['/', '\\']) {
+        Some(end) if !absolute => format!("{}{input}", &including[..=end]),
+        _ => input.to_owned(),
+    }
+}
+
+/// Splits at commas outside quotes; a comma at the end opens no further field.
+fn split(text: &str) -> Vec<String> {
+    let mut fields = Vec::new();
+    let (mut start, mut quoted) = (0, false);
+    for (i, c) in text.char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => {
+                fields.push(text[start..i].trim().to_owned());
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    let last = text[start..].trim();
+    if !last.is_empty() {
+        fields.push(last.to_owned());
+    }
+    fields
+}
+
+/// Upper case without blanks: how keywords and options compare.
+fn squeeze(text: &str) -> String {
+    text.chars()
+        .filter(|c| !c.is_whitespace())
+        .map(|c| c.to_ascii_uppercase())
+        .collect()
+}
+
+/// A keyword line for messages.
+fn short(text: &str) -> String {
+    let quoted = quote(text);
+    quoted.trim_matches('`').to_owned()
+}

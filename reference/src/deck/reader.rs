@@ -1,0 +1,369 @@
+//! From lines to a [`Deck`]: one function per keyword, in `model.rs`, `contact.rs` and `step.rs`.
+//!
+//! A keyword or option that is not known here is declined with its line: passing it over would read a
+//! different model than the deck describes.
+
+mod contact;
+mod model;
+mod step;
+
+use super::data::{Deck, Labels, Step, Target};
+use super::error::{DeckError, DeckErrorKind, Place, quote};
+use super::lexer::{Data, Keyword, Lexer, Line, Resolver};
+use std::collections::BTreeMap;
+
+/// Reads a deck; includes are asked from the resolver.
+pub(crate) fn read(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<Deck, DeckError> {
+    let mut reader = Reader {
+        lexer: Lexer::new(name, text, resolver)?,
+        deck: Deck {
+            name: name.into(),
+            heading: Vec::new(),
+            nodes: Vec::new(),
+            node_labels: Labels::default(),
+            blocks: Vec::new(),
+            element_labels: Labels::default(),
+            node_sets: BTreeMap::new(),
+            element_sets: BTreeMap::new(),
+            surfaces: BTreeMap::new(),
+            defined: BTreeMap::new(),
+            materials: BTreeMap::new(),
+            sections: Vec::new(),
+            rigid_bodies: Vec::new(),
+            boundaries: Vec::new(),
+            interactions: BTreeMap::new(),
+            contact_pairs: Vec::new(),
+            initial_velocities: Vec::new(),
+            steps: Vec::new(),
+        },
+        material: None,
+        interaction: None,
+        step: None,
+    };
+    reader.all()?;
+    reader.finish()?;
+    Ok(reader.deck)
+}
+
+/// A step that is being read.
+struct OpenStep {
+    step: Step,
+    /// False until the procedure was read.
+    procedure: bool,
+}
+
+struct Reader<'a> {
+    lexer: Lexer<'a>,
+    deck: Deck,
+    /// Name of the material that `*ELASTIC` and `*DENSITY` belong to.
+    material: Option<String>,
+    /// Name of the interaction that `*SURFACE BEHAVIOR` belongs to.
+    interaction: Option<String>,
+    step: Option<OpenStep>,
+}
+
+impl Reader<'_> {
+    fn all(&mut self) -> Result<(), DeckError> {
+        while let Some(line) = self.lexer.next()? {
+            match line {
+                Line::Keyword(keyword) => self.keyword(&keyword)?,
+                Line::Data(data) => {
+                    return Err(data.place.error(
+                        DeckErrorKind::Syntax,
+                        "",
+                        "a keyword line",
+                        format!("the data line {}", quote(&data.fields.join(", "))),
+                        "the keyword before it takes no further data; a comment starts with **",
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn keyword(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        match k.key.as_str() {
+            "HEADING" => self.heading(k),
+            "NODE" => self.node(k),
+            "ELEMENT" => self.element(k),
+            "NSET" => self.nset(k),
+            "ELSET" => self.elset(k),
+            "SURFACE" => self.surface(k),
+            "MATERIAL" => self.material(k),
+            "ELASTIC" => self.elastic(k),
+            "DENSITY" => self.density(k),
+            "SOLIDSECTION" => self.solid_section(k),
+            "RIGIDBODY" => self.rigid_body(k),
+            "BOUNDARY" => self.boundary(k),
+            "SURFACEINTERACTION" => self.surface_interaction(k),
+            "SURFACEBEHAVIOR" => self.surface_behavior(k),
+            "CONTACTPAIR" => self.contact_pair(k),
+            "INITIALCONDITIONS" => self.initial_conditions(k),
+            "STEP" => self.begin_step(k),
+            "ENDSTEP" => self.end_step(k),
+            "STATIC" => self.static_(k),
+            "DYNAMIC" => self.dynamic(k),
+            "FREQUENCY" => self.frequency(k),
+            key if step::REQUESTS.contains(&key) => self.request(k),
+            _ => Err(k.place.error(
+                DeckErrorKind::Unsupported,
+                k.text.clone(),
+                "a keyword that gears need",
+                "one that is not read here",
+                "take it out of the deck if the gear does not depend on it",
+            )),
+        }
+    }
+
+    /// Checks what could only be resolved at the end.
+    fn finish(&mut self) -> Result<(), DeckError> {
+        if let Some(open) = &self.step {
+            return Err(open.step.place.error(
+                DeckErrorKind::Syntax,
+                "*STEP",
+                "*END STEP",
+                format!("the end of the deck after line {}", self.lexer.place().line),
+                "close the step",
+            ));
+        }
+        let deck = &self.deck;
+        for s in &deck.sections {
+            let context = "*SOLID SECTION";
+            known(&s.place, context, "element set", &s.set, &deck.element_sets)?;
+            known(&s.place, context, "material", &s.material, &deck.materials)?;
+        }
+        for p in &deck.contact_pairs {
+            let context = "*CONTACT PAIR";
+            known(&p.place, context, "surface", &p.slave, &deck.surfaces)?;
+            known(&p.place, context, "surface", &p.master, &deck.surfaces)?;
+            known(
+                &p.place,
+                context,
+                "surface interaction",
+                &p.interaction,
+                &deck.interactions,
+            )?;
+        }
+        Ok(())
+    }
+
+    fn outside_step(&self, k: &Keyword) -> Result<(), DeckError> {
+        match self.step {
+            None => Ok(()),
+            Some(_) => Err(k.place.error(
+                DeckErrorKind::Syntax,
+                k.text.clone(),
+                "model data before the first *STEP",
+                "them inside a step",
+                "move them in front of *STEP",
+            )),
+        }
+    }
+
+    /// Takes the next data line, which the keyword needs.
+    fn need_data(&mut self, k: &Keyword, what: &str) -> Result<Data, DeckError> {
+        match self.lexer.data()? {
+            Some(data) => Ok(data),
+            None => Err(k.place.error(
+                DeckErrorKind::Syntax,
+                k.text.clone(),
+                format!("a data line with {what}"),
+                "none",
+                "",
+            )),
+        }
+    }
+
+    /// A node by its label or a node set by its name.
+    fn target(&self, k: &Keyword, data: &Data) -> Result<Target, DeckError> {
+        let field = data.fields.first().map_or("", String::as_str);
+        if field.starts_with(|c: char| c.is_ascii_digit()) {
+            return Ok(Target::Node(self.node_at(k, data, field)?));
+        }
+        let name = field.to_ascii_lowercase();
+        known(
+            &data.place,
+            &k.text,
+            "node set",
+            &name,
+            &self.deck.node_sets,
+        )?;
+        Ok(Target::Set(name))
+    }
+
+    fn node_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
+        let label = label(k, data, field)?;
+        self.deck.node_labels.find(label).ok_or_else(|| {
+            data.place.error(
+                DeckErrorKind::Reference,
+                k.text.clone(),
+                "a node defined above",
+                format!("label {label}"),
+                "put *NODE with this label in front",
+            )
+        })
+    }
+
+    fn element_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
+        let label = label(k, data, field)?;
+        self.deck.element_labels.find(label).ok_or_else(|| {
+            data.place.error(
+                DeckErrorKind::Reference,
+                k.text.clone(),
+                "an element defined above",
+                format!("label {label}"),
+                "put *ELEMENT with this label in front",
+            )
+        })
+    }
+}
+
+/// That a name is defined.
+fn known<T>(
+    place: &Place,
+    context: &str,
+    what: &str,
+    name: &str,
+    map: &BTreeMap<String, T>,
+) -> Result<(), DeckError> {
+    if map.contains_key(name) {
+        return Ok(());
+    }
+    let mut names: Vec<&str> = map.keys().map(String::as_str).take(8).collect();
+    if map.len() > names.len() {
+        names.push("...");
+    }
+    let help = match names.is_empty() {
+        true => format!("there is no {what} yet"),
+        false => format!("there are {}", quote(&names.join(", "))),
+    };
+    Err(place.error(
+        DeckErrorKind::Reference,
+        context,
+        format!("a defined {what}"),
+        quote(name),
+        help,
+    ))
+}
+
+/// The values of the options asked for, in that order; others are declined, `pass_over` is for those that
+/// change nothing here.
+fn options<'k, const N: usize>(
+    k: &'k Keyword,
+    names: [&str; N],
+    pass_over: &[&str],
+) -> Result<[Option<&'k str>; N], DeckError> {
+    let mut found = [None; N];
+    for option in &k.options {
+        match names.iter().position(|n| *n == option.key) {
+            Some(i) => found[i] = Some(option.value.as_deref().unwrap_or("")),
+            None if pass_over.contains(&option.key.as_str()) => {}
+            None => {
+                let list: Vec<&str> = names.iter().chain(pass_over).copied().collect();
+                let expected = match list.is_empty() {
+                    true => "no options".to_owned(),
+                    false => format!("options among {}", list.join(", ")),
+                };
+                return Err(k.place.error(
+                    DeckErrorKind::Unsupported,
+                    k.text.clone(),
+                    expected,
+                    quote(&option.key),
+                    "it may change the model, so it is not passed over",
+                ));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The value of an option that has to be there, as a name in lower case.
+fn named(k: &Keyword, option: &str, value: Option<&str>) -> Result<String, DeckError> {
+    match value {
+        Some(value) if !value.is_empty() => Ok(value.to_ascii_lowercase()),
+        _ => Err(k.place.error(
+            DeckErrorKind::Syntax,
+            k.text.clone(),
+            format!("{option}=name"),
+            "no name",
+            "",
+        )),
+    }
+}
+
+/// A label: a whole number from 1 on.
+fn label(k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
+    whole(k, data, field, "a label from 1 to 4294967295")
+}
+
+/// A whole number from 1 on.
+fn whole(k: &Keyword, data: &Data, field: &str, expected: &str) -> Result<u32, DeckError> {
+    match field.parse::<u32>() {
+        Ok(n) if n > 0 => Ok(n),
+        _ => Err(data.place.error(
+            DeckErrorKind::Syntax,
+            k.text.clone(),
+            expected,
+            quote(field),
+            "",
+        )),
+    }
+}
+
+/// A direction 1 to 3.
+fn direction(k: &Keyword, data: &Data, field: &str) -> Result<u8, DeckError> {
+    match field {
+        "1" => Ok(1),
+        "2" => Ok(2),
+        "3" => Ok(3),
+        _ => Err(data.place.error(
+            DeckErrorKind::Unsupported,
+            k.text.clone(),
+            "a direction 1, 2 or 3",
+            quote(field),
+            "nodes of solid elements have no other",
+        )),
+    }
+}
+
+/// A finite number; Fortran's `1.d5` is read too.
+fn number(k: &Keyword, data: &Data, field: &str) -> Result<f64, DeckError> {
+    // `inf`, `nan` and `infinity` are numbers to Rust and not to a deck.
+    let digits = field.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    let value = match field.parse::<f64>() {
+        Ok(x) => Some(x),
+        Err(_) => field.replace(['d', 'D'], "e").parse::<f64>().ok(),
+    };
+    match value {
+        Some(x) if digits && x.is_finite() => Ok(x),
+        _ => Err(data.place.error(
+            DeckErrorKind::Syntax,
+            k.text.clone(),
+            "a finite number",
+            quote(field),
+            "",
+        )),
+    }
+}
+
+/// The number in a field; a field left out counts as 0.
+fn number_or_zero(k: &Keyword, data: &Data, field: usize) -> Result<f64, DeckError> {
+    match data.fields.get(field) {
+        Some(text) if !text.is_empty() => number(k, data, text),
+        _ => Ok(0.0),
+    }
+}
+
+/// That a data line has no more fields than it may have.
+fn at_most(k: &Keyword, data: &Data, count: usize) -> Result<(), DeckError> {
+    if data.fields.len() <= count {
+        return Ok(());
+    }
+    Err(data.place.error(
+        DeckErrorKind::Syntax,
+        k.text.clone(),
+        format!("at most {count} values in the line"),
+        data.fields.len().to_string(),
+        "",
+    ))
+}

@@ -1,0 +1,480 @@
+//! Nodes, elements, sets, materials, sections, rigid bodies, boundary and initial conditions.
+
+use super::{
+    Reader, at_most, direction, known, label, named, number, number_or_zero, options, whole,
+};
+use crate::deck::data::{
+    Boundary, DeckMaterial, ElementBlock, InitialVelocity, RigidBody, Section,
+};
+use crate::deck::error::{DeckError, DeckErrorKind, quote};
+use crate::deck::lexer::{Data, Keyword};
+use crate::mesh::ElementKind;
+use gearbench_models::Vec3;
+use std::collections::HashSet;
+
+/// What a set is made of.
+#[derive(Clone, Copy)]
+enum Of {
+    Nodes,
+    Elements,
+}
+
+impl Reader<'_> {
+    pub(super) fn heading(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        options(k, [], &[])?;
+        while let Some(data) = self.lexer.data()? {
+            self.deck.heading.push(data.fields.join(", "));
+        }
+        Ok(())
+    }
+
+    pub(super) fn node(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.outside_step(k)?;
+        let [set] = options(k, ["NSET"], &[])?;
+        let set = set.map(|s| named(k, "NSET", Some(s))).transpose()?;
+        let mut new = Vec::new();
+        while let Some(data) = self.lexer.data()? {
+            at_most(k, &data, 4)?;
+            let label = label(k, &data, field(&data, 0))?;
+            let x = Vec3::new(
+                number_or_zero(k, &data, 1)?,
+                number_or_zero(k, &data, 2)?,
+                number_or_zero(k, &data, 3)?,
+            );
+            let Some(dense) = self.deck.node_labels.push(label) else {
+                return Err(data.place.error(
+                    DeckErrorKind::Reference,
+                    k.text.clone(),
+                    "each node once",
+                    format!("label {label} again"),
+                    "renumber one of them",
+                ));
+            };
+            self.deck.nodes.push(x);
+            new.push(dense);
+        }
+        if let Some(set) = set {
+            self.extend(k, Of::Nodes, set, new);
+        }
+        Ok(())
+    }
+
+    pub(super) fn element(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.outside_step(k)?;
+        let [kind, set] = options(k, ["TYPE", "ELSET"], &[])?;
+        let name = named(k, "TYPE", kind)?;
+        let Some(kind) = ElementKind::from_name(&name) else {
+            return Err(k.place.error(
+                DeckErrorKind::Unsupported,
+                k.text.clone(),
+                "an element C3D8, C3D8I, C3D20 or C3D20R",
+                quote(&name.to_ascii_uppercase()),
+                "mesh the gear with these hexahedra",
+            ));
+        };
+        let set = set.map(|s| named(k, "ELSET", Some(s))).transpose()?;
+        let first = self.deck.element_labels.len() as u32;
+        let mut block = ElementBlock {
+            kind,
+            set: set.clone(),
+            first,
+            connectivity: Vec::new(),
+            place: k.place.clone(),
+        };
+        let mut sorted: Vec<u32> = Vec::new();
+        while let Some(mut data) = self.lexer.data()? {
+            let label = label(k, &data, field(&data, 0))?;
+            if self.deck.element_labels.push(label).is_none() {
+                return Err(data.place.error(
+                    DeckErrorKind::Reference,
+                    k.text.clone(),
+                    "each element once",
+                    format!("label {label} again"),
+                    "renumber one of them",
+                ));
+            }
+            let start = block.connectivity.len();
+            let mut skip = 1;
+            loop {
+                for text in &data.fields[skip.min(data.fields.len())..] {
+                    let node = self.node_at(k, &data, text)?;
+                    block.connectivity.push(node);
+                }
+                let count = block.connectivity.len() - start;
+                if count == kind.nodes() {
+                    break;
+                }
+                let more = if count < kind.nodes() {
+                    self.lexer.data()?
+                } else {
+                    None
+                };
+                let Some(more) = more else {
+                    return Err(data.place.error(
+                        DeckErrorKind::Syntax,
+                        k.text.clone(),
+                        format!("{} nodes of element {label}", kind.nodes()),
+                        count.to_string(),
+                        "an element goes on in the next line until it has its nodes",
+                    ));
+                };
+                (data, skip) = (more, 0);
+            }
+            sorted.clear();
+            sorted.extend_from_slice(&block.connectivity[start..]);
+            sorted.sort_unstable();
+            if sorted.windows(2).any(|w| w[0] == w[1]) {
+                return Err(data.place.error(
+                    DeckErrorKind::Unsupported,
+                    k.text.clone(),
+                    format!("{} different nodes of element {label}", kind.nodes()),
+                    "one of them twice",
+                    "a collapsed hexahedron is a wedge; mesh with hexahedra only",
+                ));
+            }
+        }
+        let end = self.deck.element_labels.len() as u32;
+        if let Some(set) = set {
+            self.extend(k, Of::Elements, set, (first..end).collect());
+        }
+        if end > first {
+            self.deck.blocks.push(block);
+        }
+        Ok(())
+    }
+
+    pub(super) fn nset(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        let [set, generate, _] = options(k, ["NSET", "GENERATE", "UNSORTED"], &["INTERNAL"])?;
+        let set = named(k, "NSET", set)?;
+        let members = self.members(k, Of::Nodes, generate.is_some())?;
+        self.extend(k, Of::Nodes, set, members);
+        Ok(())
+    }
+
+    pub(super) fn elset(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        let [set, generate, _] = options(k, ["ELSET", "GENERATE", "UNSORTED"], &["INTERNAL"])?;
+        let set = named(k, "ELSET", set)?;
+        let members = self.members(k, Of::Elements, generate.is_some())?;
+        self.extend(k, Of::Elements, set, members);
+        Ok(())
+    }
+
+    /// The data lines of a set: labels, names of sets, or ranges.
+    fn members(&mut self, k: &Keyword, of: Of, generate: bool) -> Result<Vec<u32>, DeckError> {
+        self.outside_step(k)?;
+        let mut members = Vec::new();
+        let mut taken: HashSet<String> = HashSet::new();
+        while let Some(data) = self.lexer.data()? {
+            if generate {
+                self.range(k, of, &data, &mut members)?;
+                continue;
+            }
+            for text in &data.fields {
+                if text.starts_with(|c: char| c.is_ascii_digit()) {
+                    members.push(self.member(k, of, &data, text)?);
+                    continue;
+                }
+                let name = text.to_ascii_lowercase();
+                let (what, sets) = match of {
+                    Of::Nodes => ("node set", &self.deck.node_sets),
+                    Of::Elements => ("element set", &self.deck.element_sets),
+                };
+                known(&data.place, &k.text, what, &name, sets)?;
+                // A set named a hundred times adds its members once: a deck cannot grow by repetition.
+                if !taken.contains(&name) {
+                    members.extend_from_slice(&sets[&name]);
+                    taken.insert(name);
+                }
+            }
+        }
+        Ok(members)
+    }
+
+    fn member(&self, k: &Keyword, of: Of, data: &Data, text: &str) -> Result<u32, DeckError> {
+        match of {
+            Of::Nodes => self.node_at(k, data, text),
+            Of::Elements => self.element_at(k, data, text),
+        }
+    }
+
+    /// `first, last, increment`, all of which have to be defined.
+    fn range(
+        &self,
+        k: &Keyword,
+        of: Of,
+        data: &Data,
+        members: &mut Vec<u32>,
+    ) -> Result<(), DeckError> {
+        at_most(k, data, 3)?;
+        let first = label(k, data, field(data, 0))?;
+        let last = label(k, data, field(data, 1))?;
+        let step = match data.fields.get(2) {
+            Some(text) => whole(k, data, text, "an increment from 1")?,
+            None => 1,
+        };
+        let labels = match of {
+            Of::Nodes => &self.deck.node_labels,
+            Of::Elements => &self.deck.element_labels,
+        };
+        if last < first {
+            return Err(data.place.error(
+                DeckErrorKind::Syntax,
+                k.text.clone(),
+                "first label, last label, increment",
+                format!("{first} to {last}"),
+                "put the smaller label first",
+            ));
+        }
+        let mut label = first;
+        loop {
+            // The first undefined label ends the loop, so that it never runs longer than the deck has labels.
+            let Some(dense) = labels.find(label) else {
+                return Err(data.place.error(
+                    DeckErrorKind::Reference,
+                    k.text.clone(),
+                    format!("all of {first} to {last} by {step} defined above"),
+                    format!("none with label {label}"),
+                    "generate existing labels only",
+                ));
+            };
+            members.push(dense);
+            match label.checked_add(step) {
+                Some(next) if next <= last => label = next,
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    /// Adds to a set, each member once.
+    fn extend(&mut self, k: &Keyword, of: Of, name: String, members: Vec<u32>) {
+        let sets = match of {
+            Of::Nodes => &mut self.deck.node_sets,
+            Of::Elements => &mut self.deck.element_sets,
+        };
+        let place = || k.place.clone();
+        self.deck.defined.entry(name.clone()).or_insert_with(place);
+        let set = sets.entry(name).or_default();
+        let mut seen: HashSet<u32> = set.iter().copied().collect();
+        set.extend(members.into_iter().filter(|m| seen.insert(*m)));
+    }
+
+    pub(super) fn material(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.outside_step(k)?;
+        let [name] = options(k, ["NAME"], &[])?;
+        let name = named(k, "NAME", name)?;
+        let material = DeckMaterial {
+            elastic: None,
+            density: None,
+            place: k.place.clone(),
+        };
+        if self.deck.materials.insert(name.clone(), material).is_some() {
+            return Err(twice(k, "material", &name));
+        }
+        self.material = Some(name);
+        Ok(())
+    }
+
+    /// The material a property belongs to.
+    fn open_material(&mut self, k: &Keyword) -> Result<&mut DeckMaterial, DeckError> {
+        self.material
+            .as_ref()
+            .and_then(|name| self.deck.materials.get_mut(name))
+            .ok_or_else(|| {
+                k.place.error(
+                    DeckErrorKind::Syntax,
+                    k.text.clone(),
+                    "*MATERIAL before it",
+                    "none",
+                    "",
+                )
+            })
+    }
+
+    /// One line of numbers; a second would make them depend on temperature.
+    fn one_line(&mut self, k: &Keyword, what: &str, count: usize) -> Result<Vec<f64>, DeckError> {
+        let data = self.need_data(k, what)?;
+        if data.fields.len() != count {
+            return Err(data.place.error(
+                DeckErrorKind::Unsupported,
+                k.text.clone(),
+                format!("one line with {what}"),
+                format!("{} values", data.fields.len()),
+                "the material is isotropic and does not depend on temperature",
+            ));
+        }
+        let values = data.fields.iter().map(|f| number(k, &data, f)).collect();
+        if let Some(more) = self.lexer.data()? {
+            return Err(more.place.error(
+                DeckErrorKind::Unsupported,
+                k.text.clone(),
+                format!("one line with {what}"),
+                "a second line",
+                "the material does not depend on temperature",
+            ));
+        }
+        values
+    }
+
+    pub(super) fn elastic(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        let [kind] = options(k, ["TYPE"], &[])?;
+        if kind
+            .is_some_and(|t| !t.eq_ignore_ascii_case("ISO") && !t.eq_ignore_ascii_case("ISOTROPIC"))
+        {
+            return Err(k.place.error(
+                DeckErrorKind::Unsupported,
+                k.text.clone(),
+                "an isotropic material",
+                quote(kind.unwrap_or("")),
+                "",
+            ));
+        }
+        self.open_material(k)?;
+        let values = self.one_line(k, "Young's modulus [Pa] and Poisson's ratio", 2)?;
+        let (young, poisson) = (values[0], values[1]);
+        if young <= 0.0 || poisson <= -1.0 || poisson >= 0.5 {
+            return Err(k.place.error(
+                DeckErrorKind::Syntax,
+                k.text.clone(),
+                "E > 0 and -1 < nu < 0.5",
+                format!("E = {young}, nu = {poisson}"),
+                "",
+            ));
+        }
+        self.open_material(k)?.elastic = Some((young, poisson));
+        Ok(())
+    }
+
+    pub(super) fn density(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        options(k, [], &[])?;
+        self.open_material(k)?;
+        let density = self.one_line(k, "the density [kg/m^3]", 1)?[0];
+        if density <= 0.0 {
+            return Err(k.place.error(
+                DeckErrorKind::Syntax,
+                k.text.clone(),
+                "a density above 0",
+                density.to_string(),
+                "",
+            ));
+        }
+        self.open_material(k)?.density = Some(density);
+        Ok(())
+    }
+
+    pub(super) fn solid_section(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.outside_step(k)?;
+        let [set, material] = options(k, ["ELSET", "MATERIAL"], &[])?;
+        self.deck.sections.push(Section {
+            set: named(k, "ELSET", set)?,
+            material: named(k, "MATERIAL", material)?,
+            place: k.place.clone(),
+        });
+        // Abaqus writes an empty or a lone "1." line of section data for solids.
+        while let Some(data) = self.lexer.data()? {
+            at_most(k, &data, 1)?;
+            if number_or_zero(k, &data, 0)? != 1.0 && !field(&data, 0).is_empty() {
+                return Err(data.place.error(
+                    DeckErrorKind::Unsupported,
+                    k.text.clone(),
+                    "no section data of a solid",
+                    quote(field(&data, 0)),
+                    "",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn rigid_body(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.outside_step(k)?;
+        let [set, reference, rotation] = options(k, ["NSET", "REFNODE", "ROTNODE"], &[])?;
+        let set = named(k, "NSET", set)?;
+        known(&k.place, &k.text, "node set", &set, &self.deck.node_sets)?;
+        // The options are labels: checked as those of data lines are.
+        let as_data = |text: &str| Data {
+            place: k.place.clone(),
+            fields: vec![text.to_owned()],
+        };
+        let at = |text: &str| self.node_at(k, &as_data(text), text);
+        let body = RigidBody {
+            set,
+            reference: at(reference.unwrap_or(""))?,
+            rotation: rotation.map(at).transpose()?,
+            place: k.place.clone(),
+        };
+        self.deck.rigid_bodies.push(body);
+        Ok(())
+    }
+
+    pub(super) fn boundary(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        options(k, [], &[])?;
+        while let Some(data) = self.lexer.data()? {
+            at_most(k, &data, 4)?;
+            let target = self.target(k, &data)?;
+            let first = direction(k, &data, field(&data, 1))?;
+            let last = match field(&data, 2) {
+                "" => first,
+                text => direction(k, &data, text)?,
+            };
+            if last < first {
+                return Err(data.place.error(
+                    DeckErrorKind::Syntax,
+                    k.text.clone(),
+                    "node, first direction, last direction, value",
+                    format!("directions {first} to {last}"),
+                    "",
+                ));
+            }
+            let boundary = Boundary {
+                target,
+                directions: [first, last],
+                value: number_or_zero(k, &data, 3)?,
+            };
+            match &mut self.step {
+                Some(open) => open.step.boundaries.push(boundary),
+                None => self.deck.boundaries.push(boundary),
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn initial_conditions(&mut self, k: &Keyword) -> Result<(), DeckError> {
+        self.outside_step(k)?;
+        let [kind] = options(k, ["TYPE"], &[])?;
+        if !kind.is_some_and(|t| t.eq_ignore_ascii_case("VELOCITY")) {
+            return Err(k.place.error(
+                DeckErrorKind::Unsupported,
+                k.text.clone(),
+                "TYPE=VELOCITY",
+                quote(kind.unwrap_or("no type")),
+                "",
+            ));
+        }
+        while let Some(data) = self.lexer.data()? {
+            at_most(k, &data, 3)?;
+            let condition = InitialVelocity {
+                target: self.target(k, &data)?,
+                direction: direction(k, &data, field(&data, 1))?,
+                value: number(k, &data, field(&data, 2))?,
+            };
+            self.deck.initial_velocities.push(condition);
+        }
+        Ok(())
+    }
+}
+
+/// A field of a data line; one left out is empty.
+pub(super) fn field(data: &Data, i: usize) -> &str {
+    data.fields.get(i).map_or("", String::as_str)
+}
+
+/// A second definition.
+pub(super) fn twice(k: &Keyword, what: &str, name: &str) -> DeckError {
+    k.place.error(
+        DeckErrorKind::Reference,
+        k.text.clone(),
+        format!("each {what} once"),
+        format!("{} again", quote(name)),
+        "rename one of them",
+    )
+}
