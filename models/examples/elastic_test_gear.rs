@@ -471,6 +471,7 @@ pub fn impact_scene() -> Result<Scene, Box<dyn std::error::Error>> {
             damping: Damping::None,
             friction: None,
             slices: None,
+            points: None,
         }],
     };
     let mut table = MODELS.to_vec();

@@ -25,11 +25,19 @@ use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 #[allow(dead_code)]
 #[path = "../../models/examples/elastic_test_gear.rs"]
 pub mod elastic_test_gear;
+pub mod flank_test_gears;
 
 /// All models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
     let mut table = MODELS.to_vec();
     table.push(elastic_test_gear::MODEL);
+    table
+}
+
+/// All models, with the test gears that bring flanks.
+pub fn models_with_flanks() -> Vec<Model> {
+    let mut table = models();
+    table.extend([flank_test_gears::RIGID, flank_test_gears::NODAL]);
     table
 }
 
@@ -124,6 +132,7 @@ pub fn contact(per_width: f64) -> ContactSpec {
         damping: Damping::None,
         friction: None,
         slices: None,
+        points: None,
     }
 }
 
@@ -197,7 +206,7 @@ pub fn try_build(
         gears: gears.to_vec(),
         contacts: vec![contact.clone(); spec.meshes.len()],
     };
-    Scene::build(spec, &modelling, &models())
+    Scene::build(spec, &modelling, &models_with_flanks())
 }
 
 /// Builds a scene that must be buildable, all contacts alike.

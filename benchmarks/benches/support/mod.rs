@@ -130,6 +130,7 @@ impl Problem {
                 damping: Damping::KelvinVoigtRatio { ratio: RATIO },
                 friction: None,
                 slices: None,
+                points: None,
             }],
         };
         Scene::build(&spec, &modelling, MODELS).unwrap()

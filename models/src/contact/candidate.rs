@@ -47,7 +47,8 @@ pub struct Point {
 /// A pair of points that may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
-    /// Slot of the mesh that holds this contact's mode and impact speed.
+    /// Slot of the mesh that holds this contact's mode and impact speed; a mark of its own for a search
+    /// without slots.
     pub slot: usize,
     /// Points on the first and second gear of the mesh.
     pub points: [Point; 2],
@@ -66,4 +67,7 @@ pub struct Candidate {
     pub stiffness_s: f64,
     /// Path coordinate on the line of action from the first gear's tangent point [m].
     pub s: f64,
+    /// What the law's constant damper is multiplied by: 1 for tooth pairs, the area [m^2] of a flank point,
+    /// whose law has a damper per area.
+    pub share: f64,
 }

@@ -324,6 +324,20 @@ impl Law {
         }
     }
 
+    /// The same law with its constant damper multiplied: what a point has that stands for a share of the contact.
+    #[inline]
+    pub fn shared(&self, share: f64) -> Law {
+        let damping = match self.damping {
+            Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: c * share },
+            other => other,
+        };
+        Law {
+            damping,
+            c: self.c * share,
+            ..*self
+        }
+    }
+
     /// The same law with another floor of the impact speed (m/s). A contact that closes from rest
     /// under load has `v0 = 0` and `d'/v0` would be infinite, so `v0` enters as `max(v0, floor)`;
     /// impacts slower than the floor are damped less than `e` asks for.

@@ -48,6 +48,12 @@ pub trait ContactSearch {
     /// Number of the search's guards.
     fn guard_count(&self) -> usize;
 
+    /// Whether its contacts may be followed by events. A search whose points open and close all the time has
+    /// no slots and no guards; the scene then uses clipped forces whatever the integrator would like.
+    fn locates(&self) -> bool {
+        true
+    }
+
     /// Sets the memory from a state.
     fn begin(&self, a: Party<'_>, b: Party<'_>, memory: &mut [f64]);
 

@@ -6,6 +6,7 @@
 //! models.
 
 pub mod movable_teeth;
+pub mod placement;
 pub mod rigid;
 pub mod table;
 
@@ -152,7 +153,8 @@ pub trait GearModel {
         None
     }
 
-    /// Deformed positions in space [m] of nodes of its [`Self::flanks`].
+    /// Deformed positions in space [m] of nodes of its [`Self::flanks`]. The search asks for a flank at a time,
+    /// once per evaluation.
     fn node_positions(&self, _at: At<'_>, _nodes: &[u32], _out: &mut [Vec3]) {}
 
     /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear.
@@ -209,6 +211,56 @@ pub trait GearModel {
         hub_damping: f64,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular>;
+
+    /// True for gears with many coordinates of which a contact touches few: the scene then condenses the
+    /// Newton correction to those, with [`Self::condensed`] and [`Self::add_response`].
+    fn prefers_condensed(&self) -> bool {
+        false
+    }
+
+    /// Restriction of `A^-1` of [`Self::correct`] to some coordinates, `g[i * n + j] = A^-1[c_i, c_j]`,
+    /// symmetric; `g` holds `n * n` values. The default solves once per coordinate.
+    fn condensed(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular> {
+        let mut x = vec![0.0; at.q.len()];
+        let n = coordinates.len();
+        for (j, &unit) in coordinates.iter().enumerate() {
+            x.fill(0.0);
+            x[unit as usize] = 1.0;
+            self.correct(at, c, hub_damping, &mut x)?;
+            for (i, &coordinate) in coordinates.iter().enumerate() {
+                g[i * n + j] = x[coordinate as usize];
+            }
+        }
+        Ok(())
+    }
+
+    /// `x += A^-1 E f`: the response of all coordinates to forces on some. The default solves once.
+    fn add_response(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        forces: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let mut y = vec![0.0; at.q.len()];
+        for (&i, f) in coordinates.iter().zip(forces) {
+            y[i as usize] += f;
+        }
+        self.correct(at, c, hub_damping, &mut y)?;
+        for (x, y) in x.iter_mut().zip(&y) {
+            *x += y;
+        }
+        Ok(())
+    }
 
     /// Kinetic and strain energy [J].
     fn energy(&self, at: At<'_>) -> Energy;

@@ -1,8 +1,10 @@
 //! The table of gear models. A new model is one file and one line in [`MODELS`].
 
 use super::{GearModel, movable_teeth, rigid};
+use crate::gear::placement::Placement;
 use crate::mount::Hub;
 use crate::scene::spec::{Body, BuildError, Parameters};
+use crate::stiffness::Material;
 
 /// What a model is built from.
 #[derive(Clone, Copy, Debug)]
@@ -11,8 +13,14 @@ pub struct GearContext<'a> {
     pub name: &'a str,
     /// Its toothing.
     pub body: &'a Body,
+    /// Material of the body.
+    pub material: Material,
     /// Its hub, with total inertia.
     pub hub: &'a Hub,
+    /// What the hub's inertia holds beyond the toothed body [kg m^2] ([kg] of a rack).
+    pub added_inertia: f64,
+    /// Where its own frame stands at the assembled position.
+    pub placement: Placement,
     /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action over hub coordinate.
     pub lever: f64,
     /// Parameters from the scene.

@@ -5,8 +5,11 @@ use super::outputs::channel_names;
 use super::spec::{Body, BuildError, ContactSpec, GearSpec, MeshSpec, Modelling, SceneSpec};
 use super::{Scene, SceneGear, SceneMesh};
 use crate::Vec3;
+use crate::contact::flank_points::{FlankPoints, Owner};
 use crate::contact::law::{Damping, Law};
 use crate::contact::lines_of_action::{Deviation, LinesOfAction, MeshGeometry, Slice};
+use crate::contact::search::ContactSearch;
+use crate::gear::placement::Placement;
 use crate::gear::table::{GearContext, Model};
 use crate::gear::{Magnitudes, MeshView};
 use crate::geometry::{Gear, Pair, RackPair, Side};
@@ -257,7 +260,7 @@ fn lines_of_action(
     contact: &ContactSpec,
     phases: &[f64],
     mesh_of_gear: [u8; 2],
-) -> Result<LinesOfAction, BuildError> {
+) -> Result<(LinesOfAction, MeshGeometry), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
     let curve = stiffness_curve(a, b, l, contact).map_err(|e| error(e.to_string()))?;
@@ -301,7 +304,72 @@ fn lines_of_action(
         zone: l.path,
         base_helix,
     };
-    Ok(LinesOfAction::new(geometry, curve, whole_mesh, slices))
+    let search = LinesOfAction::new(geometry.clone(), curve, whole_mesh, slices);
+    Ok((search, geometry))
+}
+
+/// The point search of a mesh with a gear that brings its flanks, and its law.
+fn flank_points(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    contact: &ContactSpec,
+    gears: &[SceneGear],
+    phases: &[f64],
+    geometry: &MeshGeometry,
+    lines: [Option<[Vec3; 2]>; 2],
+) -> Result<(FlankPoints, Law), BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let flanked = mesh
+        .gears
+        .iter()
+        .find(|i| gears[**i].model.flanks().is_some());
+    let name = flanked.map_or("", |i| spec.gears[*i].name.as_str());
+    let Some(points) = &contact.points else {
+        return Err(error(format!(
+            "gear `{name}` touches with the points of its flanks and needs their penalty in Pa/m; give the contact `penalty_pa_per_m`, for steel for example 1e15"
+        )));
+    };
+    if contact.friction.is_some() {
+        return Err(error(format!(
+            "friction is not known to the flank points of gear `{name}`; leave it out, or use a model without flanks"
+        )));
+    }
+    if contact.damping != Damping::None {
+        return Err(error(format!(
+            "the damping `{}` is that of a tooth pair, but gear `{name}` touches with the points of its flanks; leave it out or give a dashpot per area, `damping_ns_per_m3`",
+            contact.damping.id()
+        )));
+    }
+    if let Some(i) = mesh
+        .gears
+        .iter()
+        .find(|i| gears[**i].model.uses_engagement())
+    {
+        return Err(error(format!(
+            "the springs of gear `{}` vary with the contact radius, which the flank points of gear `{name}` do not tell; use a constant tooth stiffness",
+            spec.gears[*i].name
+        )));
+    }
+    let owner = |k: usize| {
+        let i = mesh.gears[k];
+        Owner {
+            body: &spec.gears[i].body,
+            gear: gears[i].model.as_ref(),
+            phase: phases[i],
+            view: geometry.views[k],
+            mesh: geometry.mesh_of_gear[k],
+        }
+    };
+    let search = FlankPoints::new([owner(0), owner(1)], geometry, points, lines).map_err(
+        |(gear, message)| match gear {
+            Some(k) => BuildError::gear(&spec.gears[mesh.gears[k]].name, message),
+            None => error(message),
+        },
+    )?;
+    let law = Law::new(contact.exponent, Damping::KelvinVoigt { c: points.damping })
+        .map_err(|e| error(e.to_string()))?;
+    Ok((search, law))
 }
 
 /// Stiffness of a tooth pair along the path of contact of a mesh.
@@ -428,7 +496,10 @@ impl Scene {
             let context = GearContext {
                 name: &g.name,
                 body: &g.body,
+                material: g.material,
                 hub: &hub,
+                added_inertia: g.added_inertia,
+                placement: Placement::new(&hub, phases[gears.len()]),
                 lever: lever(&g.body),
                 parameters: &model.parameters,
             };
@@ -449,7 +520,7 @@ impl Scene {
         for ((mesh, l), contact) in spec.meshes.iter().zip(&layouts).zip(&modelling.contacts) {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
-            let search = lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
+            let (search, geometry) = lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
             for (k, i) in mesh.gears.into_iter().enumerate() {
                 seen[i] += 1;
                 gears[i].model.attach(search.views[k]);
@@ -471,11 +542,23 @@ impl Scene {
                 }
             }
             let k_max = search.stiffness.maximum().1;
-            let law = law_of(spec, mesh, contact, k_max)?;
             scales.add(spec, mesh, &gears, k_max);
+            let with_flanks = mesh
+                .gears
+                .iter()
+                .any(|i| gears[*i].model.flanks().is_some());
+            let (search, law): (Box<dyn ContactSearch>, Law) = if with_flanks {
+                let lines = Side::BOTH.map(|side| search.line(side));
+                let (search, law) =
+                    flank_points(spec, mesh, contact, &gears, &phases, &geometry, lines)?;
+                (Box::new(search), law)
+            } else {
+                let law = law_of(spec, mesh, contact, k_max)?;
+                (Box::new(search), law)
+            };
             meshes.push(SceneMesh {
                 gears: mesh.gears,
-                search: Box::new(search),
+                search,
                 law,
                 friction: contact.friction,
                 memory: 0,
@@ -511,6 +594,10 @@ impl Scene {
                 (m.search.memory(), m.search.slots(), m.search.guard_count());
             memory += m.cells + 2 * m.slots;
             guards += m.zones + m.slots;
+        }
+        let locates = meshes.iter().all(|m| m.search.locates());
+        if !locates {
+            guards = 0;
         }
         let mut initial = State {
             t: 0.0,
@@ -558,6 +645,7 @@ impl Scene {
             memory,
             guards,
             compliant,
+            locates,
             tracks,
             inverse_mass: mass.iter().map(|m| m.recip()).collect(),
             mass,

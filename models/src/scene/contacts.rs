@@ -159,12 +159,13 @@ impl Scene {
             let rows = &mut work.rows[i];
             fill_rows(gears, mesh, [&a, &b], c, rows);
             let rate = rows[0].dot(at.v) + c.gap_t;
-            let stored = at.memory[mesh.slot(c.slot) + 1];
+            let stored = mesh.impact_speed(at.memory, c.slot);
             let impact_speed = if stored > 0.0 { stored } else { -rate };
+            let law = mesh.law.shared(c.share);
             let force = if located {
-                mesh.law.smooth(c.gap, rate, impact_speed, c.stiffness)
+                law.smooth(c.gap, rate, impact_speed, c.stiffness)
             } else {
-                mesh.law.clipped(c.gap, rate, impact_speed, c.stiffness)
+                law.clipped(c.gap, rate, impact_speed, c.stiffness)
             };
             if !located && force.n == 0.0 {
                 continue;
@@ -215,17 +216,16 @@ impl Scene {
                     work.rows.push(Default::default());
                 }
                 fill_rows(gears, mesh, [&a, &b], c, &mut work.rows[i]);
-                let slot = mesh.slot(c.slot);
                 let rate = work.rows[i][0].dot(at.v) + c.gap_t;
-                let stored = at.memory[slot + 1];
+                let stored = mesh.impact_speed(at.memory, c.slot);
                 let impact_speed = if stored > 0.0 { stored } else { -rate };
                 work.points.push(SolvePoint {
-                    law: mesh.law,
+                    law: mesh.law.shared(c.share),
                     gap0: c.gap,
                     rate,
                     impact_speed,
                     stiffness: c.stiffness,
-                    closed: located.then(|| at.memory[slot] != 0.0),
+                    closed: located.then(|| at.memory[mesh.slot(c.slot)] != 0.0),
                     ..SolvePoint::default()
                 });
                 work.active.push(Active {

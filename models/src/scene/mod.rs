@@ -4,6 +4,8 @@
 //! sliding row. Newton corrections solve the gears' own blocks and add the contacts as low-rank terms
 //! (Woodbury), so a gear brings whatever structure its coordinates have.
 //!
+//! Contacts of flank points have no guards: a scene with such a mesh reports none and is never located.
+//!
 //! Memory layout: `[located, gears..., meshes...]`; a mesh holds its search's memory and then per contact
 //! slot `(mode, impact speed)`, mode 1 closed and 0 open.
 
@@ -108,6 +110,16 @@ impl SceneMesh {
         self.slot(0)..self.slot(self.slots)
     }
 
+    /// Speed stored at the first touch of a contact [m/s]; 0 where none is, as with a search without slots.
+    #[inline]
+    fn impact_speed(&self, memory: &[f64], slot: usize) -> f64 {
+        if slot < self.slots {
+            memory[self.slot(slot) + 1]
+        } else {
+            0.0
+        }
+    }
+
     #[inline]
     fn slot(&self, slot: usize) -> usize {
         self.memory + self.cells + 2 * slot
@@ -125,6 +137,8 @@ pub struct Scene {
     memory: usize,
     guards: usize,
     compliant: bool,
+    /// All searches have guards; else forces are clipped and nothing is located.
+    locates: bool,
     /// Without event location: somebody needs impact speeds or engaged teeth to be followed.
     tracks: bool,
     /// The mass matrix and its inverse where it is diagonal and constant, else empty.

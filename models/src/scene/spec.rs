@@ -1,5 +1,6 @@
 //! What a scene is made of: plain data, SI units, no files.
 
+use crate::contact::flank_points::PointContact;
 use crate::contact::law::{Damping, Friction};
 use crate::geometry::{Gear, Rack, Side};
 use crate::load::Load;
@@ -75,6 +76,9 @@ pub struct ContactSpec {
     pub friction: Option<Friction>,
     /// Slices over the face width; `None` chooses: 1 for a spur gear without lead crowning, else 16.
     pub slices: Option<usize>,
+    /// Contact of flank points, for meshes with a gear that brings its flanks; `stiffness`, `damping` and
+    /// `slices` are those of all other meshes. The exponent serves both.
+    pub points: Option<PointContact>,
 }
 
 /// A parameter value of a gear model.

@@ -212,6 +212,9 @@ impl SecondOrderSystem for Scene {
 
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
+        if out.is_empty() {
+            return;
+        }
         if self.compliant {
             self.compliant_guards(at, out);
             return;
@@ -267,7 +270,7 @@ impl SecondOrderSystem for Scene {
                 }
             }
         }
-        s.memory[0] = f64::from(u8::from(located));
+        s.memory[0] = f64::from(u8::from(located && self.locates));
         for i in 0..self.meshes.len() {
             let mesh = &self.meshes[i];
             let range = mesh.search_memory();
@@ -527,6 +530,9 @@ impl Scene {
     /// Sets the modes of all slots (or of one) from the clipped force at a state.
     fn refresh_modes(&mut self, s: &mut State, only: Option<(usize, usize)>) {
         for m in 0..self.meshes.len() {
+            if self.meshes[m].slots == 0 {
+                continue;
+            }
             let mut found = std::mem::take(&mut self.work.candidates);
             found.clear();
             let mesh = &self.meshes[m];
@@ -558,6 +564,9 @@ impl Scene {
     /// Without event location: impact speeds and engagement follow the accepted states.
     fn track_modes(&mut self, s: &mut State) {
         for m in 0..self.meshes.len() {
+            if self.meshes[m].slots == 0 {
+                continue;
+            }
             let mut found = std::mem::take(&mut self.work.candidates);
             found.clear();
             let mesh = &self.meshes[m];

@@ -2,6 +2,7 @@
 //! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+mod flank_points;
 mod force;
 mod friction;
 mod kinematics;

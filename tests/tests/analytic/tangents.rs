@@ -145,6 +145,7 @@ fn tangent_is_the_derivative_of_the_force() {
                         damping,
                         friction,
                         slices: None,
+                        points: None,
                     };
                     for located in [false, true] {
                         let (mut scene, s) = pressed(&models, &contact, located, 3e-6);
@@ -303,6 +304,7 @@ fn correction_is_the_inverse_of_the_newton_matrix() {
                             damping,
                             friction: None,
                             slices: None,
+                            points: None,
                         };
                         let (mut scene, s) = pressed(&models, &contact, located, depth);
                         for c in COEFFICIENTS {

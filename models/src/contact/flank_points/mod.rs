@@ -1,4 +1,28 @@
-//! Contact between flanks given as structured grids of nodes.
+//! Contact between flanks given as structured grids of nodes: points of one flank against the surface of the
+//! other.
+//!
+//! Each point stands for a reference area `A` of its flank; it is projected on the other gear's deformed
+//! flank, and the gap `g` along that flank's unit normal gives the force `N = p A <-g>` with the penalty `p`
+//! [Pa/m]. Deflected teeth touch off the line of action, so nothing here presumes it: path coordinates of the
+//! undeformed involutes only choose which flanks are looked at. Gears that bring no flanks get them from their
+//! geometry, rigid with each tooth, so any gear meets any other.
+//!
+//! Same-named flanks touch: left flanks of one gear meet left flanks of the other, also of a rack.
+//!
+//! Steps of the search, after the gear train module of P. Ziegler and P. Eberhard (2011): teeth about the line
+//! of centres, the flanks they face on both sides, points of these.
+
+mod flanked;
+mod generated;
+mod projection;
+mod search;
+mod settings;
+mod spline;
+mod surface;
+
+pub use flanked::Owner;
+pub use search::{FlankPoints, SearchWork};
+pub use settings::{MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind, gauss_legendre};
 
 use crate::Vec3;
 use crate::geometry::Side;
@@ -38,7 +62,7 @@ impl Flanks {
     pub fn new(grids: Vec<FlankGrid>) -> Self {
         let mut first_face = vec![0];
         for g in &grids {
-            let faces = ((g.rows - 1) * (g.columns - 1)) as u32;
+            let faces = (g.rows.saturating_sub(1) * g.columns.saturating_sub(1)) as u32;
             first_face.push(first_face[first_face.len() - 1] + faces);
         }
         Flanks { grids, first_face }

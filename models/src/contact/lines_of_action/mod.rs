@@ -380,6 +380,7 @@ impl LinesOfAction {
             stiffness: k * weight,
             stiffness_s: k_s * weight / self.helix_cos,
             s: p.s[0],
+            share: 1.0,
         }
     }
 

@@ -1,0 +1,270 @@
+//! A gear of a mesh as the point search sees it: its flanks' shapes, and which of them may touch.
+//!
+//! Teeth are found as in the two-step search of the gear train module: the teeth about the line of centres
+//! first, then for each flank the one it faces. A flank stands at the path coordinate `s` of the involute
+//! through its outermost node, which is linear in the gear's travel, so both steps look up sorted lists.
+
+use super::generated;
+use super::settings::SurfaceKind;
+use super::surface::{Rule, Shape};
+use crate::contact::flank_points::Flanks;
+use crate::gear::placement::Placement;
+use crate::gear::{GearModel, MeshView};
+use crate::geometry::{Side, inv};
+use crate::scene::spec::Body;
+
+/// What a point search needs to know of a gear.
+#[derive(Clone, Copy)]
+pub struct Owner<'a> {
+    /// Toothing.
+    pub body: &'a Body,
+    /// The model; its flanks are taken where it has some.
+    pub gear: &'a dyn GearModel,
+    /// Angle [rad] (travel [m] of a rack) of tooth 0 at the assembled position.
+    pub phase: f64,
+    /// How the mesh sees it.
+    pub view: MeshView,
+    /// The mesh's index in the gear's own count.
+    pub mesh: u8,
+}
+
+/// A flank's place in the sorted list of its side.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// Path coordinate at zero travel [m], in one turn for a gear.
+    s: f64,
+    shape: usize,
+    tooth: i64,
+}
+
+/// A gear with its flanks.
+#[derive(Clone, Debug)]
+pub(super) struct Flanked {
+    /// The flanks are the gear's own: it says where their nodes are.
+    pub own: bool,
+    pub rack: bool,
+    pub placement: Placement,
+    pub shapes: Vec<Shape>,
+    /// The undeformed nodes, for gears that bring no flanks.
+    pub grids: Flanks,
+    pub mesh: u8,
+    pub face_width: f64,
+    teeth: i64,
+    /// Path coordinate per travel of left flanks.
+    per_travel: f64,
+    /// Path coordinate of a whole turn [m]; infinite for a rack.
+    turn: f64,
+    /// Flanks of both sides by their path coordinate.
+    sorted: [Vec<Entry>; 2],
+}
+
+/// A flank that may touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    pub shape: usize,
+    /// Unwrapped tooth.
+    pub tooth: i64,
+    /// Path coordinate [m].
+    pub s: f64,
+}
+
+fn side_index(side: Side) -> usize {
+    usize::from(side == Side::Right)
+}
+
+impl Flanked {
+    pub fn new(o: Owner<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, String> {
+        let rack = matches!(o.body, Body::Rack(_));
+        let own = o.gear.flanks().is_some();
+        let grids = match o.gear.flanks() {
+            Some(flanks) => flanks.clone(),
+            None => generated::flanks(o.body),
+        };
+        check(&grids)?;
+        let shapes: Vec<Shape> = (0..grids.grids().len())
+            .map(|g| Shape::new(&grids, g, kind, rule, rack))
+            .collect();
+        if let Some(s) = shapes
+            .iter()
+            .find(|s| !s.heights.is_sorted_by(|a, b| a < b))
+        {
+            return Err(format!(
+                "the nodes of the {:?} flank of tooth {} do not rise from the root to the tip; order its rows that way",
+                s.side, s.tooth
+            ));
+        }
+        let teeth = match o.body {
+            Body::Gear(g) => i64::from(g.teeth()),
+            Body::Rack(r) => i64::from(r.teeth()),
+        };
+        let turn = match o.view.base_radius {
+            Some(rb) => std::f64::consts::TAU * rb,
+            None => f64::INFINITY,
+        };
+        let mut sorted = [vec![], vec![]];
+        for (shape, g) in grids.grids().iter().enumerate() {
+            let outermost = outermost(o.body, &o.view, g);
+            let (s, tooth) = path_at_zero(&o, g.side, outermost);
+            sorted[side_index(g.side)].push(Entry {
+                s: if rack { s } else { s.rem_euclid(turn) },
+                shape,
+                tooth,
+            });
+        }
+        for list in &mut sorted {
+            list.sort_by(|a, b| a.s.total_cmp(&b.s));
+        }
+        Ok(Flanked {
+            own,
+            rack,
+            placement: Placement::new(o.gear.hub(), o.phase),
+            shapes,
+            grids,
+            mesh: o.mesh,
+            face_width: match o.body {
+                Body::Gear(g) => g.face_width(),
+                Body::Rack(r) => r.face_width(),
+            },
+            teeth,
+            per_travel: o.view.path_per_travel(),
+            turn,
+            sorted,
+        })
+    }
+
+    /// Calls `f` for the flanks of a side with a path coordinate from `low` to `high` at a travel.
+    #[inline]
+    pub fn each_near(
+        &self,
+        side: Side,
+        travel: f64,
+        [low, high]: [f64; 2],
+        mut f: impl FnMut(Near),
+    ) {
+        let list = &self.sorted[side_index(side)];
+        let shift = side.sign() * self.per_travel * travel;
+        if self.rack {
+            let first = list.partition_point(|e| e.s + shift < low);
+            for e in list[first..].iter().take_while(|e| e.s + shift <= high) {
+                f(Near {
+                    shape: e.shape,
+                    tooth: e.tooth,
+                    s: e.s + shift,
+                });
+            }
+            return;
+        }
+        let base = (low - shift).rem_euclid(self.turn);
+        let first = list.partition_point(|e| e.s < base);
+        for i in 0..list.len() {
+            let at = if first + i < list.len() {
+                first + i
+            } else {
+                first + i - list.len()
+            };
+            let e = &list[at];
+            let past = if e.s < base {
+                e.s - base + self.turn
+            } else {
+                e.s - base
+            };
+            if past > high - low {
+                break;
+            }
+            let s = low + past;
+            let turns = ((s - shift - e.s) / self.turn).round() as i64;
+            f(Near {
+                shape: e.shape,
+                tooth: e.tooth + side.sign() as i64 * self.teeth * turns,
+                s,
+            });
+        }
+    }
+}
+
+/// Refuses grids that are none.
+fn check(flanks: &Flanks) -> Result<(), String> {
+    if flanks.grids().is_empty() {
+        return Err("it brings no flank; give the flanks that may touch".into());
+    }
+    for g in flanks.grids() {
+        let name = format!("the {:?} flank of tooth {}", g.side, g.tooth);
+        if g.rows < 2 || g.columns < 2 {
+            return Err(format!(
+                "{name} has {} x {} nodes; a flank needs at least 2 along the profile and 2 over the width",
+                g.rows, g.columns
+            ));
+        }
+        let n = g.rows * g.columns;
+        if g.nodes.len() != n || g.positions.len() != n {
+            return Err(format!(
+                "{name} has {} nodes and {} positions; {} x {} need {n} of each",
+                g.nodes.len(),
+                g.positions.len(),
+                g.rows,
+                g.columns
+            ));
+        }
+        if g.positions.iter().any(|x| !x.iter().all(|x| x.is_finite())) {
+            return Err(format!("{name} has a node whose position is no number"));
+        }
+    }
+    Ok(())
+}
+
+/// Angle [rad] on the base circle (own y [m] on a rack's reference line) of the undeformed flank's outermost
+/// node, carried there along the involute and to the middle of the width.
+fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
+    let sign = g.side.sign();
+    let own = |x: &crate::Vec3| match body {
+        Body::Gear(gear) => {
+            let rb = view.base_radius.unwrap_or_else(|| gear.r_base());
+            let r = x.x.hypot(x.y);
+            let angle = x.y.atan2(x.x) - x.z * gear.base_helix_angle().tan() / rb;
+            let roll = (r * r - rb * rb).max(0.0).sqrt();
+            (r >= gear.r_form() * (1.0 - 1e-6)).then(|| angle + sign * inv((roll / rb).atan()))
+        }
+        Body::Rack(rack) => {
+            let tan = rack.transverse_pressure_angle().tan();
+            (x.x >= -rack.form_depth() - 1e-6 * rack.pitch())
+                .then(|| x.y - x.z * rack.params().helix_angle.tan() + sign * x.x * tan)
+        }
+    };
+    let mut best: Option<f64> = None;
+    for x in g.positions.iter() {
+        let Some(mut p) = own(x) else { continue };
+        if let (Some(b), Body::Gear(_)) = (best, body) {
+            // Angles of one flank stand together.
+            p -= std::f64::consts::TAU * ((p - b) / std::f64::consts::TAU).round();
+        }
+        best = Some(best.map_or(p, |b| if sign * p > sign * b { p } else { b }));
+    }
+    // A flank that ends below the form circle stands where its last node is.
+    best.or_else(|| {
+        g.positions.last().map(|x| {
+            if matches!(body, Body::Gear(_)) {
+                x.y.atan2(x.x)
+            } else {
+                x.y
+            }
+        })
+    })
+    .unwrap_or(0.0)
+}
+
+/// Path coordinate [m] of a flank at zero travel and its tooth, from its [`outermost`] place.
+fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
+    let (sign, v) = (side.sign(), &o.view);
+    let tooth = ((outermost - sign * v.half_angle_base) / v.pitch).round() as i64;
+    match v.base_radius {
+        Some(rb) => (
+            rb * (sign * (outermost + o.phase - v.direction) + v.working_pressure_angle),
+            tooth,
+        ),
+        // The slide is the own -y.
+        None => (
+            -sign * (v.assembled - outermost) * v.working_pressure_angle.cos(),
+            -tooth,
+        ),
+    }
+}

@@ -1,0 +1,104 @@
+//! Flanks of gears that bring none: dense grids on the involute (or the straight rack flank), rigid with
+//! their tooth.
+//!
+//! ```text
+//! x = r (cos, sin)(theta_k +- half angle(r) + z tan(beta_b) / r_b),    r^2 = r_b^2 + s^2
+//! ```
+//!
+//! at equal steps of the length of roll `s` from the form circle to the tip, moved into the material by the
+//! flank's modification.
+
+use super::{FlankGrid, Flanks};
+use crate::Vec3;
+use crate::geometry::{Gear, Rack, Side};
+use crate::scene::spec::Body;
+
+/// Nodes along the profile: the spline's error is far below a nanometre.
+const ROWS: usize = 49;
+/// Nodes over the width where the flank varies over it.
+const COLUMNS: usize = 17;
+
+/// Grids of all flanks of a body.
+pub(super) fn flanks(body: &Body) -> Flanks {
+    Flanks::new(match body {
+        Body::Gear(g) => gear(g),
+        Body::Rack(r) => rack(r),
+    })
+}
+
+fn grid(
+    tooth: u32,
+    side: Side,
+    first_node: u32,
+    [rows, columns]: [usize; 2],
+    point: impl Fn(f64, f64) -> Vec3,
+) -> FlankGrid {
+    let unit = |i: usize, n: usize| i as f64 / (n - 1) as f64;
+    FlankGrid {
+        tooth,
+        side,
+        rows,
+        columns,
+        nodes: (first_node..).take(rows * columns).collect(),
+        positions: (0..rows * columns)
+            .map(|i| {
+                point(
+                    unit(i / columns, rows),
+                    2.0 * unit(i % columns, columns) - 1.0,
+                )
+            })
+            .collect(),
+    }
+}
+
+fn gear(g: &Gear) -> Vec<FlankGrid> {
+    let p = g.params();
+    let plain = p.helix_angle == 0.0 && p.modifications.lead_crowning == 0.0;
+    let size = [ROWS, if plain { 2 } else { COLUMNS }];
+    let rb = g.r_base();
+    let (low, high) = (g.roll_length_form(), g.roll_length_tip());
+    let twist = g.base_helix_angle().tan() / rb;
+    let mut all = Vec::new();
+    for tooth in 0..g.teeth() {
+        for side in Side::BOTH {
+            let first = (all.len() * size[0] * size[1]) as u32;
+            all.push(grid(tooth, side, first, size, |t, zeta| {
+                let z = 0.5 * g.face_width() * zeta;
+                let s = low + t * (high - low);
+                let r = rb.hypot(s);
+                let centre = f64::from(tooth) * g.pitch_angle() + z * twist;
+                let angle = centre + side.sign() * g.half_angle_at(r);
+                // The normal touches the base circle, an angle atan(s / r_b) behind the point.
+                let normal = angle - side.sign() * (s / rb).atan();
+                let removed = g.flank_deviation(r, zeta) / g.base_helix_angle().cos();
+                let (sin, cos) = normal.sin_cos();
+                let out = side.sign() * Vec3::new(-sin, cos, 0.0);
+                Vec3::new(r * angle.cos(), r * angle.sin(), z) - removed * out
+            }));
+        }
+    }
+    all
+}
+
+fn rack(rack: &Rack) -> Vec<FlankGrid> {
+    let helix = rack.params().helix_angle;
+    // A rack's flank is plane.
+    let size = [ROWS, 2];
+    let (low, high) = (-rack.form_depth(), rack.tip_height());
+    let last = rack.first_tooth() + i64::from(rack.teeth()) - 1;
+    let mut all = Vec::new();
+    for tooth in 0..rack.teeth() {
+        // Teeth count along the slide, which is the own -y.
+        let centre = (i64::from(tooth) - last) as f64 * rack.pitch();
+        for side in Side::BOTH {
+            let first = (all.len() * size[0] * size[1]) as u32;
+            all.push(grid(tooth, side, first, size, |t, zeta| {
+                let z = 0.5 * rack.face_width() * zeta;
+                let h = low + t * (high - low);
+                let y = centre + z * helix.tan() + side.sign() * rack.half_thickness_at(h);
+                Vec3::new(h, y, z)
+            }));
+        }
+    }
+    all
+}

@@ -1,0 +1,207 @@
+//! Closest point of a flank to a point in space, and the gap along the flank's normal.
+//!
+//! On a face the closest point solves `X_a . (x - X) = X_b . (x - X) = 0` (Newton). Where it lies beyond an
+//! edge the search goes on to the neighbouring face; between two faces that both send it to the other the
+//! closest point lies on their common edge. At the closest point the motion of `X` along the surface drops
+//! out of the gap, so `dg = n . (dx - dX)` with fixed parameters is exact.
+
+use super::surface::{Face, Shape, Spot};
+use crate::Vec3;
+use crate::gear::placement::Pose;
+
+/// A projection.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    pub row: usize,
+    pub column: usize,
+    /// Place on the face, 0 to 1 within it.
+    pub a: f64,
+    pub b: f64,
+    /// Position of the closest point [m].
+    pub x: Vec3,
+    /// Unit normal of the flank, out of the tooth.
+    pub normal: Vec3,
+    /// Distance along it [m], positive outside.
+    pub gap: f64,
+}
+
+/// A flank in the deformed state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deformed<'a> {
+    pub shape: &'a Shape,
+    pub x: &'a [Vec3],
+    pub pose: &'a Pose,
+}
+
+/// Overlap of neighbouring faces: rounding only.
+const OVERLAP: f64 = 1e-9;
+/// Part of a face by which a point may lie beyond the outer edges of the flank: elastic displacements along
+/// the edge would else lose points that stand on it.
+const RIM: f64 = 0.01;
+/// Near an edge both faces are looked at, so that the gap over facets has no jump.
+const NEAR_EDGE: f64 = 0.1;
+/// Newton iterations on a face.
+const ITERATIONS: usize = 20;
+
+/// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
+#[inline]
+fn beyond(t: f64) -> isize {
+    isize::from(t > 1.0 + OVERLAP) - isize::from(t < -OVERLAP)
+}
+
+impl Deformed<'_> {
+    #[inline]
+    fn face(&self, row: usize, column: usize) -> Face<'_> {
+        self.shape.face(self.x, self.pose, row, column)
+    }
+
+    /// Unit normal out of the tooth.
+    #[inline]
+    fn normal(&self, spot: &Spot) -> Vec3 {
+        let n = spot.across.cross(&spot.along);
+        self.shape.side.sign() * n / n.norm()
+    }
+
+    /// Closest point of the face's surface, continued beyond its edges.
+    #[inline]
+    fn on_face(&self, x: &Vec3, row: usize, column: usize) -> Hit {
+        let face = self.face(row, column);
+        let (mut a, mut b) = (0.5, 0.5);
+        let mut spot = face.eval(self.shape, a, b);
+        for _ in 0..ITERATIONS {
+            let r = x - spot.x;
+            let (ra, rb) = (spot.along.dot(&r), spot.across.dot(&r));
+            let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);
+            let ab = spot.along.dot(&spot.across) - spot.bend[1].dot(&r);
+            let bb = spot.across.dot(&spot.across) - spot.bend[2].dot(&r);
+            let det = aa * bb - ab * ab;
+            let (da, db) = ((bb * ra - ab * rb) / det, (aa * rb - ab * ra) / det);
+            // Further out a face says nothing; the neighbour will.
+            a = (a + da).clamp(-2.0, 3.0);
+            b = (b + db).clamp(-2.0, 3.0);
+            spot = face.eval(self.shape, a, b);
+            if da.abs() + db.abs() < 1e-12 {
+                break;
+            }
+        }
+        let normal = self.normal(&spot);
+        Hit {
+            row,
+            column,
+            a,
+            b,
+            x: spot.x,
+            normal,
+            gap: normal.dot(&(x - spot.x)),
+        }
+    }
+
+    /// Closest point of the edge between the rows below and above node row `edge`, or, with `turned`, between
+    /// the columns beside node column `edge`; the normal is the direction of the distance.
+    #[inline(never)]
+    fn on_edge(&self, x: &Vec3, hits: [Hit; 2], turned: bool) -> Hit {
+        let hit = hits[0];
+        let face = self.face(hit.row, hit.column);
+        let (mut a, mut b) = (hit.a.clamp(0.0, 1.0), hit.b.clamp(0.0, 1.0));
+        let mut spot = face.eval(self.shape, a, b);
+        for _ in 0..ITERATIONS {
+            let r = x - spot.x;
+            let (t, bend) = if turned {
+                (spot.along, spot.bend[0])
+            } else {
+                (spot.across, spot.bend[2])
+            };
+            let step = t.dot(&r) / (t.dot(&t) - bend.dot(&r));
+            let moved = if turned { &mut a } else { &mut b };
+            *moved = (*moved + step).clamp(-RIM, 1.0 + RIM);
+            spot = face.eval(self.shape, a, b);
+            if step.abs() < 1e-12 {
+                break;
+            }
+        }
+        let r = x - spot.x;
+        let mean = hits[0].normal + hits[1].normal;
+        let (distance, side) = (r.norm(), mean.dot(&r).signum());
+        // On the edge itself any direction between the normals of both faces will do.
+        let normal = if distance > 1e-14 {
+            side / distance * r
+        } else {
+            mean / mean.norm()
+        };
+        Hit {
+            a,
+            b,
+            x: spot.x,
+            normal,
+            gap: normal.dot(&r),
+            ..hit
+        }
+    }
+
+    /// The closest point of the flank; `None` beyond its outer edges. `row` and `column` are where to begin.
+    pub fn project(&self, x: &Vec3, row: usize, column: usize) -> Option<Hit> {
+        let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
+        let mut hit = self.on_face(x, row, column);
+        let mut last: Option<Hit> = None;
+        for _ in 0..rows + columns {
+            let row = hit
+                .row
+                .checked_add_signed(beyond(hit.a))
+                .filter(|r| *r < rows)
+                .unwrap_or(hit.row);
+            let column = if row == hit.row {
+                hit.column
+                    .checked_add_signed(beyond(hit.b))
+                    .filter(|c| *c < columns)
+                    .unwrap_or(hit.column)
+            } else {
+                hit.column
+            };
+            if (row, column) == (hit.row, hit.column) {
+                break;
+            }
+            if let Some(last) = last.filter(|l| (l.row, l.column) == (row, column)) {
+                let turned = column != hit.column;
+                return self.inside(self.on_edge(x, [hit, last], turned));
+            }
+            last = Some(hit);
+            hit = self.on_face(x, row, column);
+        }
+        let hit = self.inside(hit)?;
+        Some(self.nearer(x, hit))
+    }
+
+    /// Drops projections beyond the outer edges.
+    #[inline]
+    fn inside(&self, hit: Hit) -> Option<Hit> {
+        let held = |t: f64| (-RIM..=1.0 + RIM).contains(&t);
+        (held(hit.a) && held(hit.b)).then_some(hit)
+    }
+
+    /// Inside a convex flank a point near an edge may have a closest point on both facets: the nearer counts.
+    #[inline]
+    fn nearer(&self, x: &Vec3, hit: Hit) -> Hit {
+        if hit.gap >= 0.0 || !self.shape.is_faceted() {
+            return hit;
+        }
+        let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
+        let step = |t: f64| isize::from(t > 1.0 - NEAR_EDGE) - isize::from(t < NEAR_EDGE);
+        let mut best = hit;
+        for (dr, dc) in [(step(hit.a), 0), (0, step(hit.b))] {
+            let row = hit.row.checked_add_signed(dr).filter(|r| *r < rows);
+            let column = hit.column.checked_add_signed(dc).filter(|c| *c < columns);
+            let (Some(row), Some(column)) = (row, column) else {
+                continue;
+            };
+            if (dr, dc) == (0, 0) {
+                continue;
+            }
+            let other = self.on_face(x, row, column);
+            let valid = beyond(other.a) == 0 && beyond(other.b) == 0;
+            if valid && other.gap < 0.0 && other.gap > best.gap {
+                best = other;
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,413 @@
+//! The point search: candidates of a mesh at a state.
+
+use super::flanked::{Flanked, Near, Owner};
+use super::projection::{Deformed, Hit};
+use super::settings::{Passes, PointContact};
+use super::surface::{FlankPoint, Rule, Shape};
+use crate::Vec3;
+use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
+use crate::contact::lines_of_action::MeshGeometry;
+use crate::contact::search::{ContactSearch, Party, Wanted, ZoneChange};
+use crate::gear::placement::Pose;
+use crate::geometry::Side;
+use std::cell::RefCell;
+
+/// Part of the base pitch up to which undeformed flanks are looked at.
+const REACH: f64 = 0.02;
+/// Part of the base pitch by which teeth may touch before and after the path of contact.
+const BEFORE_AND_AFTER: f64 = 0.5;
+/// Part of a face's length by which a point may stand over the plane of the face where the projection begins
+/// and still touch another one.
+const ROUGHLY: f64 = 0.25;
+
+/// Flank points of one gear against the flank surfaces of the other.
+///
+/// The search has no memory, no slots and no guards: points open and close all the time, so the force is
+/// clipped and runs with it do not locate events.
+#[derive(Debug)]
+pub struct FlankPoints {
+    gears: [Flanked; 2],
+    rule: Rule,
+    /// Penalty for the points of each gear [Pa/m]; 0 where they are not looked at.
+    penalty: [f64; 2],
+    reach: f64,
+    length: f64,
+    helix_cos: f64,
+    base_pitch: f64,
+    /// Path coordinates of the first gear at which its flanks are looked at [m].
+    zone: [f64; 2],
+    lines: [Option<[Vec3; 2]>; 2],
+    scratch: RefCell<Scratch>,
+}
+
+/// What the last evaluation of a search looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SearchWork {
+    /// Pairs of flanks.
+    pub pairs: usize,
+    /// Flanks whose node positions were computed.
+    pub flanks: usize,
+    /// Nodes of these.
+    pub nodes: usize,
+    /// Points that were placed.
+    pub points: usize,
+    /// Points that were projected.
+    pub projections: usize,
+}
+
+/// A flank at a state.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    near: Near,
+    pose: Pose,
+    /// Its nodes in the buffer of positions.
+    start: usize,
+}
+
+/// Buffers; they grow to the most that was ever active and stay.
+#[derive(Debug, Default)]
+struct Scratch {
+    first: Vec<Near>,
+    active: [Vec<Active>; 2],
+    positions: [Vec<Vec3>; 2],
+    pairs: Vec<[usize; 2]>,
+    work: SearchWork,
+}
+
+impl FlankPoints {
+    /// Builds the search of a mesh. `lines` are the ends of its lines of action, for pictures.
+    ///
+    /// # Errors
+    /// What is wrong with the settings or with the flanks of a gear (0 or 1), and a way out.
+    pub fn new(
+        owners: [Owner<'_>; 2],
+        geometry: &MeshGeometry,
+        settings: &PointContact,
+        lines: [Option<[Vec3; 2]>; 2],
+    ) -> Result<Self, (Option<usize>, String)> {
+        if let Some(problem) = settings.problem() {
+            return Err((None, problem));
+        }
+        let rule = Rule::new(settings.rule);
+        let flanked =
+            |k: usize| Flanked::new(owners[k], settings.surface, &rule).map_err(|e| (Some(k), e));
+        let gears = [flanked(0)?, flanked(1)?];
+        let p = settings.penalty;
+        let penalty = match settings.passes {
+            Passes::Auto if gears[0].own || !gears[1].own => [p, 0.0],
+            Passes::Auto | Passes::Second => [0.0, p],
+            Passes::First => [p, 0.0],
+            Passes::Both => [0.5 * p, 0.5 * p],
+        };
+        let width = gears[0].face_width.min(gears[1].face_width);
+        let beside =
+            BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * geometry.base_helix.tan().abs();
+        Ok(FlankPoints {
+            gears,
+            rule,
+            penalty,
+            reach: settings.reach.unwrap_or(REACH * geometry.base_pitch),
+            length: geometry.length,
+            helix_cos: geometry.base_helix.cos(),
+            base_pitch: geometry.base_pitch,
+            zone: [geometry.zone[0] - beside, geometry.zone[1] + beside],
+            lines,
+            scratch: RefCell::default(),
+        })
+    }
+
+    /// What the last evaluation looked at.
+    pub fn work(&self) -> SearchWork {
+        self.scratch.borrow().work
+    }
+
+    /// First and second step: flanks about the line of centres, and the flanks they face.
+    fn find_pairs(&self, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
+        let travel = parties.map(|p| p.gear.hub().travel(p.at.t, p.at.q));
+        scratch.pairs.clear();
+        for k in 0..2 {
+            scratch.active[k].clear();
+            scratch.positions[k].clear();
+        }
+        if !travel.iter().all(|t| t.is_finite()) {
+            return;
+        }
+        let reach = self.reach / self.helix_cos;
+        for side in Side::BOTH {
+            let mut first = std::mem::take(&mut scratch.first);
+            first.clear();
+            self.gears[0].each_near(side, travel[0], self.zone, |near| first.push(near));
+            for near in &first {
+                let facing = self.length - near.s;
+                let range = [facing - reach, facing + 0.5 * self.base_pitch];
+                self.gears[1].each_near(side, travel[1], range, |other| {
+                    let a = self.activate(0, *near, parties[0], travel[0], scratch);
+                    let b = self.activate(1, other, parties[1], travel[1], scratch);
+                    scratch.pairs.push([a, b]);
+                });
+            }
+            scratch.first = first;
+        }
+    }
+
+    /// Index of a flank among the active ones; its nodes are placed when it is new.
+    fn activate(
+        &self,
+        k: usize,
+        near: Near,
+        party: &Party<'_>,
+        travel: f64,
+        scratch: &mut Scratch,
+    ) -> usize {
+        let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
+        if let Some(i) = active.iter().position(|a| a.near.shape == near.shape) {
+            return i;
+        }
+        let g = &self.gears[k];
+        let shape = &g.shapes[near.shape];
+        let start = positions.len();
+        positions.resize(start + shape.nodes.len(), Vec3::zeros());
+        let pose = if g.own {
+            party
+                .gear
+                .node_positions(party.at, &shape.nodes, &mut positions[start..]);
+            g.placement.pose(travel)
+        } else {
+            let tooth = self.tooth(k, &near);
+            let pose = g.placement.pose(party.gear.tooth_travel(party.at, tooth));
+            let undeformed = &g.grids.grids()[near.shape].positions;
+            for (x, u) in positions[start..].iter_mut().zip(undeformed) {
+                *x = pose.point(u);
+            }
+            pose
+        };
+        active.push(Active { near, pose, start });
+        active.len() - 1
+    }
+
+    fn tooth(&self, k: usize, near: &Near) -> Tooth {
+        Tooth {
+            index: near.tooth,
+            mesh: self.gears[k].mesh,
+        }
+    }
+
+    fn deformed<'a>(&'a self, k: usize, scratch: &'a Scratch, active: usize) -> Deformed<'a> {
+        let a = &scratch.active[k][active];
+        let shape = &self.gears[k].shapes[a.near.shape];
+        Deformed {
+            shape,
+            x: &scratch.positions[k][a.start..][..shape.nodes.len()],
+            pose: &a.pose,
+        }
+    }
+
+    /// Height of a point on the flanks of gear `k`, as [`Shape::heights`] has it.
+    #[inline]
+    fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
+        let r = x - pose.origin;
+        if self.gears[k].rack {
+            pose.cos * r.x + pose.sin * r.y
+        } else {
+            r.x * r.x + r.y * r.y
+        }
+    }
+
+    /// A point of gear `k`: on its mesh, or on its rigid flank.
+    #[inline]
+    fn point(&self, k: usize, active: &Active, face: u32, [a, b]: [f64; 2], x: Vec3) -> Point {
+        let g = &self.gears[k];
+        let locus = if g.own {
+            Locus::Quadrature {
+                face,
+                xi: [2.0 * a - 1.0, 2.0 * b - 1.0],
+            }
+        } else {
+            let height = self.height(k, &active.pose, &x);
+            Locus::Flank {
+                radius: if g.rack { height } else { height.sqrt() },
+                zeta: 2.0 * x.z / g.face_width,
+            }
+        };
+        Point {
+            tooth: self.tooth(k, &active.near),
+            locus,
+            x,
+        }
+    }
+
+    /// Third step: the points of gear `k`'s flank against the other flank of a pair.
+    fn hold_points(
+        &self,
+        k: usize,
+        pair: [usize; 2],
+        parties: [&Party<'_>; 2],
+        (scratch, work): (&Scratch, &mut SearchWork),
+        limit: f64,
+        out: &mut Vec<Candidate>,
+    ) {
+        let m = 1 - k;
+        let slave = self.deformed(k, scratch, pair[k]);
+        let master = self.deformed(m, scratch, pair[m]);
+        let (s_active, m_active) = (&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]);
+        slave.shape.points(&self.rule, |p| {
+            work.points += 1;
+            let x = slave
+                .shape
+                .face(slave.x, slave.pose, p.row, p.column)
+                .position(slave.shape, p.a, p.b);
+            let Some((row, column)) = self.begin_at(m, &master, &x, limit) else {
+                return;
+            };
+            work.projections += 1;
+            let Some(hit) = master.project(&x, row, column) else {
+                return;
+            };
+            if hit.gap > limit {
+                return;
+            }
+            out.push(self.candidate(
+                k,
+                [&slave, &master],
+                [s_active, m_active],
+                (&p, x),
+                &hit,
+                parties,
+            ));
+        });
+    }
+
+    /// Face of the master where a projection begins; `None` for points that are clearly open.
+    #[inline]
+    fn begin_at(
+        &self,
+        m: usize,
+        master: &Deformed<'_>,
+        x: &Vec3,
+        limit: f64,
+    ) -> Option<(usize, usize)> {
+        let row = master.shape.row_at(self.height(m, master.pose, x))?;
+        let column = master.shape.column_at(x.z);
+        let face = master.shape.face(master.x, master.pose, row, column);
+        let over = face.height_over(master.shape.side, x);
+        (over <= limit + ROUGHLY * master.shape.lengths[row]).then_some((row, column))
+    }
+
+    #[inline]
+    fn candidate(
+        &self,
+        k: usize,
+        [slave, master]: [&Deformed<'_>; 2],
+        [s_active, m_active]: [&Active; 2],
+        (p, x): (&FlankPoint, Vec3),
+        hit: &Hit,
+        parties: [&Party<'_>; 2],
+    ) -> Candidate {
+        let number = |shape: &Shape, row, column| shape.face_number(row, column);
+        let of_slave = self.point(
+            k,
+            s_active,
+            number(slave.shape, p.row, p.column),
+            [p.a, p.b],
+            x,
+        );
+        let of_master = self.point(
+            1 - k,
+            m_active,
+            number(master.shape, hit.row, hit.column),
+            [hit.a, hit.b],
+            hit.x,
+        );
+        // The flank's normal points from the master to the slave, the candidate's from the first gear to
+        // the second.
+        let (points, normal) = if k == 0 {
+            ([of_slave, of_master], -hit.normal)
+        } else {
+            ([of_master, of_slave], hit.normal)
+        };
+        let [a, b] = parties;
+        let gap_t =
+            b.gear.drift(b.at, &points[1], &normal) - a.gear.drift(a.at, &points[0], &normal);
+        Candidate {
+            slot: usize::from(slave.shape.side == Side::Right),
+            points,
+            normal,
+            scale: [1.0, 1.0],
+            gap: hit.gap,
+            gap_t,
+            stiffness: self.penalty[k] * p.area,
+            stiffness_s: 0.0,
+            s: 0.0,
+            share: p.area * self.penalty[k] / (self.penalty[0] + self.penalty[1]),
+        }
+    }
+}
+
+impl ContactSearch for FlankPoints {
+    fn slots(&self) -> usize {
+        0
+    }
+
+    fn memory(&self) -> usize {
+        0
+    }
+
+    fn guard_count(&self) -> usize {
+        0
+    }
+
+    fn locates(&self) -> bool {
+        false
+    }
+
+    fn begin(&self, _a: Party<'_>, _b: Party<'_>, _memory: &mut [f64]) {}
+
+    fn candidates(
+        &self,
+        a: Party<'_>,
+        b: Party<'_>,
+        _memory: &[f64],
+        wanted: Wanted<'_>,
+        out: &mut Vec<Candidate>,
+    ) {
+        let limit = match wanted {
+            Wanted::Closed(_) => 0.0,
+            Wanted::Listed => self.reach,
+            Wanted::Touching(gap) => gap.min(self.reach),
+        };
+        let parties = [&a, &b];
+        let mut scratch = self.scratch.borrow_mut();
+        self.find_pairs(parties, &mut scratch);
+        let mut work = SearchWork {
+            pairs: scratch.pairs.len(),
+            flanks: scratch.active.iter().map(Vec::len).sum(),
+            nodes: scratch.positions.iter().map(Vec::len).sum(),
+            ..SearchWork::default()
+        };
+        for pair in &scratch.pairs {
+            for k in 0..2 {
+                if self.penalty[k] > 0.0 {
+                    self.hold_points(k, *pair, parties, (&scratch, &mut work), limit, out);
+                }
+            }
+        }
+        scratch.work = work;
+    }
+
+    fn gaps(&self, _a: Party<'_>, _b: Party<'_>, _memory: &[f64], _out: &mut [f64]) {}
+
+    fn guards(&self, _a: Party<'_>, _b: Party<'_>, _memory: &[f64], _out: &mut [f64]) {}
+
+    fn switch(&self, _guard: usize, _memory: &mut [f64]) -> ZoneChange {
+        ZoneChange::default()
+    }
+
+    fn line(&self, side: Side) -> Option<[Vec3; 2]> {
+        self.lines[usize::from(side == Side::Right)]
+    }
+
+    fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
+        let side = if c.slot == 0 { Side::Left } else { Side::Right };
+        ([c.points[0].tooth, c.points[1].tooth], side)
+    }
+}

@@ -1,0 +1,190 @@
+//! What the user chooses of a contact between flank points and flank surfaces.
+
+/// Where the points lie on the faces of a flank, and what area each stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointRule {
+    /// The nodes, each with the reference area of its shape function: the lowest order.
+    Nodes,
+    /// Gauss points of each face.
+    Quadrature {
+        /// Points along the profile, 1 to 10.
+        along: usize,
+        /// Points over the width, 1 to 10.
+        across: usize,
+    },
+}
+
+impl Default for PointRule {
+    /// Three points along the profile and two over the width.
+    fn default() -> Self {
+        PointRule::Quadrature {
+            along: 3,
+            across: 2,
+        }
+    }
+}
+
+/// The surface between the nodes of a flank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// The element faces as they are: a convex flank lies up to `l^2 / (8 rho)` outside its chords.
+    Faceted,
+    /// Cubic splines through the undeformed nodes, moved by the interpolated displacement.
+    #[default]
+    Smooth,
+}
+
+/// Whose points are held against the other's surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Points of the first gear that brings flanks.
+    #[default]
+    Auto,
+    /// Points of the first gear of the mesh.
+    First,
+    /// Points of the second gear of the mesh.
+    Second,
+    /// Both, each with half the penalty: no edge passes between the other side's points.
+    Both,
+}
+
+/// Settings of the contact between flank points and flank surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointContact {
+    /// Contact pressure over penetration to the power of the law's exponent [Pa/m for a linear law].
+    pub penalty: f64,
+    /// Dashpot per area of flank [N s/m^3].
+    pub damping: f64,
+    /// The points.
+    pub rule: PointRule,
+    /// The surfaces.
+    pub surface: SurfaceKind,
+    /// Whose points.
+    pub passes: Passes,
+    /// Gap of the undeformed flanks [m] up to which a pair of flanks is looked at; it must exceed the elastic
+    /// displacement of the teeth. `None` takes a fiftieth of the base pitch.
+    pub reach: Option<f64>,
+}
+
+impl PointContact {
+    /// A linear penalty [Pa/m] without damping, otherwise the defaults.
+    #[must_use]
+    pub fn new(penalty: f64) -> Self {
+        PointContact {
+            penalty,
+            damping: 0.0,
+            rule: PointRule::default(),
+            surface: SurfaceKind::default(),
+            passes: Passes::default(),
+            reach: None,
+        }
+    }
+
+    /// What is wrong with the settings and a way out, if anything.
+    #[must_use]
+    pub fn problem(&self) -> Option<String> {
+        if !(self.penalty > 0.0 && self.penalty.is_finite()) {
+            return Some(format!(
+                "the penalty is {} Pa/m; it must be finite and positive, for steel for example 1e15",
+                self.penalty
+            ));
+        }
+        if !(self.damping >= 0.0 && self.damping.is_finite()) {
+            return Some(format!(
+                "the damping is {} N s/m^3; it must be finite and not negative",
+                self.damping
+            ));
+        }
+        if let PointRule::Quadrature { along, across } = self.rule
+            && !((1..=MAX_POINTS).contains(&along) && (1..=MAX_POINTS).contains(&across))
+        {
+            return Some(format!(
+                "{along} x {across} quadrature points per face; use 1 to {MAX_POINTS} in each direction"
+            ));
+        }
+        match self.reach {
+            Some(r) if !(r > 0.0 && r.is_finite()) => Some(format!(
+                "the reach is {r} m; it must be finite and positive, or leave it out"
+            )),
+            _ => None,
+        }
+    }
+}
+
+/// Most quadrature points in one direction of a face.
+pub const MAX_POINTS: usize = 10;
+
+/// Points in [-1, 1] and weights of the Gauss-Legendre rule with `n` points, exact to degree `2 n - 1`.
+#[must_use]
+pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+    (0..n)
+        .map(|i| {
+            // Newton on the Legendre polynomial from Chebyshev's guess.
+            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+            let mut slope = 1.0;
+            for _ in 0..50 {
+                let (mut p0, mut p1) = (1.0, x);
+                for k in 2..=n {
+                    let k = k as f64;
+                    (p0, p1) = (p1, ((2.0 * k - 1.0) * x * p1 - (k - 1.0) * p0) / k);
+                }
+                slope = n as f64 * (x * p1 - p0) / (x * x - 1.0);
+                let step = p1 / slope;
+                x -= step;
+                if step.abs() < 1e-16 {
+                    break;
+                }
+            }
+            (x, 2.0 / ((1.0 - x * x) * slope * slope))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rules_integrate_powers() {
+        for n in 1..=MAX_POINTS {
+            let rule = gauss_legendre(n);
+            for degree in 0..2 * n {
+                let sum: f64 = rule.iter().map(|(x, w)| w * x.powi(degree as i32)).sum();
+                let exact = if degree % 2 == 0 {
+                    2.0 / (degree as f64 + 1.0)
+                } else {
+                    0.0
+                };
+                assert!((sum - exact).abs() < 1e-14, "{n} points, degree {degree}");
+            }
+        }
+    }
+
+    #[test]
+    fn bad_settings_are_named() {
+        let good = PointContact::new(1e15);
+        assert_eq!(good.problem(), None);
+        let bad = [
+            PointContact::new(0.0),
+            PointContact::new(f64::NAN),
+            PointContact {
+                damping: -1.0,
+                ..good
+            },
+            PointContact {
+                reach: Some(0.0),
+                ..good
+            },
+            PointContact {
+                rule: PointRule::Quadrature {
+                    along: 0,
+                    across: 2,
+                },
+                ..good
+            },
+        ];
+        for settings in bad {
+            assert!(settings.problem().is_some(), "{settings:?}");
+        }
+    }
+}

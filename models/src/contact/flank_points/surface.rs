@@ -1,0 +1,369 @@
+//! One flank as a surface: its reference shape, its points, and a face of it in the deformed state.
+//!
+//! ```text
+//! X(a, b) = sum_i N_i(a, b) x_i + R B(a, b)
+//! ```
+//!
+//! `x_i` the deformed corners of the face, `N_i` bilinear, `R` the turn of the gear's own frame, `B` what the
+//! splines through the undeformed nodes rise above the bilinear face: zero at the nodes and for faceted
+//! surfaces. Between the rows and columns `B` is the bilinearly blended patch of its four edge curves
+//! (S. A. Coons, MIT MAC-TR-41, 1967). `a`, `b` run from 0 to 1, `xi = 2 (a, b) - 1`.
+
+use super::settings::{PointRule, SurfaceKind, gauss_legendre};
+use super::spline::{bulge, bulges};
+use super::{FlankGrid, Flanks};
+use crate::Vec3;
+use crate::gear::placement::Pose;
+use crate::geometry::Side;
+
+/// The reference shape of a flank in the gear's own frame.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    pub tooth: u32,
+    pub side: Side,
+    pub rows: usize,
+    pub columns: usize,
+    /// The gear's node numbers, row by row.
+    pub nodes: Vec<u32>,
+    positions: Vec<Vec3>,
+    /// Bulges of the chords along the profile, `row * columns + column`; empty for faceted surfaces.
+    profile: Vec<[Vec3; 2]>,
+    /// Bulges of the chords over the width, `row * (columns - 1) + column`; empty without any.
+    width: Vec<[Vec3; 2]>,
+    /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip.
+    pub heights: Vec<f64>,
+    /// z of each column [m].
+    z: Vec<f64>,
+    /// Length of the faces along the profile of each row [m].
+    pub lengths: Vec<f64>,
+    /// Reference area of each point [m^2], in the order of [`Shape::points`].
+    areas: Vec<f64>,
+    first_face: u32,
+}
+
+/// A point of a flank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FlankPoint {
+    pub row: usize,
+    pub column: usize,
+    /// Place on the face, 0 to 1.
+    pub a: f64,
+    pub b: f64,
+    /// Reference area it stands for [m^2].
+    pub area: f64,
+}
+
+/// Points and weights on [0, 1] in both directions of a face; none for nodes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rule {
+    along: Vec<(f64, f64)>,
+    across: Vec<(f64, f64)>,
+}
+
+impl Rule {
+    pub fn new(rule: PointRule) -> Self {
+        let unit = |n: usize| -> Vec<(f64, f64)> {
+            gauss_legendre(n)
+                .into_iter()
+                .map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w))
+                .collect()
+        };
+        match rule {
+            PointRule::Nodes => Rule::default(),
+            PointRule::Quadrature { along, across } => Rule {
+                along: unit(along),
+                across: unit(across),
+            },
+        }
+    }
+
+    fn is_nodes(&self) -> bool {
+        self.along.is_empty()
+    }
+}
+
+impl Shape {
+    /// The shape of grid `g` of `flanks`; `rack` says how to measure heights.
+    pub fn new(flanks: &Flanks, g: usize, kind: SurfaceKind, rule: &Rule, rack: bool) -> Self {
+        let FlankGrid {
+            tooth,
+            side,
+            rows,
+            columns,
+            ref nodes,
+            ref positions,
+        } = flanks.grids()[g];
+        let at = |r: usize, c: usize| positions[r * columns + c];
+        let (mut profile, mut width) = (vec![], vec![]);
+        if kind == SurfaceKind::Smooth {
+            profile = vec![[Vec3::zeros(); 2]; (rows - 1) * columns];
+            for c in 0..columns {
+                let line: Vec<Vec3> = (0..rows).map(|r| at(r, c)).collect();
+                for (r, e) in bulges(&line).into_iter().enumerate() {
+                    profile[r * columns + c] = e;
+                }
+            }
+            if columns > 2 {
+                for r in 0..rows {
+                    let line: Vec<Vec3> = (0..columns).map(|c| at(r, c)).collect();
+                    width.extend(bulges(&line));
+                }
+            }
+        }
+        let (mid_row, mid_column) = (rows / 2, columns / 2);
+        let height = |x: Vec3| {
+            if rack { x.x } else { x.x * x.x + x.y * x.y }
+        };
+        let mut shape = Shape {
+            tooth,
+            side,
+            rows,
+            columns,
+            nodes: nodes.clone(),
+            heights: (0..rows).map(|r| height(at(r, mid_column))).collect(),
+            z: (0..columns).map(|c| at(mid_row, c).z).collect(),
+            lengths: (0..rows - 1)
+                .map(|r| (at(r + 1, mid_column) - at(r, mid_column)).norm())
+                .collect(),
+            positions: positions.clone(),
+            profile,
+            width,
+            areas: vec![],
+            first_face: flanks.face(g, 0, 0),
+        };
+        shape.measure(rule);
+        shape
+    }
+
+    /// Areas of all points.
+    fn measure(&mut self, rule: &Rule) {
+        let still = Pose {
+            cos: 1.0,
+            sin: 0.0,
+            origin: Vec3::zeros(),
+        };
+        let element = |row: usize, column: usize, a: f64, b: f64| {
+            let s = self
+                .face(&self.positions, &still, row, column)
+                .eval(self, a, b);
+            s.along.cross(&s.across).norm()
+        };
+        let areas = if rule.is_nodes() {
+            let mut areas = vec![0.0; self.rows * self.columns];
+            let gauss = Rule::new(PointRule::Quadrature {
+                along: 3,
+                across: 3,
+            });
+            for row in 0..self.rows - 1 {
+                for column in 0..self.columns - 1 {
+                    for &(a, wa) in &gauss.along {
+                        for &(b, wb) in &gauss.across {
+                            let area = wa * wb * element(row, column, a, b);
+                            let n = Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0]);
+                            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)];
+                            for ((r, c), n) in corners.into_iter().zip(n) {
+                                areas[(row + r) * self.columns + column + c] += n * area;
+                            }
+                        }
+                    }
+                }
+            }
+            areas
+        } else {
+            let mut areas = vec![];
+            for row in 0..self.rows - 1 {
+                for column in 0..self.columns - 1 {
+                    for &(a, wa) in &rule.along {
+                        for &(b, wb) in &rule.across {
+                            areas.push(wa * wb * element(row, column, a, b));
+                        }
+                    }
+                }
+            }
+            areas
+        };
+        self.areas = areas;
+    }
+
+    /// Calls `f` for each point, row by row.
+    #[inline]
+    pub fn points(&self, rule: &Rule, mut f: impl FnMut(FlankPoint)) {
+        let mut areas = self.areas.iter().copied();
+        let mut give = |row, column, a, b| {
+            if let Some(area) = areas.next() {
+                f(FlankPoint {
+                    row,
+                    column,
+                    a,
+                    b,
+                    area,
+                });
+            }
+        };
+        if rule.is_nodes() {
+            for r in 0..self.rows {
+                for c in 0..self.columns {
+                    let (row, column) = (r.min(self.rows - 2), c.min(self.columns - 2));
+                    give(row, column, (r - row) as f64, (c - column) as f64);
+                }
+            }
+            return;
+        }
+        for row in 0..self.rows - 1 {
+            for column in 0..self.columns - 1 {
+                for &(a, _) in &rule.along {
+                    for &(b, _) in &rule.across {
+                        give(row, column, a, b);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether the faces are taken as they are.
+    #[inline]
+    pub fn is_faceted(&self) -> bool {
+        self.profile.is_empty()
+    }
+
+    /// Number of a face among all of the gear.
+    #[inline]
+    pub fn face_number(&self, row: usize, column: usize) -> u32 {
+        self.first_face + (row * (self.columns - 1) + column) as u32
+    }
+
+    /// A face in the deformed state: `x` the positions of the flank's nodes, `pose` the gear's frame.
+    #[inline]
+    pub fn face<'a>(&self, x: &[Vec3], pose: &'a Pose, row: usize, column: usize) -> Face<'a> {
+        let i = row * self.columns + column;
+        let (x00, x10) = (x[i], x[i + self.columns]);
+        let (x01, x11) = (x[i + 1], x[i + self.columns + 1]);
+        Face {
+            row,
+            column,
+            pose,
+            origin: x00,
+            along: x10 - x00,
+            across: x01 - x00,
+            twist: x11 - x10 - x01 + x00,
+        }
+    }
+
+    /// Column whose strip holds a `z`.
+    #[inline]
+    pub fn column_at(&self, z: f64) -> usize {
+        let mut column = 0;
+        while column + 2 < self.columns && z > self.z[column + 1] {
+            column += 1;
+        }
+        column
+    }
+
+    /// Row whose strip holds a height; `None` more than a face's length beyond root or tip.
+    #[inline]
+    pub fn row_at(&self, height: f64) -> Option<usize> {
+        let h = &self.heights;
+        let last = h.len() - 1;
+        if height < 2.0 * h[0] - h[1] || height > 2.0 * h[last] - h[last - 1] {
+            return None;
+        }
+        let above = h.partition_point(|x| *x <= height);
+        Some(above.saturating_sub(1).min(last - 1))
+    }
+}
+
+/// A face in the deformed state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face<'a> {
+    pub row: usize,
+    pub column: usize,
+    pose: &'a Pose,
+    origin: Vec3,
+    along: Vec3,
+    across: Vec3,
+    twist: Vec3,
+}
+
+/// A point of a face with the derivatives by `a` and `b`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub x: Vec3,
+    pub along: Vec3,
+    pub across: Vec3,
+    /// Second derivatives: along twice, mixed, across twice.
+    pub bend: [Vec3; 3],
+}
+
+impl Face<'_> {
+    /// Position, tangents and second derivatives.
+    #[inline]
+    pub fn eval(&self, shape: &Shape, a: f64, b: f64) -> Spot {
+        let mut spot = Spot {
+            x: self.origin + a * self.along + b * (self.across + a * self.twist),
+            along: self.along + b * self.twist,
+            across: self.across + a * self.twist,
+            bend: [Vec3::zeros(), self.twist, Vec3::zeros()],
+        };
+        if shape.profile.is_empty() {
+            return spot;
+        }
+        let p = self.row * shape.columns + self.column;
+        let near = bulge(&shape.profile[p], a);
+        let far = bulge(&shape.profile[p + 1], a);
+        let mut value = near[0] + b * (far[0] - near[0]);
+        let mut along = near[1] + b * (far[1] - near[1]);
+        let mut across = far[0] - near[0];
+        let mut bend = [
+            near[2] + b * (far[2] - near[2]),
+            far[1] - near[1],
+            Vec3::zeros(),
+        ];
+        if !shape.width.is_empty() {
+            let w = self.row * (shape.columns - 1) + self.column;
+            let below = bulge(&shape.width[w], b);
+            let above = bulge(&shape.width[w + shape.columns - 1], b);
+            value += below[0] + a * (above[0] - below[0]);
+            along += above[0] - below[0];
+            across += below[1] + a * (above[1] - below[1]);
+            bend[1] += above[1] - below[1];
+            bend[2] = below[2] + a * (above[2] - below[2]);
+        }
+        spot.x += self.pose.turn(&value);
+        spot.along += self.pose.turn(&along);
+        spot.across += self.pose.turn(&across);
+        for (sum, b) in spot.bend.iter_mut().zip(&bend) {
+            *sum += self.pose.turn(b);
+        }
+        spot
+    }
+
+    /// Position alone.
+    #[inline]
+    pub fn position(&self, shape: &Shape, a: f64, b: f64) -> Vec3 {
+        let mut x = self.origin + a * self.along + b * (self.across + a * self.twist);
+        if shape.profile.is_empty() {
+            return x;
+        }
+        let p = self.row * shape.columns + self.column;
+        let near = bulge(&shape.profile[p], a)[0];
+        let far = bulge(&shape.profile[p + 1], a)[0];
+        let mut value = near + b * (far - near);
+        if !shape.width.is_empty() {
+            let w = self.row * (shape.columns - 1) + self.column;
+            let below = bulge(&shape.width[w], b)[0];
+            let above = bulge(&shape.width[w + shape.columns - 1], b)[0];
+            value += below + a * (above - below);
+        }
+        x += self.pose.turn(&value);
+        x
+    }
+
+    /// Distance of a point from the plane through the face, outwards of the tooth [m].
+    #[inline]
+    pub fn height_over(&self, side: Side, x: &Vec3) -> f64 {
+        // Left: across x along points outwards.
+        let n = self.across.cross(&self.along);
+        let middle = self.origin + 0.5 * (self.along + self.across) + 0.25 * self.twist;
+        side.sign() * n.dot(&(x - middle)) / n.norm()
+    }
+}
