@@ -7,13 +7,10 @@
 //! sums are rounded otherwise (another processor, another compiler), so theirs is held to 3 %.
 
 use gearbench::scene_file;
-use gearbench::study::compare::{Entry, Plan, compare};
-use gearbench_models::gear::table::MODELS;
-use gearbench_reports::record::{ReferenceSeries, Run};
-use gearbench_reports::series::TimeSeries;
+use gearbench::study::compare::{Plan, compare};
+use gearbench_reports::record::Run;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::time::Duration;
 
 const HEADER: &str = "# Golden runs of scene spur_impact, made by:\n\
     #   GEARBENCH_UPDATE_GOLDEN=1 cargo test --release -p gearbench --test golden\n\
@@ -23,36 +20,17 @@ const HEADER: &str = "# Golden runs of scene spur_impact, made by:\n\
 fn runs() -> Vec<Run> {
     let scene = scene_file::load("spur_impact").unwrap_or_else(|e| panic!("{e:?}"));
     let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
-    let h = reference.history;
+    // Models with integrators of their own are finite elements: other tests hold those.
+    let choices: Vec<_> = scene
+        .models
+        .iter()
+        .filter(|c| c.integrators.is_none())
+        .collect();
     let plan = Plan {
-        name: scene.name.clone(),
-        title: String::new(),
-        command: String::new(),
-        entries: scene
-            .models
-            .iter()
-            .map(|c| Entry {
-                label: c.label.clone(),
-                model: c.model.clone(),
-                calibration: None,
-                scene: scene.spec_for(c),
-                modelling: c.modelling.clone(),
-            })
-            .collect(),
-        methods: scene.study.integrators.clone(),
-        models: MODELS,
-        duration: scene.duration,
         samples: 200,
-        reference: Some(ReferenceSeries {
-            id: "calculix".into(),
-            series: TimeSeries::new(h.time, h.contact_force, h.omega1_mean, h.omega2_mean).unwrap(),
-            ..Default::default()
-        }),
         tolerance: None,
-        settings: Vec::new(),
         repeats: 0,
-        events: true,
-        timeout: Duration::from_secs(60),
+        ..Plan::of(&scene, &choices, Some(&reference))
     };
     compare(&plan, None, |_, _| {}).unwrap().runs
 }

@@ -19,6 +19,7 @@ pub mod assembly;
 pub mod deck;
 pub mod element;
 pub mod external;
+pub mod full_order;
 pub mod mesh;
 pub mod modes;
 pub mod solve;
@@ -29,4 +30,5 @@ pub mod table;
 pub use external::{
     ExternalReference, GearData, History, ImpactParameters, ReferenceError, Summary,
 };
+pub use full_order::MODELS;
 pub use table::{REFERENCES, StoredReference, reference};

@@ -3,17 +3,14 @@
 use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
 use crate::cli::Compare;
 use crate::scene_file::{self, ModelChoice, SceneFile};
-use crate::study::compare::{Entry, Plan, compare, methods_from};
+use crate::study::compare::{Plan, compare, methods_from};
 use gearbench_integrators::Resolution;
-use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::Pair;
 use gearbench_models::scene::build::{lever, mesh_layout};
 use gearbench_models::scene::spec::{Body, ModelSpec, SceneSpec, Value};
 use gearbench_models::stiffness::{Mate, build_with_warnings};
-use gearbench_reference::ExternalReference;
 use gearbench_reports::numbers::short;
-use gearbench_reports::record::{ReferenceSeries, Results, Status};
-use gearbench_reports::series::TimeSeries;
+use gearbench_reports::record::{Results, Status};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -22,43 +19,28 @@ use std::time::Duration;
 pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let choices = scene.select(args.models.as_deref())?;
-    let methods = match &args.integrators {
-        Some(text) => methods_from(text, &scene.study.integrators)
-            .map_err(crate::study::run::RunError::Method)
-            .map_err(refuse_run)?,
-        None => scene.study.integrators.clone(),
-    };
     let reference = scene
         .reference
         .as_deref()
         .map(gearbench_reference::reference)
         .transpose()
         .map_err(|e| Refusal::Files(e.to_string()))?;
-    let entries: Vec<Entry> = choices
-        .iter()
-        .map(|choice| Entry {
-            label: choice.label.clone(),
-            model: choice.model.clone(),
-            calibration: choice.calibration.as_ref().map(|c| c.name.clone()),
-            scene: scene.spec_for(choice),
-            modelling: choice.modelling.clone(),
-        })
-        .collect();
     let plan = Plan {
-        name: scene.name.clone(),
-        title: scene.title.clone(),
         command: command.to_string(),
         settings: settings(&scene, &choices, args.no_events),
-        entries,
-        methods,
-        models: MODELS,
-        duration: scene.duration,
-        samples: scene.study.samples,
-        reference: reference.as_ref().map(series),
-        tolerance: scene.tolerance.clone(),
         repeats: args.repeats.max(1),
         events: scene.study.events && !args.no_events,
         timeout: Duration::from_secs_f64(args.timeout),
+        ..Plan::of(&scene, &choices, reference.as_ref())
+    };
+    let plan = match &args.integrators {
+        // What the command line asks for goes for all models.
+        Some(text) => plan.with_methods(
+            methods_from(text, &scene.study.integrators)
+                .map_err(crate::study::run::RunError::Method)
+                .map_err(refuse_run)?,
+        ),
+        None => plan,
     };
     let bar = progress_bar(plan.len());
     let results = compare(&plan, None, |done, what| {
@@ -81,27 +63,6 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     } else {
         ExitCode::SUCCESS
     })
-}
-
-fn series(r: &ExternalReference) -> ReferenceSeries {
-    let h = &r.history;
-    ReferenceSeries {
-        // Records name the program; the title and source say which case.
-        id: r.id.split('/').next().unwrap_or(r.id).to_string(),
-        title: r.title.split(", impact").next().unwrap_or(r.title).to_string(),
-        source: format!("{} ({})", r.title, r.id),
-        note: "first-order bricks, faceted flanks: judge models against this discretisation, it is not converged physics"
-            .into(),
-        command: Some(r.regenerate.to_string()),
-        cpu_s: Some(r.summary.cpu_s),
-        series: TimeSeries {
-            time_s: h.time.clone(),
-            contact_force_n: h.contact_force.clone(),
-            omega1_rad_s: h.omega1_mean.clone(),
-            omega2_rad_s: h.omega2_mean.clone(),
-            columns: Vec::new(),
-        },
-    }
 }
 
 /// One line per run, failures with their reason, and where everything lies.

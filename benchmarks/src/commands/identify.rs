@@ -2,11 +2,11 @@
 
 use super::{Refusal, progress_bar, say};
 use crate::cli::Identify;
+use crate::models::models;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::{self, Calibration, SceneFile};
 use crate::study::identify::{Identification, IdentifyError, identify, keys};
 use crate::study::machine;
-use gearbench_models::gear::table::MODELS;
 use std::process::ExitCode;
 
 /// Name of the calibration that an impact gives.
@@ -47,7 +47,7 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
         let result = identify(
             &scene.spec_for(choice),
             &choice.modelling,
-            MODELS,
+            models(),
             (time, force),
             |n, error| {
                 bar.set_message(format!(

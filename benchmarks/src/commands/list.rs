@@ -1,9 +1,9 @@
 //! `gearbench list`: what there is to name on the command line and in scenes.
 
 use super::{Refusal, say};
+use crate::models::models;
 use crate::scene_file::{self, SHIPPED};
 use gearbench_integrators::{METHODS, Stepping};
-use gearbench_models::gear::table::MODELS;
 use gearbench_reference::REFERENCES;
 use std::process::ExitCode;
 
@@ -17,7 +17,7 @@ pub fn run() -> Result<ExitCode, Refusal> {
         say(&format!("  {:<18} models: {}", "", labels.join(", ")));
     }
     say("\nmodels (model = \"ID\" in a scene)");
-    for m in MODELS {
+    for m in models() {
         say(&format!("  {:<18} {}", m.id, m.title));
         for p in m.parameters {
             let need = if p.required { "required" } else { "optional" };

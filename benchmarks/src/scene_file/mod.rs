@@ -33,9 +33,9 @@ pub use model::{CalibrationUse, ModelChoice};
 pub use shipped::SHIPPED;
 pub use study_plan::{QUANTITIES, Study};
 
+use crate::models::models as model_table;
 use error::Source;
 use gear::Place;
-use gearbench_models::gear::table::MODELS;
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::spec::SceneSpec;
 use gearbench_reference::REFERENCES;
@@ -242,7 +242,7 @@ impl SceneFile {
             scene: &scene_name,
             gears: &drafts,
             meshes: meshes.len(),
-            models: MODELS,
+            models: model_table(),
             calibrations: if calibrated { Some(&find) } else { None },
         };
         let (models, model_places): (Vec<_>, Vec<_>) =
@@ -297,7 +297,7 @@ impl SceneFile {
     fn check(&self, calibrated: bool) -> Result<(), SceneError> {
         for choice in &self.models {
             let incomplete = choice.calibration.is_some() && !calibrated;
-            if let Err(e) = Scene::build(&self.spec_for(choice), &choice.modelling, MODELS)
+            if let Err(e) = Scene::build(&self.spec_for(choice), &choice.modelling, model_table())
                 && !(incomplete && e.message.contains("is missing"))
             {
                 return Err(self.locate_in(&choice.label, &e));

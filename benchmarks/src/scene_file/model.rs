@@ -5,7 +5,9 @@ use super::contact::contact;
 use super::error::SceneError;
 use super::gear::{GearDraft, Place};
 use super::reader::{Entry, Key, in_order, key};
+use super::study_plan::integrator;
 use super::suggest;
+use crate::study::run::Method;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
@@ -32,6 +34,14 @@ pub(super) static MODEL: &[Key] = &[
     key(
         "parameters",
         "parameters of the gear model, SI units in their names",
+    ),
+    key(
+        "gap_m",
+        "gap at the start for this model [m], in place of the scene's",
+    ),
+    key(
+        "integrators",
+        "integrators of this model, in place of the study's",
     ),
     key(
         "calibration",
@@ -78,12 +88,17 @@ pub struct ModelChoice {
     pub modelling: Modelling,
     /// The calibration, if one is used.
     pub calibration: Option<CalibrationUse>,
+    /// Gap at the start [m] that the model asks for itself.
+    pub own_gap: Option<f64>,
+    /// Its integrators, where they are not those of the study.
+    pub integrators: Option<Vec<Method>>,
 }
 
 impl ModelChoice {
-    /// Gap at the start that the calibration brings [m].
+    /// Gap at the start that the model or its calibration brings [m].
     pub fn gap(&self) -> Option<f64> {
-        self.calibration.as_ref()?.constants.as_ref()?.gap
+        let calibrated = || self.calibration.as_ref()?.constants.as_ref()?.gap;
+        self.own_gap.or_else(calibrated)
     }
 }
 
@@ -181,12 +196,19 @@ fn model(
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
         apply(constants, row, &mut modelling);
     }
+    let own_gap = s.get("gap_m").map(|e| e.number()).transpose()?;
+    let integrators = s
+        .get("integrators")
+        .map(|e| e.list()?.iter().map(integrator).collect())
+        .transpose()?;
     Ok((
         ModelChoice {
             label,
             model: row.id.to_owned(),
             modelling,
             calibration,
+            own_gap,
+            integrators,
         },
         place,
     ))

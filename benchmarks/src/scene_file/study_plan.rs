@@ -153,7 +153,8 @@ fn default_integrators() -> Vec<Method> {
         .collect()
 }
 
-fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
+/// Reads an integrator with its step or tolerance.
+pub(super) fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
     let s = entry.section("an integrator", INTEGRATOR)?;
     let method = s.need("method")?;
     let text = method.text()?;

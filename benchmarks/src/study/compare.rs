@@ -7,9 +7,12 @@
 
 use super::machine;
 use super::run::{Job, Method, RunError, run};
+use crate::models::models;
+use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::{METHODS, Resolution};
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{ReferenceSeries, Results, Run, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
@@ -41,6 +44,22 @@ pub struct Entry {
     pub scene: SceneSpec,
     /// Its models.
     pub modelling: Modelling,
+    /// Its integrators, where they are not those of the plan.
+    pub methods: Option<Vec<Method>>,
+}
+
+impl Entry {
+    /// A model of a scene.
+    pub fn of(scene: &SceneFile, choice: &ModelChoice) -> Entry {
+        Entry {
+            label: choice.label.clone(),
+            model: choice.model.clone(),
+            calibration: choice.calibration.as_ref().map(|c| c.name.clone()),
+            scene: scene.spec_for(choice),
+            modelling: choice.modelling.clone(),
+            methods: choice.integrators.clone(),
+        }
+    }
 }
 
 /// What to compare.
@@ -77,9 +96,47 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
+    /// The comparison of some models of a scene as the scene describes it: one timed repeat, a minute per run.
+    pub fn of(
+        scene: &SceneFile,
+        choices: &[&ModelChoice],
+        reference: Option<&ExternalReference>,
+    ) -> Plan<'static> {
+        Plan {
+            name: scene.name.clone(),
+            title: scene.title.clone(),
+            command: String::new(),
+            entries: choices.iter().map(|c| Entry::of(scene, c)).collect(),
+            methods: scene.study.integrators.clone(),
+            models: models(),
+            duration: scene.duration,
+            samples: scene.study.samples,
+            reference: reference.map(series),
+            tolerance: scene.tolerance.clone(),
+            settings: Vec::new(),
+            repeats: 1,
+            events: scene.study.events,
+            timeout: Duration::from_secs(60),
+        }
+    }
+
+    /// The same under other integrators, for all models.
+    #[must_use]
+    pub fn with_methods(mut self, methods: Vec<Method>) -> Self {
+        for entry in &mut self.entries {
+            entry.methods = None;
+        }
+        self.methods = methods;
+        self
+    }
+
     /// Number of runs.
     pub fn len(&self) -> usize {
-        self.entries.len() * self.methods.len()
+        self.entries.iter().map(|e| self.methods_of(e).len()).sum()
+    }
+
+    fn methods_of<'p>(&'p self, entry: &'p Entry) -> &'p [Method] {
+        entry.methods.as_deref().unwrap_or(&self.methods)
     }
 
     /// True when there is nothing to run.
@@ -107,6 +164,28 @@ impl Plan<'_> {
             grid = all;
         }
         grid
+    }
+}
+
+/// The history of an external reference as records keep it.
+fn series(r: &ExternalReference) -> ReferenceSeries {
+    let h = &r.history;
+    ReferenceSeries {
+        // Records name the program; the title and source say which case.
+        id: r.id.split('/').next().unwrap_or(r.id).to_string(),
+        title: r.title.split(", impact").next().unwrap_or(r.title).to_string(),
+        source: format!("{} ({})", r.title, r.id),
+        note: "first-order bricks, faceted flanks: judge models against this discretisation, it is not converged physics"
+            .into(),
+        command: Some(r.regenerate.to_string()),
+        cpu_s: Some(r.summary.cpu_s),
+        series: TimeSeries {
+            time_s: h.time.clone(),
+            contact_force_n: h.contact_force.clone(),
+            omega1_rad_s: h.omega1_mean.clone(),
+            omega2_rad_s: h.omega2_mean.clone(),
+            columns: Vec::new(),
+        },
     }
 }
 
@@ -139,7 +218,7 @@ pub fn compare(
         progress(runs.len(), &format!("{}, converged solution", entry.label));
         let converged = converged(&job, &tight)?;
         let mut pictured = false;
-        for method in &plan.methods {
+        for method in plan.methods_of(entry) {
             progress(runs.len(), &format!("{}, {}", entry.label, method.text));
             let mut row = run(&job(method))?;
             row.model.clone_from(&entry.model);

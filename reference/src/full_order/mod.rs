@@ -1,1 +1,21 @@
-//! The full-order gear model `fe`.
+//! The full-order gear model `fe`: all nodal displacements, in the same scenes as every other model.
+//!
+//! | room | owns |
+//! |---|---|
+//! | [`frame`] | the frame on the hub: where undeformed points are |
+//! | [`body`] | mesh, stiffness and mass, prepared |
+//! | [`gear`] | the gear model: coordinates, forces, energy |
+//! | [`correction`] | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
+//! | [`table`] | the line in the table of models: parameters, where the mesh comes from |
+
+pub mod body;
+pub mod correction;
+pub mod frame;
+pub mod gear;
+pub mod table;
+
+#[cfg(test)]
+mod tests;
+
+pub use gear::FullOrder;
+pub use table::MODELS;

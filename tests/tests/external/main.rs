@@ -3,15 +3,13 @@
 //! The calibrated models must stay within what their fit reached; nothing here is a golden value of our own.
 
 use gearbench::scene_file;
-use gearbench::study::compare::{Entry, Plan, compare};
+use gearbench::study::compare::{Plan, compare};
 use gearbench::study::identify::{apply, identify};
 use gearbench::study::run::Method;
 use gearbench_integrators::Resolution;
 use gearbench_models::gear::table::MODELS;
 use gearbench_reference::{ExternalReference, reference};
-use gearbench_reports::record::{Metrics, ReferenceSeries};
-use gearbench_reports::series::TimeSeries;
-use std::time::Duration;
+use gearbench_reports::record::Metrics;
 
 fn stored(scene: &scene_file::SceneFile) -> ExternalReference {
     reference(
@@ -27,48 +25,22 @@ fn stored(scene: &scene_file::SceneFile) -> ExternalReference {
 fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) {
     let scene = scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"));
     let external = stored(&scene);
-    let h = &external.history;
-    let series = TimeSeries::new(
-        h.time.clone(),
-        h.contact_force.clone(),
-        h.omega1_mean.clone(),
-        h.omega2_mean.clone(),
-    )
-    .unwrap();
-    let labels: Vec<String> = scene.models.iter().map(|m| m.label.clone()).collect();
+    let choices: Vec<_> = scene
+        .models
+        .iter()
+        .filter(|c| c.integrators.is_none())
+        .collect();
+    let labels: Vec<String> = choices.iter().map(|m| m.label.clone()).collect();
     let plan = Plan {
-        name: name.into(),
-        title: String::new(),
-        command: String::new(),
-        entries: scene
-            .models
-            .iter()
-            .map(|c| Entry {
-                label: c.label.clone(),
-                model: c.model.clone(),
-                calibration: None,
-                scene: scene.spec_for(c),
-                modelling: c.modelling.clone(),
-            })
-            .collect(),
-        methods: vec![Method {
-            text: "dopri5".into(),
-            resolution: Resolution::Tolerance(1e-8),
-        }],
-        models: MODELS,
-        duration: scene.duration,
         samples: 200,
-        reference: Some(ReferenceSeries {
-            id: "calculix".into(),
-            series,
-            ..Default::default()
-        }),
         tolerance: None,
-        settings: Vec::new(),
         repeats: 0,
-        events: true,
-        timeout: Duration::from_secs(60),
-    };
+        ..Plan::of(&scene, &choices, Some(&external))
+    }
+    .with_methods(vec![Method {
+        text: "dopri5".into(),
+        resolution: Resolution::Tolerance(1e-8),
+    }]);
     let record = compare(&plan, None, |_, _| {}).unwrap();
     let found = record
         .runs

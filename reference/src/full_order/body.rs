@@ -1,0 +1,160 @@
+//! What a full-order gear is made of: its mesh in the assembled position, stiffness, mass, and the inertia
+//! that couples its nodes to the hub. Nothing here changes in time.
+
+use super::frame::unit_motion;
+use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
+use crate::assembly::{Assembly, assemble};
+use crate::element::ElementError;
+use crate::mesh::GearMesh;
+use gearbench_models::Vec3;
+use gearbench_models::contact::flank_points::Flanks;
+use gearbench_models::gear::placement::Placement;
+use gearbench_models::stiffness::Material;
+
+/// A gear's finite elements with the hub's nodes taken out.
+#[derive(Debug)]
+pub struct Body {
+    /// Undeformed positions [m], from the hub's centre, in the assembled position.
+    pub position: Vec<Vec3>,
+    /// Stiffness and mass over all nodes.
+    pub assembly: Assembly,
+    /// Nodes with displacements of their own, in the order of their coordinates.
+    pub free: Vec<u32>,
+    /// Per node its place in `free`, or [`Tie::HELD`].
+    pub place: Vec<u32>,
+    /// Flanks, in the gear's own frame (before it is turned into the assembled position).
+    pub flanks: Flanks,
+    /// Which mass matrix.
+    pub mass: MassKind,
+    /// Stiffness and mass over the coordinates in the frame: `3 free`, then the hub's if it is free.
+    pub reduced: Reduced,
+    /// Mass of a node with itself [kg], lumped mass only.
+    pub lumped: Vec<f64>,
+    /// Inertia [kg m^2] or mass [kg] of the whole gear with what is added at the hub.
+    pub inertia: f64,
+    /// Inertia of the hub's coordinate with itself: held nodes and what is added.
+    pub hub_inertia: f64,
+    /// What is added at the hub.
+    pub added_inertia: f64,
+    /// Nodal masses times the places of held nodes, `M_fb X_b`, per place in `free` that has any [kg m].
+    pub pull: Vec<(u32, [f64; 3])>,
+    /// The same with their velocity for a hub of unit speed, `M_fb V_b`.
+    pub drag: Vec<(u32, [f64; 3])>,
+}
+
+impl Body {
+    /// Prepares a mesh in its assembled position; `moves` is false where the hub's motion is prescribed.
+    ///
+    /// # Errors
+    /// An element that is turned inside out.
+    pub fn new(
+        mesh: GearMesh,
+        material: &Material,
+        placement: &Placement,
+        moves: bool,
+        mass: MassKind,
+        added_inertia: f64,
+    ) -> Result<Body, ElementError> {
+        let GearMesh {
+            mut mesh,
+            bore,
+            flanks,
+            ..
+        } = mesh;
+        let (slide, pose) = (placement.slide, placement.pose(0.0));
+        for x in &mut mesh.nodes {
+            *x = pose.point(x) - placement.centre;
+        }
+        let assembly = assemble(&mesh, material)?;
+        let position = mesh.nodes;
+        let motion = slide.map_or(HubMotion::Turn, HubMotion::Slide);
+        let motions: &[HubMotion] = if moves { &[motion] } else { &[] };
+        let tie = Tie::new(&position, &bore, motions);
+        let (free, place) = (tie.free().to_vec(), tie.places().to_vec());
+        let added = [added_inertia];
+        let reduced = tie.reduce(&assembly, &added[..motions.len()], mass);
+
+        let unit = |node: usize| unit_motion(&position[node].into(), slide.as_ref());
+        let nodes = position.len();
+        let mut motion_of = vec![0.0; 3 * nodes];
+        let mut held_motion = vec![0.0; 3 * nodes];
+        let mut held_place = vec![0.0; 3 * nodes];
+        for node in 0..nodes {
+            motion_of[3 * node..][..3].copy_from_slice(&unit(node));
+        }
+        for &node in &bore {
+            let node = node as usize;
+            held_motion[3 * node..][..3].copy_from_slice(&unit(node));
+            if slide.is_none() {
+                let x = &position[node];
+                held_place[3 * node..][..2].copy_from_slice(&[x.x, x.y]);
+            }
+        }
+        let times_mass = |x: &[f64]| {
+            let mut y = vec![0.0; x.len()];
+            match mass {
+                MassKind::Consistent => assembly.mass.apply3(x, &mut y),
+                MassKind::Lumped => {
+                    for (node, m) in assembly.lumped.iter().enumerate() {
+                        for axis in 3 * node..3 * node + 3 {
+                            y[axis] = m * x[axis];
+                        }
+                    }
+                }
+            }
+            y
+        };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let of_free = |y: &[f64]| {
+            let mut out = Vec::new();
+            for (k, &node) in free.iter().enumerate() {
+                let v = &y[3 * node as usize..][..3];
+                if v.iter().any(|x| *x != 0.0) {
+                    out.push((k as u32, [v[0], v[1], v[2]]));
+                }
+            }
+            out
+        };
+        let inertia = added_inertia + dot(&motion_of, &times_mass(&motion_of));
+        let dragged = times_mass(&held_motion);
+        let hub_inertia = added_inertia + dot(&held_motion, &dragged);
+        let (drag, pull) = (of_free(&dragged), of_free(&times_mass(&held_place)));
+        let lumped = match mass {
+            MassKind::Lumped => assembly.lumped.clone(),
+            MassKind::Consistent => Vec::new(),
+        };
+        Ok(Body {
+            flanks: Flanks::new(flanks),
+            position,
+            assembly,
+            free,
+            place,
+            mass,
+            reduced,
+            lumped,
+            inertia,
+            hub_inertia,
+            added_inertia,
+            pull,
+            drag,
+        })
+    }
+
+    /// `y = M x` over all nodes, three components each.
+    pub fn apply_nodal_mass(&self, x: &[f64], y: &mut [f64]) {
+        match self.mass {
+            MassKind::Consistent => self.assembly.mass.apply3(x, y),
+            MassKind::Lumped => {
+                for ((y, x), m) in y
+                    .chunks_exact_mut(3)
+                    .zip(x.chunks_exact(3))
+                    .zip(&self.lumped)
+                {
+                    for axis in 0..3 {
+                        y[axis] = m * x[axis];
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Newton corrections of a full-order gear: `A = c_m M + c_k K` in the frame on the hub is constant, so it is
+//! factorised once for a step size and solved with from then on.
+//!
+//! Left out of `A` are the terms of the order of the elastic strain that the turning frame brings; Newton
+//! converges linearly in them. For many contacts on few nodes the columns of `A^-1` that belong to those nodes
+//! are kept, so that a contact needs no further sparse solves (`G = E^T A^-1 E`, the flexibility of the nodes).
+
+use super::frame::Frame;
+use crate::assembly::tie::Reduced;
+use crate::solve::Cholesky;
+use faer::sparse::SparseColMat;
+use gearbench_integrators::system::{Coeffs, Singular};
+use std::collections::HashMap;
+
+/// Memory for kept columns [bytes]; they are dropped when it is full.
+const COLUMN_BYTES: usize = 1 << 30;
+
+/// The factor for one set of weights.
+#[derive(Debug)]
+struct Factor {
+    key: [f64; 3],
+    cholesky: Cholesky,
+    /// Place of the column of a node (its place among the free ones) in `columns`.
+    of_node: HashMap<u32, usize>,
+    /// Three columns of `A^-1` per kept node, coordinates in the frame, hub last.
+    columns: Vec<f64>,
+}
+
+/// Factors and buffers.
+#[derive(Debug)]
+pub struct Correction {
+    /// Coordinates of the hub: 0 or 1.
+    own: usize,
+    n: usize,
+    matrix: SparseColMat<usize, f64>,
+    /// Entries of stiffness and mass on the pattern of `matrix`.
+    entries: Vec<[f64; 2]>,
+    /// Newton steps and the steps to the end of a run take turns: two factors are kept.
+    factors: Vec<Factor>,
+    count: u64,
+    buffer: Vec<f64>,
+    nodes: Vec<u32>,
+    small: Vec<f64>,
+}
+
+impl Correction {
+    /// Prepares for a gear with `own` hub coordinates.
+    #[must_use]
+    pub fn new(reduced: &Reduced, own: usize) -> Self {
+        let (matrix, entries) = union(&reduced.stiffness, &reduced.mass);
+        Correction {
+            own,
+            n: matrix.nrows(),
+            matrix,
+            entries,
+            factors: Vec::new(),
+            count: 0,
+            buffer: Vec::new(),
+            nodes: Vec::new(),
+            small: Vec::new(),
+        }
+    }
+
+    /// Factorisations so far.
+    #[must_use]
+    pub fn factorisations(&self) -> u64 {
+        self.count
+    }
+
+    /// Makes the factor for weights the first of `factors`.
+    fn prepare(&mut self, c: Coeffs, hub_damping: f64) -> Result<(), Singular> {
+        let key = [c.m, c.k, c.d * hub_damping];
+        if let Some(i) = self.factors.iter().position(|f| f.key == key) {
+            self.factors.swap(0, i);
+            return Ok(());
+        }
+        for (x, [k, m]) in self.matrix.val_mut().iter_mut().zip(&self.entries) {
+            *x = c.k * k + c.m * m;
+        }
+        if self.own > 0 && key[2] != 0.0 {
+            // The hub's is the last column of the lower triangle: its only entry is the diagonal.
+            let last = self.matrix.val_mut().len() - 1;
+            self.matrix.val_mut()[last] += key[2];
+        }
+        self.count += 1;
+        if self.factors.len() < 2 {
+            let cholesky = Cholesky::new(self.matrix.as_ref()).map_err(|_| Singular)?;
+            self.factors.insert(
+                0,
+                Factor {
+                    key,
+                    cholesky,
+                    of_node: HashMap::new(),
+                    columns: Vec::new(),
+                },
+            );
+            return Ok(());
+        }
+        self.factors.swap(0, 1);
+        let factor = &mut self.factors[0];
+        factor.key = [f64::NAN; 3];
+        factor.of_node.clear();
+        factor.columns.clear();
+        factor
+            .cholesky
+            .refactor(self.matrix.as_ref())
+            .map_err(|_| Singular)?;
+        factor.key = key;
+        Ok(())
+    }
+
+    /// `x <- A^-1 x` for coordinates in space, the hub's first.
+    pub fn solve(
+        &mut self,
+        frame: Frame,
+        c: Coeffs,
+        hub_damping: f64,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.prepare(c, hub_damping)?;
+        // In the frame the hub's coordinate stands last.
+        let (hub, nodes) = x.split_at_mut(self.own);
+        self.buffer.clear();
+        self.buffer.extend_from_slice(nodes);
+        frame.all_to_frame(&mut self.buffer);
+        self.buffer.extend_from_slice(hub);
+        self.factors[0].cholesky.solve(&mut self.buffer);
+        let (of_nodes, of_hub) = self.buffer.split_at_mut(self.n - self.own);
+        frame.all_to_space(of_nodes);
+        nodes.copy_from_slice(of_nodes);
+        hub.copy_from_slice(of_hub);
+        if x.iter().all(|x| x.is_finite()) {
+            Ok(())
+        } else {
+            Err(Singular)
+        }
+    }
+
+    /// Nodes (places among the free ones) of coordinates, each once, into `self.nodes`; their columns are kept.
+    fn keep(&mut self, coordinates: &[u32]) {
+        self.nodes.clear();
+        for &i in coordinates {
+            if i as usize >= self.own {
+                let node = (i - self.own as u32) / 3;
+                if !self.nodes.contains(&node) {
+                    self.nodes.push(node);
+                }
+            }
+        }
+        let n = self.n;
+        let factor = &mut self.factors[0];
+        if (factor.of_node.len() + self.nodes.len()) * 24 * n > COLUMN_BYTES {
+            factor.of_node.clear();
+            factor.columns.clear();
+        }
+        let fresh: Vec<u32> = self
+            .nodes
+            .iter()
+            .copied()
+            .filter(|node| !factor.of_node.contains_key(node))
+            .collect();
+        if fresh.is_empty() {
+            return;
+        }
+        let start = factor.columns.len();
+        factor.columns.resize(start + 3 * fresh.len() * n, 0.0);
+        for (i, &node) in fresh.iter().enumerate() {
+            factor.of_node.insert(node, start / (3 * n) + i);
+            for axis in 0..3 {
+                let column = start + (3 * i + axis) * n;
+                factor.columns[column + 3 * node as usize + axis] = 1.0;
+            }
+        }
+        let columns = &mut factor.columns[start..];
+        factor.cholesky.solve_many(
+            faer::MatMut::from_column_major_slice_mut(columns, n, 3 * fresh.len()),
+            faer::Par::Seq,
+        );
+    }
+
+    /// Flexibility `E^T A^-1 E` of some coordinates (the hub's not among them), row-major.
+    pub fn flexibility(
+        &mut self,
+        frame: Frame,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.prepare(c, hub_damping)?;
+        self.keep(coordinates);
+        let (n, s) = (self.n, coordinates.len());
+        let factor = &self.factors[0];
+        let split = |i: u32| {
+            let i = i as usize - self.own;
+            ((i / 3) as u32, i % 3)
+        };
+        for (col, &j) in coordinates.iter().enumerate() {
+            let (node, axis) = split(j);
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            let weights = frame.to_frame(unit);
+            let columns = &factor.columns[3 * factor.of_node[&node] * n..][..3 * n];
+            let (mut last, mut response) = (u32::MAX, [0.0; 3]);
+            for (row, &i) in coordinates.iter().enumerate() {
+                let (at, axis) = split(i);
+                if at != last {
+                    let mut own = [0.0; 3];
+                    for (w, column) in weights.iter().zip(columns.chunks_exact(n)) {
+                        for k in 0..3 {
+                            own[k] += w * column[3 * at as usize + k];
+                        }
+                    }
+                    (last, response) = (at, frame.to_space(own));
+                }
+                g[row * s + col] = response[axis];
+            }
+        }
+        Ok(())
+    }
+
+    /// `x += A^-1 E f` for forces at some coordinates (the hub's not among them).
+    pub fn add_response(
+        &mut self,
+        frame: Frame,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        forces: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.prepare(c, hub_damping)?;
+        self.keep(coordinates);
+        let n = self.n;
+        self.small.clear();
+        self.small.resize(3 * self.nodes.len(), 0.0);
+        for (&i, f) in coordinates.iter().zip(forces) {
+            let i = i as usize - self.own;
+            let node = (i / 3) as u32;
+            if let Some(k) = self.nodes.iter().position(|&x| x == node) {
+                self.small[3 * k + i % 3] += f;
+            }
+        }
+        frame.all_to_frame(&mut self.small);
+        self.buffer.clear();
+        self.buffer.resize(n, 0.0);
+        let factor = &self.factors[0];
+        for (node, f) in self.nodes.iter().zip(self.small.chunks_exact(3)) {
+            let columns = &factor.columns[3 * factor.of_node[node] * n..][..3 * n];
+            let (a, rest) = columns.split_at(n);
+            let (b, c) = rest.split_at(n);
+            for (((y, a), b), c) in self.buffer.iter_mut().zip(a).zip(b).zip(c) {
+                *y += f[0] * a + f[1] * b + f[2] * c;
+            }
+        }
+        let (of_nodes, of_hub) = self.buffer.split_at_mut(n - self.own);
+        frame.all_to_space(of_nodes);
+        let (hub, nodes) = x.split_at_mut(self.own);
+        for (x, y) in hub.iter_mut().zip(of_hub) {
+            *x += *y;
+        }
+        for (x, y) in nodes.iter_mut().zip(of_nodes) {
+            *x += *y;
+        }
+        Ok(())
+    }
+}
+
+/// The union of two lower triangles: a matrix with that pattern, and the entries of both on it.
+fn union(
+    a: &SparseColMat<usize, f64>,
+    b: &SparseColMat<usize, f64>,
+) -> (SparseColMat<usize, f64>, Vec<[f64; 2]>) {
+    let n = a.ncols();
+    let mut starts = vec![0];
+    let (mut rows, mut entries) = (Vec::new(), Vec::new());
+    for j in 0..n {
+        let mut left = a.row_idx_of_col(j).zip(a.val_of_col(j)).peekable();
+        let mut right = b.row_idx_of_col(j).zip(b.val_of_col(j)).peekable();
+        loop {
+            let row = match (left.peek(), right.peek()) {
+                (None, None) => break,
+                (Some(x), None) => x.0,
+                (None, Some(y)) => y.0,
+                (Some(x), Some(y)) => x.0.min(y.0),
+            };
+            let mut value = [0.0; 2];
+            if let Some((_, x)) = left.next_if(|x| x.0 == row) {
+                value[0] = *x;
+            }
+            if let Some((_, y)) = right.next_if(|y| y.0 == row) {
+                value[1] = *y;
+            }
+            rows.push(row);
+            entries.push(value);
+        }
+        starts.push(rows.len());
+    }
+    let zeros = vec![0.0; rows.len()];
+    let pattern = faer::sparse::SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
+    (SparseColMat::new(pattern, zeros), entries)
+}

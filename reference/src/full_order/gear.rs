@@ -1,0 +1,475 @@
+//! The full-order gear: every node moves.
+//!
+//! Generalised coordinates: the hub's travel `theta` where the mount leaves it free, then per free node its
+//! displacement `d` in space from the assembled position. With absolute displacements the mass matrix of
+//! the nodes is constant and there are no Coriolis terms; elasticity is linear in the frame on the hub
+//! ([`super::frame`]): `u = R^T (X + d) - X`, strain energy `U = u^T K u / 2`,
+//!
+//! ```text
+//! M_ff d'' + M_fb x_b''(theta) = -R K u + contact
+//! J theta'' + (dx_b/dtheta)^T M_bf d'' = sum_free (z x (X + u)) . K u + T
+//! ```
+//!
+//! `b` are the nodes that the hub holds rigidly. Strain energy depends on neither the place nor the turn of the
+//! whole gear, so its momenta are conserved by construction. This is the floating frame of reference (A. A.
+//! Shabana, *Dynamics of Multibody Systems*, ch. 5) written in absolute coordinates; large turns, small strains.
+
+use super::body::Body;
+use super::correction::Correction;
+use super::frame::{Frame, unit_motion};
+use crate::assembly::tie::{MassKind, Tie};
+use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
+use gearbench_models::Vec3;
+use gearbench_models::contact::candidate::{Locus, Point, Tooth};
+use gearbench_models::contact::flank_points::Flanks;
+use gearbench_models::contact::row::Row;
+use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
+use gearbench_models::mount::{Hub, Mount};
+use std::cell::RefCell;
+
+/// Buffers over all nodes, three components each.
+#[derive(Debug)]
+struct Nodal {
+    /// Elastic displacement in the frame, or a velocity; held nodes stay as they were set.
+    u: Vec<f64>,
+    /// What stiffness or mass makes of it.
+    g: Vec<f64>,
+    /// A second direction, for tangents.
+    du: Vec<f64>,
+    dg: Vec<f64>,
+}
+
+/// A gear with all its nodal displacements.
+#[derive(Debug)]
+pub struct FullOrder {
+    hub: Hub,
+    lever: f64,
+    body: Body,
+    /// Coordinates of the hub: 0 or 1; those of the nodes follow.
+    own: usize,
+    scratch: RefCell<Nodal>,
+    correction: Correction,
+}
+
+impl FullOrder {
+    /// A body on its hub; `lever` is the base radius [m], or `cos(alpha)` for a rack. The hub's inertia becomes
+    /// that of the mesh with what is added.
+    #[must_use]
+    pub fn new(mut hub: Hub, lever: f64, body: Body) -> Self {
+        hub.inertia = body.inertia;
+        let n = 3 * body.position.len();
+        let zeros = || vec![0.0; n];
+        FullOrder {
+            own: hub.coordinates(),
+            correction: Correction::new(&body.reduced, hub.coordinates()),
+            hub,
+            lever,
+            body,
+            scratch: RefCell::new(Nodal {
+                u: zeros(),
+                g: zeros(),
+                du: zeros(),
+                dg: zeros(),
+            }),
+        }
+    }
+
+    /// The finite elements.
+    #[must_use]
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Factorisations of Newton matrices so far.
+    #[must_use]
+    pub fn factorisations(&self) -> u64 {
+        self.correction.factorisations()
+    }
+
+    #[inline]
+    fn slide(&self) -> Option<&Vec3> {
+        self.hub.slide.as_ref()
+    }
+
+    fn frame(&self, at: At<'_>) -> Frame {
+        Frame::at(self.hub.travel(at.t, at.q), self.slide())
+    }
+
+    /// Slope of a prescribed speed; zero for other mounts.
+    fn prescribed_acceleration(&self, t: f64) -> f64 {
+        match &self.hub.mount {
+            Mount::Driven(speed) => speed.slope(t),
+            _ => 0.0,
+        }
+    }
+
+    /// Elastic displacements of all nodes in the frame.
+    fn elastic(&self, frame: Frame, q: &[f64], u: &mut [f64]) {
+        let d = &q[self.own..];
+        for (k, &node) in self.body.free.iter().enumerate() {
+            let node = node as usize;
+            let e = frame.elastic(&self.body.position[node], &d[3 * k..3 * k + 3]);
+            u[3 * node..][..3].copy_from_slice(&e);
+        }
+        for (node, &place) in self.body.place.iter().enumerate() {
+            if place == Tie::HELD {
+                u[3 * node..][..3].fill(0.0);
+            }
+        }
+    }
+
+    /// Velocities of all nodes in space.
+    fn velocities(&self, frame: Frame, speed: f64, v: &[f64], out: &mut [f64]) {
+        let d = &v[self.own..];
+        for (node, &place) in self.body.place.iter().enumerate() {
+            let of_node = &mut out[3 * node..][..3];
+            if place == Tie::HELD {
+                let unit = unit_motion(&self.body.position[node].into(), self.slide());
+                for (o, w) in of_node.iter_mut().zip(frame.to_space(unit)) {
+                    *o = speed * w;
+                }
+            } else {
+                of_node.copy_from_slice(&d[3 * place as usize..][..3]);
+            }
+        }
+    }
+
+    /// `z x (X + u)` or the slide, for a node.
+    #[inline]
+    fn arm(&self, node: usize, u: &[f64]) -> [f64; 3] {
+        let x = &self.body.position[node];
+        let place = [
+            x.x + u[3 * node],
+            x.y + u[3 * node + 1],
+            x.z + u[3 * node + 2],
+        ];
+        unit_motion(&place, self.slide())
+    }
+}
+
+#[inline]
+fn dot3(a: [f64; 3], b: &[f64]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl GearModel for FullOrder {
+    fn id(&self) -> &'static str {
+        "fe"
+    }
+
+    fn hub(&self) -> &Hub {
+        &self.hub
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        Coordinates {
+            n: self.own + 3 * self.body.free.len(),
+            memory: 0,
+        }
+    }
+
+    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
+        q.fill(m.deflection);
+        v.fill(m.speed);
+        for i in 0..self.own {
+            q[i] /= self.lever;
+            v[i] /= self.lever;
+        }
+    }
+
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
+        q.fill(0.0);
+        v[..self.own].fill(speed);
+        for (k, &node) in self.body.free.iter().enumerate() {
+            let unit = unit_motion(&self.body.position[node as usize].into(), self.slide());
+            for axis in 0..3 {
+                v[self.own + 3 * k + axis] = speed * unit[axis];
+            }
+        }
+    }
+
+    fn contact_mass(&self) -> f64 {
+        if self.own > 0 {
+            self.hub.inertia / self.lever.powi(2)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
+        self.hub.travel(at.t, at.q)
+    }
+
+    fn uses_engagement(&self) -> bool {
+        false
+    }
+
+    fn flanks(&self) -> Option<&Flanks> {
+        Some(&self.body.flanks)
+    }
+
+    fn node_positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+        let frame = self.frame(at);
+        let d = &at.q[self.own..];
+        for (&node, x) in nodes.iter().zip(out) {
+            let place = self.body.place[node as usize];
+            let reference = &self.body.position[node as usize];
+            let moved = if place == Tie::HELD {
+                Vec3::from(frame.carried(reference))
+            } else {
+                Vec3::from_column_slice(&d[3 * place as usize..][..3])
+            };
+            *x = self.hub.centre + reference + moved;
+        }
+    }
+
+    fn row(&self, _at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+        let (corners, weights) = match p.locus {
+            Locus::Quadrature { face, xi } => (self.body.flanks.corners(face), Flanks::weights(xi)),
+            Locus::Node(node) => ([node; 4], [1.0, 0.0, 0.0, 0.0]),
+            // A point of the smooth flank without its element has no nodes to push on.
+            Locus::Flank { .. } => return,
+        };
+        for (node, w) in corners.into_iter().zip(weights) {
+            let place = self.body.place[node as usize];
+            if w != 0.0 && place != Tie::HELD {
+                row.push_span(self.own + 3 * place as usize, [w * n.x, w * n.y, w * n.z]);
+            }
+        }
+    }
+
+    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+        let frame = self.frame(at);
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, .. } = &mut *nodal;
+        self.elastic(frame, at.q, u);
+        self.body.assembly.stiffness.apply(u, g);
+        let mut torque = 0.0;
+        for (k, &node) in self.body.free.iter().enumerate() {
+            let node = node as usize;
+            let of_node = [g[3 * node], g[3 * node + 1], g[3 * node + 2]];
+            torque += dot3(self.arm(node, u), &of_node);
+            let force = frame.to_space(of_node);
+            for axis in 0..3 {
+                f[self.own + 3 * k + axis] -= force[axis];
+            }
+        }
+        if self.own > 0 {
+            f[0] += torque;
+        }
+        let speed = self.hub.speed(at.t, at.v);
+        for &(k, pull) in &self.body.pull {
+            let force = frame.to_space(pull);
+            for axis in 0..3 {
+                f[self.own + 3 * k as usize + axis] += speed * speed * force[axis];
+            }
+        }
+        let acceleration = self.prescribed_acceleration(at.t);
+        if acceleration != 0.0 {
+            for &(k, drag) in &self.body.drag {
+                let force = frame.to_space(drag);
+                for axis in 0..3 {
+                    f[self.own + 3 * k as usize + axis] -= acceleration * force[axis];
+                }
+            }
+        }
+    }
+
+    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        let frame = self.frame(at);
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, du, dg } = &mut *nodal;
+        self.elastic(frame, at.q, u);
+        self.body.assembly.stiffness.apply(u, g);
+        let (dhub, dspeed) = if self.own > 0 {
+            (dq[0], dv[0])
+        } else {
+            (0.0, 0.0)
+        };
+        du.fill(0.0);
+        for (k, &node) in self.body.free.iter().enumerate() {
+            let node = node as usize;
+            let d = &dq[self.own + 3 * k..][..3];
+            let own = frame.to_frame([d[0], d[1], d[2]]);
+            let arm = self.arm(node, u);
+            for axis in 0..3 {
+                du[3 * node + axis] = own[axis] - dhub * arm[axis];
+            }
+        }
+        self.body.assembly.stiffness.apply(du, dg);
+        let turning = self.slide().is_none();
+        let mut torque = 0.0;
+        for (k, &node) in self.body.free.iter().enumerate() {
+            let node = node as usize;
+            let force = [g[3 * node], g[3 * node + 1], g[3 * node + 2]];
+            let mut change = [dg[3 * node], dg[3 * node + 1], dg[3 * node + 2]];
+            torque += dot3(self.arm(node, u), &change);
+            if turning {
+                torque += force[1] * du[3 * node] - force[0] * du[3 * node + 1];
+                change[0] -= dhub * force[1];
+                change[1] += dhub * force[0];
+            }
+            let change = frame.to_space(change);
+            for axis in 0..3 {
+                df[self.own + 3 * k + axis] -= change[axis];
+            }
+        }
+        if self.own == 0 {
+            return;
+        }
+        df[0] += torque;
+        let speed = at.v[0];
+        for &(k, pull) in &self.body.pull {
+            let turned = unit_motion(&pull, None);
+            let along = frame.to_space(pull);
+            let across = frame.to_space(turned);
+            for axis in 0..3 {
+                df[self.own + 3 * k as usize + axis] +=
+                    2.0 * speed * dspeed * along[axis] + speed * speed * dhub * across[axis];
+            }
+        }
+    }
+
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+        let (hub, nodes) = f_to_a.split_at_mut(self.own);
+        if self.body.mass == MassKind::Lumped {
+            for f in hub {
+                *f /= self.body.hub_inertia;
+            }
+            for (f, &node) in nodes.chunks_exact_mut(3).zip(&self.body.free) {
+                for x in f {
+                    *x /= self.body.lumped[node as usize];
+                }
+            }
+            return;
+        }
+        let frame = self.frame(at);
+        let mass_only = Coeffs {
+            m: 1.0,
+            d: 0.0,
+            k: 0.0,
+        };
+        // The mass matrix is positive definite: its factorisation does not fail.
+        if self
+            .correction
+            .solve(frame, mass_only, 0.0, f_to_a)
+            .is_err()
+        {
+            f_to_a.fill(f64::NAN);
+        }
+    }
+
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        let frame = self.frame(at);
+        let speed = if self.own > 0 { x[0] } else { 0.0 };
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, .. } = &mut *nodal;
+        self.velocities(frame, speed, x, u);
+        self.body.apply_nodal_mass(u, g);
+        for (k, &node) in self.body.free.iter().enumerate() {
+            y[self.own + 3 * k..][..3].copy_from_slice(&g[3 * node as usize..][..3]);
+        }
+        if self.own > 0 {
+            let mut sum = self.body.added_inertia * speed;
+            for (node, &place) in self.body.place.iter().enumerate() {
+                if place == Tie::HELD {
+                    let unit = unit_motion(&self.body.position[node].into(), self.slide());
+                    sum += dot3(frame.to_space(unit), &g[3 * node..3 * node + 3]);
+                }
+            }
+            y[0] = sum;
+        }
+    }
+
+    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
+        if self.body.mass != MassKind::Lumped {
+            return false;
+        }
+        let (hub, nodes) = diagonal.split_at_mut(self.own);
+        hub.fill(self.body.hub_inertia);
+        for (d, &node) in nodes.chunks_exact_mut(3).zip(&self.body.free) {
+            d.fill(self.body.lumped[node as usize]);
+        }
+        true
+    }
+
+    fn correct(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let frame = self.frame(at);
+        self.correction.solve(frame, c, hub_damping, rhs_to_x)
+    }
+
+    fn prefers_condensed(&self) -> bool {
+        true
+    }
+
+    fn condensed(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular> {
+        let frame = self.frame(at);
+        self.correction
+            .flexibility(frame, c, hub_damping, coordinates, g)
+    }
+
+    fn add_response(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        forces: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let frame = self.frame(at);
+        self.correction
+            .add_response(frame, c, hub_damping, coordinates, forces, x)
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        let frame = self.frame(at);
+        let speed = self.hub.speed(at.t, at.v);
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, .. } = &mut *nodal;
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        self.velocities(frame, speed, at.v, u);
+        self.body.apply_nodal_mass(u, g);
+        let kinetic = 0.5 * (dot(u, g) + self.body.added_inertia * speed * speed);
+        self.elastic(frame, at.q, u);
+        self.body.assembly.stiffness.apply(u, g);
+        Energy {
+            kinetic,
+            strain: 0.5 * dot(u, g),
+            contact: 0.0,
+        }
+    }
+
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let frame = self.frame(at);
+        let (travel, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, du, .. } = &mut *nodal;
+        self.velocities(frame, speed, at.v, u);
+        self.body.apply_nodal_mass(u, g);
+        self.elastic(frame, at.q, du);
+        let mut momentum = self.body.added_inertia * speed;
+        for node in 0..self.body.position.len() {
+            let arm = frame.to_space(self.arm(node, du));
+            momentum += dot3(arm, &g[3 * node..3 * node + 3]);
+        }
+        HubState {
+            travel,
+            speed,
+            momentum,
+        }
+    }
+}
