@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Cholesky`] | factor of a positive definite matrix; solves with one or many right-hand sides |
 //! | [`ordering`] | the fill-reducing order: nested dissection or minimum degree on the graph of nodes |
-//! | [`inertia`] | number of negative eigenvalues, by `L D L^T` |
+//! | [`negative_eigenvalues`] | number of negative eigenvalues, by `L D L^T` |
 //!
 //! Matrices come as their lower triangle in compressed columns with sorted rows, one column per unknown.
 //! The numeric factorisation is faer's supernodal one (columns of equal pattern kept as one dense block); the
@@ -13,6 +13,7 @@
 mod cholesky;
 mod inertia;
 pub mod ordering;
+mod separator;
 mod sweep;
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@
 //! to a postorder of the elimination tree (Liu, SIAM J. Matrix Anal. Appl. 11, 1990), so that columns of
 //! equal pattern become neighbours; the fill is counted exactly along the row subtrees.
 
+use super::separator::{Graph, Random, SEPARATOR};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
@@ -38,30 +39,40 @@ pub struct Order {
 
 /// Graph of the nodes: groups of neighbouring unknowns with the same pattern.
 #[derive(Clone, Debug)]
-pub(super) struct NodeGraph {
+struct NodeGraph {
     /// First unknown of each node, and the number of unknowns at the end.
-    pub first: Vec<usize>,
+    first: Vec<usize>,
     /// Where the neighbours of each node begin.
-    pub start: Vec<usize>,
+    start: Vec<usize>,
     /// Neighbours, both ways, a node itself left out.
-    pub neighbours: Vec<u32>,
+    neighbours: Vec<u32>,
 }
 
 impl NodeGraph {
-    pub fn nodes(&self) -> usize {
+    fn nodes(&self) -> usize {
         self.first.len() - 1
     }
 
-    pub fn weight(&self, node: usize) -> usize {
+    fn weight(&self, node: usize) -> usize {
         self.first[node + 1] - self.first[node]
     }
 
-    pub fn neighbours(&self, node: usize) -> &[u32] {
+    fn neighbours(&self, node: usize) -> &[u32] {
         &self.neighbours[self.start[node]..self.start[node + 1]]
     }
 
+    /// The same graph, vertices weighted by their unknowns.
+    fn weighted(&self) -> Graph {
+        Graph {
+            start: self.start.iter().map(|&s| s as u32).collect(),
+            neighbours: self.neighbours.clone(),
+            edge_weights: vec![1; self.neighbours.len()],
+            weights: (0..self.nodes()).map(|v| self.weight(v) as u32).collect(),
+        }
+    }
+
     /// Graph of a lower triangle.
-    pub fn new(pattern: SymbolicSparseColMatRef<'_, usize>) -> Self {
+    fn new(pattern: SymbolicSparseColMatRef<'_, usize>) -> Self {
         let unknowns = pattern.ncols();
         // Unknowns are of one node if they see the same unknowns, themselves included. Compared by a hash: a
         // clash would only join two nodes in the graph, which costs fill but no correctness.
@@ -134,44 +145,81 @@ fn scramble(i: usize) -> u64 {
 pub fn order(pattern: SymbolicSparseColMatRef<'_, usize>, ordering: Ordering) -> Order {
     let graph = NodeGraph::new(pattern);
     let by_degree = || evaluate(&graph, &minimum_degree(&graph), Ordering::MinimumDegree);
-    let by_dissection = || evaluate(&graph, &minimum_degree(&graph), Ordering::Dissection);
+    let by_dissection = || evaluate(&graph, &dissection(&graph), Ordering::Dissection);
     match ordering {
         Ordering::MinimumDegree => by_degree(),
         Ordering::Dissection => by_dissection(),
         Ordering::Best => {
+            if graph.nodes() <= LEAF {
+                return by_degree();
+            }
             let (a, b) = (by_degree(), by_dissection());
             if a.flops <= b.flops { a } else { b }
         }
     }
 }
 
+/// Parts of this many nodes are not cut any further.
+const LEAF: usize = 150;
+
 /// Approximate minimum degree on the graph of nodes.
 fn minimum_degree(graph: &NodeGraph) -> Vec<u32> {
-    let all: Vec<u32> = (0..graph.nodes() as u32).collect();
-    let mut place = vec![u32::MAX; graph.nodes()];
-    minimum_degree_of(graph, &all, &mut place)
+    minimum_degree_of(&graph.weighted())
 }
 
-/// Minimum degree of the subgraph of some nodes. `place` is scratch, `u32::MAX` everywhere before and after.
-pub(super) fn minimum_degree_of(graph: &NodeGraph, nodes: &[u32], place: &mut [u32]) -> Vec<u32> {
-    let n = nodes.len();
-    for (i, &node) in nodes.iter().enumerate() {
-        place[node as usize] = i as u32;
+/// Nested dissection (George, SIAM J. Numer. Anal. 10, 1973): a separator is eliminated after the sides it
+/// parts, each of which is dissected in turn; small parts by minimum degree.
+fn dissection(graph: &NodeGraph) -> Vec<u32> {
+    let mut random = Random::new();
+    // Filled from the last to the first.
+    let mut backwards = Vec::with_capacity(graph.nodes());
+    let mut parts = vec![(
+        graph.weighted(),
+        (0..graph.nodes() as u32).collect::<Vec<_>>(),
+    )];
+    while let Some((part, nodes)) = parts.pop() {
+        if part.vertices() > LEAF {
+            let place = part.separated(&mut random);
+            let sides = [0, 1].map(|side| {
+                let (graph, chosen) = part.side(&place, side);
+                (
+                    graph,
+                    chosen
+                        .iter()
+                        .map(|&v| nodes[v as usize])
+                        .collect::<Vec<_>>(),
+                )
+            });
+            if sides.iter().all(|s| s.0.vertices() > 0) {
+                let separator = (0..place.len()).filter(|&v| place[v] == SEPARATOR);
+                backwards.extend(separator.map(|v| nodes[v]));
+                parts.extend(sides);
+                continue;
+            }
+        }
+        let order = minimum_degree_of(&part);
+        backwards.extend(order.iter().rev().map(|&v| nodes[v as usize]));
     }
+    backwards.reverse();
+    backwards
+}
+
+/// Approximate minimum degree of a graph.
+fn minimum_degree_of(graph: &Graph) -> Vec<u32> {
+    let n = graph.vertices();
     let mut column_start = Vec::with_capacity(n + 1);
     let mut rows: Vec<usize> = Vec::new();
     column_start.push(0);
-    for (i, &node) in nodes.iter().enumerate() {
+    for v in 0..n {
         let from = rows.len();
-        rows.extend(graph.neighbours(node as usize).iter().filter_map(|&o| {
-            let j = place[o as usize];
-            (j != u32::MAX && (j as usize) < i).then_some(j as usize)
-        }));
+        let above = graph
+            .neighbours(v)
+            .iter()
+            .map(|&u| u as usize)
+            .filter(|&u| u < v);
+        rows.extend(above);
         rows[from..].sort_unstable();
         column_start.push(rows.len());
-    }
-    for &node in nodes {
-        place[node as usize] = u32::MAX;
     }
     let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
     let mut memory = MemBuffer::new(amd::order_scratch::<usize>(n, rows.len()));
@@ -183,9 +231,9 @@ pub(super) fn minimum_degree_of(graph: &NodeGraph, nodes: &[u32], place: &mut [u
         amd::Control::default(),
         MemStack::new(&mut memory),
     ) {
-        Ok(_) => forward.into_iter().map(|i| nodes[i]).collect(),
+        Ok(_) => forward.into_iter().map(|v| v as u32).collect(),
         // Out of memory for a few arrays of the graph's size: any order is correct.
-        Err(_) => nodes.to_vec(),
+        Err(_) => (0..n as u32).collect(),
     }
 }
 
