@@ -142,6 +142,19 @@ impl Row {
         self.add_of(self.split, factor, y);
     }
 
+    /// Calls `f` with each coordinate of the scene and its value; a coordinate may come more than once.
+    #[inline]
+    pub fn for_each(&self, mut f: impl FnMut(usize, f64)) {
+        for &(i, value) in &self.singles[..self.count as usize] {
+            f(i as usize, value);
+        }
+        for (start, values) in self.spans(self.spans.len() as u32) {
+            for (i, value) in (start..).zip(values) {
+                f(i, *value);
+            }
+        }
+    }
+
     /// True when no coordinate takes part.
     pub fn is_empty(&self) -> bool {
         self.count == 0 && self.values.is_empty()
@@ -168,6 +181,9 @@ mod tests {
         row.add_to(0.5, &mut y);
         row.add_first_to(1.0, &mut y);
         assert_eq!(y, [0.0, -3.0, 0.0, 0.0, 1.5, 2.0]);
+        let mut each = vec![];
+        row.for_each(|i, value| each.push((i, value)));
+        assert_eq!(each, [(1, -2.0), (4, 3.0), (5, 4.0)]);
     }
 
     #[test]

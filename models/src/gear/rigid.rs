@@ -123,6 +123,35 @@ impl GearModel for Rigid {
         Ok(())
     }
 
+    fn condensed(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        _coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular> {
+        g.fill(1.0);
+        self.correct(at, c, hub_damping, g)
+    }
+
+    fn add_response(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        _coordinates: &[u32],
+        forces: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        for (x, f) in x.iter_mut().zip(forces) {
+            let mut y = [*f];
+            self.correct(at, c, hub_damping, &mut y)?;
+            *x += y[0];
+        }
+        Ok(())
+    }
+
     fn energy(&self, at: At<'_>) -> Energy {
         let speed = self.hub.speed(at.t, at.v);
         let kinetic = if self.hub.coordinates() > 0 {

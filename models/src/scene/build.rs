@@ -626,6 +626,7 @@ impl Scene {
             .fold(scales.pace, f64::min);
         let channels = channel_names(&gears, meshes.len());
         let compliant = gears.iter().any(|g| g.model.is_compliant());
+        let condenses = gears.iter().any(|g| g.model.prefers_condensed());
         let tracks = meshes.iter().any(|m| m.law.needs_impact_speed())
             || gears.iter().any(|g| g.model.uses_engagement());
         let mut mass = vec![0.0; n];
@@ -645,6 +646,7 @@ impl Scene {
             memory,
             guards,
             compliant,
+            condenses,
             locates,
             tracks,
             inverse_mass: mass.iter().map(|m| m.recip()).collect(),

@@ -1,5 +1,6 @@
 //! Evaluation of all contacts of a scene at one state.
 
+use super::condensed::Condensed;
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Tooth};
@@ -62,6 +63,7 @@ pub(super) struct Workspace {
     pub compliance: Vec<f64>,
     pub solve: CompliantSolve,
     pub failed: bool,
+    pub condensed: Condensed,
     /// Newton correction: rows V, columns Z, small matrix, small vector.
     pub v: Vec<f64>,
     pub z: Vec<f64>,

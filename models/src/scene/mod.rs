@@ -2,7 +2,8 @@
 //!
 //! `M q'' = f_int(q, q') + f_load(t, q') + sum_c (w_c N_c + t_c F_c)`: `w = dg/dq` is the contact row, `t` the
 //! sliding row. Newton corrections solve the gears' own blocks and add the contacts as low-rank terms
-//! (Woodbury), so a gear brings whatever structure its coordinates have.
+//! (Woodbury), so a gear brings whatever structure its coordinates have. Where a gear has many coordinates of which
+//! contacts touch few, both are condensed to these.
 //!
 //! Contacts of flank points have no guards: a scene with such a mesh reports none and is never located.
 //!
@@ -12,6 +13,7 @@
 pub mod build;
 pub mod spec;
 
+mod condensed;
 mod contacts;
 mod outputs;
 mod system;
@@ -137,6 +139,8 @@ pub struct Scene {
     memory: usize,
     guards: usize,
     compliant: bool,
+    /// A gear asks for the condensed Newton correction.
+    condenses: bool,
     /// All searches have guards; else forces are clipped and nothing is located.
     locates: bool,
     /// Without event location: somebody needs impact speeds or engaged teeth to be followed.

@@ -105,6 +105,9 @@ impl SecondOrderSystem for Scene {
         if m == 0 {
             return Ok(());
         }
+        if self.condenses_now(c) {
+            return self.correct_condensed(at, c, rhs_to_x);
+        }
         if m == 1 && !self.compliant && self.meshes[self.work.active[0].mesh].friction.is_none() {
             return self.correct_one_contact(at, c, rhs_to_x);
         }

@@ -1,9 +1,10 @@
 //! Contact of flank points: gaps and normals on exact involutes against the lines of action, forces, rows,
 //! moments, edges.
 
-use gearbench_integrators::State;
+use gearbench_integrators::system::Coeffs;
+use gearbench_integrators::{Outputs, SecondOrderSystem, State};
 use gearbench_models::contact::candidate::Candidate;
-use gearbench_models::contact::flank_points::{PointContact, PointRule};
+use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule};
 use gearbench_models::geometry::{GearParams, Side, inv};
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::build::lever;
@@ -155,4 +156,77 @@ fn rigid_smooth_flanks_have_exact_gaps_and_those_of_the_lines_of_action() {
         start(Side::Left, 5e-6),
     );
     agrees("rack", &with_rack, &[m(41, 2), rigid()], 0, 1e-9);
+}
+
+fn nodal(rows: usize, columns: usize, condensed: bool) -> ModelSpec {
+    let model = flanked("nodal-test", rows, columns);
+    with(
+        model,
+        "condensed",
+        Value::Number(f64::from(u8::from(condensed))),
+    )
+}
+
+/// Case A with the flanks of both gears overlapping by `gap < 0` and everything else a little off its place.
+fn pressed(models: &[ModelSpec], points: PointContact, gap: f64, off: f64) -> (Scene, State) {
+    let scene = build(&case_a(gap), models, &with_points(points));
+    let mut s = scene.initial();
+    let mut numbers = Numbers::new(3);
+    for g in scene.gears() {
+        let first = g.range().start;
+        for i in g.range().skip(1) {
+            s.q[i] += off * numbers.draw();
+            s.v[i] += 1e4 * off * numbers.draw();
+        }
+        s.q[first] += 10.0 * off * numbers.draw();
+    }
+    (scene, s)
+}
+
+/// Both ways to add contacts to a Newton correction give the same, by rows and by coordinates.
+#[test]
+fn the_condensed_correction_is_the_dense_one() {
+    let c = Coeffs {
+        m: 1.0,
+        d: 1e-7,
+        k: 2e-14,
+    };
+    for (along, across) in [(5, 2), (10, 10)] {
+        let points = PointContact {
+            damping: 1e8,
+            rule: PointRule::Quadrature { along, across },
+            passes: Passes::Both,
+            ..PointContact::new(1e15)
+        };
+        let solve = |models: &[ModelSpec], points: PointContact| {
+            let (mut scene, s) = pressed(models, points, -40e-6, 2e-7);
+            let mut numbers = Numbers::new(11);
+            let (scale, _) = scales(&scene);
+            let mut x: Vec<f64> = numbers.vector(&scale);
+            let mut out = Outputs::default();
+            scene.apply_mass(s.at(), &x.clone(), &mut x);
+            scene.correct(s.at(), c, &mut x).unwrap();
+            scene.output(s.at(), &mut out);
+            (x, scene.contact_forces(s.at()).len(), scale)
+        };
+        let size = |condensed| nodal(5, 2, condensed);
+        let (dense, n, scale) = solve(&[size(false), size(false)], points);
+        let (condensed, _, _) = solve(&[size(true), size(false)], points);
+        let without = PointContact {
+            damping: 0.0,
+            ..PointContact::new(1e-9)
+        };
+        let (open, _, _) = solve(&[size(false), size(false)], without);
+        assert!(n > 8, "{n} points touch");
+        let apart = |x: &[f64], y: &[f64]| {
+            let squares = x.iter().zip(y).zip(&scale);
+            squares
+                .map(|((x, y), s)| ((x - y) / s).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        };
+        let error = apart(&dense, &condensed) / apart(&dense, &open);
+        println!("{n} points: corrections by contact differ by {error:.1e}");
+        assert!(error < 1e-10, "{n} points: {error:.2e}");
+    }
 }

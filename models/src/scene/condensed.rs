@@ -1,0 +1,406 @@
+//! Newton correction with contacts that touch few of many coordinates.
+//!
+//! With the active rows `w_i` and `kappa_i = -(c.k dN/dg + c.d dN/dg') >= 0` the matrix is `A0 + W W^T`, `W` the
+//! rows times `sqrt(kappa)`. Only the coordinates `S` that the rows touch take part: `G = E^T A0^-1 E` is
+//! what the gears condense to, and
+//!
+//! ```text
+//! x = x0 - A0^-1 E W mu,    (I + W^T G W) mu = W^T x0_S                 few rows
+//!                           (I + B B^T) u = L^-1 x0_S,  mu = B^T u      few coordinates
+//! ```
+//!
+//! with `G = L L^T`, `B = L^T W`. Both are symmetric with eigenvalues from 1 upwards, so a stiff penalty harms
+//! neither.
+
+use super::{Scene, SceneGear};
+use crate::contact::row::Row;
+use gearbench_integrators::system::{At, Coeffs, Singular};
+
+/// Mark of a coordinate that no row touches.
+const NONE: u32 = u32::MAX;
+
+/// Buffers of the condensed correction.
+#[derive(Default)]
+pub(super) struct Condensed {
+    /// Per coordinate of the scene: its index within its gear's touched ones.
+    mark: Vec<u32>,
+    /// Per gear: its own numbers of the touched coordinates, and where they begin in `S`.
+    touched: Vec<(Vec<u32>, usize)>,
+    /// Per gear: `G`, one block after another.
+    g: Vec<f64>,
+    /// Rows scaled by `sqrt(kappa)`: entries `(index in S, value)` and where each row begins.
+    entries: Vec<(u32, f64)>,
+    begins: Vec<usize>,
+    /// `G W` or `B`, one column of length `|S|` per row.
+    columns: Vec<f64>,
+    small: Vec<f64>,
+    rhs: Vec<f64>,
+    forces: Vec<f64>,
+    /// `x0` on `S`.
+    x: Vec<f64>,
+}
+
+impl Scene {
+    /// Whether the condensed correction serves the contacts at hand.
+    pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
+        self.condenses
+            && !self.compliant
+            && self.work.active.iter().all(|a| {
+                let candidate = &self.work.candidates[a.candidate];
+                self.meshes[a.mesh].friction.is_none()
+                    && a.force.dn_dk * candidate.stiffness_s == 0.0
+                    && kappa(a.force.dn_dg, a.force.dn_dgdot, c) >= 0.0
+            })
+    }
+
+    /// Adds the active contacts to `x0 = A0^-1 rhs`.
+    pub(super) fn correct_condensed(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let mut buffers = std::mem::take(&mut self.work.condensed);
+        let result = self.condense(at, c, x, &mut buffers);
+        self.work.condensed = buffers;
+        result
+    }
+
+    fn condense(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+        b: &mut Condensed,
+    ) -> Result<(), Singular> {
+        let Scene { gears, work, .. } = self;
+        let rows = || work.active.iter().zip(&work.rows);
+        b.collect(gears, rows().map(|(_, r)| &r[0]), x.len());
+        b.entries.clear();
+        b.begins.clear();
+        b.begins.push(0);
+        for (a, rows) in rows() {
+            let scale = kappa(a.force.dn_dg, a.force.dn_dgdot, c).sqrt();
+            rows[0].for_each(|i, value| {
+                let gear = gear_of(gears, i);
+                let index = b.touched[gear].1 as u32 + b.mark[i];
+                b.entries.push((index, scale * value));
+            });
+            b.begins.push(b.entries.len());
+        }
+        b.g.clear();
+        b.x.clear();
+        for (g, (touched, _)) in gears.iter_mut().zip(&b.touched) {
+            let n = touched.len();
+            let start = b.g.len();
+            b.g.resize(start + n * n, 0.0);
+            b.x.extend(touched.iter().map(|&i| x[g.offset + i as usize]));
+            if n > 0 {
+                let (own, viscous) = (g.at(at), g.viscous());
+                g.model
+                    .condensed(own, c, viscous, touched, &mut b.g[start..])?;
+            }
+        }
+        // The form by coordinates also factorises the blocks of G.
+        if b.begins.len() - 1 <= 2 * b.x.len() {
+            b.solve_by_rows()?;
+        } else {
+            b.solve_by_coordinates()?;
+        }
+        for (g, (touched, start)) in gears.iter_mut().zip(&b.touched) {
+            if !touched.is_empty() {
+                let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
+                let forces = &b.forces[*start..][..touched.len()];
+                g.model
+                    .add_response(own, c, viscous, touched, forces, &mut x[range])?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn kappa(dn_dg: f64, dn_dgdot: f64, c: Coeffs) -> f64 {
+    -(c.k * dn_dg + c.d * dn_dgdot)
+}
+
+/// Gear that a coordinate of the scene belongs to.
+fn gear_of(gears: &[SceneGear], coordinate: usize) -> usize {
+    gears.partition_point(|g| g.range().end <= coordinate)
+}
+
+impl Condensed {
+    /// Collects the coordinates that rows touch, gear by gear.
+    fn collect<'a>(
+        &mut self,
+        gears: &[SceneGear],
+        rows: impl Iterator<Item = &'a Row>,
+        coordinates: usize,
+    ) {
+        self.mark.clear();
+        self.mark.resize(coordinates, NONE);
+        self.touched.resize_with(gears.len(), Default::default);
+        for (touched, _) in &mut self.touched {
+            touched.clear();
+        }
+        for row in rows {
+            row.for_each(|i, _| {
+                if self.mark[i] == NONE {
+                    let gear = gear_of(gears, i);
+                    let touched = &mut self.touched[gear].0;
+                    self.mark[i] = touched.len() as u32;
+                    touched.push((i - gears[gear].offset) as u32);
+                }
+            });
+        }
+        let mut start = 0;
+        for (touched, begin) in &mut self.touched {
+            *begin = start;
+            start += touched.len();
+        }
+    }
+
+    fn row(&self, i: usize) -> &[(u32, f64)] {
+        &self.entries[self.begins[i]..self.begins[i + 1]]
+    }
+
+    /// `columns = M W` for the blocks `M` that stand in `g`, symmetric, or transposed lower triangles.
+    fn multiply(&mut self, triangular: bool) {
+        let (size, rows) = (self.x.len(), self.begins.len() - 1);
+        let mut columns = std::mem::take(&mut self.columns);
+        columns.clear();
+        columns.resize(size * rows, 0.0);
+        for (i, column) in columns.chunks_exact_mut(size.max(1)).enumerate() {
+            let mut block = 0;
+            for (touched, start) in &self.touched {
+                let n = touched.len();
+                for &(index, value) in self.row(i) {
+                    let Some(local) = (index as usize).checked_sub(*start).filter(|l| *l < n)
+                    else {
+                        continue;
+                    };
+                    let line = &self.g[block + local * n..][..n];
+                    let line = if triangular { &line[..=local] } else { line };
+                    for (y, g) in column[*start..].iter_mut().zip(line) {
+                        *y += value * g;
+                    }
+                }
+                block += n * n;
+            }
+        }
+        self.columns = columns;
+    }
+
+    /// `(I + W^T G W) mu = W^T x0`.
+    fn solve_by_rows(&mut self) -> Result<(), Singular> {
+        self.multiply(false);
+        let (size, rows) = (self.x.len(), self.begins.len() - 1);
+        let mut small = std::mem::take(&mut self.small);
+        let mut rhs = std::mem::take(&mut self.rhs);
+        small.clear();
+        small.resize(rows * rows, 0.0);
+        rhs.clear();
+        for i in 0..rows {
+            let row = self.row(i);
+            for j in 0..=i {
+                let column = &self.columns[j * size..][..size];
+                let sum: f64 = row.iter().map(|&(k, w)| w * column[k as usize]).sum();
+                small[i * rows + j] = sum + f64::from(u8::from(i == j));
+            }
+            rhs.push(row.iter().map(|&(k, w)| w * self.x[k as usize]).sum());
+        }
+        let solved = cholesky(&mut small, rows).map(|()| {
+            forward(&small, &mut rhs);
+            backward(&small, &mut rhs);
+        });
+        self.small = small;
+        self.set_forces(&rhs);
+        self.rhs = rhs;
+        solved
+    }
+
+    /// `(I + B B^T) u = L^-1 x0`, `mu = B^T u`.
+    fn solve_by_coordinates(&mut self) -> Result<(), Singular> {
+        let mut block = 0;
+        for (touched, start) in &self.touched {
+            let n = touched.len();
+            let g = &mut self.g[block..][..n * n];
+            cholesky(g, n)?;
+            forward(g, &mut self.x[*start..][..n]);
+            block += n * n;
+        }
+        self.multiply(true);
+        let (size, rows) = (self.x.len(), self.begins.len() - 1);
+        self.small.clear();
+        self.small.resize(size * size, 0.0);
+        for i in 0..size {
+            self.small[i * size + i] = 1.0;
+        }
+        for column in self.columns.chunks_exact(size) {
+            for (i, &bi) in column.iter().enumerate() {
+                if bi != 0.0 {
+                    for (s, bj) in self.small[i * size..][..=i].iter_mut().zip(column) {
+                        *s += bi * bj;
+                    }
+                }
+            }
+        }
+        cholesky(&mut self.small, size)?;
+        forward(&self.small, &mut self.x);
+        backward(&self.small, &mut self.x);
+        let mut rhs = std::mem::take(&mut self.rhs);
+        rhs.clear();
+        rhs.extend((0..rows).map(|i| dot(&self.columns[i * size..][..size], &self.x)));
+        self.set_forces(&rhs);
+        self.rhs = rhs;
+        Ok(())
+    }
+
+    /// Forces `-W mu` on the touched coordinates.
+    fn set_forces(&mut self, mu: &[f64]) {
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.clear();
+        forces.resize(self.x.len(), 0.0);
+        for (i, mu) in mu.iter().enumerate() {
+            for &(k, w) in self.row(i) {
+                forces[k as usize] -= w * mu;
+            }
+        }
+        self.forces = forces;
+    }
+}
+
+/// Four sums at once: a single one would wait for each addition.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (fours_a, rest_a) = a.as_chunks::<4>();
+    let (fours_b, rest_b) = b[..a.len()].as_chunks::<4>();
+    for (x, y) in fours_a.iter().zip(fours_b) {
+        for k in 0..4 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    let rest: f64 = rest_a.iter().zip(rest_b).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Lower triangle `L` of `A = L L^T` in place; only the lower triangle of `a` is read.
+fn cholesky(a: &mut [f64], n: usize) -> Result<(), Singular> {
+    for i in 0..n {
+        let (above, from_i) = a.split_at_mut(i * n);
+        for j in 0..i {
+            let row = &above[j * n..][..=j];
+            from_i[j] = (from_i[j] - dot(&from_i[..j], row)) / row[j];
+        }
+        let pivot = from_i[i] - dot(&from_i[..i], &from_i[..i]);
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return Err(Singular);
+        }
+        from_i[i] = pivot.sqrt();
+    }
+    Ok(())
+}
+
+/// `x <- L^-1 x`.
+fn forward(l: &[f64], x: &mut [f64]) {
+    let n = x.len();
+    for i in 0..n {
+        let row = &l[i * n..][..n];
+        x[i] = (x[i] - dot(&row[..i], &x[..i])) / row[i];
+    }
+}
+
+/// `x <- L^-T x`.
+fn backward(l: &[f64], x: &mut [f64]) {
+    let n = x.len();
+    for i in (0..n).rev() {
+        let row = &l[i * n..][..n];
+        x[i] /= row[i];
+        let xi = x[i];
+        for (y, l) in x[..i].iter_mut().zip(row) {
+            *y -= l * xi;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two gears, rows across both, a stiff penalty: both forms give the same forces, and these solve
+    /// `x = x0 + G f`, `f = -W W^T x`.
+    #[test]
+    fn both_forms_solve_the_same_equation() {
+        let sizes = [3usize, 2];
+        let number = |i: usize| ((7 * i * i + 3 * i) as f64).sin();
+        let mut b = Condensed {
+            touched: vec![((0..3).collect(), 0), ((0..2).collect(), 3)],
+            begins: vec![0],
+            ..Condensed::default()
+        };
+        for n in sizes {
+            let m: Vec<f64> = (0..n * n).map(|i| number(i + n)).collect();
+            for i in 0..n {
+                for j in 0..n {
+                    let product: f64 = (0..n).map(|k| m[i * n + k] * m[j * n + k]).sum();
+                    b.g.push(product + f64::from(u8::from(i == j)));
+                }
+            }
+        }
+        b.x = (0..5).map(|i| number(i + 20)).collect();
+        for i in 0..12 {
+            for k in 0..5 {
+                b.entries.push((k, 1e3 * number(5 * i + k as usize)));
+            }
+            b.begins.push(b.entries.len());
+        }
+        let (g, x0) = (b.g.clone(), b.x.clone());
+        b.solve_by_rows().unwrap();
+        let by_rows = b.forces.clone();
+        b.solve_by_coordinates().unwrap();
+        for (a, c) in by_rows.iter().zip(&b.forces) {
+            assert!((a - c).abs() < 1e-9 * c.abs(), "{a} {c}");
+        }
+        let mut x = x0;
+        let mut block = 0;
+        for (n, start) in [(3, 0), (2, 3)] {
+            for i in 0..n {
+                x[start + i] += dot(&g[block + i * n..][..n], &by_rows[start..start + n]);
+            }
+            block += n * n;
+        }
+        let mut f = vec![0.0; 5];
+        for i in 0..12 {
+            let along: f64 = b.row(i).iter().map(|&(k, w)| w * x[k as usize]).sum();
+            for &(k, w) in b.row(i) {
+                f[k as usize] -= w * along;
+            }
+        }
+        for (a, c) in by_rows.iter().zip(&f) {
+            assert!((a - c).abs() < 1e-5 * c.abs(), "{a} {c}");
+        }
+    }
+
+    #[test]
+    fn a_factorisation_solves() {
+        // A = M M^T + I of a fixed full matrix.
+        let n = 7;
+        let m: Vec<f64> = (0..n * n).map(|i| ((i * i + 3) as f64).sin()).collect();
+        let mut a = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                a[i * n + j] = dot(&m[i * n..][..n], &m[j * n..][..n]);
+            }
+            a[i * n + i] += 1.0;
+        }
+        let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+        let mut b: Vec<f64> = (0..n).map(|i| dot(&a[i * n..][..n], &x)).collect();
+        cholesky(&mut a, n).unwrap();
+        forward(&a, &mut b);
+        backward(&a, &mut b);
+        for (b, x) in b.iter().zip(&x) {
+            assert!((b - x).abs() < 1e-13);
+        }
+        let mut indefinite = [1.0, 0.0, 2.0, 1.0];
+        assert_eq!(cholesky(&mut indefinite, 2), Err(Singular));
+    }
+}
