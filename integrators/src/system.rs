@@ -200,6 +200,12 @@ pub trait SecondOrderSystem {
         &[]
     }
 
+    /// False where nothing but inertia and elasticity acts, so that all powers are zero at all times: observers
+    /// then need the energies of a few states only.
+    fn has_powers(&self) -> bool {
+        true
+    }
+
     /// Energies, powers and channels at a state.
     fn output(&mut self, _at: At<'_>, _out: &mut Outputs) {}
 }

@@ -9,8 +9,10 @@ use super::machine;
 use super::run::{Job, Method, RunError, run};
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{METHODS, Resolution};
 use gearbench_models::gear::table::Model;
+use gearbench_models::scene::Scene;
 use gearbench_models::scene::spec::{Modelling, SceneSpec};
 use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics::compare as measure;
@@ -216,7 +218,14 @@ pub fn compare(
             cancel,
         };
         progress(runs.len(), &format!("{}, converged solution", entry.label));
-        let converged = converged(&job, &tight)?;
+        let size = Scene::build(&entry.scene, &entry.modelling, plan.models)?
+            .layout()
+            .n;
+        let converged = if size <= SMALL {
+            converged(&job, &tight)?
+        } else {
+            None
+        };
         let mut pictured = false;
         for method in plan.methods_of(entry) {
             progress(runs.len(), &format!("{}, {}", entry.label, method.text));
@@ -251,6 +260,9 @@ pub fn compare(
         ..Results::default()
     })
 }
+
+/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
+const SMALL: usize = 2000;
 
 /// The model's own converged solution; `None` when it is not to be had in reasonable time.
 fn converged<'a>(

@@ -137,6 +137,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         };
         method.run(&mut scene, &mut state, &job.plan(), &mut watch, &mut work)
     };
+    ledger.close(&mut scene, &state);
     let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Interrupted { .. }) = outcome {
         return Err(RunError::Interrupted);

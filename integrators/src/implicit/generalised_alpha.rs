@@ -226,7 +226,11 @@ impl OneStep for GeneralisedAlpha {
             }
             // Rounding stalls the correction before it meets the tolerance on stiff systems.
             let stalled = size > 0.5 * previous && size < 1e3 * NEWTON_TOLERANCE;
-            if stalled || size < 4.0 * f64::EPSILON * rounding {
+            // Corrections that shrink steadily say how small the next one would be: no need to see it.
+            let rate = size / previous;
+            let next_is_small =
+                previous.is_finite() && rate < 0.1 && size * rate <= NEWTON_TOLERANCE;
+            if stalled || next_is_small || size < 4.0 * f64::EPSILON * rounding {
                 size = 0.0;
             }
             if iteration + 1 == MAX_ITERATIONS {

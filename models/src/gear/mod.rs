@@ -265,6 +265,11 @@ pub trait GearModel {
     /// Kinetic and strain energy [J].
     fn energy(&self, at: At<'_>) -> Energy;
 
+    /// False for gears that neither lose power nor have any put in.
+    fn has_powers(&self) -> bool {
+        true
+    }
+
     /// Power lost inside the gear [W].
     fn dissipated(&self, _at: At<'_>) -> f64 {
         0.0

@@ -1,7 +1,7 @@
 //! The scene as a second-order system: force, tangent, Newton correction, guards, switches.
 
 use super::contacts::Active;
-use super::{Scene, parties};
+use super::{Scene, SceneGear, parties};
 use crate::contact::candidate::Candidate;
 use crate::contact::law::Law;
 use crate::contact::row::Row;
@@ -366,6 +366,16 @@ impl SecondOrderSystem for Scene {
             self.track_modes(s);
         }
         change
+    }
+
+    fn has_powers(&self) -> bool {
+        let gear = |g: &SceneGear| g.model.has_powers() || !g.loads.is_empty();
+        // Stiffness along the path puts power in; points of flanks have a constant penalty.
+        self.gears.iter().any(gear)
+            || self
+                .meshes
+                .iter()
+                .any(|m| m.search.locates() || m.law.is_dissipative() || m.friction.is_some())
     }
 
     fn channels(&self) -> &[String] {

@@ -453,6 +453,10 @@ impl GearModel for FullOrder {
         }
     }
 
+    fn has_powers(&self) -> bool {
+        matches!(self.hub.mount, Mount::Driven(_))
+    }
+
     fn hub_state(&self, at: At<'_>) -> HubState {
         let frame = self.frame(at);
         let (travel, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
