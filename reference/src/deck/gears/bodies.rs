@@ -108,8 +108,8 @@ pub(in crate::deck) fn is_bore_name(name: &str) -> bool {
         .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Splits a deck into bodies.
-pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+/// Nodes that elements join.
+fn joined(deck: &Deck) -> Groups {
     let mut groups = Groups::new(deck.nodes.len());
     for block in &deck.blocks {
         for element in block.connectivity.chunks_exact(block.kind.nodes()) {
@@ -118,6 +118,20 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
             }
         }
     }
+    groups
+}
+
+/// How many bodies a deck has.
+pub(in crate::deck) fn count(deck: &Deck) -> usize {
+    let mut groups = joined(deck);
+    let elements = 0..deck.element_count() as u32;
+    let first = elements.map(|e| groups.find(deck.element(e)[0]));
+    first.collect::<std::collections::HashSet<u32>>().len()
+}
+
+/// Splits a deck into bodies.
+pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+    let mut groups = joined(deck);
     // Body of each group, in the order of first elements; then body and local number of each node.
     let mut body_of_group = vec![NONE; deck.nodes.len()];
     let mut elements: Vec<Vec<u32>> = Vec::new();
