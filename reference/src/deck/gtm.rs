@@ -329,7 +329,9 @@ impl Check<'_> {
                 "name all flanks; flanks without a set cannot touch",
             );
         }
-        for f in &g.mesh.flanks {
+        // Teeth of a rack have no first one that all agree on.
+        let numbered = g.mesh.flanks.iter().filter(|_| g.shape == BodyShape::Gear);
+        for f in numbered {
             let letter = if f.side == Side::Left { 'l' } else { 'r' };
             let label = i64::from(f.tooth) + 1;
             let Some(&node) = f.nodes.first() else {

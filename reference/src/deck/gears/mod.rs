@@ -102,15 +102,15 @@ pub(super) fn bore_axis(deck: &Deck, set: &str) -> Option<char> {
         .filter(|&&n| corner[n as usize])
         .map(|&n| deck.nodes[n as usize])
         .collect();
-    let turns: [(char, fn(&Vec3) -> Vec3); 3] = [
-        ('z', |p| *p),
-        ('x', |p| Vec3::new(p.y, p.z, p.x)),
-        ('y', |p| Vec3::new(p.z, p.x, p.y)),
-    ];
+    let turned = |axis: char, p: &Vec3| match axis {
+        'x' => Vec3::new(p.y, p.z, p.x),
+        'y' => Vec3::new(p.z, p.x, p.y),
+        _ => *p,
+    };
     // A bore along x is also a plane along z when it is a single ring: circles first.
-    let shapes = turns.map(|(axis, turn)| {
-        let turned: Vec<Vec3> = points.iter().map(turn).collect();
-        (axis, circle::shape(&turned))
+    let shapes = ['z', 'x', 'y'].map(|axis| {
+        let points: Vec<Vec3> = points.iter().map(|p| turned(axis, p)).collect();
+        (axis, circle::shape(&points))
     });
     let circles = shapes
         .iter()
