@@ -5,8 +5,8 @@ usage: dat_to_csv.py NAME [-o OUT.csv]
 
 Reads NAME.inp (deck), NAME.dat (printed output) and NAME.frd (nodal velocities, ASCII) of a run whose
 deck has the layout of the stored ones: element sets GEAR1 and GEAR2 of C3D8, bores as rigid bodies,
-node sets REFS and ROTS, contact pairs between `sflank1_*` and `sflank2_*`. Needs Python 3.8 or newer
-and nothing else.
+node sets REFS and ROTS, contact pairs between `sflank1_*` and `sflank2_*`. With one rigid body the second
+is a rack held at its back: it has no columns of speed and angle. Needs Python 3.8 or newer and nothing else.
 
 All columns but two are printed by CalculiX. The two are the momentum means
 
@@ -53,8 +53,8 @@ def read_deck(path):
                 pairs.append(cells[0].lower())
             elif keyword.startswith("*INITIALCONDITIONS") and cells[1] == "3":
                 speeds[int(cells[0])] = float(cells[2])
-    if sorted(elements) != ["GEAR1", "GEAR2"] or len(hubs) != 2 or density is None:
-        raise SystemExit(f"{path}: expected C3D8 element sets GEAR1 and GEAR2, two rigid bodies, a density")
+    if sorted(elements) != ["GEAR1", "GEAR2"] or len(hubs) not in (1, 2) or density is None:
+        raise SystemExit(f"{path}: expected C3D8 element sets GEAR1 and GEAR2, one or two rigid bodies, a density")
     return nodes, elements, density, hubs, pairs, speeds
 
 
@@ -142,14 +142,16 @@ def main():
         rows, inertia = momentum_rows(nodes, elements[name], density, nodes[reference])
         gears.append((name.lower(), rotation, rows, inertia))
 
+    turning = range(1, len(gears) + 1)
     columns = (["time_s", "contact_force_n", "force_x_n", "force_y_n", "moment_z_origin_nm"]
-               + [f"omega{g}_hub_rad_s" for g in (1, 2)] + [f"omega{g}_mean_rad_s" for g in (1, 2)]
-               + [f"phi{g}_hub_rad" for g in (1, 2)] + [f"strain_energy{g}_j" for g in (1, 2)]
+               + [f"omega{g}_hub_rad_s" for g in turning] + [f"omega{g}_mean_rad_s" for g in turning]
+               + [f"phi{g}_hub_rad" for g in turning] + [f"strain_energy{g}_j" for g in (1, 2)]
                + [f"kinetic_energy{g}_j" for g in (1, 2)] + [f"f_{pair}_n" for pair in pairs])
     # The state at t = 0 is the deck's initial condition: rigid rotation, no contact, no strain.
     first = [speeds.get(rotation, 0.0) for _, rotation, _, _ in gears]
     kinetic = [0.5 * inertia * w * w for w, (_, _, _, inertia) in zip(first, gears)]
-    lines = [[0.0] * 5 + first + first + [0.0] * 4 + kinetic + [0.0] * len(pairs)]
+    kinetic += [0.0] * (2 - len(kinetic))
+    lines = [[0.0] * 5 + first + first + [0.0] * (len(gears) + 2) + kinetic + [0.0] * len(pairs)]
 
     for time, (frd_time, velocities) in zip(order, read_velocities(options.name + ".frd")):
         # The .frd prints five decimals, the .dat seven.
@@ -172,8 +174,8 @@ def main():
             means.append(momentum / inertia)
         lines.append([time, math.hypot(total[0], total[1]), total[0], total[1], total[5]]
                      + [speed[g[1]] for g in gears] + means + [angle[g[1]] for g in gears]
-                     + [block[f"total internal energy for set {g[0]}"][0][0] for g in gears]
-                     + [block[f"total kinetic energy for set {g[0]}"][0][0] for g in gears]
+                     + [block[f"total internal energy for set gear{g}"][0][0] for g in (1, 2)]
+                     + [block[f"total kinetic energy for set gear{g}"][0][0] for g in (1, 2)]
                      + [math.hypot(f[0], f[1]) for f in forces])
 
     with open(options.out or options.name + ".csv", "w") as out:

@@ -68,12 +68,12 @@ impl ExternalReference {
             .map_err(|e| damaged("params.json", e.to_string()))?;
         let summary: Summary = serde_json::from_str(stored.summary)
             .map_err(|e| damaged("summary.json", e.to_string()))?;
-        let history =
-            History::read(stored.results).map_err(|message| damaged("results.csv", message))?;
         let solver = raw.solver.clone();
         let parameters = raw
             .typed()
             .map_err(|message| damaged("params.json", message))?;
+        let history = History::read(stored.results, parameters.rack.is_some())
+            .map_err(|message| damaged("results.csv", message))?;
         Ok(Self {
             id: stored.id,
             title: stored.title,
@@ -109,15 +109,30 @@ pub struct GearData {
     pub speed: f64,
 }
 
-/// What an impact of two gears was computed from.
+/// A rack of a reference, its back held; teeth point to -x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RackData {
+    /// Number of teeth.
+    pub teeth: u32,
+    /// Mass of the mesh [kg].
+    pub mass: f64,
+    /// Distance of the reference line from the axis of gear 1 [m].
+    pub distance: f64,
+    /// Position of tooth 0's centreline along y at t = 0 [m].
+    pub tooth0: f64,
+}
+
+/// What an impact of two gears, or of a gear on a rack, was computed from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImpactParameters {
     /// Name of the case.
     pub case: String,
     /// Finite element.
     pub element: String,
-    /// Both gears.
-    pub gears: [GearData; 2],
+    /// Both gears; only the first if it meets a rack.
+    pub gears: Vec<GearData>,
+    /// The rack, if there is one instead of a second gear.
+    pub rack: Option<RackData>,
     /// Module [m].
     pub module: f64,
     /// Pressure angle [rad].
@@ -140,7 +155,7 @@ pub struct ImpactParameters {
     pub penalty: f64,
     /// Friction coefficient.
     pub friction: f64,
-    /// Centre distance [m].
+    /// Centre distance, or distance from the axis to the rack's reference line [m].
     pub centre_distance: f64,
     /// Working pressure angle [rad].
     pub working_pressure_angle: f64,
@@ -177,24 +192,26 @@ pub struct Summary {
     pub end_s: f64,
     /// Momentum mean of the angular velocity of gear 1 at the end [rad/s].
     pub omega1_mean_end_rad_s: f64,
-    /// The same of gear 2 [rad/s].
+    /// The same of gear 2, 0 for a held rack [rad/s].
+    #[serde(default)]
     pub omega2_mean_end_rad_s: f64,
     /// Angular velocity of bore 1 at the end [rad/s].
     pub omega1_hub_end_rad_s: f64,
-    /// Angular velocity of bore 2 at the end [rad/s].
+    /// Angular velocity of bore 2 at the end, 0 for a held rack [rad/s].
+    #[serde(default)]
     pub omega2_hub_end_rad_s: f64,
     /// Integral of the contact moment on gear 1 about its axis [N m s].
     pub angular_impulse1_nms: f64,
-    /// The same on gear 2 [N m s].
-    pub angular_impulse2_nms: f64,
+    /// The same on gear 2 [N m s]; none for a rack.
+    pub angular_impulse2_nms: Option<f64>,
     /// Change of the angular momentum of gear 1 [N m s].
     pub angular_momentum_change1_nms: f64,
-    /// The same of gear 2 [N m s].
-    pub angular_momentum_change2_nms: f64,
+    /// The same of gear 2 [N m s]; none for a rack.
+    pub angular_momentum_change2_nms: Option<f64>,
     /// Mean lever arm of the contact force about the axis of gear 1 [m].
     pub arm1_m: f64,
-    /// The same about the axis of gear 2 [m].
-    pub arm2_m: f64,
+    /// The same about the axis of gear 2 [m]; none for a rack.
+    pub arm2_m: Option<f64>,
     /// Energy at the start [J].
     pub energy_start_j: f64,
     /// Kinetic and strain energy at the end [J].
@@ -249,8 +266,9 @@ pub struct History {
 }
 
 impl History {
-    /// Reads the CSV; the header names the columns, in any order, further ones are passed over.
-    fn read(text: &str) -> Result<Self, String> {
+    /// Reads the CSV; the header names the columns, in any order, further ones are passed over. A rack held at
+    /// its back does not turn: its table has no columns of that.
+    fn read(text: &str, rack: bool) -> Result<Self, String> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let header = reader.headers().map_err(|e| e.to_string())?.clone();
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); header.len()];
@@ -266,7 +284,13 @@ impl History {
                 column.push(value);
             }
         }
+        let rows = columns.first().map_or(0, Vec::len);
         let mut by_name: BTreeMap<&str, Vec<f64>> = header.iter().zip(columns).collect();
+        if rack {
+            for name in ["omega2_mean_rad_s", "omega2_hub_rad_s", "phi2_hub_rad"] {
+                by_name.entry(name).or_insert_with(|| vec![0.0; rows]);
+            }
+        }
         let mut take = |name: &str| {
             by_name
                 .remove(name)
@@ -360,7 +384,7 @@ mod tests {
 
     #[test]
     fn damaged_tables_are_named() {
-        let read = |text: String| History::read(&text).unwrap_err();
+        let read = |text: String| History::read(&text, false).unwrap_err();
         assert_eq!(
             read("time_s\n0".into()),
             "column contact_force_n is missing"
@@ -378,6 +402,11 @@ mod tests {
             read(format!("{HEADER}{}{}", row("0"), row("0"))),
             "time 0 follows 0"
         );
-        assert!(History::read(&format!("{HEADER}{}{}", row("0"), row("1"))).is_ok());
+        assert!(History::read(&format!("{HEADER}{}{}", row("0"), row("1")), false).is_ok());
+        let held = "time_s,contact_force_n,force_x_n,force_y_n,moment_z_origin_nm,omega1_hub_rad_s,\
+            omega1_mean_rad_s,phi1_hub_rad,strain_energy1_j,strain_energy2_j,kinetic_energy1_j,\
+            kinetic_energy2_j\n0,1,1,1,1,1,1,1,1,1,1,1";
+        assert_eq!(read(held.into()), "column omega2_mean_rad_s is missing");
+        assert_eq!(History::read(held, true).unwrap().omega2_mean, [0.0]);
     }
 }

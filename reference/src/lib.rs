@@ -28,7 +28,7 @@ mod stored_format;
 pub mod table;
 
 pub use external::{
-    ExternalReference, GearData, History, ImpactParameters, ReferenceError, Summary,
+    ExternalReference, GearData, History, ImpactParameters, RackData, ReferenceError, Summary,
 };
 pub use full_order::MODELS;
 pub use table::{REFERENCES, StoredReference, reference};

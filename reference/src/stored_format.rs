@@ -1,6 +1,6 @@
 //! The shape of a stored `params.json`, as its generator wrote it; angles in degrees.
 
-use crate::external::{GearData, ImpactParameters};
+use crate::external::{GearData, ImpactParameters, RackData};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -16,8 +16,9 @@ pub(crate) struct RawParameters {
     time: RawTime,
     initial: RawInitial,
     gear1: RawGear,
-    gear2: RawGear,
-    pair: RawPair,
+    gear2: RawSecond,
+    pair: Option<RawPair>,
+    rack: Option<RawRack>,
     effective_gap_faceted_m: BTreeMap<String, f64>,
 }
 
@@ -70,6 +71,22 @@ struct RawGear {
     tooth1_centre_angle_rad: f64,
 }
 
+/// The second body: a gear, or the mesh of a rack.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum RawSecond {
+    Gear(RawGear),
+    Mesh { mass_mesh_kg: f64 },
+}
+
+#[derive(Deserialize)]
+struct RawRack {
+    teeth: u32,
+    reference_line_x_m: f64,
+    tooth0_centre_y_m: f64,
+    base_fixed: bool,
+}
+
 #[derive(Deserialize)]
 struct RawPair {
     centre_distance_m: f64,
@@ -100,15 +117,37 @@ impl RawParameters {
             .into_values()
             .min_by(f64::total_cmp)
             .ok_or("effective_gap_faceted_m is empty")?;
+        let pressure_angle = self.gear_common.alpha_deg.to_radians();
+        let mut gears = vec![self.gear1.typed(self.initial.omega1_rad_s)];
+        let (rack, centre_distance, working_pressure_angle) =
+            match (self.gear2, self.pair, self.rack) {
+                (RawSecond::Gear(gear), Some(pair), None) => {
+                    gears.push(gear.typed(self.initial.omega2_rad_s));
+                    let angle = pair.working_pressure_angle_deg.to_radians();
+                    (None, pair.centre_distance_m, angle)
+                }
+                (RawSecond::Mesh { mass_mesh_kg }, None, Some(rack)) if rack.base_fixed => {
+                    let data = RackData {
+                        teeth: rack.teeth,
+                        mass: mass_mesh_kg,
+                        distance: rack.reference_line_x_m,
+                        tooth0: rack.tooth0_centre_y_m,
+                    };
+                    (Some(data), rack.reference_line_x_m, pressure_angle)
+                }
+                _ => {
+                    return Err(
+                        "expected a second gear and its pair, or a rack with its base fixed".into(),
+                    );
+                }
+            };
         Ok(ImpactParameters {
             case: self.case,
             element: self.element_type,
-            gears: [
-                self.gear1.typed(self.initial.omega1_rad_s),
-                self.gear2.typed(self.initial.omega2_rad_s),
-            ],
+            gears,
+            rack,
             module: self.gear_common.module_m,
-            pressure_angle: self.gear_common.alpha_deg.to_radians(),
+            pressure_angle,
             face_width: self.gear_common.face_width_m,
             addendum: self.gear_common.ha_factor,
             dedendum: self.gear_common.hf_factor,
@@ -118,8 +157,8 @@ impl RawParameters {
             density: self.material.density,
             penalty: self.contact.penalty_pa_per_m,
             friction: self.contact.friction,
-            centre_distance: self.pair.centre_distance_m,
-            working_pressure_angle: self.pair.working_pressure_angle_deg.to_radians(),
+            centre_distance,
+            working_pressure_angle,
             path_coordinate: self.initial.path_coordinate_s1_m,
             gap_exact: self.initial.gap_exact_involute_m,
             gap_effective,

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`read`], [`read_str`] | a deck as it stands: [`Deck`]; what is not known is declined with its line |
 //! | [`gears`] | its toothed bodies as [`GearMesh`](crate::mesh::GearMesh), each in its own frame |
+//! | [`check_gtm`] | what a deck lacks for the preprocessing of elastic gears |
+//! | [`write`](write()), [`write_impact`] | a gear, or two in contact, as a deck that CalculiX runs |
 //!
 //! The subset is that of gears in contact: hexahedra, sets, surfaces, one isotropic material per gear, rigid
 //! bores, linear penalty contact, initial velocities, static, dynamic and frequency steps. Syntax after the
@@ -12,8 +14,10 @@
 mod data;
 mod error;
 mod gears;
+mod gtm;
 mod lexer;
 mod reader;
+mod writer;
 
 pub use data::{
     Boundary, ContactKind, ContactPair, Deck, DeckMaterial, ElementBlock, InitialVelocity,
@@ -21,7 +25,10 @@ pub use data::{
 };
 pub use error::{DeckError, DeckErrorKind, Place};
 pub use gears::{BodyShape, DeckGear, gears};
+pub use gtm::{Finding, GtmRequirement, check_gtm};
 pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, Resolver};
+
+pub use writer::{GearDeck, Hub, Impact, ImpactGear, WriteError, write, write_impact};
 
 use std::fs::File;
 use std::io::{self, Read};

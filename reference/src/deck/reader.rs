@@ -6,6 +6,8 @@
 mod contact;
 mod model;
 mod step;
+#[cfg(test)]
+mod tests;
 
 use super::data::{Deck, Labels, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
@@ -360,10 +362,10 @@ fn at_most(k: &Keyword, data: &Data, count: usize) -> Result<(), DeckError> {
         return Ok(());
     }
     Err(data.place.error(
-        DeckErrorKind::Syntax,
+        DeckErrorKind::Unsupported,
         k.text.clone(),
         format!("at most {count} values in the line"),
         data.fields.len().to_string(),
-        "",
+        "a further value may change the model, so it is not passed over",
     ))
 }

@@ -20,6 +20,8 @@ pub(super) struct NamedFlank {
     pub(super) label: i64,
     pub(super) side: Side,
     pub(super) quads: Vec<Quad>,
+    /// Corner nodes of elements in a node set: all have to lie in the grid.
+    pub(super) corners: Option<usize>,
 }
 
 /// A flank that was found: its grid, and the tooth by where it stands.
@@ -108,8 +110,8 @@ pub(in crate::deck) fn is_bore_name(name: &str) -> bool {
         .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// Splits a deck into bodies.
-pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+/// Nodes that elements join.
+fn joined(deck: &Deck) -> Groups {
     let mut groups = Groups::new(deck.nodes.len());
     for block in &deck.blocks {
         for element in block.connectivity.chunks_exact(block.kind.nodes()) {
@@ -118,6 +120,20 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
             }
         }
     }
+    groups
+}
+
+/// How many bodies a deck has.
+pub(in crate::deck) fn count(deck: &Deck) -> usize {
+    let mut groups = joined(deck);
+    let elements = 0..deck.element_count() as u32;
+    let first = elements.map(|e| groups.find(deck.element(e)[0]));
+    first.collect::<std::collections::HashSet<u32>>().len()
+}
+
+/// Splits a deck into bodies.
+pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+    let mut groups = joined(deck);
     // Body of each group, in the order of first elements; then body and local number of each node.
     let mut body_of_group = vec![NONE; deck.nodes.len()];
     let mut elements: Vec<Vec<u32>> = Vec::new();
@@ -268,11 +284,15 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
         };
         if !flank_sets[i].is_empty() {
             let faces = boundary(&body.connectivity, kind.nodes());
+            let corner = body.corner_nodes();
             let mut inside = vec![false; body.positions.len()];
             for &(set, label, side) in &flank_sets[i] {
                 let members = &deck.node_sets[set];
+                let mut corners = 0;
                 for &n in members {
-                    inside[local[n as usize] as usize] = true;
+                    let n = local[n as usize] as usize;
+                    inside[n] = true;
+                    corners += usize::from(corner[n]);
                 }
                 let quads = faces
                     .iter()
@@ -288,6 +308,7 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
                     label,
                     side,
                     quads,
+                    corners: Some(corners),
                 });
             }
         }
@@ -313,6 +334,7 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
                 label,
                 side,
                 quads,
+                corners: None,
             });
         }
         bodies.push(body);
@@ -347,14 +369,20 @@ impl Body {
         &self.connectivity[element * self.kind.nodes()..][..8]
     }
 
-    /// Bore nodes at corners of elements: mid-side nodes may lie on chords.
-    pub(super) fn bore_corners(&self) -> Vec<u32> {
+    /// Which nodes are corners of elements.
+    fn corner_nodes(&self) -> Vec<bool> {
         let mut corner = vec![false; self.positions.len()];
         for e in 0..self.elements.len() {
             for &n in self.corners(e) {
                 corner[n as usize] = true;
             }
         }
+        corner
+    }
+
+    /// Bore nodes at corners of elements: mid-side nodes may lie on chords.
+    pub(super) fn bore_corners(&self) -> Vec<u32> {
+        let corner = self.corner_nodes();
         let corners = self.bore.iter().copied();
         corners.filter(|&n| corner[n as usize]).collect()
     }

@@ -17,10 +17,11 @@ mod spur;
 
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
-use crate::mesh::GearMesh;
+use crate::mesh::{Face, GearMesh, Mesh};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
+use std::collections::HashMap;
 
 /// What kind of toothed body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,13 +63,64 @@ impl DeckGear {
     /// Where a point of the own frame stands in the deck [m].
     #[must_use]
     pub fn to_deck(&self, x: Vec3) -> Vec3 {
-        match self.shape {
-            BodyShape::Gear => self.centre + turned(x, self.phase),
-            BodyShape::Rack { direction } => {
-                self.centre + turned(x + Vec3::new(0.0, self.phase, 0.0), direction)
-            }
+        placed(self.shape, self.centre, self.phase, x)
+    }
+}
+
+/// Where a point of a body's own frame stands.
+pub(super) fn placed(shape: BodyShape, centre: Vec3, phase: f64, x: Vec3) -> Vec3 {
+    match shape {
+        BodyShape::Gear => centre + turned(x, phase),
+        BodyShape::Rack { direction } => centre + turned(x + Vec3::new(0.0, phase, 0.0), direction),
+    }
+}
+
+/// Faces at the surface of a mesh, by their corner nodes in ascending order.
+pub(super) fn surface_faces(mesh: &Mesh) -> HashMap<[u32; 4], Face> {
+    let quads = patch::boundary(&mesh.connectivity, mesh.kind.nodes());
+    let sorted = |mut corners: [u32; 4]| {
+        corners.sort_unstable();
+        corners
+    };
+    quads.iter().map(|q| (sorted(q.corners), q.face)).collect()
+}
+
+pub(super) use bodies::{count as bodies_of, flank_name, is_bore_name};
+
+/// Coordinate axis that a set's nodes lie around: `x`, `y` or `z`; nodes in a plane along z count as `z`, for
+/// they are the back of a rack.
+pub(super) fn bore_axis(deck: &Deck, set: &str) -> Option<char> {
+    // Mid-side nodes on chords would spoil the circle.
+    let mut corner = vec![false; deck.nodes.len()];
+    for block in &deck.blocks {
+        for element in block.connectivity.chunks_exact(block.kind.nodes()) {
+            element[..8].iter().for_each(|&n| corner[n as usize] = true);
         }
     }
+    let members = deck.node_sets.get(set)?.iter();
+    let points: Vec<Vec3> = members
+        .filter(|&&n| corner[n as usize])
+        .map(|&n| deck.nodes[n as usize])
+        .collect();
+    let turned = |axis: char, p: &Vec3| match axis {
+        'x' => Vec3::new(p.y, p.z, p.x),
+        'y' => Vec3::new(p.z, p.x, p.y),
+        _ => *p,
+    };
+    // A bore along x is also a plane along z when it is a single ring: circles first.
+    let shapes = ['z', 'x', 'y'].map(|axis| {
+        let points: Vec<Vec3> = points.iter().map(|p| turned(axis, p)).collect();
+        (axis, circle::shape(&points))
+    });
+    let circles = shapes
+        .iter()
+        .find(|(_, s)| matches!(s, circle::Shape::Circle { .. }));
+    let planes = || {
+        shapes
+            .first()
+            .filter(|(_, s)| matches!(s, circle::Shape::Plane { .. }))
+    };
+    circles.or_else(planes).map(|(axis, _)| *axis)
 }
 
 /// Splits a deck into its toothed bodies, in the order of their first elements.
@@ -114,7 +166,7 @@ fn snapped(value: f64, size: f64) -> f64 {
 }
 
 /// Letter of a side in the names of sets.
-fn letter(side: Side) -> char {
+pub(super) fn letter(side: Side) -> char {
     match side {
         Side::Left => 'l',
         Side::Right => 'r',

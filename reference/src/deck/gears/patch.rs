@@ -52,15 +52,22 @@ pub(super) fn boundary(connectivity: &[u32], nodes_per_element: usize) -> Vec<Qu
     quads().filter(|q| seen[&key(q.corners)] == 1).collect()
 }
 
-/// Lays faces out as a grid. `height` grows from the root to the tip, `z` over the width.
+/// Lays faces out as a grid; `corners` is how many nodes it has to have, if that is known. `height` grows from the root to the tip, `z` over the width.
 pub(super) fn grid(
     deck: &Deck,
     set: &str,
     quads: &[Quad],
+    corners: Option<usize>,
     height: &dyn Fn(u32) -> f64,
     z: &dyn Fn(u32) -> f64,
 ) -> Result<Grid, DeckError> {
-    lay_out(set, quads, height, z).map_err(|found| {
+    let grid = lay_out(set, quads, height, z).and_then(|grid| match corners {
+        Some(n) if n != grid.nodes.len() => {
+            Err(format!("{} of {n} nodes in its faces", grid.nodes.len()))
+        }
+        _ => Ok(grid),
+    });
+    grid.map_err(|found| {
         decline(
             deck,
             set,

@@ -115,7 +115,11 @@ impl Reader<'_> {
                         k.text.clone(),
                         format!("{} nodes of element {label}", kind.nodes()),
                         count.to_string(),
-                        "an element goes on in the next line until it has its nodes",
+                        if count < kind.nodes() {
+                            "an element goes on in the next line until it has its nodes"
+                        } else {
+                            "is it an element of another type?"
+                        },
                     ));
                 };
                 (data, skip) = (more, 0);

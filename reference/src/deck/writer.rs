@@ -1,0 +1,241 @@
+//! Decks as CalculiX runs them and Abaqus reads them: one gear, or an impact of two.
+//!
+//! Output is a function of the input alone. Positions are printed in fixed notation with the shortest digits
+//! that give the same bits back (17 at most): [`read_str`](super::read_str) returns the mesh bit for bit.
+//! CalculiX looks at the first 20 characters of a number only; fixed notation loses less than 1e-16 m there,
+//! where an exponent cut off would be wrong by orders.
+
+mod from_deck;
+mod impact;
+
+pub use impact::{Hub, Impact, ImpactGear, write_impact};
+
+use super::gears::{letter, surface_faces};
+use crate::mesh::{Face, GearMesh};
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+use std::io::{self, Write};
+
+/// Why a deck cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The output refuses.
+    #[error("cannot write the deck: {0}")]
+    Io(#[from] io::Error),
+    /// A position or parameter is not finite.
+    #[error("{what} is {value}, a deck needs a finite number")]
+    NotFinite {
+        /// What it is.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A grid of flank nodes is not on the surface of the mesh.
+    #[error(
+        "flank {flank}: row {row}, column {column} of its grid is no face at the surface of the mesh"
+    )]
+    NoFace {
+        /// Name of the flank.
+        flank: String,
+        /// Row from 0.
+        row: usize,
+        /// Column from 0.
+        column: usize,
+    },
+    /// A contact pair asks for a flank that the mesh does not have.
+    #[error("gear {gear} has no flank {flank}; it has {known}")]
+    NoFlank {
+        /// Gear, 1 or 2.
+        gear: usize,
+        /// Name of the flank.
+        flank: String,
+        /// What there is.
+        known: String,
+    },
+    /// A parameter is out of range.
+    #[error("{what} is {value}, it has to be {range}")]
+    Range {
+        /// What it is.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+}
+
+/// What a deck of one gear has besides the gear.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GearDeck {
+    /// Text under `*HEADING`.
+    pub title: String,
+    /// Modes of a frequency step with the bore held; without it the deck has no step.
+    pub modes: Option<u32>,
+}
+
+/// Writes a gear in its own frame as a deck: nodes, elements (set `gear`), node sets `bore` and `flank_1l`, ...,
+/// surfaces `sflank_1l`, ..., material and section.
+///
+/// # Errors
+/// [`WriteError`] says what cannot be written.
+pub fn write(
+    out: &mut dyn Write,
+    gear: &GearMesh,
+    material: &Material,
+    options: &GearDeck,
+) -> Result<(), WriteError> {
+    heading(out, &options.title)?;
+    let gear = Numbered {
+        gear,
+        suffix: "",
+        first_node: 1,
+        first_element: 1,
+    };
+    gear.mesh(out, &|x| x)?;
+    materials(out, &[*material], &["gear"])?;
+    if let Some(modes) = options.modes {
+        writeln!(
+            out,
+            "*BOUNDARY\nbore, 1, 3\n*STEP\n*FREQUENCY, SOLVER=SPOOLES\n{modes}"
+        )?;
+        writeln!(out, "*NODE FILE\nU\n*END STEP")?;
+    }
+    Ok(())
+}
+
+/// A gear with its labels and the number in its names.
+struct Numbered<'a> {
+    gear: &'a GearMesh,
+    suffix: &'a str,
+    first_node: u32,
+    first_element: u32,
+}
+
+impl Numbered<'_> {
+    fn mesh(&self, out: &mut dyn Write, place: &dyn Fn(Vec3) -> Vec3) -> Result<(), WriteError> {
+        let (mesh, suffix) = (&self.gear.mesh, self.suffix);
+        writeln!(out, "*NODE, NSET=nall{suffix}")?;
+        for (label, &x) in (self.first_node..).zip(&mesh.nodes) {
+            let x = place(x);
+            let [a, b, c] = [x.x, x.y, x.z].map(|v| position(v, label));
+            writeln!(out, "{label}, {}, {}, {}", a?, b?, c?)?;
+        }
+        writeln!(
+            out,
+            "*ELEMENT, TYPE={}, ELSET=gear{suffix}",
+            mesh.kind.name()
+        )?;
+        for (label, nodes) in (self.first_element..).zip(mesh.elements()) {
+            write!(out, "{label}")?;
+            for (i, n) in nodes.iter().enumerate() {
+                // A line may have 16 entries; one that ends with a comma goes on.
+                let gap = if i == 10 { ",\n" } else { ", " };
+                write!(out, "{gap}{}", n + self.first_node)?;
+            }
+            writeln!(out)?;
+        }
+        writeln!(out, "*NSET, NSET=bore{suffix}")?;
+        self.list(out, &self.gear.bore)?;
+        let faces = surface_faces(mesh);
+        for f in &self.gear.flanks {
+            let name = format!("flank{suffix}_{}{}", f.tooth + 1, letter(f.side));
+            writeln!(out, "*NSET, NSET={name}")?;
+            self.list(out, &f.nodes)?;
+            writeln!(out, "*SURFACE, NAME=s{name}, TYPE=ELEMENT")?;
+            for row in 1..f.rows {
+                for column in 1..f.columns {
+                    let at = |r: usize, c: usize| f.nodes[r * f.columns + c];
+                    let mut corners = [
+                        at(row - 1, column - 1),
+                        at(row, column - 1),
+                        at(row, column),
+                        at(row - 1, column),
+                    ];
+                    corners.sort_unstable();
+                    let Some(Face { element, face }) = faces.get(&corners) else {
+                        return Err(WriteError::NoFace {
+                            flank: name,
+                            row: row - 1,
+                            column: column - 1,
+                        });
+                    };
+                    writeln!(out, "{}, S{}", element + self.first_element, face + 1)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Labels of nodes, twelve in a line.
+    fn list(&self, out: &mut dyn Write, nodes: &[u32]) -> io::Result<()> {
+        for line in nodes.chunks(12) {
+            let labels: Vec<String> = line
+                .iter()
+                .map(|n| (n + self.first_node).to_string())
+                .collect();
+            writeln!(out, "{}", labels.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+/// Title lines; a line that starts with a star would be a keyword.
+fn heading(out: &mut dyn Write, title: &str) -> io::Result<()> {
+    writeln!(out, "*HEADING")?;
+    for line in title.lines().map(|l| l.trim().trim_start_matches('*')) {
+        writeln!(out, "{}", line.trim())?;
+    }
+    Ok(())
+}
+
+/// Materials and sections; equal materials are written once.
+fn materials(out: &mut dyn Write, of: &[Material], sets: &[&str]) -> Result<(), WriteError> {
+    let name = |i: usize| {
+        let first = of.iter().position(|m| *m == of[i]).unwrap_or(i);
+        format!("MATERIAL{}", first + 1)
+    };
+    for (i, m) in of.iter().enumerate() {
+        if of[..i].contains(m) {
+            continue;
+        }
+        let young = number(m.young, "Young's modulus")?;
+        let poisson = number(m.poisson, "Poisson's ratio")?;
+        let density = number(m.density, "density")?;
+        writeln!(out, "*MATERIAL, NAME={}", name(i))?;
+        writeln!(out, "*ELASTIC\n{young}, {poisson}\n*DENSITY\n{density}")?;
+    }
+    for (i, set) in sets.iter().enumerate() {
+        writeln!(out, "*SOLID SECTION, ELSET={set}, MATERIAL={}", name(i))?;
+    }
+    Ok(())
+}
+
+/// A position in fixed notation.
+fn position(x: f64, node: u32) -> Result<String, WriteError> {
+    if x.is_finite() && x.abs() < 1e15 {
+        // `Display` of Rust never takes an exponent.
+        return Ok(format!("{x}"));
+    }
+    Err(WriteError::NotFinite {
+        what: format!("a position of node {node}"),
+        value: x,
+    })
+}
+
+/// A parameter in 20 characters or less.
+fn number(x: f64, what: &str) -> Result<String, WriteError> {
+    if !x.is_finite() {
+        return Err(WriteError::NotFinite {
+            what: what.to_owned(),
+            value: x,
+        });
+    }
+    let shortest = format!("{x:e}");
+    Ok(match shortest.len() <= 20 {
+        true => shortest,
+        false => format!("{x:.12e}"),
+    })
+}
+
+#[cfg(test)]
+mod tests;

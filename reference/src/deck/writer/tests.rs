@@ -1,0 +1,180 @@
+use super::*;
+use crate::deck::{Deck, DeckGear, Procedure, gears, read, read_str};
+
+fn stored(name: &str) -> Deck {
+    read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn read_text(text: &[u8]) -> Deck {
+    let text = std::str::from_utf8(text).unwrap();
+    read_str("written.inp", text, &mut |_| Err(io::Error::other("none"))).unwrap()
+}
+
+fn same_mesh(a: &DeckGear, b: &DeckGear) {
+    assert!(a.mesh == b.mesh, "the mesh came back otherwise");
+    assert_eq!(a.material, b.material);
+}
+
+#[test]
+fn one_gear_comes_back_bit_for_bit() {
+    for name in [
+        "case-a-fine/AF8_d05.inp.gz",
+        "rack-pinion/R8b_d05.inp.gz",
+        "modal/impA_g1_C3D8I.inp.gz",
+        "modal/g1_C3D20R.inp.gz",
+    ] {
+        for gear in gears(&stored(name)).unwrap() {
+            let mut text = Vec::new();
+            let options = GearDeck {
+                title: format!("{name}\n*a line of stars"),
+                modes: Some(7),
+            };
+            write(&mut text, &gear.mesh, &gear.material, &options).unwrap();
+            let deck = read_text(&text);
+            assert_eq!(deck.heading, [name, "a line of stars"]);
+            assert_eq!(deck.steps[0].procedure, Procedure::Frequency { modes: 7 });
+            let mut found = gears(&deck).unwrap();
+            let again = found.pop().unwrap();
+            assert!(found.is_empty());
+            same_mesh(&gear, &again);
+            assert_eq!(again.shape, gear.shape);
+            assert_eq!((again.centre, again.phase), (Vec3::zeros(), 0.0), "{name}");
+            let mut second = Vec::new();
+            write(&mut second, &again.mesh, &again.material, &options).unwrap();
+            assert!(text == second, "the same text again");
+        }
+    }
+}
+
+#[test]
+fn an_impact_says_what_the_stored_one_says() {
+    let stored = stored("case-a-fine/AF8_d05.inp.gz");
+    let found = gears(&stored).unwrap();
+    let impact = Impact::of(&stored, &found).unwrap();
+    assert_eq!(impact.pairs, [[19, 1], [0, 0], [1, 29]]);
+    assert_eq!(
+        impact.gears.each_ref().map(|g| g.hub),
+        [Hub::Free { speed: 20.0 }, Hub::Free { speed: 0.0 }]
+    );
+    assert_eq!(
+        (impact.penalty, impact.step, impact.end, impact.alpha),
+        (1e15, 5e-7, 2.5e-4, -0.05)
+    );
+    let mut text = Vec::new();
+    write_impact(&mut text, &impact).unwrap();
+    let deck = read_text(&text);
+    let again = gears(&deck).unwrap();
+    for (a, b) in found.iter().zip(&again) {
+        // Positions were turned there and back: the last bits differ.
+        for (x, y) in a.mesh.mesh.nodes.iter().zip(&b.mesh.mesh.nodes) {
+            assert!((x - y).norm() < 1e-16);
+        }
+        assert_eq!(a.mesh.mesh.connectivity, b.mesh.mesh.connectivity);
+        assert_eq!(a.mesh.mesh.node_sets, b.mesh.mesh.node_sets);
+        assert_eq!(a.mesh.mesh.face_sets, b.mesh.mesh.face_sets);
+        assert!((a.phase - b.phase).abs() < 1e-15 && a.centre == b.centre);
+        assert_eq!(a.rigid_body, b.rigid_body);
+    }
+    for (name, faces) in &stored.surfaces {
+        let mut one = faces.clone();
+        let mut two = deck.surfaces[name].clone();
+        one.sort_unstable();
+        two.sort_unstable();
+        assert_eq!(one, two, "{name}");
+    }
+    let pairs = |d: &Deck| -> Vec<(String, String)> {
+        let pairs = d.contact_pairs.iter();
+        pairs.map(|p| (p.slave.clone(), p.master.clone())).collect()
+    };
+    assert_eq!(pairs(&stored), pairs(&deck));
+    let stiffness = |d: &Deck| d.interactions["si"].stiffness;
+    assert_eq!(stiffness(&stored), stiffness(&deck));
+    let (a, b) = (&stored.initial_velocities, &deck.initial_velocities);
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert_eq!((&a.target, a.direction), (&b.target, b.direction));
+        assert!((a.value - b.value).abs() <= 1e-9 * a.value.abs().max(0.1));
+    }
+    assert_eq!(stored.steps[0].procedure, deck.steps[0].procedure);
+    assert_eq!(stored.steps[0].requests, deck.steps[0].requests);
+    let sets = |d: &Deck| d.node_sets.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(sets(&stored), sets(&deck));
+}
+
+#[test]
+fn a_clamped_rack_has_no_hub() {
+    let stored = stored("rack-pinion/R8b_d05.inp.gz");
+    let found = gears(&stored).unwrap();
+    let mut text = Vec::new();
+    let impact = Impact::of(&stored, &found).unwrap();
+    // The deck calls the rack's teeth 1, 0 and -1 from the other end.
+    assert_eq!(impact.pairs, [[19, 4], [0, 0], [1, 1]]);
+    assert_eq!(impact.gears[1].hub, Hub::Clamped);
+    write_impact(&mut text, &impact).unwrap();
+    let deck = read_text(&text);
+    assert_eq!(deck.rigid_bodies.len(), 1);
+    let again = gears(&deck).unwrap();
+    assert_eq!(again[1].shape, found[1].shape);
+    assert!((again[1].phase - found[1].phase).abs() < 1e-16);
+    assert!((again[1].centre - found[1].centre).norm() < 1e-16);
+}
+
+#[test]
+fn what_cannot_be_written_is_named() {
+    let deck = stored("case-a-coarse/A8_d05.inp.gz");
+    let found = gears(&deck).unwrap();
+    let good = Impact::of(&deck, &found).unwrap();
+    let refuse = |change: &dyn Fn(&mut Impact<'_>)| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        write_impact(&mut Vec::new(), &bad).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refuse(&|i| i.pairs = vec![[4, 0]]),
+        "gear 1 has no flank 5l; it has 1l, 1r, 2l, 2r, 20l, 20r"
+    );
+    assert_eq!(
+        refuse(&|i| i.penalty = 0.0),
+        "the penalty [Pa/m] is 0, it has to be above 0"
+    );
+    assert!(refuse(&|i| i.end = 1e-9).contains("at least one step"));
+    assert!(refuse(&|i| i.step = f64::NAN).contains("above 0"));
+    assert!(refuse(&|i| i.alpha = -0.5).contains("between -1/3 and 0"));
+    assert!(refuse(&|i| i.gears[0].centre.x = f64::NAN).contains("position of node 1"));
+    let mut mesh = found[0].mesh.clone();
+    mesh.flanks[0].nodes.swap(0, 7);
+    let e = write(
+        &mut Vec::new(),
+        &mesh,
+        &Material::STEEL,
+        &GearDeck::default(),
+    )
+    .unwrap_err();
+    assert!(
+        e.to_string().starts_with("flank flank_1l: row 0, column 0"),
+        "{e}"
+    );
+}
+
+#[test]
+fn numbers_fit_into_twenty_characters() {
+    for x in [
+        2.1e11,
+        -1.234_567_890_123_456_7e-5,
+        f64::MIN_POSITIVE,
+        -f64::MAX,
+        0.0,
+    ] {
+        let text = number(x, "x").unwrap();
+        assert!(text.len() <= 20, "{text}");
+        let back: f64 = text.parse().unwrap();
+        assert!((back - x).abs() <= 1e-12 * x.abs());
+    }
+    // CalculiX cuts at 20 characters.
+    for x in [0.1 / 3.0, -1e-3 / 7.0, -1e-9 / 3.0, 1.0 / 3.0, 123.456] {
+        let text = position(x, 1).unwrap();
+        assert_eq!(text.parse::<f64>().unwrap(), x);
+        let cut: f64 = text[..text.len().min(20)].parse().unwrap();
+        assert!((cut - x).abs() <= 1e-16 * x.abs().max(1.0), "{text}");
+    }
+}
