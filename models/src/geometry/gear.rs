@@ -369,8 +369,10 @@ impl Gear {
         self.roll[1]
     }
 
-    /// Half tooth thickness angle (rad) on the involute at length of roll `s` (m).
-    pub(super) fn half_angle_at_roll(&self, s: f64) -> f64 {
+    /// Half tooth thickness angle (rad) on the involute at length of roll `s` (m); the point has radius
+    /// `sqrt(r_b^2 + s^2)`. Unlike [`Gear::half_angle_at`] it is smooth where the involute meets the base circle.
+    #[must_use]
+    pub fn half_angle_at_roll(&self, s: f64) -> f64 {
         self.chi - inv_of_tangent(s / self.r_base)
     }
 
@@ -383,6 +385,14 @@ impl Gear {
         }
         let r = r.max(self.r_root);
         0.5 * self.pitch_angle() - self.fillet.delta_at((r - self.r_root) * (r + self.r_root))
+    }
+
+    /// Point of the left fillet in its own parameter, from 0 at the root circle to 1 at the form circle:
+    /// radius (m) and half tooth thickness angle (rad).
+    #[must_use]
+    pub fn fillet_at(&self, t: f64) -> (f64, f64) {
+        let p = self.fillet.at(self.fillet.q_max() * t.clamp(0.0, 1.0));
+        (p.r2.sqrt(), 0.5 * self.pitch_angle() - p.delta)
     }
 
     /// Material removed normal to the flank (m), 0 or above, by relief and crowning at radius `r`

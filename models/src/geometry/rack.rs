@@ -212,6 +212,14 @@ impl Rack {
         0.5 * self.pitch() - self.tip.half_width_at(depth)
     }
 
+    /// Point of a fillet in its own parameter, from 0 at the root line to 1 at the straight flank: height (m)
+    /// above the reference line and half tooth thickness (m).
+    #[must_use]
+    pub fn fillet_at(&self, t: f64) -> (f64, f64) {
+        let (u, d) = self.tip.point(self.tip.q_max() * t.clamp(0.0, 1.0));
+        (-d, 0.5 * self.pitch() - u)
+    }
+
     /// Half thickness (m) of the straight flank, extended beyond both ends.
     pub(super) fn half_thickness_on_flank(&self, height: f64) -> f64 {
         self.half_thickness - height * self.alpha_t.tan()

@@ -1,0 +1,147 @@
+//! What a user says about a mesh: counts, grading, kind of element.
+
+use super::ElementKind;
+
+/// Numbers of elements of one tooth in the transverse section.
+///
+/// Every tooth has a skin of [`Tooth::layers`] elements under its flanks, its fillets and the root between
+/// teeth, and a core between the two skins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tooth {
+    /// Elements along the involute (or straight) flank, at least 1. This count decides how well contact is
+    /// resolved: the sagitta of a chord falls with its square.
+    pub flank: usize,
+    /// Elements along the fillet, at least 2.
+    pub fillet: usize,
+    /// Elements on the root arc between the fillet and the middle of the tooth space, at least 1. Where a large
+    /// tool radius leaves no such arc they are spread over the fillet.
+    pub root: usize,
+    /// Elements across the tooth from flank to flank, above twice the skin's layers.
+    pub across: usize,
+}
+
+impl Default for Tooth {
+    /// Enough for tooth deflections within a few per cent.
+    fn default() -> Self {
+        Tooth {
+            flank: 8,
+            fillet: 4,
+            root: 2,
+            across: 6,
+        }
+    }
+}
+
+/// Some teeth fine, the others coarse.
+///
+/// Both kinds share the skin's layers, the layers of the rim and those over the width: faces in the middle of
+/// the tooth spaces match whatever the teeth beside them look like.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FineTeeth {
+    /// Teeth, from 0, with the counts of the mesh.
+    pub teeth: Vec<u32>,
+    /// Counts of all other teeth.
+    pub others: Tooth,
+}
+
+/// A web: between the rim and the hub the body is a thinner disc, in the middle of the face width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Web {
+    /// Where the hub ends and the web begins [m], above the bore radius.
+    pub inner_radius: f64,
+    /// Where the web ends and the rim begins [m], below the root radius.
+    pub outer_radius: f64,
+    /// Thickness [m], below the face width.
+    pub thickness: f64,
+    /// Layers of elements from the outer to the inner radius.
+    pub layers: usize,
+    /// Layers of elements from the inner radius to the bore.
+    pub hub_layers: usize,
+}
+
+/// How a gear is meshed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GearMeshParams {
+    /// Kind of element.
+    pub kind: ElementKind,
+    /// Elements of a tooth.
+    pub tooth: Tooth,
+    /// Layers of the skin under flanks, fillets and root.
+    pub layers: usize,
+    /// Layers from the skin of the root to the bore (with a web: to its outer radius).
+    pub rim: usize,
+    /// Layers over the face width (with a web at least 3).
+    pub width: usize,
+    /// Length of the flank's last element at the tip over that of the first at the form circle; 1 is uniform.
+    pub flank_grading: f64,
+    /// Thickness of each layer of the skin over that of its neighbour nearer to the surface; 1 is uniform.
+    pub skin_growth: f64,
+    /// Thickness of each layer of the rim over that of its neighbour nearer to the teeth; left out, it is chosen
+    /// so that the rim continues the skin.
+    pub rim_growth: Option<f64>,
+    /// A thinner disc between hub and rim.
+    pub web: Option<Web>,
+    /// Mesh one pitch only: tooth 0 between the middles of its tooth spaces. The faces there are the node sets
+    /// `cut_low` and `cut_high`; node `i` of `cut_high` is node `i` of `cut_low` turned by one pitch.
+    pub sector: bool,
+    /// Mesh these teeth with [`GearMeshParams::tooth`], the others coarser.
+    pub fine_teeth: Option<FineTeeth>,
+}
+
+impl Default for GearMeshParams {
+    fn default() -> Self {
+        GearMeshParams {
+            kind: ElementKind::C3D8I,
+            tooth: Tooth::default(),
+            layers: 2,
+            rim: 4,
+            width: 4,
+            flank_grading: 1.0,
+            skin_growth: 1.5,
+            rim_growth: None,
+            web: None,
+            sector: false,
+            fine_teeth: None,
+        }
+    }
+}
+
+/// How a rack is meshed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RackMeshParams {
+    /// Kind of element.
+    pub kind: ElementKind,
+    /// Elements of a tooth.
+    pub tooth: Tooth,
+    /// Layers of the skin under flanks, fillets and root.
+    pub layers: usize,
+    /// Layers from the skin of the root to the back.
+    pub body: usize,
+    /// Layers over the face width.
+    pub width: usize,
+    /// As [`GearMeshParams::flank_grading`].
+    pub flank_grading: f64,
+    /// As [`GearMeshParams::skin_growth`].
+    pub skin_growth: f64,
+    /// As [`GearMeshParams::rim_growth`], for the body.
+    pub body_growth: Option<f64>,
+    /// Mesh these teeth with [`RackMeshParams::tooth`], the others coarser.
+    pub fine_teeth: Option<FineTeeth>,
+}
+
+impl Default for RackMeshParams {
+    fn default() -> Self {
+        let gear = GearMeshParams::default();
+        RackMeshParams {
+            kind: gear.kind,
+            tooth: gear.tooth,
+            layers: gear.layers,
+            body: gear.rim,
+            width: gear.width,
+            flank_grading: gear.flank_grading,
+            skin_growth: gear.skin_growth,
+            body_growth: gear.rim_growth,
+            fine_teeth: None,
+        }
+    }
+}

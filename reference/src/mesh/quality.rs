@@ -1,0 +1,242 @@
+//! How good the elements of a mesh are.
+//!
+//! The scaled Jacobian of an element is the least, over its corners, of `det J / (|J_1| |J_2| |J_3|)` with the
+//! columns `J_i` of the Jacobian of the map from the reference cube: 1 for a box, 0 for a flat corner (P. M.
+//! Knupp, *Algebraic mesh quality metrics*, SIAM J. Sci. Comput. 23, 2001). The sign is also tested at the
+//! element's integration points: corners alone do not bound the inside of a curved element.
+
+use super::{ElementKind, Mesh};
+use gearbench_models::Vec3;
+
+/// Quality of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Least scaled Jacobian; above 0 when every element is sound.
+    pub min_scaled_jacobian: f64,
+    /// Mean over the elements.
+    pub mean_scaled_jacobian: f64,
+    /// The element with the least.
+    pub worst_element: usize,
+    /// Greatest ratio of the longest to the shortest edge of an element.
+    pub max_aspect_ratio: f64,
+    /// The element with that ratio.
+    pub longest_element: usize,
+    /// Volume of all elements [m^3].
+    pub volume: f64,
+    /// Polar moment of the volume about the z axis [m^5]: times the density, the moment of inertia.
+    pub polar_moment: f64,
+}
+
+/// Quality of one element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementQuality {
+    /// Scaled Jacobian; where the Jacobian is not positive at an integration point, its value there if smaller.
+    pub scaled_jacobian: f64,
+    /// Longest over shortest edge.
+    pub aspect_ratio: f64,
+    /// Volume [m^3].
+    pub volume: f64,
+    /// Its polar moment about the z axis [m^5].
+    pub polar_moment: f64,
+}
+
+/// Natural coordinates of the nodes.
+const NODES: [[f64; 3]; 20] = [
+    [-1., -1., -1.],
+    [1., -1., -1.],
+    [1., 1., -1.],
+    [-1., 1., -1.],
+    [-1., -1., 1.],
+    [1., -1., 1.],
+    [1., 1., 1.],
+    [-1., 1., 1.],
+    [0., -1., -1.],
+    [1., 0., -1.],
+    [0., 1., -1.],
+    [-1., 0., -1.],
+    [0., -1., 1.],
+    [1., 0., 1.],
+    [0., 1., 1.],
+    [-1., 0., 1.],
+    [-1., -1., 0.],
+    [1., -1., 0.],
+    [1., 1., 0.],
+    [-1., 1., 0.],
+];
+
+/// Corner nodes of the twelve edges.
+const EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
+/// Shape functions and their derivatives at a point of the reference cube.
+#[derive(Clone)]
+struct At {
+    n: Vec<f64>,
+    dn: Vec<[f64; 3]>,
+    weight: f64,
+}
+
+impl At {
+    fn new(kind: ElementKind, x: [f64; 3], weight: f64) -> Self {
+        let count = kind.nodes();
+        let (mut n, mut dn) = (vec![0.0; count], vec![[0.0; 3]; count]);
+        for i in 0..count {
+            let a = NODES[i];
+            // Each factor and its derivative: linear 1 + a x, or 1 - x^2 where the node stands mid-side.
+            let f: [f64; 3] = std::array::from_fn(|k| match a[k] {
+                0.0 => 1.0 - x[k] * x[k],
+                _ => 1.0 + a[k] * x[k],
+            });
+            let df: [f64; 3] = std::array::from_fn(|k| match a[k] {
+                0.0 => -2.0 * x[k],
+                _ => a[k],
+            });
+            let product = f[0] * f[1] * f[2];
+            let d = [
+                df[0] * f[1] * f[2],
+                f[0] * df[1] * f[2],
+                f[0] * f[1] * df[2],
+            ];
+            if i >= 8 {
+                n[i] = product / 4.0;
+                dn[i] = d.map(|v| v / 4.0);
+            } else if count == 20 {
+                let g = a[0] * x[0] + a[1] * x[1] + a[2] * x[2] - 2.0;
+                n[i] = product * g / 8.0;
+                dn[i] = std::array::from_fn(|k| (d[k] * g + product * a[k]) / 8.0);
+            } else {
+                n[i] = product / 8.0;
+                dn[i] = d.map(|v| v / 8.0);
+            }
+        }
+        At { n, dn, weight }
+    }
+
+    /// Columns of the Jacobian.
+    fn jacobian(&self, nodes: &[Vec3]) -> [Vec3; 3] {
+        let mut j = [Vec3::zeros(); 3];
+        for (x, d) in nodes.iter().zip(&self.dn) {
+            for k in 0..3 {
+                j[k] += x * d[k];
+            }
+        }
+        j
+    }
+}
+
+fn scaled([a, b, c]: [Vec3; 3]) -> f64 {
+    a.cross(&b).dot(&c) / (a.norm() * b.norm() * c.norm())
+}
+
+/// Tests elements of one kind.
+pub(super) struct ElementCheck {
+    corners: Vec<At>,
+    integration: Vec<At>,
+}
+
+impl ElementCheck {
+    pub(super) fn new(kind: ElementKind) -> Self {
+        let rule: Vec<(f64, f64)> = match kind {
+            ElementKind::C3D8 | ElementKind::C3D8I => {
+                let g = 1.0 / 3f64.sqrt();
+                vec![(-g, 1.0), (g, 1.0)]
+            }
+            ElementKind::C3D20 | ElementKind::C3D20R => {
+                let g = 0.6f64.sqrt();
+                vec![(-g, 5.0 / 9.0), (0.0, 8.0 / 9.0), (g, 5.0 / 9.0)]
+            }
+        };
+        let mut integration = Vec::new();
+        for &(x, wx) in &rule {
+            for &(y, wy) in &rule {
+                for &(z, wz) in &rule {
+                    integration.push(At::new(kind, [x, y, z], wx * wy * wz));
+                }
+            }
+        }
+        let corners = NODES[..8].iter().map(|&c| At::new(kind, c, 0.0));
+        ElementCheck {
+            corners: corners.collect(),
+            integration,
+        }
+    }
+
+    pub(super) fn element(&self, nodes: &[Vec3]) -> ElementQuality {
+        let mut least = f64::INFINITY;
+        for c in &self.corners {
+            let s = scaled(c.jacobian(nodes));
+            // `min` would drop a NaN.
+            least = if s < least || s.is_nan() { s } else { least };
+        }
+        let (mut volume, mut polar) = (0.0, 0.0);
+        for p in &self.integration {
+            let j = p.jacobian(nodes);
+            let det = j[0].cross(&j[1]).dot(&j[2]);
+            if det.is_nan() || det <= 0.0 {
+                let s = scaled(j);
+                least = if s < least || s.is_nan() { s } else { least };
+            }
+            let at: Vec3 = nodes.iter().zip(&p.n).map(|(x, &n)| x * n).sum();
+            volume += p.weight * det;
+            polar += p.weight * det * (at.x * at.x + at.y * at.y);
+        }
+        let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
+        for [a, b] in EDGES {
+            let length = (nodes[a] - nodes[b]).norm();
+            shortest = shortest.min(length);
+            longest = longest.max(length);
+        }
+        ElementQuality {
+            scaled_jacobian: least,
+            aspect_ratio: longest / shortest,
+            volume,
+            polar_moment: polar,
+        }
+    }
+}
+
+/// Measures every element of a mesh.
+#[must_use]
+pub fn quality(mesh: &Mesh) -> Quality {
+    let check = ElementCheck::new(mesh.kind);
+    let mut q = Quality {
+        min_scaled_jacobian: f64::INFINITY,
+        mean_scaled_jacobian: 0.0,
+        worst_element: 0,
+        max_aspect_ratio: 0.0,
+        longest_element: 0,
+        volume: 0.0,
+        polar_moment: 0.0,
+    };
+    let mut nodes = Vec::with_capacity(mesh.kind.nodes());
+    for (i, e) in mesh.elements().enumerate() {
+        nodes.clear();
+        nodes.extend(e.iter().map(|&n| mesh.nodes[n as usize]));
+        let found = check.element(&nodes);
+        if found.scaled_jacobian < q.min_scaled_jacobian || found.scaled_jacobian.is_nan() {
+            q.min_scaled_jacobian = found.scaled_jacobian;
+            q.worst_element = i;
+        }
+        if found.aspect_ratio > q.max_aspect_ratio {
+            q.max_aspect_ratio = found.aspect_ratio;
+            q.longest_element = i;
+        }
+        q.mean_scaled_jacobian += found.scaled_jacobian;
+        q.volume += found.volume;
+        q.polar_moment += found.polar_moment;
+    }
+    q.mean_scaled_jacobian /= mesh.element_count().max(1) as f64;
+    q
+}
