@@ -152,7 +152,11 @@ impl Graph {
             }
         }
         let coarsest = levels.last().map_or(self, |l| &l.0);
-        let seeds = if self.vertices() > MANY { SEEDS } else { FEW_SEEDS };
+        let seeds = if self.vertices() > MANY {
+            SEEDS
+        } else {
+            FEW_SEEDS
+        };
         let mut part = coarsest.cut(seeds, random);
         for i in (0..levels.len()).rev() {
             let finer = if i == 0 { self } else { &levels[i - 1].0 };
