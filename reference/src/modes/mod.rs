@@ -1,1 +1,257 @@
 //! Eigenmodes: shift-invert block Lanczos, and cyclic symmetry.
+//!
+//! Modes of `K phi = omega^2 M phi`, the lowest first, orthonormal in M: `phi_i^T M phi_j = delta_ij`.
+//!
+//! | part | owns |
+//! |---|---|
+//! | [`lowest`] | lowest modes of any symmetric pair, [`Options`], [`Modes`], the count that proves none is missing |
+//! | [`lanczos`] | the iteration, for real and Hermitian matrices |
+//! | [`cyclic`] | modes of a whole gear from one tooth sector |
+//!
+//! A body free in the mount has modes of zero frequency; a shift below zero keeps the factor positive definite.
+
+pub mod cyclic;
+mod dense;
+pub mod lanczos;
+mod symmetric;
+#[cfg(test)]
+mod tests;
+
+pub use lanczos::{Report, Target};
+pub use symmetric::Symmetric;
+
+use crate::solve::{self, Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
+use faer::sparse::SparseColMatRef;
+use faer::{Mat, Par};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How to find modes.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Shift sigma of `(K - sigma M)^-1 M` [rad²/s²], below the whole spectrum; `None`: slightly below zero.
+    pub shift: Option<f64>,
+    /// Vectors per step; should be the largest multiplicity or more.
+    pub block: usize,
+    /// Residual of the inverse iteration relative to its eigenvalue at which a mode counts as found.
+    pub tolerance: f64,
+    /// Steps after which the search gives up.
+    pub max_steps: usize,
+    /// Whether the inertia of a shifted matrix shall prove that no mode is missing (one more factorisation).
+    pub verify: bool,
+    /// Threads; `None`: one for small matrices, all for large ones.
+    pub par: Option<Par>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            shift: None,
+            block: 8,
+            tolerance: 1e-9,
+            max_steps: 2000,
+            verify: true,
+            par: None,
+        }
+    }
+}
+
+/// Lowest modes of a pair of matrices.
+#[derive(Clone, Debug)]
+pub struct Modes<T: Scalar = f64> {
+    /// Squares of the angular frequencies [rad²/s²], ascending.
+    pub omega2: Vec<f64>,
+    /// Shapes, unknowns x modes, orthonormal in M [1/sqrt(kg)].
+    pub vectors: Mat<T>,
+    /// `|K phi - omega^2 M phi| / |K phi|` of each mode; of a rigid-body mode over `|sigma M phi|` instead.
+    pub residuals: Vec<f64>,
+    /// Work done.
+    pub report: Report,
+}
+
+impl<T: Scalar> Modes<T> {
+    /// Frequencies [Hz]; zero for a rigid-body mode whose square came out below zero by rounding.
+    #[must_use]
+    pub fn frequencies(&self) -> Vec<f64> {
+        let to_hz = |w2: &f64| w2.max(0.0).sqrt() / std::f64::consts::TAU;
+        self.omega2.iter().map(to_hz).collect()
+    }
+}
+
+/// Modes that cannot be found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModesError {
+    /// The shifted matrix cannot be factorised.
+    #[error("shifted stiffness matrix: {0}")]
+    Solve(#[from] SolveError),
+    /// Stiffness and mass differ in size.
+    #[error("the stiffness matrix has {stiffness} unknowns, the mass matrix {mass}")]
+    Sizes {
+        /// Unknowns of the stiffness matrix.
+        stiffness: usize,
+        /// Unknowns of the mass matrix.
+        mass: usize,
+    },
+    /// More modes wanted than there are unknowns.
+    #[error("{wanted} modes wanted of a body with {unknowns} free coordinates: ask for fewer")]
+    TooMany {
+        /// Modes wanted.
+        wanted: usize,
+        /// Unknowns.
+        unknowns: usize,
+    },
+    /// A matrix holds a number that is not finite, or the mass matrix is not positive.
+    #[error("{0}")]
+    Matrix(&'static str),
+    /// The search did not converge.
+    #[error("{found} of {wanted} modes found in {steps} steps: raise the steps or the tolerance")]
+    NotConverged {
+        /// Modes found.
+        found: usize,
+        /// Modes wanted.
+        wanted: usize,
+        /// Steps taken.
+        steps: usize,
+    },
+    /// The inertia counts more modes than were found.
+    #[error(
+        "{counted} modes lie below {frequency:.6e} Hz, but {found} were found: the block is smaller than the \
+         multiplicity of a mode; raise `block`"
+    )]
+    Missed {
+        /// Modes counted.
+        counted: usize,
+        /// Modes found.
+        found: usize,
+        /// Bound of the count [Hz].
+        frequency: f64,
+    },
+    /// The sector and its cuts do not make a gear.
+    #[error("sector mesh: {0}")]
+    Sector(String),
+}
+
+/// Shift relative to the median of `K_ii / M_ii`, which is about the square of the highest frequency: far above
+/// rounding, far below the first elastic mode of a body.
+const RELATIVE_SHIFT: f64 = -1e-6;
+
+/// A shift slightly below zero that suits the matrices.
+pub(crate) fn default_shift<T: Scalar>(k: &Symmetric<T>, m: &Symmetric<T>) -> f64 {
+    let mut ratios: Vec<f64> = (k.diagonal().zip(m.diagonal()))
+        .filter(|(_, m)| *m > 0.0)
+        .map(|(k, m)| k / m)
+        .collect();
+    if ratios.is_empty() {
+        return -1.0;
+    }
+    let middle = ratios.len() / 2;
+    let (_, median, _) = ratios.select_nth_unstable_by(middle, f64::total_cmp);
+    if *median > 0.0 {
+        RELATIVE_SHIFT * *median
+    } else {
+        -1.0
+    }
+}
+
+/// The lowest modes of `K phi = omega^2 M phi`; `k` and `m` are lower triangles.
+///
+/// ```
+/// use faer::sparse::{SparseColMat, Triplet};
+/// use gearbench_reference::modes::{Options, lowest};
+///
+/// // Ten unit masses in a row between two walls, unit springs: omega_i = 2 sin(i pi / 22).
+/// let n = 10;
+/// let spring = |i: usize| [(i, i, 2.0), ((i + 1).min(n - 1), i, if i + 1 < n { -1.0 } else { 0.0 })];
+/// let k: Vec<_> = (0..n).flat_map(spring).map(|(i, j, v)| Triplet::new(i, j, v)).collect();
+/// let k = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &k).unwrap();
+/// let m: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1.0)).collect();
+/// let m = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &m).unwrap();
+/// let modes = lowest(k.as_ref(), m.as_ref(), 3, &Options::default()).unwrap();
+/// let exact = 2.0 * (std::f64::consts::PI / 22.0).sin();
+/// assert!((modes.omega2[0] - exact * exact).abs() < 1e-12);
+/// ```
+///
+/// # Errors
+/// [`ModesError`]: sizes that differ, matrices that are not definite, no convergence, or a mode missed.
+pub fn lowest(
+    k: SparseColMatRef<'_, usize, f64>,
+    m: SparseColMatRef<'_, usize, f64>,
+    count: usize,
+    options: &Options,
+) -> Result<Modes, ModesError> {
+    if k.ncols() != m.ncols() {
+        return Err(ModesError::Sizes {
+            stiffness: k.ncols(),
+            mass: m.ncols(),
+        });
+    }
+    let (k, m) = (Symmetric::new(k)?, Symmetric::new(m)?);
+    let n = k.size();
+    if count > n {
+        return Err(ModesError::TooMany {
+            wanted: count,
+            unknowns: n,
+        });
+    }
+    let shift = options.shift.unwrap_or_else(|| default_shift(&k, &m));
+    if lanczos::is_small(n, count, options.block) {
+        return dense::lowest(&k, &m, count, shift);
+    }
+    let start = Instant::now();
+    let shifted = k.minus(shift, &m);
+    let symbolic = Arc::new(Symbolic::new(
+        shifted.symbolic(),
+        solve::ordering::Ordering::Best,
+    )?);
+    let analysis = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), options.par)?;
+    let factorisation = start.elapsed().as_secs_f64();
+    drop(shifted);
+    let par = options
+        .par
+        .unwrap_or(if n < 20_000 { Par::Seq } else { Par::rayon(0) });
+    let mut iteration = lanczos::Lanczos::new(&m, shift, options, par);
+    iteration.report.analysis_s = analysis;
+    iteration.report.factorisation_s = factorisation;
+    iteration.report.factorisations = 1;
+    iteration.report.factor_bytes = factor.bytes();
+    iteration.run(&factor, Target::Count(count))?;
+    let mut modes = iteration.modes(&factor, &k, count)?;
+    if options.verify && count > 1 {
+        verify(&k, &m, &symbolic, par, options.block, &mut modes)?;
+    }
+    Ok(modes)
+}
+
+/// Counts the modes below a gap near the end of those found.
+fn verify(
+    k: &Symmetric<f64>,
+    m: &Symmetric<f64>,
+    symbolic: &Symbolic,
+    par: Par,
+    block: usize,
+    modes: &mut Modes,
+) -> Result<(), ModesError> {
+    let start = Instant::now();
+    let w2 = &modes.omega2;
+    let last = w2.len() - 1;
+    let from = last.saturating_sub(block.max(4));
+    let gap = |i: &usize| (w2[i + 1] - w2[*i]) / w2[i + 1].abs().max(f64::MIN_POSITIVE);
+    let Some(i) = (from..last).max_by(|a, b| gap(a).total_cmp(&gap(b))) else {
+        return Ok(());
+    };
+    let bound = 0.5 * (w2[i] + w2[i + 1]);
+    let counted = negative_eigenvalues(k.minus(bound, m).as_ref(), symbolic, par)?;
+    if counted != i + 1 {
+        return Err(ModesError::Missed {
+            counted,
+            found: i + 1,
+            frequency: bound.max(0.0).sqrt() / std::f64::consts::TAU,
+        });
+    }
+    modes.report.verified = counted;
+    modes.report.factorisations += 1;
+    modes.report.verification_s = start.elapsed().as_secs_f64();
+    Ok(())
+}

@@ -15,9 +15,48 @@ use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
 /// Numbers a matrix may consist of: `f64`, or [`faer::c64`] for Hermitian matrices.
-pub trait Scalar: faer::traits::ComplexField<Real = f64> + Copy {}
-impl Scalar for f64 {}
-impl Scalar for faer::c64 {}
+pub trait Scalar:
+    faer::traits::ComplexField<Real = f64>
+    + Copy
+    + Send
+    + Sync
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<Output = Self>
+    + std::ops::AddAssign
+{
+    /// A real number.
+    fn real(x: f64) -> Self;
+    /// The complex conjugate.
+    #[must_use]
+    fn conjugate(self) -> Self;
+    /// Square of the modulus.
+    fn modulus2(self) -> f64;
+}
+
+impl Scalar for f64 {
+    fn real(x: f64) -> Self {
+        x
+    }
+    fn conjugate(self) -> Self {
+        self
+    }
+    fn modulus2(self) -> f64 {
+        self * self
+    }
+}
+
+impl Scalar for faer::c64 {
+    fn real(x: f64) -> Self {
+        Self::new(x, 0.0)
+    }
+    fn conjugate(self) -> Self {
+        self.conj()
+    }
+    fn modulus2(self) -> f64 {
+        self.norm_sqr()
+    }
+}
 
 /// Supernodes are merged while the zeros this stores stay below the fraction: (columns, fraction).
 /// Wider merges than faer's: our matrices come in blocks of three columns, and wide blocks sweep faster.
@@ -234,7 +273,7 @@ impl<T: Scalar> Cholesky<T> {
             Par::rayon(0)
         });
         let mut factor = Self {
-            values: vec![faer::traits::math_utils::zero::<T>(); symbolic.stored()],
+            values: vec![T::real(0.0); symbolic.stored()],
             symbolic,
             par,
             workspace: SolveWorkspace::default(),

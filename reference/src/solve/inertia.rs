@@ -33,7 +33,7 @@ pub fn negative_eigenvalues<T: Scalar>(
         return Ok(0);
     }
     let inner = symbolic.inner();
-    let mut values = vec![faer::traits::math_utils::zero::<T>(); inner.len_val()];
+    let mut values = vec![T::real(0.0); inner.len_val()];
     let scratch = inner.factorize_numeric_ldlt_scratch::<T>(par, Default::default());
     let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::TooLarge { unknowns })?;
     inner

@@ -1,0 +1,470 @@
+//! Shift-invert block Lanczos with thick restart.
+//!
+//! `A = (K - sigma M)^-1 M` is self-adjoint in the M inner product; its eigenvalues `theta = 1 / (omega^2 - sigma)`
+//! are largest for the lowest modes. Each step applies A to the last block of an M-orthonormal basis V, first
+//! removes what the last two blocks explain, then projects on the whole basis (full reorthogonalisation), so that
+//! `T = V^H M A V` is known exactly. A basis that has grown too long is replaced by its best Ritz vectors (thick
+//! restart: K. Wu, H. Simon, SIAM J. Matrix Anal. Appl. 22, 2000). The modes found take one more step of inverse
+//! iteration with Rayleigh and Ritz, which takes out the rounding in the high frequencies.
+
+use super::dense::{adjoint_product, eigen, residuals};
+use super::{Modes, ModesError, Options, Symmetric};
+use crate::solve::{Cholesky, Scalar};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use std::time::Instant;
+
+/// Work done for a set of modes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Right-hand sides solved.
+    pub solves: usize,
+    /// Steps of the iteration, one block each.
+    pub steps: usize,
+    /// Restarts.
+    pub restarts: usize,
+    /// Longest basis.
+    pub subspace: usize,
+    /// Modes, from the lowest, that an inertia count proved complete; 0 without a count.
+    pub verified: usize,
+    /// Memory of the factor [bytes].
+    pub factor_bytes: usize,
+    /// Order and fill [s].
+    pub analysis_s: f64,
+    /// First factorisation [s].
+    pub factorisation_s: f64,
+    /// Solves [s].
+    pub solve_s: f64,
+    /// Orthogonalisation, mass products and restarts [s].
+    pub orthogonalisation_s: f64,
+    /// Projected eigenproblems [s].
+    pub projection_s: f64,
+    /// Last inverse iteration and residuals [s].
+    pub polish_s: f64,
+    /// Inertia count [s].
+    pub verification_s: f64,
+}
+
+/// When enough modes are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// So many of the lowest.
+    Count(usize),
+    /// All up to this omega^2 [rad²/s²], and the next one above it.
+    Above(f64),
+}
+
+/// Whether a problem is so small that a full decomposition is cheaper.
+pub(super) fn is_small(n: usize, count: usize, block: usize) -> bool {
+    n <= 150 || n <= capacity_for(count, block) + 2 * block
+}
+
+/// Longest basis for so many modes.
+fn capacity_for(count: usize, block: usize) -> usize {
+    count + (count / 2).max(5 * block).max(24)
+}
+
+/// State of an iteration; it can be continued to find more modes.
+#[derive(Debug)]
+pub struct Lanczos<'a, T: Scalar> {
+    mass: &'a Symmetric<T>,
+    shift: f64,
+    block: usize,
+    tolerance: f64,
+    max_steps: usize,
+    par: Par,
+    /// Basis: `size` vectors that A has been applied to, then the last block.
+    basis: Mat<T>,
+    size: usize,
+    /// M times the last block.
+    mass_last: Mat<T>,
+    /// `V^H M A V`, of which the leading `size` rows and columns count.
+    projected: Mat<T>,
+    /// Norms of the last block before it was normalised, as the triangle R of `W = V_last R`.
+    coupling: Mat<T>,
+    /// Whether the last step was a restart: then the whole basis couples with the last block.
+    restarted: bool,
+    random: u64,
+    /// Work done.
+    pub report: Report,
+}
+
+/// Ritz values `theta`, descending, with vectors and estimated residuals.
+struct Ritz<T: Scalar> {
+    theta: Vec<f64>,
+    vectors: Mat<T>,
+    residuals: Vec<f64>,
+}
+
+impl<'a, T: Scalar> Lanczos<'a, T> {
+    /// Prepares an iteration; nothing is solved yet.
+    #[must_use]
+    pub fn new(mass: &'a Symmetric<T>, shift: f64, options: &Options, par: Par) -> Self {
+        let (n, block) = (mass.size(), options.block.max(1));
+        let mut new = Self {
+            mass,
+            shift,
+            block,
+            tolerance: options.tolerance,
+            max_steps: options.max_steps,
+            par,
+            basis: Mat::zeros(n, 0),
+            size: 0,
+            mass_last: Mat::zeros(n, block),
+            projected: Mat::zeros(0, 0),
+            coupling: Mat::zeros(block, block),
+            restarted: true,
+            random: 0x9e37_79b9_7f4a_7c15,
+            report: Report::default(),
+        };
+        new.grow(block);
+        new
+    }
+
+    /// Makes room for a basis of `capacity` vectors and a last block.
+    fn grow(&mut self, capacity: usize) {
+        let columns = capacity + self.block;
+        if self.basis.ncols() < columns {
+            self.basis
+                .resize_with(self.basis.nrows(), columns, |_, _| T::real(0.0));
+            self.projected
+                .resize_with(columns, columns, |_, _| T::real(0.0));
+        }
+    }
+
+    fn random(&mut self) -> f64 {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        (self.random >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    }
+
+    fn randomise(&mut self, mut x: MatMut<'_, T>) {
+        for j in 0..x.ncols() {
+            for i in 0..x.nrows() {
+                x[(i, j)] = T::real(self.random());
+            }
+        }
+    }
+
+    /// Iterates until the target is met.
+    ///
+    /// # Errors
+    /// No convergence within the steps allowed, or matrices that are not finite.
+    pub fn run(&mut self, factor: &Cholesky<T>, target: Target) -> Result<usize, ModesError> {
+        let n = self.mass.size();
+        if self.size == 0 && self.report.steps == 0 {
+            let mut w = Mat::zeros(n, self.block);
+            self.randomise(w.as_mut());
+            // One application of A takes the high frequencies out of the random start.
+            self.mass.apply(w.as_ref(), self.mass_last.as_mut());
+            w.copy_from(&self.mass_last);
+            self.solve(factor, w.as_mut());
+            self.normalise(w, 0)?;
+        }
+        let mut wanted = match target {
+            Target::Count(count) => count,
+            Target::Above(_) => self.size.max(self.block),
+        };
+        let mut capacity = capacity_for(wanted, self.block).min(n.saturating_sub(self.block));
+        self.grow(capacity);
+        let mut next_check = wanted;
+        loop {
+            if self.size >= next_check {
+                let ritz = self.ritz()?;
+                let converged = self.converged(&ritz);
+                let enough = match target {
+                    Target::Count(count) => converged >= count,
+                    Target::Above(omega2) => {
+                        converged > 0 && self.omega2(ritz.theta[converged - 1]) > omega2
+                    }
+                };
+                if enough {
+                    return Ok(converged);
+                }
+                if self.report.steps >= self.max_steps || self.size + self.block > n {
+                    return Err(ModesError::NotConverged {
+                        found: converged,
+                        wanted,
+                        steps: self.report.steps,
+                    });
+                }
+                if let Target::Above(omega2) = target {
+                    // The Ritz values tell roughly how many there are.
+                    let below = (ritz.theta.iter()).filter(|t| self.omega2(**t) <= omega2);
+                    wanted = wanted.max(below.count() + 1);
+                    capacity = capacity_for(wanted, self.block).min(n - self.block);
+                    self.grow(capacity);
+                }
+                next_check = self.size + 2 * self.block;
+                if self.size + self.block > capacity {
+                    let keep = (wanted + (capacity - wanted) / 3).min(self.size - self.block);
+                    self.restart(&ritz, keep.max(converged));
+                    next_check = capacity.min(self.size + 4 * self.block);
+                }
+            }
+            next_check = next_check.min(capacity.saturating_sub(self.block) + 1);
+            self.step(factor)?;
+        }
+    }
+
+    fn omega2(&self, theta: f64) -> f64 {
+        self.shift + 1.0 / theta
+    }
+
+    fn solve(&mut self, factor: &Cholesky<T>, x: MatMut<'_, T>) {
+        let start = Instant::now();
+        self.report.solves += x.ncols();
+        factor.solve_many(x, self.par);
+        self.report.solve_s += start.elapsed().as_secs_f64();
+    }
+
+    /// Applies A to the last block and makes what is new in it the next block.
+    fn step(&mut self, factor: &Cholesky<T>) -> Result<(), ModesError> {
+        let mut w = self.mass_last.clone();
+        self.solve(factor, w.as_mut());
+        let start = Instant::now();
+        let (old, all) = (self.size, self.size + self.block);
+        // What the neighbouring blocks explain first; the rest of the basis is then left with little.
+        let near = if self.restarted {
+            0
+        } else {
+            old.saturating_sub(self.block)
+        };
+        let mut h = Mat::zeros(all, self.block);
+        for from in [near, 0] {
+            let removed = self.remove(w.as_mut(), from, all);
+            let mut rows = h.as_mut().subrows_mut(from, all - from);
+            rows += &removed;
+        }
+        for j in 0..self.block {
+            for i in 0..all {
+                self.projected[(i, old + j)] = h[(i, j)];
+                self.projected[(old + j, i)] = h[(i, j)].conjugate();
+            }
+        }
+        let half = T::real(0.5);
+        for j in 0..self.block {
+            for i in 0..self.block {
+                self.projected[(old + i, old + j)] =
+                    half * (h[(old + i, j)] + h[(old + j, i)].conjugate());
+            }
+        }
+        self.size = all;
+        self.restarted = false;
+        self.report.steps += 1;
+        self.report.subspace = self.report.subspace.max(all);
+        self.normalise(w, all)?;
+        self.report.orthogonalisation_s += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Takes the part along basis vectors `from..to` out of `w`; returns the coefficients.
+    fn remove(&self, mut w: MatMut<'_, T>, from: usize, to: usize) -> Mat<T> {
+        let mut mw = Mat::zeros(w.nrows(), w.ncols());
+        self.mass.apply(w.as_ref(), mw.as_mut());
+        let v = self.basis.subcols(from, to - from);
+        let h = adjoint_product(v, mw.as_ref(), self.par);
+        matmul(w.as_mut(), Accum::Add, v, &h, T::real(-1.0), self.par);
+        h
+    }
+
+    /// Makes `w` M-orthonormal and the last block, behind `size` vectors; keeps the triangle that it had.
+    fn normalise(&mut self, mut w: Mat<T>, size: usize) -> Result<(), ModesError> {
+        let b = self.block;
+        let mut coupling = Mat::<T>::identity(b, b);
+        let mut mw = Mat::zeros(w.nrows(), b);
+        for pass in 0..4 {
+            self.mass.apply(w.as_ref(), mw.as_mut());
+            let gram = adjoint_product(w.as_ref(), mw.as_ref(), self.par);
+            let (lambda, u) = eigen(gram.as_ref(), Par::Seq)?;
+            let top = lambda[b - 1];
+            if top.is_nan() || top <= 0.0 {
+                return Err(ModesError::Matrix(
+                    "the mass matrix is not positive definite",
+                ));
+            }
+            let floor = 1e-26 * top;
+            // W <- W U lambda^-1/2, R <- lambda^1/2 U^H R.
+            let forward = Mat::from_fn(b, b, |i, j| {
+                u[(i, j)] * T::real(1.0 / lambda[j].max(floor).sqrt())
+            });
+            let back = Mat::from_fn(b, b, |i, j| {
+                u[(j, i)].conjugate() * T::real(lambda[i].max(0.0).sqrt())
+            });
+            w = &w * &forward;
+            coupling = &back * &coupling;
+            for j in (0..b).filter(|&j| lambda[j] <= floor) {
+                // The Krylov space is exhausted in this direction: any other one continues.
+                self.randomise(w.as_mut().subcols_mut(j, 1));
+            }
+            if lambda[0] > 1e-4 * top && pass > 0 {
+                break;
+            }
+            if size > 0 {
+                self.remove(w.as_mut(), 0, size);
+            }
+        }
+        self.mass.apply(w.as_ref(), self.mass_last.as_mut());
+        self.basis.as_mut().subcols_mut(size, b).copy_from(&w);
+        self.coupling = coupling;
+        Ok(())
+    }
+
+    fn ritz(&mut self) -> Result<Ritz<T>, ModesError> {
+        let start = Instant::now();
+        let m = self.size;
+        let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m), self.par)?;
+        let descending = Mat::from_fn(m, m, |i, j| vectors[(i, m - 1 - j)]);
+        let theta: Vec<f64> = values.into_iter().rev().collect();
+        let mut rest = Mat::zeros(self.block, m);
+        matmul(
+            rest.as_mut(),
+            Accum::Replace,
+            &self.coupling,
+            descending.subrows(m - self.block, self.block),
+            T::real(1.0),
+            Par::Seq,
+        );
+        let norm = |j: usize| {
+            (0..self.block)
+                .map(|i| rest[(i, j)].modulus2())
+                .sum::<f64>()
+                .sqrt()
+        };
+        let residuals = (0..m).map(norm).collect();
+        self.report.projection_s += start.elapsed().as_secs_f64();
+        Ok(Ritz {
+            theta,
+            vectors: descending,
+            residuals,
+        })
+    }
+
+    /// Leading Ritz pairs that have all converged.
+    fn converged(&self, ritz: &Ritz<T>) -> usize {
+        let fine = |(t, r): &(&f64, &f64)| **t > 0.0 && **r <= self.tolerance * **t;
+        ritz.theta
+            .iter()
+            .zip(&ritz.residuals)
+            .take_while(fine)
+            .count()
+    }
+
+    /// Replaces the basis by its leading Ritz vectors; the last block stays.
+    fn restart(&mut self, ritz: &Ritz<T>, keep: usize) {
+        let start = Instant::now();
+        let kept = self.combined(ritz.vectors.as_ref().subcols(0, keep));
+        let last = self.basis.subcols(self.size, self.block).to_owned();
+        self.basis.as_mut().subcols_mut(0, keep).copy_from(&kept);
+        self.basis
+            .as_mut()
+            .subcols_mut(keep, self.block)
+            .copy_from(&last);
+        for j in 0..keep {
+            for i in 0..keep {
+                self.projected[(i, j)] = T::real(if i == j { ritz.theta[j] } else { 0.0 });
+            }
+        }
+        self.size = keep;
+        self.restarted = true;
+        self.report.restarts += 1;
+        self.report.orthogonalisation_s += start.elapsed().as_secs_f64();
+    }
+
+    fn combined(&self, coefficients: MatRef<'_, T>) -> Mat<T> {
+        let mut x = Mat::zeros(self.basis.nrows(), coefficients.ncols());
+        let v = self.basis.subcols(0, self.size);
+        matmul(
+            x.as_mut(),
+            Accum::Replace,
+            v,
+            coefficients,
+            T::real(1.0),
+            self.par,
+        );
+        x
+    }
+
+    /// The lowest `count` modes, improved once more, with their true residuals.
+    ///
+    /// # Errors
+    /// Matrices that are not finite.
+    pub fn modes(
+        &mut self,
+        factor: &Cholesky<T>,
+        stiffness: &Symmetric<T>,
+        count: usize,
+    ) -> Result<Modes<T>, ModesError> {
+        let ritz = self.ritz()?;
+        let start = Instant::now();
+        let count = count.min(ritz.theta.len());
+        let mut x = self.combined(ritz.vectors.as_ref().subcols(0, count));
+        // (K - sigma M) y = M x: then y^H (K - sigma M) y = y^H M x.
+        let mut mx = Mat::zeros(x.nrows(), count);
+        self.mass.apply(x.as_ref(), mx.as_mut());
+        for j in 0..count {
+            // Scaled so that y is about x.
+            let scale = T::real(1.0 / ritz.theta[j]);
+            for i in 0..mx.nrows() {
+                mx[(i, j)] = mx[(i, j)] * scale;
+            }
+        }
+        x.copy_from(&mx);
+        const TOGETHER: usize = 32;
+        let mut first = 0;
+        while first < count {
+            let width = TOGETHER.min(count - first);
+            self.solve(factor, x.as_mut().subcols_mut(first, width));
+            first += width;
+        }
+        let elastic = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
+        self.mass.apply(x.as_ref(), mx.as_mut());
+        let inertial = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
+        // Both are nearly diagonal: orthonormalise by the inertial one, then diagonalise the elastic one.
+        let (lambda, u) = eigen(inertial.as_ref(), self.par)?;
+        let to_unit = Mat::from_fn(count, count, |i, j| {
+            u[(i, j)] * T::real(1.0 / lambda[j].sqrt())
+        });
+        let mut product = Mat::zeros(count, count);
+        matmul(
+            product.as_mut(),
+            Accum::Replace,
+            &elastic,
+            &to_unit,
+            T::real(1.0),
+            self.par,
+        );
+        let small = adjoint_product(to_unit.as_ref(), product.as_ref(), self.par);
+        let (shifted, s) = eigen(small.as_ref(), self.par)?;
+        let mut rotation = Mat::zeros(count, count);
+        matmul(
+            rotation.as_mut(),
+            Accum::Replace,
+            &to_unit,
+            &s,
+            T::real(1.0),
+            self.par,
+        );
+        let mut vectors = Mat::zeros(x.nrows(), count);
+        matmul(
+            vectors.as_mut(),
+            Accum::Replace,
+            &x,
+            &rotation,
+            T::real(1.0),
+            self.par,
+        );
+        let omega2: Vec<f64> = shifted.iter().map(|l| l + self.shift).collect();
+        let residuals = residuals(stiffness, self.mass, &omega2, vectors.as_ref(), self.shift);
+        self.report.polish_s += start.elapsed().as_secs_f64();
+        Ok(Modes {
+            omega2,
+            vectors,
+            residuals,
+            report: self.report,
+        })
+    }
+}

@@ -1,0 +1,191 @@
+//! A symmetric or Hermitian sparse matrix kept as its lower triangle, and its products with blocks of vectors.
+
+use super::ModesError;
+use crate::solve::Scalar;
+use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat};
+use faer::{MatMut, MatRef};
+
+/// Columns of a product taken together.
+const PANEL: usize = 4;
+
+/// Lower triangle of a symmetric (Hermitian) matrix without stored zeros.
+#[derive(Clone, Debug)]
+pub struct Symmetric<T> {
+    start: Vec<usize>,
+    rows: Vec<u32>,
+    values: Vec<T>,
+    /// Places of stored zeros are left out of the product but kept in sums: the pattern that came in.
+    pattern: SymbolicSparseColMat<usize>,
+    kept: Vec<u32>,
+}
+
+impl<T: Scalar> Symmetric<T> {
+    /// Takes over a lower triangle.
+    ///
+    /// # Errors
+    /// A number that is not finite, an entry above the diagonal, or a matrix that is not square.
+    pub fn new(a: SparseColMatRef<'_, usize, T>) -> Result<Self, ModesError> {
+        if a.nrows() != a.ncols() {
+            return Err(ModesError::Matrix(
+                "a stiffness or mass matrix is not square",
+            ));
+        }
+        let n = a.ncols();
+        let mut start = Vec::with_capacity(n + 1);
+        let (mut rows, mut values, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        start.push(0);
+        let mut place = 0;
+        for j in 0..n {
+            for (i, &v) in a.row_idx_of_col(j).zip(a.val_of_col(j)) {
+                if i < j {
+                    return Err(ModesError::Matrix(
+                        "a stiffness or mass matrix has entries above its diagonal: give the lower triangle",
+                    ));
+                }
+                if !v.modulus2().is_finite() {
+                    return Err(ModesError::Matrix(
+                        "a stiffness or mass matrix holds a number that is not finite",
+                    ));
+                }
+                if v.modulus2() != 0.0 {
+                    rows.push(i as u32);
+                    values.push(v);
+                    kept.push(place);
+                }
+                place += 1;
+            }
+            start.push(rows.len());
+        }
+        let (n_rows, n_columns, columns, _, row_indices) = a.symbolic().parts();
+        let pattern = SymbolicSparseColMat::new_checked(
+            n_rows,
+            n_columns,
+            columns.to_vec(),
+            None,
+            row_indices.to_vec(),
+        );
+        Ok(Self {
+            start,
+            rows,
+            values,
+            pattern,
+            kept,
+        })
+    }
+
+    /// Rows and columns.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Diagonal, its real part.
+    pub fn diagonal(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.size()).map(|j| {
+            let at = self.start[j];
+            let first = at < self.start[j + 1] && self.rows[at] as usize == j;
+            if first {
+                faer::traits::math_utils::real(&self.values[at])
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// `A - sigma B` on the union of both patterns, stored zeros included.
+    #[must_use]
+    pub fn minus(&self, sigma: f64, b: &Self) -> SparseColMat<usize, T> {
+        let n = self.size();
+        let (full_a, full_b) = (self.with_zeros(), b.with_zeros());
+        let sigma = T::real(sigma);
+        let mut start = Vec::with_capacity(n + 1);
+        let capacity = full_a.len().max(full_b.len());
+        let (mut rows, mut values) = (Vec::with_capacity(capacity), Vec::with_capacity(capacity));
+        start.push(0);
+        for j in 0..n {
+            let (pa, pb) = (self.pattern.col_range(j), b.pattern.col_range(j));
+            let (ra, rb) = (
+                &self.pattern.row_idx()[pa.clone()],
+                &b.pattern.row_idx()[pb.clone()],
+            );
+            let (va, vb) = (&full_a[pa], &full_b[pb]);
+            let (mut i, mut k) = (0, 0);
+            while i < ra.len() || k < rb.len() {
+                let row_a = ra.get(i).copied().unwrap_or(usize::MAX);
+                let row_b = rb.get(k).copied().unwrap_or(usize::MAX);
+                let mut value = T::real(0.0);
+                if row_a <= row_b {
+                    value += va[i];
+                    i += 1;
+                }
+                if row_b <= row_a {
+                    value = value - sigma * vb[k];
+                    k += 1;
+                }
+                rows.push(row_a.min(row_b));
+                values.push(value);
+            }
+            start.push(rows.len());
+        }
+        SparseColMat::new(
+            SymbolicSparseColMat::new_checked(n, n, start, None, rows),
+            values,
+        )
+    }
+
+    fn with_zeros(&self) -> Vec<T> {
+        let mut all = vec![T::real(0.0); self.pattern.row_idx().len()];
+        for (&place, &v) in self.kept.iter().zip(&self.values) {
+            all[place as usize] = v;
+        }
+        all
+    }
+
+    /// `y = A x` for all columns.
+    pub fn apply(&self, x: MatRef<'_, T>, mut y: MatMut<'_, T>) {
+        let n = self.size();
+        let zero = [T::real(0.0); PANEL];
+        let (mut from, mut to) = (vec![zero; n], vec![zero; n]);
+        let mut first = 0;
+        while first < x.ncols() {
+            let width = PANEL.min(x.ncols() - first);
+            for k in 0..PANEL {
+                for i in 0..n {
+                    from[i][k] = if k < width {
+                        x[(i, first + k)]
+                    } else {
+                        T::real(0.0)
+                    };
+                }
+            }
+            to.fill(zero);
+            for j in 0..n {
+                let xj = from[j];
+                let mut sum = to[j];
+                let range = self.start[j]..self.start[j + 1];
+                for (&i, &v) in self.rows[range.clone()].iter().zip(&self.values[range]) {
+                    let i = i as usize;
+                    if i == j {
+                        for k in 0..PANEL {
+                            sum[k] += v * xj[k];
+                        }
+                    } else {
+                        let c = v.conjugate();
+                        let (xi, yi) = (&from[i], &mut to[i]);
+                        for k in 0..PANEL {
+                            sum[k] += c * xi[k];
+                            yi[k] += v * xj[k];
+                        }
+                    }
+                }
+                to[j] = sum;
+            }
+            for k in 0..width {
+                for i in 0..n {
+                    y[(i, first + k)] = to[i][k];
+                }
+            }
+            first += width;
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Modes with known frequencies: chains, bricks, free bodies, multiple eigenvalues.
+
+use super::*;
+use crate::assembly::assemble;
+use crate::assembly::tie::{MassKind, Reduced, Tie};
+use crate::mesh::{ElementKind, Mesh};
+use faer::sparse::{SparseColMat, Triplet};
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+
+/// Kronecker sum of chains between walls on an n x n x n grid: eigenvalues are sums of 4 sin^2, many multiple.
+fn grid(n: usize) -> (SparseColMat<usize, f64>, SparseColMat<usize, f64>) {
+    let index = |x: usize, y: usize, z: usize| (x * n + y) * n + z;
+    let (mut k, mut m) = (Vec::new(), Vec::new());
+    for x in 0..n {
+        for y in 0..n {
+            for z in 0..n {
+                let i = index(x, y, z);
+                k.push(Triplet::new(i, i, 6.0));
+                m.push(Triplet::new(i, i, 1.0));
+                for (inside, j) in [
+                    (x + 1 < n, index((x + 1) % n, y, z)),
+                    (y + 1 < n, index(x, (y + 1) % n, z)),
+                    (z + 1 < n, index(x, y, (z + 1) % n)),
+                ] {
+                    if inside {
+                        k.push(Triplet::new(j, i, -1.0));
+                    }
+                }
+            }
+        }
+    }
+    let size = n * n * n;
+    let make = |t: &[_]| SparseColMat::try_new_from_triplets(size, size, t).unwrap();
+    (make(&k), make(&m))
+}
+
+fn exact_grid(n: usize) -> Vec<f64> {
+    let one = |i: usize| {
+        4.0 * (0.5 * std::f64::consts::PI * i as f64 / (n + 1) as f64)
+            .sin()
+            .powi(2)
+    };
+    let mut all = Vec::new();
+    for i in 1..=n {
+        for j in 1..=n {
+            all.extend((1..=n).map(|l| one(i) + one(j) + one(l)));
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+#[test]
+fn multiple_eigenvalues_are_complete() {
+    let n = 12;
+    let (k, m) = grid(n);
+    let exact = exact_grid(n);
+    for (count, block) in [(1, 1), (40, 8), (150, 6), (60, 12)] {
+        let options = Options {
+            block,
+            ..Options::default()
+        };
+        let modes = lowest(k.as_ref(), m.as_ref(), count, &options).unwrap();
+        for i in 0..count {
+            let error = (modes.omega2[i] / exact[i] - 1.0).abs();
+            assert!(
+                error < 1e-11,
+                "mode {i} of {count}, block {block}: {error:e}"
+            );
+            assert!(modes.residuals[i] < 1e-8, "{:e}", modes.residuals[i]);
+        }
+        let gram = modes.vectors.transpose() * &modes.vectors;
+        for i in 0..count {
+            for j in 0..count {
+                assert!((gram[(i, j)] - f64::from(u8::from(i == j))).abs() < 1e-12);
+            }
+        }
+        assert!(count == 1 || modes.report.verified + block.max(4) >= count);
+    }
+}
+
+/// A brick of C3D8 elements.
+fn brick(n: [usize; 3], size: [f64; 3]) -> Mesh {
+    let index = |x: usize, y: usize, z: usize| ((x * (n[1] + 1) + y) * (n[2] + 1) + z) as u32;
+    let mut nodes = Vec::new();
+    for x in 0..=n[0] {
+        for y in 0..=n[1] {
+            for z in 0..=n[2] {
+                let at = |i: usize, k: usize| size[k] * i as f64 / n[k] as f64;
+                nodes.push(Vec3::new(at(x, 0), at(y, 1), at(z, 2)));
+            }
+        }
+    }
+    let mut connectivity = Vec::new();
+    for x in 0..n[0] {
+        for y in 0..n[1] {
+            for z in 0..n[2] {
+                for dz in 0..2 {
+                    for (dx, dy) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+                        connectivity.push(index(x + dx, y + dy, z + dz));
+                    }
+                }
+            }
+        }
+    }
+    Mesh {
+        nodes,
+        kind: ElementKind::C3D8,
+        connectivity,
+        node_sets: Default::default(),
+        face_sets: Default::default(),
+    }
+}
+
+fn reduced(mesh: &Mesh, held: &[u32]) -> Reduced {
+    let assembly = assemble(mesh, &Material::STEEL).unwrap();
+    Tie::new(&mesh.nodes, held, &[]).reduce(&assembly, &[], MassKind::Consistent)
+}
+
+#[test]
+fn free_body_has_six_rigid_modes() {
+    let mesh = brick([6, 4, 4], [0.06, 0.04, 0.03]);
+    let r = reduced(&mesh, &[]);
+    let modes = lowest(
+        r.stiffness.as_ref(),
+        r.mass.as_ref(),
+        20,
+        &Options::default(),
+    )
+    .unwrap();
+    let first = modes.omega2[6];
+    assert!(first > 1e8);
+    assert!(
+        modes.omega2[..6].iter().all(|w2| w2.abs() < 1e-7 * first),
+        "{:?}",
+        &modes.omega2[..7]
+    );
+    assert!(
+        modes.residuals.iter().all(|r| *r < 1e-7),
+        "{:?}",
+        modes.residuals
+    );
+    assert!(modes.report.steps > 0 && modes.report.verified >= 12);
+}
+
+#[test]
+fn iteration_agrees_with_the_full_decomposition() {
+    let mesh = brick([7, 4, 4], [0.05, 0.02, 0.02]);
+    let held: Vec<u32> = (0..25).collect();
+    let r = reduced(&mesh, &held);
+    let (k, m) = (
+        Symmetric::new(r.stiffness.as_ref()).unwrap(),
+        Symmetric::new(r.mass.as_ref()).unwrap(),
+    );
+    let full = dense::lowest(&k, &m, 60, 0.0).unwrap();
+    let modes = lowest(
+        r.stiffness.as_ref(),
+        r.mass.as_ref(),
+        60,
+        &Options::default(),
+    )
+    .unwrap();
+    assert!(modes.report.steps > 0);
+    for i in 0..60 {
+        let error = (modes.omega2[i] / full.omega2[i] - 1.0).abs();
+        assert!(error < 1e-9, "mode {i}: {error:e}");
+    }
+}
+
+#[test]
+fn bad_input_is_declined() {
+    let (k, m) = grid(3);
+    let (_, small) = grid(2);
+    assert!(matches!(
+        lowest(k.as_ref(), small.as_ref(), 2, &Options::default()),
+        Err(ModesError::Sizes {
+            stiffness: 27,
+            mass: 8
+        })
+    ));
+    assert!(matches!(
+        lowest(k.as_ref(), m.as_ref(), 28, &Options::default()),
+        Err(ModesError::TooMany { .. })
+    ));
+    let (mut big, mass) = grid(8);
+    big.val_mut()[17] = f64::NAN;
+    assert!(matches!(
+        lowest(big.as_ref(), mass.as_ref(), 3, &Options::default()),
+        Err(ModesError::Matrix(_))
+    ));
+    let (big, _) = grid(8);
+    let mut negative = grid(8).1;
+    negative.val_mut().iter_mut().for_each(|v| *v = -*v);
+    let options = Options {
+        shift: Some(-1.0),
+        ..Options::default()
+    };
+    assert!(lowest(big.as_ref(), negative.as_ref(), 3, &options).is_err());
+}
