@@ -4,6 +4,9 @@
 //! edge the search goes on to the neighbouring face; between two faces that both send it to the other the
 //! closest point lies on their common edge. At the closest point the motion of `X` along the surface drops
 //! out of the gap, so `dg = n . (dx - dX)` with fixed parameters is exact.
+//!
+//! Beyond the outer edges there is no flank. Only at the tip a point counts a little further, on the surface
+//! continued: the area it stands for still lies partly on the flank.
 
 use super::surface::{Face, Shape, Spot};
 use crate::Vec3;
@@ -138,8 +141,9 @@ impl Deformed<'_> {
         }
     }
 
-    /// The closest point of the flank; `None` beyond its outer edges. `row` and `column` are where to begin.
-    pub fn project(&self, x: &Vec3, row: usize, column: usize) -> Option<Hit> {
+    /// The closest point of the flank; `None` beyond its outer edges, at the tip by more than `past` parts of
+    /// the last face. `row` and `column` are where to begin.
+    pub fn project(&self, x: &Vec3, (row, column): (usize, usize), past: f64) -> Option<Hit> {
         let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
         let mut hit = self.on_face(x, row, column);
         let mut last: Option<Hit> = None;
@@ -162,20 +166,20 @@ impl Deformed<'_> {
             }
             if let Some(last) = last.filter(|l| (l.row, l.column) == (row, column)) {
                 let turned = column != hit.column;
-                return self.inside(self.on_edge(x, [hit, last], turned));
+                return self.inside(self.on_edge(x, [hit, last], turned), past);
             }
             last = Some(hit);
             hit = self.on_face(x, row, column);
         }
-        let hit = self.inside(hit)?;
+        let hit = self.inside(hit, past)?;
         Some(self.nearer(x, hit))
     }
 
     /// Drops projections beyond the outer edges.
     #[inline]
-    fn inside(&self, hit: Hit) -> Option<Hit> {
-        let held = |t: f64| (-RIM..=1.0 + RIM).contains(&t);
-        (held(hit.a) && held(hit.b)).then_some(hit)
+    fn inside(&self, hit: Hit, past: f64) -> Option<Hit> {
+        let along = (-RIM..=1.0 + past.max(RIM)).contains(&hit.a);
+        (along && (-RIM..=1.0 + RIM).contains(&hit.b)).then_some(hit)
     }
 
     /// Inside a convex flank a point near an edge may have a closest point on both facets: the nearer counts.

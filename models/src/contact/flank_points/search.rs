@@ -7,7 +7,7 @@ use super::surface::{FlankPoint, Rule, Shape};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
 use crate::contact::lines_of_action::MeshGeometry;
-use crate::contact::search::{ContactSearch, Party, Wanted, ZoneChange};
+use crate::contact::search::{ContactSearch, Party, SearchWork, Wanted, ZoneChange};
 use crate::gear::placement::Pose;
 use crate::geometry::Side;
 use std::cell::RefCell;
@@ -16,6 +16,8 @@ use std::cell::RefCell;
 const REACH: f64 = 0.02;
 /// Part of the base pitch by which teeth may touch before and after the path of contact.
 const BEFORE_AND_AFTER: f64 = 0.5;
+/// Part of the last face by which a point may at most lie beyond the tip and still count.
+const MOST_PAST: f64 = 0.5;
 /// Part of a face's length by which a point may stand over the plane of the face where the projection begins
 /// and still touch another one.
 const ROUGHLY: f64 = 0.25;
@@ -38,21 +40,6 @@ pub struct FlankPoints {
     zone: [f64; 2],
     lines: [Option<[Vec3; 2]>; 2],
     scratch: RefCell<Scratch>,
-}
-
-/// What the last evaluation of a search looked at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SearchWork {
-    /// Pairs of flanks.
-    pub pairs: usize,
-    /// Flanks whose node positions were computed.
-    pub flanks: usize,
-    /// Nodes of these.
-    pub nodes: usize,
-    /// Points that were placed.
-    pub points: usize,
-    /// Points that were projected.
-    pub projections: usize,
 }
 
 /// A flank at a state.
@@ -114,11 +101,6 @@ impl FlankPoints {
             lines,
             scratch: RefCell::default(),
         })
-    }
-
-    /// What the last evaluation looked at.
-    pub fn work(&self) -> SearchWork {
-        self.scratch.borrow().work
     }
 
     /// First and second step: flanks about the line of centres, and the flanks they face.
@@ -256,16 +238,28 @@ impl FlankPoints {
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let Some((row, column)) = self.begin_at(m, &master, &x, limit) else {
+            let Some(begin) = self.begin_at(m, &master, &x, limit) else {
                 return;
             };
             work.projections += 1;
-            let Some(hit) = master.project(&x, row, column) else {
+            let tip = master.shape.lengths[master.shape.lengths.len() - 1];
+            let past = (0.5 * p.length / tip).min(MOST_PAST);
+            let Some(hit) = master.project(&x, begin, past) else {
                 return;
             };
             if hit.gap > limit {
                 return;
             }
+            // The part of its length that is on the flank: points leave over the tip without a jump.
+            let on = if hit.row + 2 == master.shape.rows {
+                (0.5 + 0.5 * (1.0 - hit.a) / past).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            let p = FlankPoint {
+                area: on * p.area,
+                ..p
+            };
             out.push(self.candidate(
                 k,
                 [&slave, &master],
@@ -400,6 +394,10 @@ impl ContactSearch for FlankPoints {
 
     fn switch(&self, _guard: usize, _memory: &mut [f64]) -> ZoneChange {
         ZoneChange::default()
+    }
+
+    fn work(&self) -> SearchWork {
+        self.scratch.borrow().work
     }
 
     fn line(&self, side: Side) -> Option<[Vec3; 2]> {

@@ -51,6 +51,8 @@ pub(super) struct FlankPoint {
     pub b: f64,
     /// Reference area it stands for [m^2].
     pub area: f64,
+    /// Length along the profile it stands for [m].
+    pub length: f64,
 }
 
 /// Points and weights on [0, 1] in both directions of a face; none for nodes.
@@ -189,7 +191,7 @@ impl Shape {
     #[inline]
     pub fn points(&self, rule: &Rule, mut f: impl FnMut(FlankPoint)) {
         let mut areas = self.areas.iter().copied();
-        let mut give = |row, column, a, b| {
+        let mut give = |row, column, [a, b]: [f64; 2], length| {
             if let Some(area) = areas.next() {
                 f(FlankPoint {
                     row,
@@ -197,23 +199,27 @@ impl Shape {
                     a,
                     b,
                     area,
+                    length,
                 });
             }
         };
         if rule.is_nodes() {
             for r in 0..self.rows {
+                let row = r.min(self.rows - 2);
+                let length = 0.5 * (self.lengths[row] + self.lengths[r.saturating_sub(1)]);
                 for c in 0..self.columns {
-                    let (row, column) = (r.min(self.rows - 2), c.min(self.columns - 2));
-                    give(row, column, (r - row) as f64, (c - column) as f64);
+                    let column = c.min(self.columns - 2);
+                    give(row, column, [(r - row) as f64, (c - column) as f64], length);
                 }
             }
             return;
         }
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
-                for &(a, _) in &rule.along {
+                for &(a, wa) in &rule.along {
+                    let length = wa * self.lengths[row];
                     for &(b, _) in &rule.across {
-                        give(row, column, a, b);
+                        give(row, column, [a, b], length);
                     }
                 }
             }
