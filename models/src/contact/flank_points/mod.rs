@@ -35,7 +35,7 @@ pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64
     let rule = Rule::new(rule);
     let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, false);
     let mut areas = Vec::new();
-    shape.points(&rule, |p| areas.push(p.area));
+    shape.points(&rule, |_, _| true, |p| areas.push(p.area));
     areas
 }
 

@@ -43,8 +43,18 @@ const OVERLAP: f64 = 1e-9;
 const RIM: f64 = 0.01;
 /// Near an edge both faces are looked at, so that the gap over facets has no jump.
 const NEAR_EDGE: f64 = 0.1;
+/// Newton step on a face [1] after which the closest point is found.
+const CLOSE: f64 = 1e-7;
 /// Newton iterations on a face.
 const ITERATIONS: usize = 20;
+
+/// Where a projection begins: a face and a place on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Begin {
+    pub row: usize,
+    pub column: usize,
+    pub place: [f64; 2],
+}
 
 /// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
 #[inline]
@@ -67,9 +77,8 @@ impl Deformed<'_> {
 
     /// Closest point of the face's surface, continued beyond its edges.
     #[inline]
-    fn on_face(&self, x: &Vec3, row: usize, column: usize) -> Hit {
+    fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Hit {
         let face = self.face(row, column);
-        let (mut a, mut b) = (0.5, 0.5);
         let mut spot = face.eval(self.shape, a, b);
         for _ in 0..ITERATIONS {
             let r = x - spot.x;
@@ -83,7 +92,8 @@ impl Deformed<'_> {
             a = (a + da).clamp(-2.0, 3.0);
             b = (b + db).clamp(-2.0, 3.0);
             spot = face.eval(self.shape, a, b);
-            if da.abs() + db.abs() < 1e-12 {
+            // Quadratic convergence: what is left is the square of this.
+            if da.abs() + db.abs() < CLOSE {
                 break;
             }
         }
@@ -142,10 +152,10 @@ impl Deformed<'_> {
     }
 
     /// The closest point of the flank; `None` beyond its outer edges, at the tip by more than `past` parts of
-    /// the last face. `row` and `column` are where to begin.
-    pub fn project(&self, x: &Vec3, (row, column): (usize, usize), past: f64) -> Option<Hit> {
+    /// the last face.
+    pub fn project(&self, x: &Vec3, begin: Begin, past: f64) -> Option<Hit> {
         let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
-        let mut hit = self.on_face(x, row, column);
+        let mut hit = self.on_face(x, begin.row, begin.column, begin.place);
         let mut last: Option<Hit> = None;
         for _ in 0..rows + columns {
             let row = hit
@@ -169,7 +179,12 @@ impl Deformed<'_> {
                 return self.inside(self.on_edge(x, [hit, last], turned), past);
             }
             last = Some(hit);
-            hit = self.on_face(x, row, column);
+            // The place on the next face, as long as faces have about one size.
+            let place = [
+                hit.a - (row as f64 - hit.row as f64),
+                hit.b - (column as f64 - hit.column as f64),
+            ];
+            hit = self.on_face(x, row, column, place);
         }
         let hit = self.inside(hit, past)?;
         Some(self.nearer(x, hit))
@@ -200,7 +215,7 @@ impl Deformed<'_> {
             if (dr, dc) == (0, 0) {
                 continue;
             }
-            let other = self.on_face(x, row, column);
+            let other = self.on_face(x, row, column, [0.5; 2]);
             let valid = beyond(other.a) == 0 && beyond(other.b) == 0;
             if valid && other.gap < 0.0 && other.gap > best.gap {
                 best = other;

@@ -1,7 +1,7 @@
 //! The point search: candidates of a mesh at a state.
 
 use super::flanked::{Flanked, Near, Owner};
-use super::projection::{Deformed, Hit};
+use super::projection::{Begin, Deformed, Hit};
 use super::settings::{Passes, PointContact};
 use super::surface::{FlankPoint, Rule, Shape};
 use crate::Vec3;
@@ -18,9 +18,6 @@ const REACH: f64 = 0.02;
 const BEFORE_AND_AFTER: f64 = 0.5;
 /// Part of the last face by which a point may at most lie beyond the tip and still count.
 const MOST_PAST: f64 = 0.5;
-/// Part of a face's length by which a point may stand over the plane of the face where the projection begins
-/// and still touch another one.
-const ROUGHLY: f64 = 0.25;
 
 /// Flank points of one gear against the flank surfaces of the other.
 ///
@@ -58,6 +55,8 @@ struct Scratch {
     active: [Vec<Active>; 2],
     positions: [Vec<Vec3>; 2],
     pairs: Vec<[usize; 2]>,
+    /// Clearance of each node of a flank [m].
+    heights: Vec<f64>,
     work: SearchWork,
 }
 
@@ -218,13 +217,14 @@ impl FlankPoints {
         }
     }
 
-    /// Third step: the points of gear `k`'s flank against the other flank of a pair.
+    /// Third step: the points of gear `k`'s flank against the other flank of a pair. Faces whose corners all
+    /// stand clearly off the other flank are passed over.
     fn hold_points(
         &self,
         k: usize,
         pair: [usize; 2],
         parties: [&Party<'_>; 2],
-        (scratch, work): (&Scratch, &mut SearchWork),
+        (scratch, heights, work): (&Scratch, &mut Vec<f64>, &mut SearchWork),
         limit: f64,
         out: &mut Vec<Candidate>,
     ) {
@@ -232,17 +232,29 @@ impl FlankPoints {
         let slave = self.deformed(k, scratch, pair[k]);
         let master = self.deformed(m, scratch, pair[m]);
         let (s_active, m_active) = (&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]);
-        slave.shape.points(&self.rule, |p| {
+        heights.clear();
+        heights.extend(slave.x.iter().map(|x| self.clearance(m, &master, x).1));
+        let columns = slave.shape.columns;
+        let keep = |row: usize, column: usize| {
+            let i = row * columns + column;
+            let least = heights[i]
+                .min(heights[i + 1])
+                .min(heights[i + columns])
+                .min(heights[i + columns + 1]);
+            least <= limit + slave.shape.stray[row]
+        };
+        let tip = master.shape.lengths[master.shape.lengths.len() - 1];
+        slave.shape.points(&self.rule, keep, |p| {
             work.points += 1;
             let x = slave
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let Some(begin) = self.begin_at(m, &master, &x, limit) else {
+            let (begin, clearance) = self.clearance(m, &master, &x);
+            if clearance > limit {
                 return;
-            };
+            }
             work.projections += 1;
-            let tip = master.shape.lengths[master.shape.lengths.len() - 1];
             let past = (0.5 * p.length / tip).min(MOST_PAST);
             let Some(hit) = master.project(&x, begin, past) else {
                 return;
@@ -271,20 +283,24 @@ impl FlankPoints {
         });
     }
 
-    /// Face of the master where a projection begins; `None` for points that are clearly open.
+    /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
+    /// than a face beyond root, tip or sides.
     #[inline]
-    fn begin_at(
-        &self,
-        m: usize,
-        master: &Deformed<'_>,
-        x: &Vec3,
-        limit: f64,
-    ) -> Option<(usize, usize)> {
-        let row = master.shape.row_at(self.height(m, master.pose, x))?;
-        let column = master.shape.column_at(x.z);
+    fn clearance(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+        let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
+        let (column, b) = master.shape.column_at(x.z);
+        let begin = Begin {
+            row,
+            column,
+            place: [a, b],
+        };
+        let near = |t: f64| (-1.0..=2.0).contains(&t);
+        if !(near(a) && near(b)) {
+            return (begin, f64::INFINITY);
+        }
         let face = master.shape.face(master.x, master.pose, row, column);
         let over = face.height_over(master.shape.side, x);
-        (over <= limit + ROUGHLY * master.shape.lengths[row]).then_some((row, column))
+        (begin, over - master.shape.stray[row])
     }
 
     #[inline]
@@ -378,13 +394,16 @@ impl ContactSearch for FlankPoints {
             nodes: scratch.positions.iter().map(Vec::len).sum(),
             ..SearchWork::default()
         };
+        let mut heights = std::mem::take(&mut scratch.heights);
         for pair in &scratch.pairs {
             for k in 0..2 {
                 if self.penalty[k] > 0.0 {
-                    self.hold_points(k, *pair, parties, (&scratch, &mut work), limit, out);
+                    let buffers = (&*scratch, &mut heights, &mut work);
+                    self.hold_points(k, *pair, parties, buffers, limit, out);
                 }
             }
         }
+        scratch.heights = heights;
         scratch.work = work;
     }
 
