@@ -26,6 +26,21 @@ pub struct ZoneChange {
     pub left: Option<usize>,
 }
 
+/// What the last evaluation of a point search looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SearchWork {
+    /// Pairs of flanks.
+    pub pairs: usize,
+    /// Flanks whose node positions were computed.
+    pub flanks: usize,
+    /// Nodes of these.
+    pub nodes: usize,
+    /// Points that were placed.
+    pub points: usize,
+    /// Points that were projected.
+    pub projections: usize,
+}
+
 /// Which candidates are wanted.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
@@ -88,6 +103,11 @@ pub trait ContactSearch {
 
     /// Flips what guard `i` watches.
     fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange;
+
+    /// What the last evaluation looked at, for searches that count it.
+    fn work(&self) -> SearchWork {
+        SearchWork::default()
+    }
 
     /// Ends of the line of action of a flank [m], for pictures; `None` for searches without lines.
     fn line(&self, _side: Side) -> Option<[crate::Vec3; 2]> {

@@ -4,4 +4,5 @@
 //! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+mod flank_points;
 mod impact;

@@ -21,11 +21,23 @@ mod spline;
 mod surface;
 
 pub use flanked::Owner;
-pub use search::{FlankPoints, SearchWork};
+pub use search::FlankPoints;
 pub use settings::{MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind, gauss_legendre};
 
 use crate::Vec3;
 use crate::geometry::Side;
+use surface::{Rule, Shape};
+
+/// Reference areas [m^2] that the points of a rule stand for on grid `grid`: nodes row by row, or faces row by
+/// row with their points along the profile, then over the width.
+#[must_use]
+pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64> {
+    let rule = Rule::new(rule);
+    let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, false);
+    let mut areas = Vec::new();
+    shape.points(&rule, |_, _| true, |p| areas.push(p.area));
+    areas
+}
 
 /// A flank of one tooth as a structured grid of nodes, in the gear's own frame: axis z through the origin and
 /// tooth 0 centred on +x; a rack as in [`crate::geometry`], reference line on y, teeth pointing to -x.

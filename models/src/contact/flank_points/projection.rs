@@ -4,6 +4,9 @@
 //! edge the search goes on to the neighbouring face; between two faces that both send it to the other the
 //! closest point lies on their common edge. At the closest point the motion of `X` along the surface drops
 //! out of the gap, so `dg = n . (dx - dX)` with fixed parameters is exact.
+//!
+//! Beyond the outer edges there is no flank. Only at the tip a point counts a little further, on the surface
+//! continued: the area it stands for still lies partly on the flank.
 
 use super::surface::{Face, Shape, Spot};
 use crate::Vec3;
@@ -40,8 +43,18 @@ const OVERLAP: f64 = 1e-9;
 const RIM: f64 = 0.01;
 /// Near an edge both faces are looked at, so that the gap over facets has no jump.
 const NEAR_EDGE: f64 = 0.1;
+/// Newton step on a face [1] after which the closest point is found.
+const CLOSE: f64 = 1e-7;
 /// Newton iterations on a face.
 const ITERATIONS: usize = 20;
+
+/// Where a projection begins: a face and a place on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Begin {
+    pub row: usize,
+    pub column: usize,
+    pub place: [f64; 2],
+}
 
 /// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
 #[inline]
@@ -64,9 +77,8 @@ impl Deformed<'_> {
 
     /// Closest point of the face's surface, continued beyond its edges.
     #[inline]
-    fn on_face(&self, x: &Vec3, row: usize, column: usize) -> Hit {
+    fn on_face(&self, x: &Vec3, row: usize, column: usize, [mut a, mut b]: [f64; 2]) -> Hit {
         let face = self.face(row, column);
-        let (mut a, mut b) = (0.5, 0.5);
         let mut spot = face.eval(self.shape, a, b);
         for _ in 0..ITERATIONS {
             let r = x - spot.x;
@@ -80,7 +92,8 @@ impl Deformed<'_> {
             a = (a + da).clamp(-2.0, 3.0);
             b = (b + db).clamp(-2.0, 3.0);
             spot = face.eval(self.shape, a, b);
-            if da.abs() + db.abs() < 1e-12 {
+            // Quadratic convergence: what is left is the square of this.
+            if da.abs() + db.abs() < CLOSE {
                 break;
             }
         }
@@ -138,10 +151,11 @@ impl Deformed<'_> {
         }
     }
 
-    /// The closest point of the flank; `None` beyond its outer edges. `row` and `column` are where to begin.
-    pub fn project(&self, x: &Vec3, row: usize, column: usize) -> Option<Hit> {
+    /// The closest point of the flank; `None` beyond its outer edges, at the tip by more than `past` parts of
+    /// the last face.
+    pub fn project(&self, x: &Vec3, begin: Begin, past: f64) -> Option<Hit> {
         let (rows, columns) = (self.shape.rows - 1, self.shape.columns - 1);
-        let mut hit = self.on_face(x, row, column);
+        let mut hit = self.on_face(x, begin.row, begin.column, begin.place);
         let mut last: Option<Hit> = None;
         for _ in 0..rows + columns {
             let row = hit
@@ -162,20 +176,25 @@ impl Deformed<'_> {
             }
             if let Some(last) = last.filter(|l| (l.row, l.column) == (row, column)) {
                 let turned = column != hit.column;
-                return self.inside(self.on_edge(x, [hit, last], turned));
+                return self.inside(self.on_edge(x, [hit, last], turned), past);
             }
             last = Some(hit);
-            hit = self.on_face(x, row, column);
+            // The place on the next face, as long as faces have about one size.
+            let place = [
+                hit.a - (row as f64 - hit.row as f64),
+                hit.b - (column as f64 - hit.column as f64),
+            ];
+            hit = self.on_face(x, row, column, place);
         }
-        let hit = self.inside(hit)?;
+        let hit = self.inside(hit, past)?;
         Some(self.nearer(x, hit))
     }
 
     /// Drops projections beyond the outer edges.
     #[inline]
-    fn inside(&self, hit: Hit) -> Option<Hit> {
-        let held = |t: f64| (-RIM..=1.0 + RIM).contains(&t);
-        (held(hit.a) && held(hit.b)).then_some(hit)
+    fn inside(&self, hit: Hit, past: f64) -> Option<Hit> {
+        let along = (-RIM..=1.0 + past.max(RIM)).contains(&hit.a);
+        (along && (-RIM..=1.0 + RIM).contains(&hit.b)).then_some(hit)
     }
 
     /// Inside a convex flank a point near an edge may have a closest point on both facets: the nearer counts.
@@ -196,7 +215,7 @@ impl Deformed<'_> {
             if (dr, dc) == (0, 0) {
                 continue;
             }
-            let other = self.on_face(x, row, column);
+            let other = self.on_face(x, row, column, [0.5; 2]);
             let valid = beyond(other.a) == 0 && beyond(other.b) == 0;
             if valid && other.gap < 0.0 && other.gap > best.gap {
                 best = other;

@@ -1,13 +1,13 @@
 //! The point search: candidates of a mesh at a state.
 
 use super::flanked::{Flanked, Near, Owner};
-use super::projection::{Deformed, Hit};
+use super::projection::{Begin, Deformed, Hit};
 use super::settings::{Passes, PointContact};
 use super::surface::{FlankPoint, Rule, Shape};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
 use crate::contact::lines_of_action::MeshGeometry;
-use crate::contact::search::{ContactSearch, Party, Wanted, ZoneChange};
+use crate::contact::search::{ContactSearch, Party, SearchWork, Wanted, ZoneChange};
 use crate::gear::placement::Pose;
 use crate::geometry::Side;
 use std::cell::RefCell;
@@ -16,9 +16,8 @@ use std::cell::RefCell;
 const REACH: f64 = 0.02;
 /// Part of the base pitch by which teeth may touch before and after the path of contact.
 const BEFORE_AND_AFTER: f64 = 0.5;
-/// Part of a face's length by which a point may stand over the plane of the face where the projection begins
-/// and still touch another one.
-const ROUGHLY: f64 = 0.25;
+/// Part of the last face by which a point may at most lie beyond the tip and still count.
+const MOST_PAST: f64 = 0.5;
 
 /// Flank points of one gear against the flank surfaces of the other.
 ///
@@ -40,21 +39,6 @@ pub struct FlankPoints {
     scratch: RefCell<Scratch>,
 }
 
-/// What the last evaluation of a search looked at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SearchWork {
-    /// Pairs of flanks.
-    pub pairs: usize,
-    /// Flanks whose node positions were computed.
-    pub flanks: usize,
-    /// Nodes of these.
-    pub nodes: usize,
-    /// Points that were placed.
-    pub points: usize,
-    /// Points that were projected.
-    pub projections: usize,
-}
-
 /// A flank at a state.
 #[derive(Clone, Copy, Debug)]
 struct Active {
@@ -71,6 +55,8 @@ struct Scratch {
     active: [Vec<Active>; 2],
     positions: [Vec<Vec3>; 2],
     pairs: Vec<[usize; 2]>,
+    /// Clearance of each node of a flank [m].
+    heights: Vec<f64>,
     work: SearchWork,
 }
 
@@ -114,11 +100,6 @@ impl FlankPoints {
             lines,
             scratch: RefCell::default(),
         })
-    }
-
-    /// What the last evaluation looked at.
-    pub fn work(&self) -> SearchWork {
-        self.scratch.borrow().work
     }
 
     /// First and second step: flanks about the line of centres, and the flanks they face.
@@ -236,13 +217,14 @@ impl FlankPoints {
         }
     }
 
-    /// Third step: the points of gear `k`'s flank against the other flank of a pair.
+    /// Third step: the points of gear `k`'s flank against the other flank of a pair. Faces whose corners all
+    /// stand clearly off the other flank are passed over.
     fn hold_points(
         &self,
         k: usize,
         pair: [usize; 2],
         parties: [&Party<'_>; 2],
-        (scratch, work): (&Scratch, &mut SearchWork),
+        (scratch, heights, work): (&Scratch, &mut Vec<f64>, &mut SearchWork),
         limit: f64,
         out: &mut Vec<Candidate>,
     ) {
@@ -250,22 +232,46 @@ impl FlankPoints {
         let slave = self.deformed(k, scratch, pair[k]);
         let master = self.deformed(m, scratch, pair[m]);
         let (s_active, m_active) = (&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]);
-        slave.shape.points(&self.rule, |p| {
+        heights.clear();
+        heights.extend(slave.x.iter().map(|x| self.clearance(m, &master, x).1));
+        let columns = slave.shape.columns;
+        let keep = |row: usize, column: usize| {
+            let i = row * columns + column;
+            let least = heights[i]
+                .min(heights[i + 1])
+                .min(heights[i + columns])
+                .min(heights[i + columns + 1]);
+            least <= limit + slave.shape.stray[row]
+        };
+        let tip = master.shape.lengths[master.shape.lengths.len() - 1];
+        slave.shape.points(&self.rule, keep, |p| {
             work.points += 1;
             let x = slave
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let Some((row, column)) = self.begin_at(m, &master, &x, limit) else {
+            let (begin, clearance) = self.clearance(m, &master, &x);
+            if clearance > limit {
                 return;
-            };
+            }
             work.projections += 1;
-            let Some(hit) = master.project(&x, row, column) else {
+            let past = (0.5 * p.length / tip).min(MOST_PAST);
+            let Some(hit) = master.project(&x, begin, past) else {
                 return;
             };
             if hit.gap > limit {
                 return;
             }
+            // The part of its length that is on the flank: points leave over the tip without a jump.
+            let on = if hit.row + 2 == master.shape.rows {
+                (0.5 + 0.5 * (1.0 - hit.a) / past).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
+            let p = FlankPoint {
+                area: on * p.area,
+                ..p
+            };
             out.push(self.candidate(
                 k,
                 [&slave, &master],
@@ -277,20 +283,24 @@ impl FlankPoints {
         });
     }
 
-    /// Face of the master where a projection begins; `None` for points that are clearly open.
+    /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
+    /// than a face beyond root, tip or sides.
     #[inline]
-    fn begin_at(
-        &self,
-        m: usize,
-        master: &Deformed<'_>,
-        x: &Vec3,
-        limit: f64,
-    ) -> Option<(usize, usize)> {
-        let row = master.shape.row_at(self.height(m, master.pose, x))?;
-        let column = master.shape.column_at(x.z);
+    fn clearance(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+        let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
+        let (column, b) = master.shape.column_at(x.z);
+        let begin = Begin {
+            row,
+            column,
+            place: [a, b],
+        };
+        let near = |t: f64| (-1.0..=2.0).contains(&t);
+        if !(near(a) && near(b)) {
+            return (begin, f64::INFINITY);
+        }
         let face = master.shape.face(master.x, master.pose, row, column);
         let over = face.height_over(master.shape.side, x);
-        (over <= limit + ROUGHLY * master.shape.lengths[row]).then_some((row, column))
+        (begin, over - master.shape.stray[row])
     }
 
     #[inline]
@@ -384,13 +394,16 @@ impl ContactSearch for FlankPoints {
             nodes: scratch.positions.iter().map(Vec::len).sum(),
             ..SearchWork::default()
         };
+        let mut heights = std::mem::take(&mut scratch.heights);
         for pair in &scratch.pairs {
             for k in 0..2 {
                 if self.penalty[k] > 0.0 {
-                    self.hold_points(k, *pair, parties, (&scratch, &mut work), limit, out);
+                    let buffers = (&*scratch, &mut heights, &mut work);
+                    self.hold_points(k, *pair, parties, buffers, limit, out);
                 }
             }
         }
+        scratch.heights = heights;
         scratch.work = work;
     }
 
@@ -400,6 +413,10 @@ impl ContactSearch for FlankPoints {
 
     fn switch(&self, _guard: usize, _memory: &mut [f64]) -> ZoneChange {
         ZoneChange::default()
+    }
+
+    fn work(&self) -> SearchWork {
+        self.scratch.borrow().work
     }
 
     fn line(&self, side: Side) -> Option<[Vec3; 2]> {

@@ -36,6 +36,8 @@ pub(super) struct Shape {
     z: Vec<f64>,
     /// Length of the faces along the profile of each row [m].
     pub lengths: Vec<f64>,
+    /// How far the flank may leave the plane of a face of each row within the neighbouring rows [m].
+    pub stray: Vec<f64>,
     /// Reference area of each point [m^2], in the order of [`Shape::points`].
     areas: Vec<f64>,
     first_face: u32,
@@ -51,6 +53,8 @@ pub(super) struct FlankPoint {
     pub b: f64,
     /// Reference area it stands for [m^2].
     pub area: f64,
+    /// Length along the profile it stands for [m].
+    pub length: f64,
 }
 
 /// Points and weights on [0, 1] in both directions of a face; none for nodes.
@@ -125,6 +129,7 @@ impl Shape {
             lengths: (0..rows - 1)
                 .map(|r| (at(r + 1, mid_column) - at(r, mid_column)).norm())
                 .collect(),
+            stray: stray(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
             positions: positions.clone(),
             profile,
             width,
@@ -185,35 +190,53 @@ impl Shape {
         self.areas = areas;
     }
 
-    /// Calls `f` for each point, row by row.
+    /// Calls `f` for each point of the faces that `keep(row, column)` keeps, row by row.
     #[inline]
-    pub fn points(&self, rule: &Rule, mut f: impl FnMut(FlankPoint)) {
-        let mut areas = self.areas.iter().copied();
-        let mut give = |row, column, a, b| {
-            if let Some(area) = areas.next() {
-                f(FlankPoint {
-                    row,
-                    column,
-                    a,
-                    b,
-                    area,
-                });
-            }
-        };
+    pub fn points(
+        &self,
+        rule: &Rule,
+        keep: impl Fn(usize, usize) -> bool,
+        mut f: impl FnMut(FlankPoint),
+    ) {
         if rule.is_nodes() {
             for r in 0..self.rows {
+                let row = r.min(self.rows - 2);
+                let length = 0.5 * (self.lengths[row] + self.lengths[r.saturating_sub(1)]);
                 for c in 0..self.columns {
-                    let (row, column) = (r.min(self.rows - 2), c.min(self.columns - 2));
-                    give(row, column, (r - row) as f64, (c - column) as f64);
+                    let column = c.min(self.columns - 2);
+                    if keep(row, column) {
+                        f(FlankPoint {
+                            row,
+                            column,
+                            a: (r - row) as f64,
+                            b: (c - column) as f64,
+                            area: self.areas[r * self.columns + c],
+                            length,
+                        });
+                    }
                 }
             }
             return;
         }
+        let per_face = rule.along.len() * rule.across.len();
         for row in 0..self.rows - 1 {
             for column in 0..self.columns - 1 {
-                for &(a, _) in &rule.along {
-                    for &(b, _) in &rule.across {
-                        give(row, column, a, b);
+                if !keep(row, column) {
+                    continue;
+                }
+                let first = (row * (self.columns - 1) + column) * per_face;
+                let mut areas = self.areas[first..][..per_face].iter();
+                for &(a, wa) in &rule.along {
+                    let length = wa * self.lengths[row];
+                    for (&(b, _), &area) in rule.across.iter().zip(&mut areas) {
+                        f(FlankPoint {
+                            row,
+                            column,
+                            a,
+                            b,
+                            area,
+                            length,
+                        });
                     }
                 }
             }
@@ -249,27 +272,39 @@ impl Shape {
         }
     }
 
-    /// Column whose strip holds a `z`.
+    /// Column whose strip holds a `z`, and where in it, from 0 to 1 (beyond, outside the flank).
     #[inline]
-    pub fn column_at(&self, z: f64) -> usize {
+    pub fn column_at(&self, z: f64) -> (usize, f64) {
         let mut column = 0;
         while column + 2 < self.columns && z > self.z[column + 1] {
             column += 1;
         }
-        column
+        let (low, high) = (self.z[column], self.z[column + 1]);
+        (column, (z - low) / (high - low))
     }
 
-    /// Row whose strip holds a height; `None` more than a face's length beyond root or tip.
+    /// Row whose strip holds a height, and where in it, from 0 to 1 (beyond, outside the flank).
     #[inline]
-    pub fn row_at(&self, height: f64) -> Option<usize> {
+    pub fn row_at(&self, height: f64) -> (usize, f64) {
         let h = &self.heights;
-        let last = h.len() - 1;
-        if height < 2.0 * h[0] - h[1] || height > 2.0 * h[last] - h[last - 1] {
-            return None;
-        }
         let above = h.partition_point(|x| *x <= height);
-        Some(above.saturating_sub(1).min(last - 1))
+        let row = above.saturating_sub(1).min(h.len() - 2);
+        (row, (height - h[row]) / (h[row + 1] - h[row]))
     }
+}
+
+/// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
+fn stray(line: &[Vec3]) -> Vec<f64> {
+    (0..line.len() - 1)
+        .map(|r| {
+            let chord = line[r + 1] - line[r];
+            let length = chord.norm();
+            let off = |i: usize| (line[i] - line[r]).cross(&chord).norm() / length;
+            let below = r.checked_sub(1).map_or(0.0, off);
+            let above = if r + 2 < line.len() { off(r + 2) } else { 0.0 };
+            1.5 * below.max(above) + 0.01 * length
+        })
+        .collect()
 }
 
 /// A face in the deformed state.

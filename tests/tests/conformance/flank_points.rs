@@ -1,0 +1,169 @@
+//! An impact of gears of point masses that touch with the points of their flanks: energy, momentum, restart.
+
+use gearbench_integrators::observers::{Tee, ledger::Ledger};
+use gearbench_integrators::{
+    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, TimePlan, Work,
+};
+use gearbench_models::contact::flank_points::{Passes, PointContact, SurfaceKind};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, Value};
+use gearbench_tests::*;
+
+const T_END: f64 = 1.6e-4;
+
+fn nodal(condensed: bool) -> ModelSpec {
+    let values = [
+        ("rows", 7.0),
+        ("columns", 2.0),
+        ("stiffness_n_per_m", 1e8),
+        ("mass_kg", 1e-5),
+        ("condensed", f64::from(u8::from(condensed))),
+    ];
+    ModelSpec {
+        id: "nodal-test".into(),
+        parameters: Parameters::from(values.map(|(k, v)| (k.to_string(), Value::Number(v)))),
+    }
+}
+
+fn scene(points: PointContact, condensed: bool) -> Scene {
+    let contact = ContactSpec {
+        points: Some(points),
+        ..contact(1.5e10)
+    };
+    build(&case_a(3e-6), &[nodal(condensed), nodal(false)], &contact)
+}
+
+/// Change of momentum of each gear against the integral of the torque of its contact forces.
+#[derive(Default)]
+struct Impulse {
+    torque: [f64; 2],
+    /// Momentum at the start and at the end.
+    momentum: [[f64; 2]; 2],
+    last: Option<[f64; 2]>,
+    peak: f64,
+    channels: [usize; 4],
+    inertia: [f64; 2],
+    out: Outputs,
+}
+
+impl Impulse {
+    fn new(scene: &Scene) -> Self {
+        let names = [
+            "speed:pinion",
+            "speed:wheel",
+            "contact_torque:pinion",
+            "contact_torque:wheel",
+        ];
+        Impulse {
+            channels: names.map(|c| scene.channel(c).unwrap()),
+            inertia: [0, 1].map(|k| scene.gears()[k].model.hub().inertia),
+            ..Impulse::default()
+        }
+    }
+
+    fn read(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &gearbench_integrators::State,
+    ) -> [f64; 4] {
+        sys.output(s.at(), &mut self.out);
+        self.peak = self.peak.max(self.out.channels[0]);
+        self.channels.map(|c| self.out.channels[c])
+    }
+}
+
+impl Sink for Impulse {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        if self.last.is_none() {
+            let [w0, w1, t0, t1] = self.read(sys, step.from);
+            self.momentum[0] = [w0 * self.inertia[0], w1 * self.inertia[1]];
+            self.last = Some([t0, t1]);
+        }
+        let [w0, w1, t0, t1] = self.read(sys, step.to);
+        self.momentum[1] = [w0 * self.inertia[0], w1 * self.inertia[1]];
+        let last = self.last.unwrap_or_default();
+        for (sum, (a, b)) in self.torque.iter_mut().zip(last.into_iter().zip([t0, t1])) {
+            *sum += 0.5 * (step.to.t - step.from.t) * (a + b);
+        }
+        self.last = Some([t0, t1]);
+        Control::Continue
+    }
+}
+
+/// Runs a scene; returns the ledger, the impulses and the work.
+fn run_impact(scene: &mut Scene, id: &str, resolution: Resolution) -> (Ledger, Impulse, Work) {
+    let (_, mut method) = gearbench_integrators::method(id).unwrap();
+    let mut s = scene.initial();
+    let (mut ledger, mut impulse, mut work) =
+        (Ledger::default(), Impulse::new(scene), Work::default());
+    method
+        .run(
+            scene,
+            &mut s,
+            &TimePlan::new(T_END, resolution),
+            &mut Tee(vec![&mut ledger, &mut impulse]),
+            &mut work,
+        )
+        .unwrap_or_else(|e| panic!("{id}: {e}"));
+    (ledger, impulse, work)
+}
+
+#[test]
+fn an_impact_keeps_energy_and_momentum() {
+    for (id, resolution, surface, passes, tolerance) in [
+        (
+            "velocity-verlet",
+            Resolution::Step(5e-8),
+            SurfaceKind::Smooth,
+            Passes::First,
+            1e-4,
+        ),
+        (
+            "velocity-verlet",
+            Resolution::Step(5e-8),
+            SurfaceKind::Faceted,
+            Passes::Both,
+            1e-3,
+        ),
+        (
+            "generalised-alpha(rho_inf=1)",
+            Resolution::Step(2e-7),
+            SurfaceKind::Smooth,
+            Passes::First,
+            1e-3,
+        ),
+        (
+            "dopri5",
+            Resolution::Tolerance(1e-5),
+            SurfaceKind::Smooth,
+            Passes::Second,
+            1e-4,
+        ),
+    ] {
+        let points = PointContact {
+            surface,
+            passes,
+            ..PointContact::new(1e14)
+        };
+        let implicit = id.starts_with("generalised");
+        let mut scene = scene(points, implicit);
+        assert_eq!(scene.layout().guards, 0);
+        let begin = std::time::Instant::now();
+        let (ledger, impulse, work) = run_impact(&mut scene, id, resolution);
+        let seconds = begin.elapsed().as_secs_f64();
+        let energy = ledger.residual_relative();
+        let mut worst = 0.0_f64;
+        for k in 0..2 {
+            let gained = impulse.momentum[1][k] - impulse.momentum[0][k];
+            worst = worst.max((impulse.torque[k] / gained - 1.0).abs());
+        }
+        println!(
+            "{id} {surface:?} {passes:?}: peak {:.0} N, energy off by {energy:.1e}, impulse by {worst:.1e}, {} forces in {seconds:.2} s",
+            impulse.peak, work.force_evaluations
+        );
+        assert_eq!(work.events, 0);
+        assert!(impulse.peak > 1e3);
+        assert!(energy.abs() < tolerance, "{id}: energy off by {energy:.2e}");
+        assert!(worst < 1e-3, "{id}: impulse off by {worst:.2e}");
+    }
+}
