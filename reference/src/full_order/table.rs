@@ -3,8 +3,8 @@
 use super::body::Body;
 use super::gear::FullOrder;
 use crate::assembly::tie::MassKind;
-use crate::deck;
-use crate::mesh::{ElementKind, GearMesh};
+use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
+use crate::{deck, mesh};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::mount::Mount;
@@ -22,7 +22,7 @@ pub static PARAMETERS: &[ParameterInfo] = &[
     },
     ParameterInfo {
         key: "element",
-        meaning: "\"C3D8\", \"C3D8I\" (default for generated meshes), \"C3D20\" or \"C3D20R\"; a deck brings its own",
+        meaning: "\"C3D8\" or \"C3D8I\" (default for generated meshes); a deck brings its own",
         required: false,
     },
     ParameterInfo {
@@ -113,8 +113,36 @@ fn generated(
     context: &GearContext<'_>,
     element: Option<ElementKind>,
 ) -> Result<GearMesh, BuildError> {
-    let _ = (context, element);
-    Err(error("mesh", "meshes are not generated yet"))
+    let mut params = GearMeshParams::default();
+    if let Some(kind) = element {
+        params.kind = kind;
+    }
+    let tooth = &mut params.tooth;
+    for (key, value) in [
+        ("flank_elements", &mut tooth.flank),
+        ("fillet_elements", &mut tooth.fillet),
+        ("across_elements", &mut tooth.across),
+        ("rim_elements", &mut params.rim),
+        ("width_elements", &mut params.width),
+    ] {
+        if let Some(n) = count(context, key)? {
+            *value = n;
+        }
+    }
+    let mesh = match context.body {
+        Toothing::Gear(g) => mesh::gear(g, &params),
+        Toothing::Rack(r) => mesh::rack(
+            r,
+            &RackMeshParams {
+                kind: params.kind,
+                tooth: params.tooth,
+                body: params.rim,
+                width: params.width,
+                ..RackMeshParams::default()
+            },
+        ),
+    };
+    mesh.map_err(|e| error("mesh", e.to_string()))
 }
 
 /// The mesh of a gear in a deck: the toothed body with as many teeth whose centre is nearest.
@@ -210,6 +238,15 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         }
     };
     let mesh = mesh_of(context)?;
+    if mesh.mesh.kind.nodes() != 8 {
+        return Err(error(
+            "element",
+            format!(
+                "flanks touch on faces with four nodes, those of {} have eight; take C3D8 or C3D8I",
+                mesh.mesh.kind.name()
+            ),
+        ));
+    }
     let moves = !matches!(context.hub.mount, Mount::Fixed | Mount::Driven(_));
     let body = Body::new(
         mesh,
