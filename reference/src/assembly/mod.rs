@@ -4,15 +4,17 @@
 //! scalar per pair of nodes (times the unit matrix of three axes), both symmetric with the upper part stored.
 
 pub mod blocks;
+mod highest;
 pub mod tie;
 
 #[cfg(test)]
 mod tests;
 
-use crate::element::{ElementError, matrices};
+use crate::element::{ElementError, Integrator};
 use crate::mesh::Mesh;
 pub use blocks::{BlockMatrix, Pattern, ScalarMatrix};
 use gearbench_models::stiffness::Material;
+pub use highest::highest_frequency;
 use std::sync::Arc;
 
 /// Stiffness and mass over all nodes of a mesh.
@@ -33,6 +35,7 @@ pub struct Assembly {
 /// [`ElementError`] names an element that cannot be integrated.
 pub fn assemble(mesh: &Mesh, material: &Material) -> Result<Assembly, ElementError> {
     let n = mesh.kind.nodes();
+    let integrator = Integrator::new(mesh.kind);
     let pattern = Arc::new(Pattern::of(mesh));
     let mut stiffness = BlockMatrix::zeros(pattern.clone());
     let mut mass = ScalarMatrix::zeros(pattern);
@@ -42,7 +45,7 @@ pub fn assemble(mesh: &Mesh, material: &Material) -> Result<Assembly, ElementErr
     for (e, nodes) in mesh.elements().enumerate() {
         x.clear();
         x.extend(nodes.iter().map(|&node| mesh.nodes[node as usize]));
-        matrices(mesh.kind, e, &x, material, &mut k, &mut m)?;
+        integrator.matrices(e, &x, material, &mut k, &mut m)?;
         stiffness.add(nodes, &k);
         mass.add(nodes, &m);
         if n == 8 {

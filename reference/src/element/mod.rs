@@ -7,11 +7,18 @@
 //! | C3D8 | 2x2x2 points | consistent, 2x2x2 |
 //! | C3D8I | C3D8 and three incompatible modes `1 - xi_i^2`, condensed statically | as C3D8 |
 //! | C3D20 | 3x3x3 | consistent, 3x3x3 |
-//! | C3D20R | 2x2x2 | consistent, 3x3x3 |
+//! | C3D20R | 2x2x2 | consistent, 2x2x2 |
 //!
 //! The incompatible modes take the Jacobian at the centre, scaled by `det J_0 / det J`, so that constant
 //! strains stay exact on distorted elements (R. L. Taylor, P. J. Beresford, E. L. Wilson, *Int. J. Numer.
 //! Meth. Eng.* 10 (1976) 1211). They get no mass: an internal displacement with mass adds modes of its own.
+//!
+//! These are the rules of CalculiX 2.20, found by comparison: C3D8, C3D20 and C3D20R give its stored
+//! eigenfrequencies to all printed digits (a C3D20R mass by 3x3x3 points would differ in the sixth). Only its C3D8I
+//! is another element: CalculiX keeps the internal displacements in the mass. The mass of one C3D20R has rank 8
+//! of 20, so that of a mesh need not be positive definite. A single column of
+//! C3D20R has motions without strain energy that pass from element to element; two columns have none.
+//!
 //! Text: T. J. R. Hughes, *The Finite Element Method* (1987), ch. 3 and 4.
 
 mod shape;
@@ -49,6 +56,12 @@ pub enum ElementError {
         /// Poisson's ratio.
         poisson: f64,
     },
+    /// A density that is none.
+    #[error("density is {density} kg/m^3; expected a positive value")]
+    Density {
+        /// The density [kg/m^3].
+        density: f64,
+    },
 }
 
 /// Gauss-Legendre points and weights on [-1, 1].
@@ -70,33 +83,213 @@ fn rule(line: &[(f64, f64)]) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
     })
 }
 
-/// Shape function gradients in space and the determinant at a point of an element.
-fn at_point(
-    kind: ElementKind,
-    x: &[Vec3],
+/// Most functions whose gradients meet in a stiffness: 20 nodes, or 8 and three incompatible modes.
+const MAX_PAIRS: usize = MAX_NODES * (MAX_NODES + 1) / 2;
+
+/// One integration point of an element kind.
+#[derive(Clone, Debug)]
+struct Point {
     xi: [f64; 3],
-    d: &mut [[f64; 3]; MAX_NODES],
-) -> (Matrix3<f64>, f64) {
-    let n = kind.nodes();
-    gradients(kind, xi, d);
-    // J[i][j] = dx_j / dxi_i.
+    weight: f64,
+    values: [f64; MAX_NODES],
+    gradients: [[f64; 3]; MAX_NODES],
+}
+
+/// Integrates elements of one kind: shape functions at its points, evaluated once.
+#[derive(Clone, Debug)]
+pub struct Integrator {
+    kind: ElementKind,
+    points: Vec<Point>,
+    centre: [[f64; 3]; MAX_NODES],
+}
+
+impl Integrator {
+    /// Prepares the rule of a kind.
+    #[must_use]
+    pub fn new(kind: ElementKind) -> Self {
+        let line: &[_] = if kind == ElementKind::C3D20 {
+            &THREE
+        } else {
+            &TWO
+        };
+        let points = rule(line)
+            .map(|(xi, weight)| {
+                let mut point = Point {
+                    xi,
+                    weight,
+                    values: [0.0; MAX_NODES],
+                    gradients: [[0.0; 3]; MAX_NODES],
+                };
+                values(kind, xi, &mut point.values);
+                gradients(kind, xi, &mut point.gradients);
+                point
+            })
+            .collect();
+        let mut centre = [[0.0; 3]; MAX_NODES];
+        gradients(kind, [0.0; 3], &mut centre);
+        Integrator {
+            kind,
+            points,
+            centre,
+        }
+    }
+
+    /// Stiffness [N/m] and scalar consistent mass [kg] of one element: see [`matrices`].
+    ///
+    /// # Errors
+    /// As [`matrices`].
+    pub fn matrices(
+        &self,
+        element: usize,
+        x: &[Vec3],
+        material: &Material,
+        stiffness: &mut [f64],
+        mass: &mut [f64],
+    ) -> Result<(), ElementError> {
+        let n = self.kind.nodes();
+        let (lambda, mu) = lame(material)?;
+        if !(material.density > 0.0 && material.density.is_finite()) {
+            return Err(ElementError::Density {
+                density: material.density,
+            });
+        }
+        let modes = if self.kind == ElementKind::C3D8I {
+            3
+        } else {
+            0
+        };
+        let functions = n + modes;
+        let centre = jacobian(x, &self.centre);
+        let (centre_det, centre_inverse) = (centre.determinant(), inverse(&centre));
+        // `sum_q w det J (grad N_a)(grad N_b)^T` of all pairs a <= b: the moduli enter once, at the end.
+        let mut pairs = [[0.0; 9]; MAX_PAIRS];
+        let mut masses = [0.0; MAX_PAIRS];
+        let mut g = [[0.0; 3]; MAX_NODES];
+        for point in &self.points {
+            let j = jacobian(x, &point.gradients);
+            let determinant = j.determinant();
+            // Written so that a NaN is refused too.
+            if determinant.is_nan() || determinant <= 0.0 {
+                return Err(ElementError::Inverted {
+                    element,
+                    determinant,
+                });
+            }
+            let j = inverse(&j);
+            for (g, natural) in g[..n].iter_mut().zip(&point.gradients) {
+                *g = [0, 1, 2].map(|i| {
+                    j[(i, 0)] * natural[0] + j[(i, 1)] * natural[1] + j[(i, 2)] * natural[2]
+                });
+            }
+            for m in 0..modes {
+                let slope = -2.0 * point.xi[m] * centre_det / determinant;
+                g[n + m] = [0, 1, 2].map(|i| centre_inverse[(i, m)] * slope);
+            }
+            let w = point.weight * determinant;
+            let mut pair = pairs.iter_mut();
+            for (a, ga) in g[..functions].iter().enumerate() {
+                let ga = ga.map(|x| w * x);
+                for (gb, pair) in g[a..functions].iter().zip(&mut pair) {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            pair[3 * i + j] += ga[i] * gb[j];
+                        }
+                    }
+                }
+            }
+            let mut pair = masses.iter_mut();
+            for (a, na) in point.values[..n].iter().enumerate() {
+                let na = w * material.density * na;
+                for (nb, pair) in point.values[a..n].iter().zip(&mut pair) {
+                    *pair += na * nb;
+                }
+            }
+        }
+        let mut pair = masses.iter();
+        for a in 0..n {
+            for (b, m) in (a..n).zip(&mut pair) {
+                mass[a * n + b] = *m;
+                mass[b * n + a] = *m;
+            }
+        }
+        let size = 3 * n;
+        let mut coupling = [[0.0; 9]; 24];
+        let mut own = nalgebra::SMatrix::<f64, 9, 9>::zeros();
+        let mut pair = pairs.iter();
+        for a in 0..functions {
+            for (b, g) in (a..functions).zip(&mut pair) {
+                let shear = mu * (g[0] + g[4] + g[8]);
+                for i in 0..3 {
+                    for j in 0..3 {
+                        let mut k = lambda * g[3 * i + j] + mu * g[3 * j + i];
+                        if i == j {
+                            k += shear;
+                        }
+                        let (row, column) = (3 * a + i, 3 * b + j);
+                        if b < n {
+                            stiffness[row * size + column] = k;
+                            stiffness[column * size + row] = k;
+                        } else if a < n {
+                            coupling[row][column - size] = k;
+                        } else {
+                            own[(row - size, column - size)] = k;
+                            own[(column - size, row - size)] = k;
+                        }
+                    }
+                }
+            }
+        }
+        if modes > 0 {
+            // The own stiffness of the modes is positive definite wherever the Jacobian is.
+            let refused = ElementError::Inverted {
+                element,
+                determinant: centre_det,
+            };
+            let inverse = own.cholesky().ok_or(refused)?.inverse();
+            condense(&coupling, &inverse, stiffness);
+        }
+        Ok(())
+    }
+}
+
+/// `J[i][j] = dx_j / dxi_i`.
+#[inline]
+fn jacobian(x: &[Vec3], gradients: &[[f64; 3]; MAX_NODES]) -> Matrix3<f64> {
     let mut j = Matrix3::zeros();
-    for (x, d) in x.iter().zip(&d[..n]) {
+    for (x, g) in x.iter().zip(gradients) {
         for a in 0..3 {
             for b in 0..3 {
-                j[(a, b)] += d[a] * x[b];
+                j[(a, b)] += g[a] * x[b];
             }
         }
     }
-    let det = j.determinant();
-    let inverse = j.try_inverse().unwrap_or_else(Matrix3::zeros);
-    for d in &mut d[..n] {
-        let g = *d;
-        for a in 0..3 {
-            d[a] = inverse[(a, 0)] * g[0] + inverse[(a, 1)] * g[1] + inverse[(a, 2)] * g[2];
+    j
+}
+
+/// The inverse; zero for a singular matrix, whose determinant is refused where it matters.
+fn inverse(j: &Matrix3<f64>) -> Matrix3<f64> {
+    j.try_inverse().unwrap_or_else(Matrix3::zeros)
+}
+
+/// Takes the condensed incompatible modes off the stiffness (24 x 24, row-major).
+fn condense(
+    coupling: &[[f64; 9]; 24],
+    inverse: &nalgebra::SMatrix<f64, 9, 9>,
+    stiffness: &mut [f64],
+) {
+    let mut condensed = [[0.0; 9]; 24];
+    for (row, c) in condensed.iter_mut().zip(coupling) {
+        for q in 0..9 {
+            row[q] = (0..9).map(|p| c[p] * inverse[(p, q)]).sum();
         }
     }
-    (j, det)
+    for i in 0..24 {
+        for j in i..24 {
+            let sum: f64 = (0..9).map(|q| condensed[i][q] * coupling[j][q]).sum();
+            stiffness[i * 24 + j] -= sum;
+            stiffness[j * 24 + i] = stiffness[i * 24 + j];
+        }
+    }
 }
 
 /// Lame constants of a material.
@@ -114,24 +307,11 @@ fn lame(material: &Material) -> Result<(f64, f64), ElementError> {
     ))
 }
 
-/// `w B_a^T D B_b` of two gradients: `lambda a b^T + mu (b a^T + (a.b) I)`.
-#[inline]
-fn block(a: &[f64; 3], b: &[f64; 3], lambda: f64, mu: f64) -> [[f64; 3]; 3] {
-    let dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let mut k = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for j in 0..3 {
-            k[i][j] = lambda * a[i] * b[j] + mu * b[i] * a[j];
-        }
-        k[i][i] += mu * dot;
-    }
-    k
-}
-
 /// Stiffness [N/m] and scalar consistent mass [kg] of one element.
 ///
 /// `x` has the positions of its `n` nodes. `stiffness` is row-major over `3 n` coordinates (node, then axis),
-/// `mass` row-major over `n` nodes. `element` only names it in errors.
+/// `mass` row-major over `n` nodes; both are overwritten. `element` only names it in errors. For many elements keep
+/// an [`Integrator`].
 ///
 /// # Errors
 /// [`ElementError`] for a Jacobian that is not positive or a material that is none.
@@ -143,112 +323,5 @@ pub fn matrices(
     stiffness: &mut [f64],
     mass: &mut [f64],
 ) -> Result<(), ElementError> {
-    let n = kind.nodes();
-    let size = 3 * n;
-    let (lambda, mu) = lame(material)?;
-    stiffness[..size * size].fill(0.0);
-    mass[..n * n].fill(0.0);
-    let positive = |determinant: f64| {
-        if determinant > 0.0 {
-            Ok(())
-        } else {
-            Err(ElementError::Inverted {
-                element,
-                determinant,
-            })
-        }
-    };
-    let mut d = [[0.0; 3]; MAX_NODES];
-    let of_stiffness: &[_] = if kind == ElementKind::C3D20 {
-        &THREE
-    } else {
-        &TWO
-    };
-    let incompatible = kind == ElementKind::C3D8I;
-    let centre = at_point(kind, x, [0.0; 3], &mut d);
-    let centre_inverse = centre.0.try_inverse().unwrap_or_else(Matrix3::zeros);
-    // Coupling (24 x 9) and own (9 x 9) stiffness of the incompatible modes.
-    let mut coupling = [[0.0; 9]; 24];
-    let mut own = nalgebra::SMatrix::<f64, 9, 9>::zeros();
-    for (xi, w) in rule(of_stiffness) {
-        let (_, det) = at_point(kind, x, xi, &mut d);
-        positive(det)?;
-        let w = w * det;
-        for a in 0..n {
-            for b in a..n {
-                let k = block(&d[a], &d[b], w * lambda, w * mu);
-                for i in 0..3 {
-                    for j in 0..3 {
-                        stiffness[(3 * a + i) * size + 3 * b + j] += k[i][j];
-                    }
-                }
-            }
-        }
-        if incompatible {
-            let scale = centre.1 / det;
-            let modes: [[f64; 3]; 3] = std::array::from_fn(|m| {
-                let slope = -2.0 * xi[m] * scale;
-                std::array::from_fn(|i| centre_inverse[(i, m)] * slope)
-            });
-            for (p, mode) in modes.iter().enumerate() {
-                for a in 0..n {
-                    let k = block(&d[a], mode, w * lambda, w * mu);
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            coupling[3 * a + i][3 * p + j] += k[i][j];
-                        }
-                    }
-                }
-                for (r, other) in modes.iter().enumerate() {
-                    let k = block(mode, other, w * lambda, w * mu);
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            own[(3 * p + i, 3 * r + j)] += k[i][j];
-                        }
-                    }
-                }
-            }
-        }
-    }
-    for i in 0..size {
-        for j in 0..i {
-            stiffness[i * size + j] = stiffness[j * size + i];
-        }
-    }
-    if incompatible {
-        // The own stiffness of the modes is positive definite wherever the Jacobian is.
-        let inverse = own.try_inverse().ok_or(ElementError::Inverted {
-            element,
-            determinant: centre.1,
-        })?;
-        let mut condensed = [[0.0; 9]; 24];
-        for (row, c) in condensed.iter_mut().zip(&coupling) {
-            for q in 0..9 {
-                row[q] = (0..9).map(|p| c[p] * inverse[(p, q)]).sum();
-            }
-        }
-        for i in 0..24 {
-            for j in i..24 {
-                let sum: f64 = (0..9).map(|q| condensed[i][q] * coupling[j][q]).sum();
-                stiffness[i * 24 + j] -= sum;
-                if i != j {
-                    stiffness[j * 24 + i] = stiffness[i * 24 + j];
-                }
-            }
-        }
-    }
-    let of_mass: &[_] = if n == 8 { &TWO } else { &THREE };
-    let mut shape = [0.0; MAX_NODES];
-    for (xi, w) in rule(of_mass) {
-        let (_, det) = at_point(kind, x, xi, &mut d);
-        positive(det)?;
-        values(kind, xi, &mut shape);
-        let w = w * det * material.density;
-        for a in 0..n {
-            for b in 0..n {
-                mass[a * n + b] += w * shape[a] * shape[b];
-            }
-        }
-    }
-    Ok(())
+    Integrator::new(kind).matrices(element, x, material, stiffness, mass)
 }

@@ -1,9 +1,16 @@
+mod calculix;
+mod highest;
+mod patch;
+mod support;
+mod waves;
+
 use super::tie::{HubMotion, MassKind, Tie};
 use super::{Assembly, assemble};
 use crate::mesh::{ElementKind, Mesh};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
+use support::largest;
 
 /// A bar of `n` bricks along x, slightly distorted inside.
 fn bar(n: usize) -> Mesh {
@@ -37,10 +44,6 @@ fn assembled(n: usize) -> (Mesh, Assembly) {
     let mesh = bar(n);
     let a = assemble(&mesh, &Material::STEEL).unwrap();
     (mesh, a)
-}
-
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, x| m.max(x.abs()))
 }
 
 #[test]

@@ -1,0 +1,142 @@
+//! What a product `y = K x` costs beside reading its bytes once: `cargo bench -p gearbench-reference --bench sparse_product`.
+//!
+//! The bound is the time of one pass over an array of as many bytes as the matrix stores, in the same run:
+//! a sum (reads only). Times are medians of repeats; the pass and the product alternate, so that a neighbour on
+//! the machine slows both.
+
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+use gearbench_reference::assembly::{Assembly, assemble};
+use gearbench_reference::deck::{gears, read};
+use gearbench_reference::mesh::{ElementKind, Mesh};
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// A box of `cells` eight-node elements of 1 mm.
+fn brick(cells: [u32; 3]) -> Mesh {
+    let at = |x, y, z| (x * (cells[1] + 1) + y) * (cells[2] + 1) + z;
+    let mut nodes = Vec::new();
+    for x in 0..=cells[0] {
+        for y in 0..=cells[1] {
+            for z in 0..=cells[2] {
+                nodes.push(1e-3 * Vec3::new(x.into(), y.into(), z.into()));
+            }
+        }
+    }
+    let mut connectivity = Vec::new();
+    for x in 0..cells[0] {
+        for y in 0..cells[1] {
+            for z in 0..cells[2] {
+                for z in [z, z + 1] {
+                    connectivity.extend([
+                        at(x, y, z),
+                        at(x + 1, y, z),
+                        at(x + 1, y + 1, z),
+                        at(x, y + 1, z),
+                    ]);
+                }
+            }
+        }
+    }
+    Mesh {
+        nodes,
+        kind: ElementKind::C3D8,
+        connectivity,
+        node_sets: BTreeMap::new(),
+        face_sets: BTreeMap::new(),
+    }
+}
+
+/// One pass over an array.
+fn sum(x: &[f64]) -> f64 {
+    let (chunks, rest) = x.as_chunks::<32>();
+    let mut lanes = [0.0; 32];
+    for c in chunks {
+        for (l, x) in lanes.iter_mut().zip(c) {
+            *l += x;
+        }
+    }
+    lanes.iter().sum::<f64>() + rest.iter().sum::<f64>()
+}
+
+fn seconds(mut work: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64()
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+#[allow(clippy::print_stdout)]
+fn report(name: &str, mesh: &Mesh) {
+    let (mut times, mut last) = (Vec::new(), None);
+    for _ in 0..5 {
+        times.push(seconds(|| last = Some(assemble(mesh, &Material::STEEL))));
+    }
+    let assembling = median(times);
+    let Some(Ok(a)) = last else {
+        println!("{name}: an element is turned inside out");
+        return;
+    };
+    let Assembly {
+        stiffness, mass, ..
+    } = &a;
+    let n = 3 * mesh.nodes.len();
+    let x: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
+    let mut y = vec![0.0; n];
+    let stream = vec![1.0; stiffness.bytes() / 8];
+    let repeats = (4e9 / stiffness.bytes() as f64) as usize;
+    let [mut pass, mut product, mut of_mass] = [const { Vec::new() }; 3];
+    for _ in 0..repeats.clamp(15, 400) {
+        pass.push(seconds(|| {
+            black_box(sum(black_box(&stream)));
+        }));
+        product.push(seconds(|| {
+            stiffness.apply(black_box(&x), black_box(&mut y))
+        }));
+        of_mass.push(seconds(|| mass.apply3(black_box(&x), black_box(&mut y))));
+    }
+    let (pass, product, of_mass) = (median(pass), median(product), median(of_mass));
+    println!(
+        "{name:<20} {:>7} {:>8.1} {:>10.1} {:>10.1} {:>10.1} {:>6.2} {:>7.1} {:>10.1} {:>10.1}",
+        n,
+        stiffness.bytes() as f64 / 1e6,
+        1e3 * assembling,
+        1e6 * pass,
+        1e6 * product,
+        product / pass,
+        stiffness.bytes() as f64 / product / 1e9,
+        1e9 * product / stiffness.blocks().len() as f64,
+        1e6 * of_mass,
+    );
+}
+
+#[allow(clippy::print_stdout)]
+fn main() {
+    println!(
+        "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10}",
+        "mesh", "dof", "MB", "assemble", "pass", "K x", "ratio", "GB/s", "ns/block", "M x"
+    );
+    println!(
+        "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10}",
+        "", "", "", "ms", "us", "us", "", "", "", "us"
+    );
+    let deck = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/calculix/case-a-fine/AF8_d05.inp.gz"
+    );
+    match read(deck).and_then(|deck| gears(&deck)) {
+        Ok(found) => {
+            for (i, gear) in found.iter().enumerate() {
+                report(&format!("case A fine, gear {}", i + 1), &gear.mesh.mesh);
+            }
+        }
+        Err(error) => println!("{error}"),
+    }
+    report("brick 30x30x22", &brick([30, 30, 22]));
+    report("brick 60x50x40", &brick([60, 50, 40]));
+}
