@@ -1,10 +1,11 @@
-//! From lines to a [`Deck`]: one function per keyword, in `model.rs`, `contact.rs` and `step.rs`.
+//! From lines to a [`Deck`]: one function per keyword, in `model.rs`, `properties.rs`, `contact.rs` and `step.rs`.
 //!
 //! A keyword or option that is not known here is declined with its line: passing it over would read a
 //! different model than the deck describes.
 
 mod contact;
 mod model;
+mod properties;
 mod step;
 #[cfg(test)]
 mod tests;

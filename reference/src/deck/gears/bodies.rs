@@ -1,5 +1,7 @@
 //! Connected bodies of a deck with their bores, flanks and material.
 
+use super::groups::joined;
+use super::names::{flank_name, is_bore_name};
 use super::patch::{Grid, Quad, boundary};
 use super::{BodyShape, DeckGear, circle, decline, letter, rack, spur};
 use crate::deck::data::Deck;
@@ -10,6 +12,9 @@ use gearbench_models::contact::flank_points::FlankGrid;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
+
+/// Greatest coordinate [m] of a body: squares and sums of squares stay finite.
+const GREATEST: f64 = 1e9;
 
 /// Marks a node that no element has.
 const NONE: u32 = u32::MAX;
@@ -57,82 +62,20 @@ pub(super) struct Body {
     pub(super) rigid_body: Option<usize>,
 }
 
-/// Groups of nodes that elements join.
-pub(super) struct Groups(Vec<u32>);
-
-impl Groups {
-    pub(super) fn new(n: usize) -> Self {
-        Groups((0..n as u32).collect())
-    }
-
-    pub(super) fn find(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    /// Joins two groups; the smaller number leads.
-    pub(super) fn join(&mut self, i: u32, j: u32) {
-        let (i, j) = (self.find(i), self.find(j));
-        self.0[i.max(j) as usize] = i.min(j);
-    }
-}
-
-/// Parts of a flank's name: `flank_3l`, `flank1_3l`, `flank2_m1r` (tooth -1). `None` for other names.
-pub(in crate::deck) fn flank_name(name: &str) -> Option<(i64, Side)> {
-    let rest = name.strip_prefix("flank")?;
-    let (gear, tooth) = rest.split_once('_')?;
-    if !gear.bytes().all(|b| b.is_ascii_digit()) {
-        return None;
-    }
-    let side = match tooth.as_bytes().last()? {
-        b'l' => Side::Left,
-        b'r' => Side::Right,
-        _ => return None,
-    };
-    let digits = &tooth[..tooth.len() - 1];
-    let (sign, digits) = match digits.strip_prefix('m') {
-        Some(digits) => (-1, digits),
-        None => (1, digits),
-    };
-    if !digits.bytes().all(|b| b.is_ascii_digit()) {
-        return None;
-    }
-    let label: u32 = digits.parse().ok()?;
-    Some((sign * i64::from(label), side))
-}
-
-/// True for `bore`, `bore1`, `bore2`, ...
-pub(in crate::deck) fn is_bore_name(name: &str) -> bool {
-    name.strip_prefix("bore")
-        .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
-}
-
-/// Nodes that elements join.
-fn joined(deck: &Deck) -> Groups {
-    let mut groups = Groups::new(deck.nodes.len());
-    for block in &deck.blocks {
-        for element in block.connectivity.chunks_exact(block.kind.nodes()) {
-            for &n in &element[1..] {
-                groups.join(element[0], n);
-            }
-        }
-    }
-    groups
-}
-
-/// How many bodies a deck has.
-pub(in crate::deck) fn count(deck: &Deck) -> usize {
-    let mut groups = joined(deck);
-    let elements = 0..deck.element_count() as u32;
-    let first = elements.map(|e| groups.find(deck.element(e)[0]));
-    first.collect::<std::collections::HashSet<u32>>().len()
-}
-
 /// Splits a deck into bodies.
 pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+    for block in &deck.blocks {
+        let far = |n: &&u32| deck.nodes[**n as usize].amax() > GREATEST;
+        if let Some(&n) = block.connectivity.iter().find(far) {
+            return Err(decline(
+                deck,
+                "",
+                format!("coordinates within {GREATEST:e} m"),
+                format!("node {} beyond", deck.node_labels.label(n)),
+                "give coordinates in metres",
+            ));
+        }
+    }
     let mut groups = joined(deck);
     // Body of each group, in the order of first elements; then body and local number of each node.
     let mut body_of_group = vec![NONE; deck.nodes.len()];

@@ -11,6 +11,8 @@
 
 mod bodies;
 mod circle;
+mod groups;
+mod names;
 mod patch;
 mod rack;
 mod spur;
@@ -85,7 +87,8 @@ pub(super) fn surface_faces(mesh: &Mesh) -> HashMap<[u32; 4], Face> {
     quads.iter().map(|q| (sorted(q.corners), q.face)).collect()
 }
 
-pub(super) use bodies::{count as bodies_of, flank_name, is_bore_name};
+pub(super) use groups::count as bodies_of;
+pub(super) use names::{flank_name, is_bore_name};
 
 /// Coordinate axis that a set's nodes lie around: `x`, `y` or `z`; nodes in a plane along z count as `z`, for
 /// they are the back of a rack.

@@ -1,6 +1,7 @@
 //! A gear: its axis, its teeth, and where tooth 0 stands.
 
-use super::bodies::{Body, Groups, PlacedFlank, Placement};
+use super::bodies::{Body, PlacedFlank, Placement};
+use super::groups::Groups;
 use super::patch::{Grid, grid};
 use super::{BodyShape, circle, decline, snapped, turned, wrapped};
 use crate::deck::data::Deck;

@@ -218,7 +218,6 @@ fn modal_and_static_decks_become_gears() {
 
 #[test]
 fn names_of_flanks() {
-    use bodies::{flank_name, is_bore_name};
     assert_eq!(flank_name("flank_3l"), Some((3, Side::Left)));
     assert_eq!(flank_name("flank12_30r"), Some((30, Side::Right)));
     assert_eq!(flank_name("flank2_m1l"), Some((-1, Side::Left)));
