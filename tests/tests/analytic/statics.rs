@@ -75,22 +75,29 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
 
 #[test]
 fn gears_that_nothing_holds_are_named() {
-    for mount in [Mount::Revolute, Mount::Fixed] {
-        let mut spec = held(60.0, mount.clone());
-        if mount == Mount::Fixed {
-            // Held, but the load turns the pinion out of contact.
-            spec.gears[0].loads = vec![Load::Applied(Profile::Constant(-1.0))];
-        }
-        for model in models() {
-            let both = [usual(&model, 20), usual(&model, 30)];
-            let mut scene = build(&spec, &both, &contact(PER_WIDTH));
+    for model in models() {
+        let both = [usual(&model, 20), usual(&model, 30)];
+        let at_rest = |spec: &SceneSpec| {
+            let mut scene = build(spec, &both, &contact(PER_WIDTH));
             let mut s = scene.initial();
             let result = equilibrium(&mut scene, &mut s, &EquilibriumOptions::default());
-            assert!(
-                matches!(result, Err(EquilibriumError::SingularTangent { .. })),
-                "{} {mount:?}: {result:?}",
+            (result, channel(&mut scene, &s, "contact_torque:pinion"))
+        };
+        let (result, _) = at_rest(&held(60.0, Mount::Revolute));
+        assert!(
+            matches!(result, Err(EquilibriumError::SingularTangent { .. })),
+            "{}: {result:?}",
+            model.id
+        );
+        // Turned the other way against a held wheel the pinion may find the other flank, never rest on nothing.
+        let (result, torque) = at_rest(&held(-1.0, Mount::Fixed));
+        match result {
+            Ok(_) => assert!((torque - 1.0).abs() < 1e-6, "{}: {torque}", model.id),
+            Err(e) => assert!(
+                matches!(e, EquilibriumError::SingularTangent { .. }),
+                "{}: {e}",
                 model.id
-            );
+            ),
         }
     }
 }
