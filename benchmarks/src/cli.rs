@@ -45,6 +45,8 @@ pub enum Command {
     Compare(Compare),
     /// Fit stiffness, tooth mass and touch time of the models to the scene's reference
     Identify(Identify),
+    /// Static mesh stiffness, load sharing and transmission error of the models of a scene
+    Stiffness(Stiffness),
     /// List shipped scenes, gear models with their parameters, integrators and references
     List,
     /// Write the report of a results folder again
@@ -144,6 +146,63 @@ pub struct Identify {
     /// Write the calibration file of the scene
     #[arg(long)]
     pub write: bool,
+}
+
+const STIFFNESS_EXAMPLES: &str = "\
+Examples:
+  gearbench stiffness spur_impact --models fe       finite elements, ISO 6336-1, analytic tooth compliance
+  gearbench stiffness spur_impact --load 100        at 100 N per mm of face width
+  gearbench stiffness my_scene.toml --torque 80 --positions 48 --out out/te
+
+Both hubs are held: the first gear is turned until it carries the load, at positions over one base pitch. Mounts,
+loads, speeds, damping and friction of the scene play no part. Beside the models stand the stiffness of ISO 6336-1
+and the analytic compliance of the same gears.
+
+Results (--out DIR, default out/SCENE/stiffness/):
+  stiffness.csv      one line per model
+  cycle_MODEL.csv    transmission error, stiffness and load of each tooth pair by position
+  stiffness.svg      the chart";
+
+/// Arguments of `stiffness`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = STIFFNESS_EXAMPLES)]
+pub struct Stiffness {
+    /// Name of a shipped scene, or path of a scene file (.toml), with two gears
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of its study]
+    #[arg(long, visible_alias = "model", value_name = "A,B")]
+    pub models: Option<String>,
+    /// Load along the line of action over the common face width [N/mm]
+    #[arg(long, value_name = "N_PER_MM", default_value_t = DEFAULT_LOAD, value_parser = positive_load)]
+    pub load: f64,
+    /// Torque on the first gear [N m], in place of --load
+    #[arg(long, value_name = "NM", conflicts_with = "load", value_parser = positive_load)]
+    pub torque: Option<f64>,
+    /// Positions over one base pitch
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]
+    pub positions: usize,
+    /// Folder to write to [default: out/SCENE/stiffness]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Load over the width [N/mm] when the command line does not say.
+pub const DEFAULT_LOAD: f64 = 300.0;
+/// Positions over a base pitch when the command line does not say.
+pub const DEFAULT_POSITIONS: usize = 24;
+
+fn positive_load(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e9 => Ok(x),
+        _ => Err("expected a positive number".into()),
+    }
+}
+
+fn positions(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(n) if (2..=2000).contains(&n) => Ok(n),
+        _ => Err("expected a whole number from 2 to 2000".into()),
+    }
 }
 
 /// Arguments of `report`.

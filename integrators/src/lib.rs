@@ -33,6 +33,7 @@
 //! | [`implicit`] | the generalised-alpha family (Newmark-beta, HHT-alpha), BDF, TR-BDF2, ESDIRK 3(4) |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
+//! | [`equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
 //!
@@ -93,6 +94,7 @@
 mod bounds;
 pub mod dense_solve;
 pub mod diffsol_adapter;
+pub mod equilibrium;
 mod events;
 pub mod explicit;
 pub mod implicit;
@@ -103,6 +105,7 @@ pub mod stepped;
 pub mod system;
 pub mod table;
 
+pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
     Sink, StepError, Stepping, TimePlan, Work,

@@ -208,6 +208,10 @@ impl GearModel for ElasticTestGear {
         &self.hub
     }
 
+    fn hub_mut(&mut self) -> &mut Hub {
+        &mut self.hub
+    }
+
     fn coordinates(&self) -> Coordinates {
         Coordinates {
             n: self.first() + self.modes.len(),

@@ -138,6 +138,10 @@ impl GearModel for RigidFlanks {
     fn hub(&self) -> &Hub {
         self.rigid.hub()
     }
+
+    fn hub_mut(&mut self) -> &mut Hub {
+        self.rigid.hub_mut()
+    }
     fn coordinates(&self) -> Coordinates {
         self.rigid.coordinates()
     }
@@ -276,6 +280,10 @@ impl GearModel for Nodal {
     }
     fn hub(&self) -> &Hub {
         &self.hub
+    }
+
+    fn hub_mut(&mut self) -> &mut Hub {
+        &mut self.hub
     }
     fn coordinates(&self) -> Coordinates {
         Coordinates {

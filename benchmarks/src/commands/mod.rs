@@ -6,6 +6,7 @@
 mod compare;
 mod identify;
 mod list;
+mod stiffness;
 
 use crate::cli::{Cli, Command};
 use crate::scene_file::SceneError;
@@ -45,6 +46,7 @@ pub fn run(cli: Cli) -> ExitCode {
         None => compare::run(&Default::default(), "gearbench"),
         Some(Command::Compare(args)) => compare::run(&args, &told()),
         Some(Command::Identify(args)) => identify::run(&args, &told()),
+        Some(Command::Stiffness(args)) => stiffness::run(&args),
         Some(Command::List) => list::run(),
         Some(Command::Report(args)) => report(&args.dir),
     };

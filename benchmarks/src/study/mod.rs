@@ -5,9 +5,11 @@
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
+//! | [`stiffness`] | static mesh stiffness of the models beside the norm and the analytic compliance |
 
 pub mod compare;
 pub mod history;
 pub mod identify;
 pub mod machine;
 pub mod run;
+pub mod stiffness;

@@ -5,6 +5,7 @@
 mod contact_order;
 mod dense_output;
 mod energy_and_momentum;
+mod equilibrium;
 mod events;
 mod failures;
 mod golden_work;

@@ -101,6 +101,9 @@ pub trait GearModel {
     /// The hub that carries the gear.
     fn hub(&self) -> &Hub;
 
+    /// Its hub, to prescribe another motion; the number of its coordinates has to stay.
+    fn hub_mut(&mut self) -> &mut Hub;
+
     /// Sizes.
     fn coordinates(&self) -> Coordinates;
 

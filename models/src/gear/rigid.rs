@@ -33,6 +33,10 @@ impl GearModel for Rigid {
         &self.hub
     }
 
+    fn hub_mut(&mut self) -> &mut Hub {
+        &mut self.hub
+    }
+
     fn coordinates(&self) -> Coordinates {
         Coordinates {
             n: self.hub.coordinates(),

@@ -23,7 +23,8 @@ pub use contacts::ContactForce;
 use crate::contact::law::{Friction, Law};
 use crate::contact::search::{ContactSearch, Party};
 use crate::gear::{GearModel, Magnitudes};
-use crate::load::Load;
+use crate::load::{Load, Profile};
+use crate::mount::Mount;
 use contacts::Workspace;
 use gearbench_integrators::system::{At, State};
 
@@ -183,6 +184,20 @@ impl Scene {
     /// Replaces the loads of a gear, for sweeps.
     pub fn set_loads(&mut self, gear: usize, loads: Vec<Load>) {
         self.gears[gear].loads = loads;
+    }
+
+    /// Puts a fixed or driven gear where it has moved by `travel` [rad] or [m] from the assembled position and rests:
+    /// from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
+    pub fn hold(&mut self, gear: usize, travel: f64) {
+        let hub = self.gears[gear].model.hub_mut();
+        if hub.coordinates() == 0 {
+            hub.mount = Mount::Driven(Profile::Ramp {
+                from: 2.0 * travel,
+                to: 0.0,
+                start: 0.0,
+                end: 1.0,
+            });
+        }
     }
 
     /// Index of a channel by name.

@@ -161,6 +161,10 @@ impl GearModel for FullOrder {
         &self.hub
     }
 
+    fn hub_mut(&mut self) -> &mut Hub {
+        &mut self.hub
+    }
+
     fn coordinates(&self) -> Coordinates {
         Coordinates {
             n: self.own + 3 * self.body.free.len(),

@@ -9,9 +9,11 @@ mod cost;
 mod histories;
 mod lines;
 mod mesh;
+mod stiffness;
 mod style;
 
 pub use canvas::DrawError;
+pub use stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 
 use crate::record::Results;
 use crate::view::View;

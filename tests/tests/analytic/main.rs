@@ -10,6 +10,7 @@ mod mounts;
 mod movable_teeth;
 mod refusals;
 mod rows;
+mod statics;
 mod tangents;
 mod tooth_springs;
 mod trains;

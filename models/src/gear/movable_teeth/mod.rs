@@ -314,6 +314,10 @@ impl GearModel for MovableTeeth {
         &self.hub
     }
 
+    fn hub_mut(&mut self) -> &mut Hub {
+        &mut self.hub
+    }
+
     fn coordinates(&self) -> Coordinates {
         let own = match &self.integrated {
             Integrated::All => self.teeth,

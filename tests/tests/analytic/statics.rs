@@ -1,0 +1,133 @@
+//! Static equilibrium of scenes: a torque held by a tooth contact, against springs in series.
+
+use gearbench_integrators::{EquilibriumError, EquilibriumOptions, State, equilibrium};
+use gearbench_models::load::{Load, Profile};
+use gearbench_models::mount::Mount;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::lever;
+use gearbench_models::scene::spec::{ModelSpec, SceneSpec};
+use gearbench_tests::*;
+
+/// Contact stiffness per width [N/m per m], and over the width of 20 mm.
+const PER_WIDTH: f64 = 5e10;
+
+/// Case A with a torque [N m] on the pinion and the wheel held, overlapping by 5 um at the pitch point.
+fn held(torque: f64, wheel: Mount) -> SceneSpec {
+    let mut spec = case_a(-5e-6);
+    spec.gears[0].speed = 0.0;
+    spec.gears[0].loads = vec![Load::Applied(Profile::Constant(torque))];
+    spec.gears[1].mount = wheel;
+    spec
+}
+
+/// Torque of the pinion over its base radius [N], and contact stiffness over the width [N/m].
+fn force_and_stiffness(spec: &SceneSpec, torque: f64) -> (f64, f64) {
+    let gearbench_models::scene::spec::Body::Gear(g) = &spec.gears[0].body else {
+        panic!("a gear")
+    };
+    (
+        torque / lever(&spec.gears[0].body),
+        PER_WIDTH * g.face_width(),
+    )
+}
+
+fn at_rest(spec: &SceneSpec, models: &[ModelSpec]) -> (Scene, State) {
+    let mut scene = build(spec, models, &contact(PER_WIDTH));
+    let mut s = scene.initial();
+    equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
+    (scene, s)
+}
+
+#[test]
+fn a_torque_is_held_by_the_contact_of_every_model() {
+    let torque = 60.0;
+    let spec = held(torque, Mount::Fixed);
+    let (force, k) = force_and_stiffness(&spec, torque);
+    for model in models() {
+        let usual_of = |teeth| usual(&model, teeth);
+        let (mut scene, s) = at_rest(&spec, &[usual_of(20), usual_of(30)]);
+        let found = channel(&mut scene, &s, "force:0");
+        assert!(
+            (found - force).abs() < 1e-9 * force,
+            "{}: {found} {force}",
+            model.id
+        );
+        let other = channel(&mut scene, &s, "contact_torque:wheel");
+        let want = force * lever(&spec.gears[1].body);
+        assert!((other.abs() - want).abs() < 1e-9 * want, "{}", model.id);
+        // The line of action advances by the law in series with what the model adds.
+        let advance = s.q[0] * lever(&spec.gears[0].body) + 5e-6;
+        let more = advance - force / k;
+        match model.id {
+            "rigid" => assert!(more.abs() < 1e-15, "{more}"),
+            // Two teeth of 5.3e8 N/m.
+            "movable-teeth" => assert!((more * 5.3e8 / force - 2.0).abs() < 0.3, "{more}"),
+            // Per gear two pairs of modes, amplitude 3, and 2e-9 m/N.
+            "elastic-test" => {
+                let modal = 18.0 * (2.0e5_f64.powi(-2) + 4.5e5_f64.powi(-2));
+                let want = force * (2.0 * 2e-9 + 2.0 * 0.5 * modal);
+                assert!((more - want).abs() < 1e-9 * want, "{more} {want}");
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn gears_that_nothing_holds_are_named() {
+    for model in models() {
+        let both = [usual(&model, 20), usual(&model, 30)];
+        let at_rest = |spec: &SceneSpec| {
+            let mut scene = build(spec, &both, &contact(PER_WIDTH));
+            let mut s = scene.initial();
+            let result = equilibrium(&mut scene, &mut s, &EquilibriumOptions::default());
+            (result, channel(&mut scene, &s, "contact_torque:pinion"))
+        };
+        let (result, _) = at_rest(&held(60.0, Mount::Revolute));
+        assert!(
+            matches!(result, Err(EquilibriumError::SingularTangent { .. })),
+            "{}: {result:?}",
+            model.id
+        );
+        // Turned the other way against a held wheel the pinion may find the other flank, never rest on nothing.
+        let (result, torque) = at_rest(&held(-1.0, Mount::Fixed));
+        match result {
+            Ok(_) => assert!((torque - 1.0).abs() < 1e-6, "{}: {torque}", model.id),
+            Err(e) => assert!(
+                matches!(e, EquilibriumError::SingularTangent { .. }),
+                "{}: {e}",
+                model.id
+            ),
+        }
+    }
+}
+
+#[test]
+fn driven_gears_stand_where_their_motion_has_brought_them() {
+    // Both hubs prescribed: the approach along the line of action is rb1 times the pinion's advance.
+    let approach = 17e-6;
+    let mut spec = held(0.0, Mount::Fixed);
+    spec.meshes[0].start.gap = 0.0;
+    spec.gears[0].loads.clear();
+    let rb = lever(&spec.gears[0].body);
+    spec.gears[0].mount = Mount::Driven(Profile::Ramp {
+        from: 2.0 * approach / rb,
+        to: 0.0,
+        start: 0.0,
+        end: 1.0,
+    });
+    let (_, k) = force_and_stiffness(&spec, 1.0);
+    for model in models() {
+        let both = [usual(&model, 20), usual(&model, 30)];
+        let mut scene = build(&spec, &both, &contact(PER_WIDTH));
+        let mut s = scene.initial();
+        s.t = 2.0;
+        equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
+        let force = channel(&mut scene, &s, "force:0");
+        if model.id == "rigid" {
+            assert!((force - k * approach).abs() < 1e-9 * force);
+        } else {
+            assert!(force > 0.1 * k * approach && force < 0.9 * k * approach);
+        }
+    }
+}
