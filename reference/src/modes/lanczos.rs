@@ -440,7 +440,7 @@ impl<T: Scalar> Lanczos<T> {
             // Scaled so that y is about x.
             let scale = T::real(1.0 / ritz.theta[j]);
             for i in 0..mx.nrows() {
-                mx[(i, j)] = mx[(i, j)] * scale;
+                mx[(i, j)] *= scale;
             }
         }
         x.copy_from(&mx);

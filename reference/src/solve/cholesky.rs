@@ -24,6 +24,8 @@ pub trait Scalar:
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<Output = Self>
     + std::ops::AddAssign
+    + std::ops::SubAssign
+    + std::ops::MulAssign
 {
     /// A real number.
     fn real(x: f64) -> Self;

@@ -62,6 +62,8 @@ pub struct CyclicMode {
 pub struct CyclicModes {
     /// Teeth of the gear.
     pub teeth: u32,
+    /// Unknowns of the whole gear, hub motions apart.
+    pub unknowns: usize,
     /// Modes, ascending; the cosine mode of a pair before the sine mode.
     pub modes: Vec<CyclicMode>,
     /// Complex shapes per harmonic, three displacements per node of the sector x modes of the harmonic [1/sqrt(kg)].
@@ -228,6 +230,7 @@ impl Sector {
         };
         Ok(CyclicModes {
             teeth: self.teeth(),
+            unknowns,
             modes,
             shapes,
             reports,
