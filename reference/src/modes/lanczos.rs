@@ -12,6 +12,7 @@ use super::{Modes, ModesError, Options, Symmetric};
 use crate::solve::{Cholesky, Scalar};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Work done for a set of modes.
@@ -68,8 +69,8 @@ fn capacity_for(count: usize, block: usize) -> usize {
 
 /// State of an iteration; it can be continued to find more modes.
 #[derive(Debug)]
-pub struct Lanczos<'a, T: Scalar> {
-    mass: &'a Symmetric<T>,
+pub struct Lanczos<T: Scalar> {
+    mass: Arc<Symmetric<T>>,
     shift: f64,
     block: usize,
     tolerance: f64,
@@ -98,10 +99,10 @@ struct Ritz<T: Scalar> {
     residuals: Vec<f64>,
 }
 
-impl<'a, T: Scalar> Lanczos<'a, T> {
+impl<T: Scalar> Lanczos<T> {
     /// Prepares an iteration; nothing is solved yet.
     #[must_use]
-    pub fn new(mass: &'a Symmetric<T>, shift: f64, options: &Options, par: Par) -> Self {
+    pub fn new(mass: Arc<Symmetric<T>>, shift: f64, options: &Options, par: Par) -> Self {
         let (n, block) = (mass.size(), options.block.max(1));
         let mut new = Self {
             mass,
@@ -173,7 +174,7 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
         let mut next_check = wanted;
         loop {
             if self.size >= next_check {
-                let ritz = self.ritz()?;
+                let ritz = self.timed_ritz()?;
                 let converged = self.converged(&ritz);
                 let enough = match target {
                     Target::Count(count) => converged >= count,
@@ -208,6 +209,22 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
             next_check = next_check.min(capacity.saturating_sub(self.block) + 1);
             self.step(factor)?;
         }
+    }
+
+    /// Squares of the frequencies found so far without a gap, ascending [rad²/s²].
+    ///
+    /// # Errors
+    /// Matrices that are not finite.
+    pub fn found(&self) -> Result<Vec<f64>, ModesError> {
+        if self.size == 0 {
+            return Ok(Vec::new());
+        }
+        let ritz = self.ritz()?;
+        let converged = self.converged(&ritz);
+        Ok(ritz.theta[..converged]
+            .iter()
+            .map(|t| self.omega2(*t))
+            .collect())
     }
 
     fn omega2(&self, theta: f64) -> f64 {
@@ -313,8 +330,14 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
         Ok(())
     }
 
-    fn ritz(&mut self) -> Result<Ritz<T>, ModesError> {
+    fn timed_ritz(&mut self) -> Result<Ritz<T>, ModesError> {
         let start = Instant::now();
+        let ritz = self.ritz();
+        self.report.projection_s += start.elapsed().as_secs_f64();
+        ritz
+    }
+
+    fn ritz(&self) -> Result<Ritz<T>, ModesError> {
         let m = self.size;
         let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m), self.par)?;
         let descending = Mat::from_fn(m, m, |i, j| vectors[(i, m - 1 - j)]);
@@ -335,7 +358,6 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
                 .sqrt()
         };
         let residuals = (0..m).map(norm).collect();
-        self.report.projection_s += start.elapsed().as_secs_f64();
         Ok(Ritz {
             theta,
             vectors: descending,
@@ -393,13 +415,22 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
     /// # Errors
     /// Matrices that are not finite.
     pub fn modes(
-        &mut self,
+        &self,
         factor: &Cholesky<T>,
         stiffness: &Symmetric<T>,
         count: usize,
     ) -> Result<Modes<T>, ModesError> {
-        let ritz = self.ritz()?;
+        let mut report = self.report;
         let start = Instant::now();
+        if count == 0 {
+            return Ok(Modes {
+                omega2: Vec::new(),
+                vectors: Mat::zeros(self.mass.size(), 0),
+                residuals: Vec::new(),
+                report,
+            });
+        }
+        let ritz = self.ritz()?;
         let count = count.min(ritz.theta.len());
         let mut x = self.combined(ritz.vectors.as_ref().subcols(0, count));
         // (K - sigma M) y = M x: then y^H (K - sigma M) y = y^H M x.
@@ -409,7 +440,7 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
             // Scaled so that y is about x.
             let scale = T::real(1.0 / ritz.theta[j]);
             for i in 0..mx.nrows() {
-                mx[(i, j)] = mx[(i, j)] * scale;
+                mx[(i, j)] *= scale;
             }
         }
         x.copy_from(&mx);
@@ -417,7 +448,8 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
         let mut first = 0;
         while first < count {
             let width = TOGETHER.min(count - first);
-            self.solve(factor, x.as_mut().subcols_mut(first, width));
+            factor.solve_many(x.as_mut().subcols_mut(first, width), self.par);
+            report.solves += width;
             first += width;
         }
         let elastic = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
@@ -458,13 +490,13 @@ impl<'a, T: Scalar> Lanczos<'a, T> {
             self.par,
         );
         let omega2: Vec<f64> = shifted.iter().map(|l| l + self.shift).collect();
-        let residuals = residuals(stiffness, self.mass, &omega2, vectors.as_ref(), self.shift);
-        self.report.polish_s += start.elapsed().as_secs_f64();
+        let residuals = residuals(stiffness, &self.mass, &omega2, vectors.as_ref(), self.shift);
+        report.polish_s += start.elapsed().as_secs_f64();
         Ok(Modes {
             omega2,
             vectors,
             residuals,
-            report: self.report,
+            report,
         })
     }
 }

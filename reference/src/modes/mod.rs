@@ -185,7 +185,7 @@ pub fn lowest(
             mass: m.ncols(),
         });
     }
-    let (k, m) = (Symmetric::new(k)?, Symmetric::new(m)?);
+    let (k, m) = (Symmetric::new(k)?, Arc::new(Symmetric::new(m)?));
     let n = k.size();
     if count > n {
         return Err(ModesError::TooMany {
@@ -211,7 +211,7 @@ pub fn lowest(
     let par = options
         .par
         .unwrap_or(if n < 20_000 { Par::Seq } else { Par::rayon(0) });
-    let mut iteration = lanczos::Lanczos::new(&m, shift, options, par);
+    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, options, par);
     iteration.report.analysis_s = analysis;
     iteration.report.factorisation_s = factorisation;
     iteration.report.factorisations = 1;

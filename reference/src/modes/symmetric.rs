@@ -119,7 +119,7 @@ impl<T: Scalar> Symmetric<T> {
                     i += 1;
                 }
                 if row_b <= row_a {
-                    value = value - sigma * vb[k];
+                    value -= sigma * vb[k];
                     k += 1;
                 }
                 rows.push(row_a.min(row_b));

@@ -1,0 +1,194 @@
+//! Two hundred modes of a gear with 24 teeth: from one sector, and of a moderate whole mesh, with the time by
+//! phase, the ratio to CalculiX's time stored in `calculix/modal/frequency_z24.json`, and the growth with the mesh.
+//!
+//! `cargo bench -p gearbench-reference --bench cyclic_modes`
+
+#![allow(clippy::print_stdout)]
+
+use gearbench_models::geometry::{Gear, GearParams};
+use gearbench_models::stiffness::Material;
+use gearbench_reference::assembly::assemble;
+use gearbench_reference::assembly::tie::{MassKind, Tie};
+use gearbench_reference::mesh::{ElementKind, GearMeshParams, Tooth, gear, sector};
+use gearbench_reference::modes::cyclic::{self, Hub};
+use gearbench_reference::modes::{Options, Report, lowest};
+use std::time::Instant;
+
+const TEETH: u32 = 24;
+const MODES: usize = 200;
+
+fn body() -> Gear {
+    let params = GearParams {
+        teeth: TEETH,
+        module: 4e-3,
+        face_width: 0.02,
+        bore_radius: 0.02,
+        ..GearParams::default()
+    };
+    Gear::new(params).expect("a standard gear")
+}
+
+/// Meshes of growing fineness; about 105,000 unknowns of the whole gear at 3.
+fn mesh(fineness: usize) -> GearMeshParams {
+    GearMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth {
+            flank: 3 * fineness,
+            fillet: 2 * fineness,
+            root: fineness,
+            across: 2 * fineness + 2,
+        },
+        layers: fineness.min(2),
+        rim: 2 * fineness,
+        width: 2 * fineness,
+        ..GearMeshParams::default()
+    }
+}
+
+fn phases(r: &Report) -> String {
+    format!(
+        "analysis {:.2}, factors {:.2}, solves {:.2}, orthogonalisation {:.2}, projection {:.2}, polish {:.2}, count {:.2}",
+        r.analysis_s,
+        r.factorisation_s,
+        r.solve_s,
+        r.orthogonalisation_s,
+        r.projection_s,
+        r.polish_s,
+        r.verification_s
+    )
+}
+
+fn sum(reports: &[Report]) -> Report {
+    reports.iter().fold(Report::default(), |mut s, r| {
+        s.factorisations += r.factorisations;
+        s.solves += r.solves;
+        s.steps += r.steps;
+        s.subspace = s.subspace.max(r.subspace);
+        s.analysis_s += r.analysis_s;
+        s.factorisation_s += r.factorisation_s;
+        s.solve_s += r.solve_s;
+        s.orthogonalisation_s += r.orthogonalisation_s;
+        s.projection_s += r.projection_s;
+        s.polish_s += r.polish_s;
+        s.verification_s += r.verification_s;
+        s
+    })
+}
+
+/// Largest memory of the process so far [MB], where the system tells.
+fn peak_memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    let kilobytes = line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok());
+    kilobytes.map_or(f64::NAN, |k| k / 1e3)
+}
+
+/// Processor time of the process so far [s], where the system tells: other loads do not count in it.
+fn processor_s() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after_name = stat.rsplit(')').next().unwrap_or_default();
+    let ticks = |i: usize| after_name.split_whitespace().nth(i)?.parse::<f64>().ok();
+    // Fields 14 and 15 of the line, in hundredths of a second.
+    ticks(11)
+        .zip(ticks(12))
+        .map_or(f64::NAN, |(user, system)| (user + system) / 100.0)
+}
+
+fn main() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/calculix/modal/frequency_z24.json"
+    );
+    let stored: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(path).expect("stored time")).expect("JSON");
+    let wall = stored["wall_s"].as_f64().expect("seconds");
+    println!(
+        "CalculiX: {} unknowns, {} modes, {wall} s, {} MB; {}, {}",
+        stored["unknowns"],
+        stored["modes"],
+        stored["memory_bytes"].as_f64().unwrap_or(f64::NAN) / 1e6,
+        stored["machine"],
+        stored["date"]
+    );
+    let gear_body = body();
+    for fineness in [2, 3, 4] {
+        let start = Instant::now();
+        let section = sector(&gear_body, &mesh(fineness)).expect("mesh");
+        let meshing = start.elapsed().as_secs_f64();
+        let mut best: Option<(f64, f64, cyclic::CyclicModes)> = None;
+        for _ in 0..if fineness > 3 { 1 } else { 3 } {
+            let (start, processor) = (Instant::now(), processor_s());
+            let modes = cyclic::lowest(
+                &section,
+                &Material::STEEL,
+                &Hub::fixed(),
+                MODES,
+                &Options::default(),
+            )
+            .expect("modes");
+            let seconds = start.elapsed().as_secs_f64();
+            if best.as_ref().is_none_or(|b| seconds < b.0) {
+                best = Some((seconds, processor_s() - processor, modes));
+            }
+        }
+        let (seconds, processor, modes) = best.expect("a run");
+        let f = modes.frequencies();
+        let total = sum(&modes.reports);
+        let residual = modes.modes.iter().map(|m| m.residual).fold(0.0, f64::max);
+        println!(
+            "cyclic, fineness {fineness}: {} unknowns, {} modes {:.1} to {:.1} Hz, {seconds:.2} s (processor {processor:.2} s) \
+             (mesh {meshing:.2}, assembly {:.2}), CalculiX takes {:.0} times that; residual {residual:.1e}",
+            modes.unknowns,
+            f.len(),
+            f[0],
+            f[f.len() - 1],
+            modes.assembly_s,
+            wall / seconds
+        );
+        println!(
+            "    two threads together: {}; {} factorisations, {} solves, {} steps, longest basis {}; factors {:.0} MB, peak {:.0} MB",
+            phases(&total),
+            total.factorisations,
+            total.solves,
+            total.steps,
+            total.subspace,
+            modes.factor_bytes as f64 / 1e6,
+            peak_memory()
+        );
+    }
+    for (fineness, count) in [(1, 200), (2, 50), (2, 200)] {
+        let whole = gear(&gear_body, &mesh(fineness)).expect("mesh");
+        let assembly = assemble(&whole.mesh, &Material::STEEL).expect("elements");
+        let r = Tie::new(&whole.mesh.nodes, &whole.bore, &[]).reduce(
+            &assembly,
+            &[],
+            MassKind::Consistent,
+        );
+        for block in [4, 8, 16] {
+            let options = Options {
+                block,
+                ..Options::default()
+            };
+            let start = Instant::now();
+            let modes =
+                lowest(r.stiffness.as_ref(), r.mass.as_ref(), count, &options).expect("modes");
+            let seconds = start.elapsed().as_secs_f64();
+            let residual = modes.residuals.iter().copied().fold(0.0, f64::max);
+            println!(
+                "whole mesh, fineness {fineness}: {} unknowns, {count} modes, block {block}: {seconds:.2} s (processor {:.2} s); residual {residual:.1e}",
+                r.stiffness.ncols(),
+                processor_s() - processor
+            );
+            println!(
+                "    {}; {} solves, {} steps, {} restarts, longest basis {}; factor {:.0} MB, peak {:.0} MB",
+                phases(&modes.report),
+                modes.report.solves,
+                modes.report.steps,
+                modes.report.restarts,
+                modes.report.subspace,
+                modes.report.factor_bytes as f64 / 1e6,
+                peak_memory()
+            );
+        }
+    }
+}

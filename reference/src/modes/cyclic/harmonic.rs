@@ -1,0 +1,236 @@
+//! The search for modes of one harmonic, which can be continued.
+
+use super::{Sector, Shared};
+use crate::modes::lanczos::{Lanczos, Report, Target, is_small};
+use crate::modes::{Modes, ModesError, Options, Symmetric, default_shift, dense};
+use crate::solve::ordering::Ordering;
+use crate::solve::{Cholesky, Scalar, Symbolic, negative_eigenvalues};
+use faer::{Mat, Par, c64};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Search of one harmonic.
+pub(super) struct Harmonic {
+    /// Modes of the gear per mode of the harmonic.
+    weight: usize,
+    search: Search,
+    /// Squares of the frequencies found, ascending.
+    found: Vec<f64>,
+}
+
+enum Search {
+    Real(Box<State<f64>>),
+    Complex(Box<State<c64>>),
+}
+
+impl Harmonic {
+    /// Assembles a harmonic; `shared` is the analysis of those without hub motions.
+    pub fn new(
+        sector: &Sector,
+        harmonic: u32,
+        shared: &Shared,
+        options: &Options,
+    ) -> Result<Self, ModesError> {
+        let single = harmonic == 0 || 2 * harmonic == sector.teeth();
+        let search = if single {
+            Search::Real(Box::new(State::new(sector, harmonic, shared, options)?))
+        } else {
+            Search::Complex(Box::new(State::new(sector, harmonic, shared, options)?))
+        };
+        Ok(Self {
+            weight: if single { 1 } else { 2 },
+            search,
+            found: Vec::new(),
+        })
+    }
+
+    /// Modes of the gear per mode of this harmonic.
+    pub fn weight(&self) -> usize {
+        self.weight
+    }
+
+    /// Squares of the frequencies found, ascending.
+    pub fn found(&self) -> &[f64] {
+        &self.found
+    }
+
+    /// Finds the lowest `count`; `keep` the factor for later.
+    pub fn find(&mut self, count: usize, keep: bool) -> Result<(), ModesError> {
+        self.found = match &mut self.search {
+            Search::Real(s) => s.find(Target::Count(count), keep)?,
+            Search::Complex(s) => s.find(Target::Count(count), keep)?,
+        };
+        Ok(())
+    }
+
+    /// Finds all up to `omega2` and the next one, unless that has happened.
+    pub fn find_above(&mut self, omega2: f64, keep: bool) -> Result<(), ModesError> {
+        if self.found.last().is_some_and(|last| *last > omega2) {
+            return Ok(());
+        }
+        self.found = match &mut self.search {
+            Search::Real(s) => s.find(Target::Above(omega2), keep)?,
+            Search::Complex(s) => s.find(Target::Above(omega2), keep)?,
+        };
+        Ok(())
+    }
+
+    /// Shapes of the modes up to `omega2` over the sector's nodes, orthonormal in the mass of the whole gear.
+    pub fn finish(
+        &self,
+        sector: &Sector,
+        harmonic: u32,
+        omega2: f64,
+        verify: bool,
+    ) -> Result<Modes<c64>, ModesError> {
+        let count = self.found.partition_point(|w| *w <= omega2);
+        // Halfway to the next one, if it is known.
+        let bound = (self.found.get(count)).map(|next| match count {
+            0 => next - 0.5 * next.abs(),
+            _ => 0.5 * (self.found[count - 1] + next),
+        });
+        let bound = bound.filter(|_| verify);
+        let scale = (self.weight as f64 / f64::from(sector.teeth())).sqrt();
+        match &self.search {
+            Search::Real(s) => s.finish(sector, harmonic, count, bound, scale),
+            Search::Complex(s) => s.finish(sector, harmonic, count, bound, scale),
+        }
+    }
+}
+
+/// Matrices and iteration of a harmonic.
+struct State<T: Scalar> {
+    stiffness: Symmetric<T>,
+    mass: Arc<Symmetric<T>>,
+    symbolic: Shared,
+    shift: f64,
+    factor: Option<Cholesky<T>>,
+    engine: Engine<T>,
+}
+
+enum Engine<T: Scalar> {
+    /// All modes of a small problem.
+    Dense(Modes<T>),
+    Iteration(Lanczos<T>),
+}
+
+impl<T: Scalar> State<T> {
+    fn new(
+        sector: &Sector,
+        harmonic: u32,
+        shared: &Shared,
+        options: &Options,
+    ) -> Result<Self, ModesError> {
+        let pair = sector.matrices::<T>(harmonic);
+        let stiffness = Symmetric::new(pair.stiffness.as_ref())?;
+        let mass = Arc::new(Symmetric::new(pair.mass.as_ref())?);
+        let n = mass.size();
+        let shift = options
+            .shift
+            .unwrap_or_else(|| default_shift(&stiffness, &mass));
+        let symbolic = if sector.hub_coordinates(harmonic) == 0 {
+            shared.clone()
+        } else {
+            Arc::new(Symbolic::new(pair.stiffness.symbolic(), Ordering::Best)?)
+        };
+        let engine = if is_small(n, 1, options.block) {
+            Engine::Dense(dense::lowest(&stiffness, &mass, n, shift)?)
+        } else {
+            Engine::Iteration(Lanczos::new(mass.clone(), shift, options, Par::Seq))
+        };
+        Ok(Self {
+            stiffness,
+            mass,
+            symbolic,
+            shift,
+            factor: None,
+            engine,
+        })
+    }
+
+    fn find(&mut self, target: Target, keep: bool) -> Result<Vec<f64>, ModesError> {
+        let iteration = match &mut self.engine {
+            Engine::Dense(all) => return Ok(all.omega2.clone()),
+            Engine::Iteration(iteration) => iteration,
+        };
+        let factor = match self.factor.take() {
+            Some(factor) => factor,
+            None => {
+                let start = Instant::now();
+                let shifted = self.stiffness.minus(self.shift, &self.mass);
+                let symbolic = self.symbolic.clone();
+                let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic, Some(Par::Seq))?;
+                iteration.report.factorisations += 1;
+                iteration.report.factor_bytes = factor.bytes();
+                iteration.report.factorisation_s += start.elapsed().as_secs_f64();
+                factor
+            }
+        };
+        iteration.run(&factor, target)?;
+        if keep {
+            self.factor = Some(factor);
+        }
+        iteration.found()
+    }
+
+    fn finish(
+        &self,
+        sector: &Sector,
+        harmonic: u32,
+        count: usize,
+        bound: Option<f64>,
+        scale: f64,
+    ) -> Result<Modes<c64>, ModesError> {
+        let mut modes = match &self.engine {
+            Engine::Dense(all) => Modes {
+                omega2: all.omega2[..count].to_vec(),
+                vectors: all.vectors.subcols(0, count).to_owned(),
+                residuals: all.residuals[..count].to_vec(),
+                report: all.report,
+            },
+            Engine::Iteration(iteration) => match &self.factor {
+                Some(factor) => iteration.modes(factor, &self.stiffness, count)?,
+                None => {
+                    let shifted = self.stiffness.minus(self.shift, &self.mass);
+                    let symbolic = self.symbolic.clone();
+                    let factor =
+                        Cholesky::with_symbolic(shifted.as_ref(), symbolic, Some(Par::Seq))?;
+                    let mut modes = iteration.modes(&factor, &self.stiffness, count)?;
+                    modes.report.factorisations += 1;
+                    modes
+                }
+            },
+        };
+        if let (Some(bound), Engine::Iteration(_)) = (bound, &self.engine) {
+            let start = Instant::now();
+            let shifted = self.stiffness.minus(bound, &self.mass);
+            let counted = negative_eigenvalues(shifted.as_ref(), &self.symbolic, Par::Seq)?;
+            if counted != count {
+                return Err(ModesError::Missed {
+                    counted,
+                    found: count,
+                    frequency: bound.max(0.0).sqrt() / std::f64::consts::TAU,
+                });
+            }
+            modes.report.verified = counted;
+            modes.report.factorisations += 1;
+            modes.report.verification_s += start.elapsed().as_secs_f64();
+        }
+        let mut shapes = Mat::zeros(sector.displacements(), count);
+        let mut reduced = Vec::with_capacity(self.mass.size());
+        for j in 0..count {
+            reduced.clear();
+            reduced.extend(modes.vectors.col(j).iter().copied());
+            if let Some(full) = shapes.col_mut(j).try_as_col_major_mut() {
+                sector.expand(harmonic, &reduced, scale, full.as_slice_mut());
+            }
+        }
+        let report: Report = modes.report;
+        Ok(Modes {
+            omega2: modes.omega2,
+            vectors: shapes,
+            residuals: modes.residuals,
+            report,
+        })
+    }
+}

@@ -1,0 +1,319 @@
+//! Modes of a whole gear from one tooth sector.
+//!
+//! A gear of z equal sectors moves in harmonics n = 0 .. z/2: in the frame turned with tooth k its displacement is
+//! `u_k = Re(u exp(i k mu))`, `mu = 2 pi n / z`. On the cuts of the sector that means
+//! `u_high = exp(i mu) R u_low` with the rotation R by one pitch, which leaves one Hermitian problem of the
+//! sector's size per harmonic (D. L. Thomas, *Int. J. Numer. Meth. Eng.* 14, 1979, 81). Harmonics 0 and z/2 are
+//! real; every mode of the others stands for two modes of the gear, `Re` and `Im` of the same shape.
+//!
+//! The bore is held by the hub. Motions of the hub that keep the symmetry enter where they belong: turning and
+//! sliding along z in n = 0; sliding across, and tilting, as a pair of directions in n = 1.
+//!
+//! All harmonics without hub motions share one analysis; two threads take them in turn. A harmonic is searched
+//! until its next mode lies above the last mode wanted of the whole gear.
+
+mod harmonic;
+mod sector;
+#[cfg(test)]
+mod tests;
+
+pub use sector::Sector;
+
+use super::{ModesError, Options, Report};
+use crate::assembly::tie::HubMotion;
+use crate::mesh::GearMesh;
+use crate::solve::Symbolic;
+use faer::{Mat, c64};
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+use harmonic::Harmonic;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// Which of the two modes of a pair, or a mode by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// By itself: harmonics 0 and z/2.
+    Single,
+    /// `Re(u exp(i k mu))`.
+    Cosine,
+    /// `Im(u exp(i k mu))`.
+    Sine,
+}
+
+/// A mode of the whole gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CyclicMode {
+    /// Square of the angular frequency [rad²/s²].
+    pub omega2: f64,
+    /// Harmonic, 0 to z/2: number of nodal diameters, up to aliases.
+    pub harmonic: u32,
+    /// Which of a pair.
+    pub part: Part,
+    /// Column among the shapes of the harmonic.
+    pub column: usize,
+    /// `|K u - omega^2 M u| / |K u|` of the harmonic's problem.
+    pub residual: f64,
+}
+
+/// Lowest modes of a whole gear, pairs kept whole, orthonormal in the mass of the whole gear.
+#[derive(Clone, Debug)]
+pub struct CyclicModes {
+    /// Teeth of the gear.
+    pub teeth: u32,
+    /// Unknowns of the whole gear, hub motions apart.
+    pub unknowns: usize,
+    /// Modes, ascending; the cosine mode of a pair before the sine mode.
+    pub modes: Vec<CyclicMode>,
+    /// Complex shapes per harmonic, three displacements per node of the sector x modes of the harmonic [1/sqrt(kg)].
+    pub shapes: Vec<Mat<c64>>,
+    /// Work of each harmonic.
+    pub reports: Vec<Report>,
+    /// Element matrices and harmonic matrices [s].
+    pub assembly_s: f64,
+    /// Whole search on the clock, without the assembly of the sector [s].
+    pub search_s: f64,
+    /// Factors kept at a time, at most [bytes].
+    pub factor_bytes: usize,
+}
+
+impl CyclicModes {
+    /// Displacements of the sector that is tooth `tooth` in a mode, in the frame of the gear: entry
+    /// `3 node + axis` belongs to the sector's node turned by `tooth` pitches [1/sqrt(kg)].
+    ///
+    /// # Panics
+    /// If there is no such mode or `u` has another length than three times the nodes of the sector.
+    pub fn expand(&self, mode: usize, tooth: u32, u: &mut [f64]) {
+        let mode = &self.modes[mode];
+        let shape = self.shapes[mode.harmonic as usize].col(mode.column);
+        assert_eq!(
+            u.len(),
+            shape.nrows(),
+            "three displacements per node of the sector"
+        );
+        let pitch = std::f64::consts::TAU / f64::from(self.teeth);
+        // Whole turns taken out first: exact phases for all teeth.
+        let turns = (u64::from(tooth) * u64::from(mode.harmonic)) % u64::from(self.teeth);
+        let (sin, cos) = (pitch * turns as f64).sin_cos();
+        let (turn_sin, turn_cos) = (pitch * f64::from(tooth)).sin_cos();
+        for (node, u) in u.chunks_exact_mut(3).enumerate() {
+            let part = |axis: usize| {
+                let c = shape[3 * node + axis];
+                match mode.part {
+                    Part::Single | Part::Cosine => c.re * cos - c.im * sin,
+                    Part::Sine => c.re * sin + c.im * cos,
+                }
+            };
+            let (x, y) = (part(0), part(1));
+            u[0] = turn_cos * x - turn_sin * y;
+            u[1] = turn_sin * x + turn_cos * y;
+            u[2] = part(2);
+        }
+    }
+
+    /// Frequencies [Hz].
+    #[must_use]
+    pub fn frequencies(&self) -> Vec<f64> {
+        let to_hz = |m: &CyclicMode| m.omega2.max(0.0).sqrt() / std::f64::consts::TAU;
+        self.modes.iter().map(to_hz).collect()
+    }
+}
+
+/// What of the whole gear the hub can do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hub {
+    /// Free motions of the hub; the others are fixed.
+    pub motions: Vec<HubMotion>,
+    /// Inertia that the hub adds, one value per motion [kg] or [kg m²].
+    pub added_inertia: Vec<f64>,
+}
+
+impl Hub {
+    /// Held in every direction.
+    #[must_use]
+    pub fn fixed() -> Self {
+        Self::default()
+    }
+
+    /// Free to turn about z, with added inertia [kg m²].
+    #[must_use]
+    pub fn turning(added_inertia: f64) -> Self {
+        Self {
+            motions: vec![HubMotion::Turn],
+            added_inertia: vec![added_inertia],
+        }
+    }
+}
+
+/// Factors are kept between rounds while all together stay below this [bytes].
+const KEEP_BELOW: usize = 800_000_000;
+
+/// The lowest `count` modes of the gear whose sector is given (one more if the last is half of a pair).
+///
+/// # Errors
+/// A sector whose cuts do not match, hub motions that break the symmetry, elements that cannot be integrated,
+/// and what [`super::lowest`] declines.
+pub fn lowest(
+    sector: &GearMesh,
+    material: &Material,
+    hub: &Hub,
+    count: usize,
+    options: &Options,
+) -> Result<CyclicModes, ModesError> {
+    let start = Instant::now();
+    let sector = Sector::new(sector, material, hub)?;
+    let assembly_s = start.elapsed().as_secs_f64();
+    let mut modes = sector.lowest(count, options)?;
+    modes.assembly_s += assembly_s;
+    Ok(modes)
+}
+
+impl Sector {
+    /// The lowest `count` modes of the whole gear (one more if the last is half of a pair).
+    ///
+    /// # Errors
+    /// As [`lowest`].
+    pub fn lowest(&self, count: usize, options: &Options) -> Result<CyclicModes, ModesError> {
+        let teeth = self.teeth() as usize;
+        let unknowns = self.unknowns() * teeth;
+        if count > unknowns {
+            return Err(ModesError::TooMany {
+                wanted: count,
+                unknowns,
+            });
+        }
+        let start = Instant::now();
+        let symbolic = Arc::new(self.symbolic()?);
+        let harmonics = teeth / 2 + 1;
+        let keep = 16 * symbolic.stored() * harmonics < KEEP_BELOW;
+        // On average every harmonic has this many; those with more are searched further in the second round.
+        let guess = (count.div_ceil(teeth) + 1).min(self.unknowns());
+        let states = self.each(harmonics, |n| {
+            let mut state = Harmonic::new(self, n as u32, &symbolic, options)?;
+            state.find(guess, keep)?;
+            Ok(state)
+        })?;
+        // The last mode wanted, as far as known: an upper bound of the true one.
+        let bound = last_wanted(&states, count, f64::INFINITY);
+        let states = self.each_of(states, |state| state.find_above(bound, keep))?;
+        let bound = last_wanted(&states, count, bound);
+        let finished = self.each(harmonics, |n| {
+            states[n].finish(self, n as u32, bound, options.verify)
+        })?;
+        let mut modes = Vec::new();
+        let (mut shapes, mut reports) = (Vec::new(), Vec::new());
+        for (n, found) in finished.into_iter().enumerate() {
+            let parts: &[Part] = if states[n].weight() == 1 {
+                &[Part::Single]
+            } else {
+                &[Part::Cosine, Part::Sine]
+            };
+            for (column, &omega2) in found.omega2.iter().enumerate() {
+                modes.extend(parts.iter().map(|&part| CyclicMode {
+                    omega2,
+                    harmonic: n as u32,
+                    part,
+                    column,
+                    residual: found.residuals[column],
+                }));
+            }
+            reports.push(found.report);
+            shapes.push(found.vectors);
+        }
+        modes.sort_by(|a, b| a.omega2.total_cmp(&b.omega2));
+        let factors = reports.iter().map(|r: &Report| r.factor_bytes);
+        let factor_bytes = if keep {
+            factors.sum()
+        } else {
+            2 * factors.max().unwrap_or(0)
+        };
+        Ok(CyclicModes {
+            teeth: self.teeth(),
+            unknowns,
+            modes,
+            shapes,
+            reports,
+            assembly_s: 0.0,
+            search_s: start.elapsed().as_secs_f64(),
+            factor_bytes,
+        })
+    }
+
+    /// Runs a job for each harmonic on two threads.
+    fn each<S: Send>(
+        &self,
+        count: usize,
+        job: impl Fn(usize) -> Result<S, ModesError> + Sync,
+    ) -> Result<Vec<S>, ModesError> {
+        let next = AtomicUsize::new(0);
+        let results: Vec<Mutex<Option<Result<S, ModesError>>>> =
+            (0..count).map(|_| Mutex::new(None)).collect();
+        let work = || loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            if i >= count {
+                break;
+            }
+            let result = job(i);
+            if let Ok(mut slot) = results[i].lock() {
+                *slot = Some(result);
+            }
+        };
+        std::thread::scope(|scope| {
+            if count > 1 {
+                scope.spawn(work);
+            }
+            work();
+        });
+        const LOST: ModesError =
+            ModesError::Matrix("a thread stopped before its harmonic was done");
+        (results.into_iter())
+            .map(|r| r.into_inner().ok().flatten().unwrap_or(Err(LOST)))
+            .collect()
+    }
+
+    /// Runs a job on each state on two threads.
+    fn each_of(
+        &self,
+        states: Vec<Harmonic>,
+        job: impl Fn(&mut Harmonic) -> Result<(), ModesError> + Sync,
+    ) -> Result<Vec<Harmonic>, ModesError> {
+        let states: Vec<_> = states.into_iter().map(|s| Mutex::new(Some(s))).collect();
+        const LOST: ModesError =
+            ModesError::Matrix("a thread stopped before its harmonic was done");
+        self.each(states.len(), |n| {
+            let state = states[n].lock().ok().and_then(|mut s| s.take());
+            let mut state = state.ok_or(LOST)?;
+            job(&mut state)?;
+            Ok(state)
+        })
+    }
+}
+
+/// The `count`-th eigenvalue among those found so far, each with its weight; `otherwise` if there are fewer.
+fn last_wanted(states: &[Harmonic], count: usize, otherwise: f64) -> f64 {
+    let mut all: Vec<f64> = (states.iter())
+        .flat_map(|s| {
+            s.found()
+                .iter()
+                .flat_map(|w| std::iter::repeat_n(*w, s.weight()))
+        })
+        .collect();
+    if count == 0 {
+        return f64::NEG_INFINITY;
+    }
+    if all.len() < count {
+        return otherwise;
+    }
+    let (_, last, _) = all.select_nth_unstable_by(count - 1, f64::total_cmp);
+    *last
+}
+
+/// Analysis shared by the harmonics; kept here so that the parts need not know each other.
+type Shared = Arc<Symbolic>;
+
+/// Turns a vector about z.
+fn turned(x: Vec3, angle: f64) -> Vec3 {
+    let (s, c) = angle.sin_cos();
+    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
+}

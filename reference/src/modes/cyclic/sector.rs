@@ -1,0 +1,515 @@
+//! The sector: its matrices split by the phase of the cuts, and the matrices of one harmonic.
+//!
+//! With the nodes of `cut_high` expressed by those of `cut_low` every block of the harmonic's stiffness is
+//! `A + B exp(i mu) + C exp(-i mu)` with real A, B, C, collected once; a harmonic is then a sum.
+
+use super::{Hub, turned};
+use crate::assembly::tie::HubMotion;
+use crate::assembly::{Assembly, assemble};
+use crate::mesh::GearMesh;
+use crate::modes::ModesError;
+use crate::solve::ordering::Ordering;
+use crate::solve::{Scalar, SolveError, Symbolic};
+use faer::c64;
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+use gearbench_models::Vec3;
+use gearbench_models::stiffness::Material;
+use std::collections::BTreeMap;
+
+const HELD: u32 = u32::MAX;
+/// Cuts may mismatch by this fraction of a node's radius.
+const CUT_TOLERANCE: f64 = 1e-6;
+
+/// A real matrix of three axes, row by row.
+type Block = [f64; 9];
+
+/// Parts of a block: without phase, with `exp(i mu)`, with `exp(-i mu)`.
+type Phased = [Block; 3];
+
+/// A motion of the hub in the frame of the sector: complex displacement of each bore node.
+#[derive(Clone, Debug)]
+struct Motion {
+    /// Harmonic it belongs to.
+    harmonic: u32,
+    /// Real and imaginary part of the displacement, three per node of the sector.
+    parts: [Vec<f64>; 2],
+    /// Inertia that the hub adds, per sector.
+    inertia: f64,
+}
+
+/// One tooth sector of a gear, ready for any harmonic.
+#[derive(Clone, Debug)]
+pub struct Sector {
+    teeth: u32,
+    assembly: Assembly,
+    /// Per node of the sector its free node and whether it is that node's image on the high cut.
+    place: Vec<(u32, bool)>,
+    free: usize,
+    /// Pairs of free nodes, the column's first: lower triangle of nodes.
+    pairs: Vec<(u32, u32)>,
+    stiffness: Vec<Phased>,
+    mass: Vec<Phased>,
+    motions: Vec<Motion>,
+}
+
+/// Stiffness and mass of a harmonic, lower triangles of the same pattern.
+#[derive(Clone, Debug)]
+pub(super) struct Pair<T> {
+    pub stiffness: SparseColMat<usize, T>,
+    pub mass: SparseColMat<usize, T>,
+}
+
+fn sector_error(text: impl Into<String>) -> ModesError {
+    ModesError::Sector(text.into())
+}
+
+/// `A^T B`.
+fn transposed_times(a: &Block, b: &Block) -> Block {
+    std::array::from_fn(|k| (0..3).map(|l| a[3 * l + k / 3] * b[3 * l + k % 3]).sum())
+}
+
+/// `A B`.
+fn times(a: &Block, b: &Block) -> Block {
+    std::array::from_fn(|k| (0..3).map(|l| a[3 * (k / 3) + l] * b[3 * l + k % 3]).sum())
+}
+
+fn transposed(a: &Block) -> Block {
+    std::array::from_fn(|k| a[3 * (k % 3) + k / 3])
+}
+
+impl Sector {
+    /// Assembles a sector with node sets `cut_low` and `cut_high`; its bore is held by the hub.
+    ///
+    /// # Errors
+    /// Cuts that do not match, hub motions that break the symmetry, elements that cannot be integrated.
+    pub fn new(gear: &GearMesh, material: &Material, hub: &Hub) -> Result<Self, ModesError> {
+        let mesh = &gear.mesh;
+        let teeth = gear.teeth;
+        if teeth < 3 {
+            return Err(sector_error(format!(
+                "a gear of {teeth} sectors has no cyclic harmonics: use the modes of a whole mesh"
+            )));
+        }
+        let set = |name: &str| {
+            mesh.node_sets.get(name).ok_or_else(|| {
+                sector_error(format!(
+                    "node set `{name}` is missing: mesh the gear with the sector option"
+                ))
+            })
+        };
+        let (low, high) = (set("cut_low")?, set("cut_high")?);
+        if low.len() != high.len() || low.is_empty() {
+            return Err(sector_error(format!(
+                "cut_low has {} nodes, cut_high {}: they must be images of each other",
+                low.len(),
+                high.len()
+            )));
+        }
+        let pitch = std::f64::consts::TAU / f64::from(teeth);
+        let mut is_bore = vec![false; mesh.nodes.len()];
+        for &node in &gear.bore {
+            is_bore[node as usize] = true;
+        }
+        let mut image_of = BTreeMap::new();
+        for (&a, &b) in low.iter().zip(high) {
+            let (from, to) = (mesh.nodes[a as usize], mesh.nodes[b as usize]);
+            let miss = (turned(from, pitch) - to).norm();
+            if miss > CUT_TOLERANCE * from.norm() {
+                return Err(sector_error(format!(
+                    "node {b} of cut_high lies {miss:.2e} m beside the image of node {a} of cut_low"
+                )));
+            }
+            if is_bore[a as usize] != is_bore[b as usize] {
+                return Err(sector_error(format!(
+                    "the bore holds only one of the images {a} and {b} on the cuts"
+                )));
+            }
+            image_of.insert(b, a);
+        }
+        let mut place = vec![(HELD, false); mesh.nodes.len()];
+        let mut free = 0;
+        for node in 0..mesh.nodes.len() as u32 {
+            if !is_bore[node as usize] && !image_of.contains_key(&node) {
+                place[node as usize].0 = free;
+                free += 1;
+            }
+        }
+        for (&b, &a) in &image_of {
+            place[b as usize] = (place[a as usize].0, true);
+        }
+        let assembly = assemble(mesh, material).map_err(|e| sector_error(e.to_string()))?;
+        let motions = motions(hub, &mesh.nodes, &is_bore, teeth)?;
+        let mut sector = Self {
+            teeth,
+            assembly,
+            place,
+            free: free as usize,
+            pairs: Vec::new(),
+            stiffness: Vec::new(),
+            mass: Vec::new(),
+            motions,
+        };
+        sector.collect(pitch);
+        Ok(sector)
+    }
+
+    /// Teeth of the whole gear.
+    #[must_use]
+    pub fn teeth(&self) -> u32 {
+        self.teeth
+    }
+
+    /// Unknowns of one harmonic, hub motions apart.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        3 * self.free
+    }
+
+    /// Displacements of all nodes of the sector, three each.
+    pub(super) fn displacements(&self) -> usize {
+        3 * self.place.len()
+    }
+
+    /// Hub coordinates of a harmonic.
+    pub(super) fn hub_coordinates(&self, harmonic: u32) -> usize {
+        self.motions_of(harmonic).count()
+    }
+
+    fn motions_of(&self, harmonic: u32) -> impl Iterator<Item = &Motion> {
+        self.motions.iter().filter(move |m| m.harmonic == harmonic)
+    }
+
+    /// Angle from one sector to the next in a harmonic.
+    fn phase(&self, harmonic: u32) -> f64 {
+        std::f64::consts::TAU * f64::from(harmonic) / f64::from(self.teeth)
+    }
+
+    /// Splits the blocks of the assembly by phase.
+    fn collect(&mut self, pitch: f64) {
+        let (s, c) = pitch.sin_cos();
+        let rotation: Block = [c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0];
+        // Contributions as (column, row, phase, transposed, place).
+        let mut parts: Vec<(u32, u32, usize, Block, Block)> = Vec::new();
+        let masses = self.assembly.mass.values();
+        for ((a, b, at), block) in self
+            .assembly
+            .stiffness
+            .pattern()
+            .iter()
+            .zip(self.assembly.stiffness.blocks())
+        {
+            let ((pa, high_a), (pb, high_b)) = (self.place[a], self.place[b]);
+            if pa == HELD || pb == HELD {
+                continue;
+            }
+            let mut k = *block;
+            let mut m: Block = [0.0; 9];
+            (m[0], m[4], m[8]) = (masses[at], masses[at], masses[at]);
+            for block in [&mut k, &mut m] {
+                if high_a {
+                    *block = transposed_times(&rotation, block);
+                }
+                if high_b {
+                    *block = times(block, &rotation);
+                }
+            }
+            // The block stands at row a, column b, and carries exp(i mu) once for b, its conjugate for a.
+            let phase = match (high_a, high_b) {
+                (false, true) => 1,
+                (true, false) => 2,
+                _ => 0,
+            };
+            let opposite = [0, 2, 1][phase];
+            if pa >= pb {
+                parts.push((pb, pa, phase, k, m));
+            }
+            if pa < pb || (pa == pb && a != b) {
+                parts.push((pa, pb, opposite, transposed(&k), transposed(&m)));
+            }
+        }
+        parts.sort_by_key(|p| (p.0, p.1));
+        for (column, row, phase, k, m) in parts {
+            if self.pairs.last() != Some(&(column, row)) {
+                self.pairs.push((column, row));
+                self.stiffness.push([[0.0; 9]; 3]);
+                self.mass.push([[0.0; 9]; 3]);
+            }
+            let last = self.pairs.len() - 1;
+            for i in 0..9 {
+                self.stiffness[last][phase][i] += k[i];
+                self.mass[last][phase][i] += m[i];
+            }
+        }
+    }
+
+    /// Analysis of the pattern that all harmonics without hub motions have.
+    pub(super) fn symbolic(&self) -> Result<Symbolic, SolveError> {
+        let (start, rows) = self.pattern(&[]);
+        let n = self.unknowns();
+        let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
+        Symbolic::new(pattern.as_ref(), Ordering::Best)
+    }
+
+    /// Column starts and rows, `hub` rows appended to the columns where they have an entry.
+    fn pattern(&self, hub: &[Vec<[c64; 2]>]) -> (Vec<usize>, Vec<usize>) {
+        let mut start = vec![0];
+        let mut rows = Vec::new();
+        let mut first = 0;
+        for column in 0..self.free {
+            let count = self.pairs[first..]
+                .iter()
+                .take_while(|p| p.0 as usize == column)
+                .count();
+            for axis in 0..3 {
+                for (_, row) in &self.pairs[first..first + count] {
+                    let from = if *row as usize == column { axis } else { 0 };
+                    rows.extend((from..3).map(|i| 3 * *row as usize + i));
+                }
+                for (h, entries) in hub.iter().enumerate() {
+                    if entries[3 * column + axis]
+                        .iter()
+                        .any(|e| e.norm_sqr() != 0.0)
+                    {
+                        rows.push(3 * self.free + h);
+                    }
+                }
+                start.push(rows.len());
+            }
+            first += count;
+        }
+        for h in 0..hub.len() {
+            rows.extend((h..hub.len()).map(|l| 3 * self.free + l));
+            start.push(rows.len());
+        }
+        (start, rows)
+    }
+
+    /// Matrices of a harmonic; real numbers serve harmonics 0 and z/2 only.
+    pub(super) fn matrices<T: Scalar>(&self, harmonic: u32) -> Pair<T> {
+        let (sin, cos) = self.phase(harmonic).sin_cos();
+        let hub = self.hub_rows(harmonic);
+        let (start, rows) = self.pattern(&hub);
+        let n = 3 * self.free + hub.len();
+        let (mut k, mut m) = (
+            Vec::with_capacity(rows.len()),
+            Vec::with_capacity(rows.len()),
+        );
+        let entry = |parts: &Phased, i: usize| {
+            let [a, b, c] = [parts[0][i], parts[1][i], parts[2][i]];
+            T::complex(a + cos * (b + c), sin * (b - c))
+        };
+        let scalar = |e: c64| T::complex(e.re, e.im);
+        let mut first = 0;
+        for column in 0..self.free {
+            let count = self.pairs[first..]
+                .iter()
+                .take_while(|p| p.0 as usize == column)
+                .count();
+            for axis in 0..3 {
+                for at in first..first + count {
+                    let from = if self.pairs[at].1 as usize == column {
+                        axis
+                    } else {
+                        0
+                    };
+                    for i in from..3 {
+                        k.push(entry(&self.stiffness[at], 3 * i + axis));
+                        m.push(entry(&self.mass[at], 3 * i + axis));
+                    }
+                }
+                for entries in &hub {
+                    let [ek, em] = entries[3 * column + axis];
+                    if ek.norm_sqr() != 0.0 || em.norm_sqr() != 0.0 {
+                        k.push(scalar(ek));
+                        m.push(scalar(em));
+                    }
+                }
+            }
+            first += count;
+        }
+        for column in 0..hub.len() {
+            for row in &hub[column..] {
+                k.push(scalar(row[3 * self.free + column][0]));
+                m.push(scalar(row[3 * self.free + column][1]));
+            }
+        }
+        let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
+        Pair {
+            stiffness: SparseColMat::new(pattern.clone(), k),
+            mass: SparseColMat::new(pattern, m),
+        }
+    }
+
+    /// Rows of the hub motions of a harmonic: stiffness and mass towards each free unknown and each hub motion.
+    fn hub_rows(&self, harmonic: u32) -> Vec<Vec<[c64; 2]>> {
+        let motions: Vec<_> = self.motions_of(harmonic).collect();
+        let (sin, cos) = self.phase(harmonic).sin_cos();
+        let back = c64::new(cos, -sin);
+        let pitch = std::f64::consts::TAU / f64::from(self.teeth);
+        let size = 3 * self.place.len();
+        (motions.iter().enumerate())
+            .map(|(own, motion)| {
+                let zero = c64::new(0.0, 0.0);
+                let mut row = vec![[zero; 2]; 3 * self.free + motions.len()];
+                for which in 0..2 {
+                    let image: [Vec<f64>; 2] = std::array::from_fn(|part| {
+                        let mut y = vec![0.0; size];
+                        match which {
+                            0 => self.assembly.stiffness.apply(&motion.parts[part], &mut y),
+                            _ => self.assembly.mass.apply3(&motion.parts[part], &mut y),
+                        }
+                        y
+                    });
+                    for (node, &(place, high)) in self.place.iter().enumerate() {
+                        if place == HELD {
+                            continue;
+                        }
+                        let at =
+                            |part: usize| Vec3::from_column_slice(&image[part][3 * node..][..3]);
+                        let (mut re, mut im) = (at(0), at(1));
+                        if high {
+                            (re, im) = (turned(re, -pitch), turned(im, -pitch));
+                        }
+                        for axis in 0..3 {
+                            let mut e = c64::new(re[axis], im[axis]);
+                            if high {
+                                e *= back;
+                            }
+                            // The row of the lower triangle is the conjugate of this column.
+                            row[3 * place as usize + axis][which] += e.conj();
+                        }
+                    }
+                    for (other, with) in motions.iter().enumerate() {
+                        let dot = |a: usize, b: usize| -> f64 {
+                            with.parts[a]
+                                .iter()
+                                .zip(&image[b])
+                                .map(|(x, y)| x * y)
+                                .sum()
+                        };
+                        // with^H A own, conjugated: the entry of row `own`, column `other`.
+                        let e = c64::new(dot(0, 0) + dot(1, 1), dot(0, 1) - dot(1, 0)).conj();
+                        row[3 * self.free + other][which] = e;
+                    }
+                }
+                row[3 * self.free + own][1] += c64::new(motion.inertia, 0.0);
+                row
+            })
+            .collect()
+    }
+
+    /// Displacements of all nodes of the sector from the unknowns of a harmonic, times `scale`.
+    pub(super) fn expand<T: Scalar>(
+        &self,
+        harmonic: u32,
+        reduced: &[T],
+        scale: f64,
+        full: &mut [c64],
+    ) {
+        let (sin, cos) = self.phase(harmonic).sin_cos();
+        let pitch = std::f64::consts::TAU / f64::from(self.teeth);
+        let (turn_sin, turn_cos) = pitch.sin_cos();
+        let number = |x: T| {
+            let [re, im] = x.parts();
+            c64::new(scale * re, scale * im)
+        };
+        for (&(place, high), u) in self.place.iter().zip(full.chunks_exact_mut(3)) {
+            if place == HELD {
+                u.fill(c64::new(0.0, 0.0));
+                continue;
+            }
+            let v: [c64; 3] =
+                std::array::from_fn(|axis| number(reduced[3 * place as usize + axis]));
+            if high {
+                let e = c64::new(cos, sin);
+                u[0] = e * (v[0] * turn_cos - v[1] * turn_sin);
+                u[1] = e * (v[0] * turn_sin + v[1] * turn_cos);
+                u[2] = e * v[2];
+            } else {
+                u.copy_from_slice(&v);
+            }
+        }
+        for (h, motion) in self.motions_of(harmonic).enumerate() {
+            let amplitude = number(reduced[3 * self.free + h]);
+            for ((u, re), im) in full.iter_mut().zip(&motion.parts[0]).zip(&motion.parts[1]) {
+                *u += amplitude * c64::new(*re, *im);
+            }
+        }
+    }
+}
+
+/// Sorts the hub's motions by harmonic.
+fn motions(
+    hub: &Hub,
+    nodes: &[Vec3],
+    is_bore: &[bool],
+    teeth: u32,
+) -> Result<Vec<Motion>, ModesError> {
+    if hub.motions.len() != hub.added_inertia.len() {
+        return Err(sector_error(format!(
+            "{} hub motions with {} added inertias: give one for each",
+            hub.motions.len(),
+            hub.added_inertia.len()
+        )));
+    }
+    let field = |motion: HubMotion| -> Vec<f64> {
+        let at = |(x, bore): (&Vec3, &bool)| if *bore { motion.of(x) } else { Vec3::zeros() };
+        nodes
+            .iter()
+            .zip(is_bore)
+            .flat_map(|n| -> [f64; 3] { at(n).into() })
+            .collect()
+    };
+    let mut sorted = Vec::new();
+    // Directions across the axis, and their inertias: slides, then tilts.
+    let mut across: [Vec<(Vec3, f64)>; 2] = Default::default();
+    for (&motion, &inertia) in hub.motions.iter().zip(&hub.added_inertia) {
+        let (kind, direction) = match motion {
+            HubMotion::Turn => (1, Vec3::z()),
+            HubMotion::TurnAbout(axis) => (1, axis),
+            HubMotion::Slide(direction) => (0, direction),
+        };
+        if direction.x.hypot(direction.y) <= 1e-12 * direction.z.abs() {
+            sorted.push(Motion {
+                harmonic: 0,
+                parts: [field(motion), vec![0.0; 3 * nodes.len()]],
+                inertia: inertia / f64::from(teeth),
+            });
+        } else {
+            across[kind].push((direction, inertia));
+        }
+    }
+    for (kind, pair) in across.iter().enumerate() {
+        match pair[..] {
+            [] => {}
+            [(a, ja), (b, jb)]
+                if a.z.abs().max(b.z.abs()) < 1e-12
+                    && a.dot(&b).abs() < 1e-12
+                    && (a.norm() - 1.0).abs().max((b.norm() - 1.0).abs()) < 1e-12
+                    && ja == jb =>
+            {
+                let make = |d: Vec3| {
+                    field(if kind == 0 {
+                        HubMotion::Slide(d)
+                    } else {
+                        HubMotion::TurnAbout(d)
+                    })
+                };
+                // (1, i) turns into exp(i pitch) (1, i): harmonic 1. Both real directions of the whole gear
+                // share z/2 sectors' worth of the complex amplitude.
+                sorted.push(Motion {
+                    harmonic: 1,
+                    parts: [make(Vec3::x()), make(Vec3::y())],
+                    inertia: 2.0 * ja / f64::from(teeth),
+                });
+            }
+            _ => {
+                return Err(sector_error(
+                    "hub motions across the axis must be two perpendicular unit directions with the same \
+                     inertia, else the gear is not cyclic: use the modes of a whole mesh",
+                ));
+            }
+        }
+    }
+    Ok(sorted)
+}
