@@ -6,11 +6,9 @@
 //! contact = { penalty_pa_per_m = 1e15, points = { along = 3, across = 2 }, surface = "smooth" }
 //! ```
 
+use super::contact_points;
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, in_order, key};
-use gearbench_models::contact::flank_points::{
-    MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
-};
 use gearbench_models::contact::law::{Damping, Friction, Law, LawError};
 use gearbench_models::scene::spec::ContactSpec;
 use gearbench_models::stiffness::{
@@ -60,20 +58,6 @@ pub(super) static CONTACT: &[Key] = &[
         "reach_m",
         "gap of the undeformed flanks up to which they are looked at, default a fiftieth of the base pitch",
     ),
-];
-
-/// Keys that only flank points have.
-const OF_POINTS: [&str; 5] = [
-    "points",
-    "surface",
-    "passes",
-    "damping_ns_per_m3",
-    "reach_m",
-];
-
-pub(super) static POINTS: &[Key] = &[
-    key("along", "quadrature points of a face along the profile"),
-    key("across", "quadrature points of a face over the width"),
 ];
 
 const KIND: Key = key(
@@ -164,7 +148,7 @@ pub(super) static FRICTION: &[Key] = &[
 /// Reads a contact. The stiffness may be left out when a calibration brings it.
 pub(super) fn contact(entry: &Entry<'_>, calibrated: bool) -> Result<ContactSpec, SceneError> {
     let s = entry.section("`contact`", CONTACT)?;
-    let points = points(&s)?;
+    let points = contact_points::points(&s)?;
     let stiffness = match s.get("stiffness") {
         Some(e) => stiffness(&e)?,
         // Flank points bring their own; meshes without flanks beside them take the norm's.
@@ -199,77 +183,6 @@ pub(super) fn contact(entry: &Entry<'_>, calibrated: bool) -> Result<ContactSpec
         slices,
         points,
     })
-}
-
-/// The contact of flank points; none without a penalty.
-fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError> {
-    let Some(penalty) = s.get("penalty_pa_per_m") else {
-        return match OF_POINTS.iter().find_map(|k| s.get(k)) {
-            None => Ok(None),
-            Some(e) => Err(e.error(
-                format!(
-                    "`{}` belongs to flank points, which have no penalty",
-                    e.name
-                ),
-                "remove this",
-                "or add `penalty_pa_per_m`, for steel for example 1e15",
-            )),
-        };
-    };
-    let rule = match s.get("points") {
-        None => PointRule::default(),
-        Some(e) if e.as_text().is_some() => e.word(&[
-            ("quadrature", PointRule::default()),
-            ("nodes", PointRule::Nodes),
-        ])?,
-        Some(e) => {
-            let rule = e.section("`points`", POINTS)?;
-            let count = |name: &str| -> Result<usize, SceneError> {
-                let entry = rule.need(name)?;
-                match entry.whole()? {
-                    n if (1..=MAX_POINTS as i64).contains(&i64::from(n)) => Ok(n as usize),
-                    n => Err(entry.error(
-                        format!("`{name}` is {n}"),
-                        format!("expected 1 to {MAX_POINTS}"),
-                        "3 along the profile and 2 across are usual",
-                    )),
-                }
-            };
-            PointRule::Quadrature {
-                along: count("along")?,
-                across: count("across")?,
-            }
-        }
-    };
-    let settings = PointContact {
-        rule,
-        surface: word_or(
-            s,
-            "surface",
-            &[
-                ("smooth", SurfaceKind::Smooth),
-                ("faceted", SurfaceKind::Faceted),
-            ],
-        )?,
-        passes: match s.get("passes") {
-            None => Passes::Auto,
-            Some(e) => e.word(&[
-                ("first", Passes::First),
-                ("second", Passes::Second),
-                ("both", Passes::Both),
-            ])?,
-        },
-        damping: s.number_or("damping_ns_per_m3", 0.0)?,
-        reach: s.get("reach_m").map(|e| e.number()).transpose()?,
-        ..PointContact::new(penalty.number()?)
-    };
-    match settings.problem() {
-        None => Ok(Some(settings)),
-        Some(problem) => {
-            let (message, help) = problem.split_once("; ").unwrap_or((&problem, ""));
-            Err(penalty.error(message, "in this contact", help))
-        }
-    }
 }
 
 /// Law and damping as the model will build them; a ratio stands for a coefficient that is not known yet.
@@ -354,7 +267,11 @@ fn stiffness(entry: &Entry<'_>) -> Result<PairStiffness, SceneError> {
 }
 
 /// One of several words; left out, the first.
-fn word_or<T: Clone>(s: &Section<'_>, name: &str, known: &[(&str, T)]) -> Result<T, SceneError> {
+pub(super) fn word_or<T: Clone>(
+    s: &Section<'_>,
+    name: &str,
+    known: &[(&str, T)],
+) -> Result<T, SceneError> {
     s.get(name)
         .map_or_else(|| Ok(known[0].1.clone()), |e| e.word(known))
 }

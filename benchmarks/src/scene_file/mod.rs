@@ -14,6 +14,7 @@
 
 pub mod calibration;
 mod contact;
+mod contact_points;
 mod error;
 mod gear;
 mod locate;

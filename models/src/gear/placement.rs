@@ -1,8 +1,8 @@
 //! Where a gear's own frame stands in space.
 //!
-//! The own frame has the axis z through the origin and the centreline of tooth 0 on +x; a rack has its
-//! reference line on y and its teeth pointing to +x. A gear turns about its centre by phase + travel. A rack
-//! points from its body to its teeth along `facing`, and its travel runs along the slide, which is its own -y.
+//! The own frame is that of [`crate::geometry`]: the axis z through the origin and the centreline of tooth 0 on
+//! +x; a rack has its reference line on y and its teeth pointing to -x. A gear turns about its centre by
+//! phase + travel. A rack travels along its slide, which is its own y.
 
 use crate::Vec3;
 use crate::mount::Hub;
@@ -43,8 +43,8 @@ impl Placement {
                 }
             }
             Some(slide) => Pose {
-                cos: -slide.y,
-                sin: slide.x,
+                cos: slide.y,
+                sin: -slide.x,
                 origin: self.centre + (self.phase + travel) * slide,
             },
         }
@@ -124,15 +124,15 @@ mod tests {
     }
 
     #[test]
-    fn a_gear_turns_and_a_rack_slides_along_its_own_minus_y() {
+    fn a_gear_turns_and_a_rack_slides_along_its_own_y() {
         let gear = Placement::new(&hub(None), 0.25).pose(0.5);
         let tip = gear.point(&Vec3::x()) - Vec3::new(0.1, 0.2, 0.0);
         assert!((tip.y.atan2(tip.x) - 0.75).abs() < 1e-15);
-        // Teeth towards -x: the slide points up, and the rack's own y points down.
-        let slide = Vec3::y();
+        // The own teeth point to -x: a slide along -x is a quarter turn, and they point to -y.
+        let slide = -Vec3::x();
         let rack = Placement::new(&hub(Some(slide)), 0.01).pose(0.02);
-        assert!((rack.turn(&Vec3::x()) + Vec3::x()).norm() < 1e-15);
-        assert!((rack.turn(&Vec3::y()) + slide).norm() < 1e-15);
-        assert!((rack.origin - Vec3::new(0.1, 0.23, 0.0)).norm() < 1e-15);
+        assert!((rack.turn(&Vec3::y()) - slide).norm() < 1e-15);
+        assert!((rack.turn(&-Vec3::x()) + Vec3::y()).norm() < 1e-15);
+        assert!((rack.origin - Vec3::new(0.07, 0.2, 0.0)).norm() < 1e-15);
     }
 }

@@ -16,6 +16,7 @@ pub mod spec;
 mod condensed;
 mod contacts;
 mod outputs;
+mod points;
 mod system;
 
 pub use contacts::ContactForce;

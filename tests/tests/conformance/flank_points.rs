@@ -5,11 +5,12 @@ use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, TimePlan, Work,
 };
 use gearbench_models::contact::flank_points::{Passes, PointContact, SurfaceKind};
+use gearbench_models::load::{Load, Profile};
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, Value};
 use gearbench_tests::*;
 
-const T_END: f64 = 1.6e-4;
+const T_END: f64 = 1.2e-4;
 
 fn nodal(condensed: bool) -> ModelSpec {
     let values = [
@@ -113,31 +114,31 @@ fn an_impact_keeps_energy_and_momentum() {
     for (id, resolution, surface, passes, tolerance) in [
         (
             "velocity-verlet",
-            Resolution::Step(5e-8),
+            Resolution::Step(8e-8),
             SurfaceKind::Smooth,
             Passes::First,
-            1e-4,
+            1e-5,
         ),
         (
             "velocity-verlet",
-            Resolution::Step(5e-8),
+            Resolution::Step(8e-8),
             SurfaceKind::Faceted,
             Passes::Both,
-            1e-3,
+            1e-5,
         ),
         (
             "generalised-alpha(rho_inf=1)",
             Resolution::Step(2e-7),
             SurfaceKind::Smooth,
             Passes::First,
-            1e-3,
+            1e-4,
         ),
         (
             "dopri5",
-            Resolution::Tolerance(1e-5),
+            Resolution::Tolerance(1e-4),
             SurfaceKind::Smooth,
             Passes::Second,
-            1e-4,
+            1e-5,
         ),
     ] {
         let points = PointContact {
@@ -165,5 +166,53 @@ fn an_impact_keeps_energy_and_momentum() {
         assert!(impulse.peak > 1e3);
         assert!(energy.abs() < tolerance, "{id}: energy off by {energy:.2e}");
         assert!(worst < 1e-3, "{id}: impulse off by {worst:.2e}");
+    }
+}
+
+/// Loaded rigid flanks over some mesh cycles: points that leave over a tip edge under load take their share of
+/// the elastic energy with them, which the ledger shows as energy that it cannot explain. It stays a small part of
+/// the work that passes through.
+#[test]
+fn tips_leave_with_little_energy() {
+    let mut spec = case_a(-1e-6);
+    spec.gears[0].speed = 300.0;
+    spec.gears[1].speed = -200.0;
+    spec.gears[0].loads = vec![Load::Applied(Profile::Constant(20.0))];
+    spec.gears[1].loads = vec![Load::Applied(Profile::Constant(30.0))];
+    for (rows, passes) in [(21, Passes::First), (21, Passes::Both)] {
+        let model = ModelSpec {
+            id: "rigid-flanks-test".into(),
+            parameters: Parameters::from([("rows".to_string(), Value::Number(f64::from(rows)))]),
+        };
+        let points = PointContact {
+            passes,
+            ..PointContact::new(1e14)
+        };
+        let contact = ContactSpec {
+            points: Some(points),
+            ..contact(1.5e10)
+        };
+        let mut scene = build(&spec, &[model.clone(), model], &contact);
+        let mut s = scene.initial();
+        let (_, mut method) = gearbench_integrators::method("velocity-verlet").unwrap();
+        let (mut ledger, mut through) = (Ledger::default(), Impulse::new(&scene));
+        let t_end = 4e-3;
+        method
+            .run(
+                &mut scene,
+                &mut s,
+                &TimePlan::new(t_end, Resolution::Step(1e-6)),
+                &mut Tee(vec![&mut ledger, &mut through]),
+                &mut Work::default(),
+            )
+            .unwrap();
+        let work = 20.0 * (s.q[0] - scene.initial().q[0]);
+        let lost = ledger.residual() / work;
+        println!(
+            "{rows} rows {passes:?}: {lost:.1e} of {work:.1} J over {:.1} teeth, peak {:.0} N",
+            s.q[0] * 20.0 / std::f64::consts::TAU,
+            through.peak
+        );
+        assert!(lost.abs() < 1e-3, "{rows} rows {passes:?}: {lost:.2e}");
     }
 }

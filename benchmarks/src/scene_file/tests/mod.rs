@@ -86,7 +86,7 @@ fn the_format_is_described() {
         super::contact::RATIO,
         super::contact::RESTITUTION,
         super::contact::FRICTION,
-        super::contact::POINTS,
+        super::contact_points::POINTS,
         super::study_plan::STUDY,
         super::study_plan::INTEGRATOR,
         super::study_plan::TOLERANCE,

@@ -3,6 +3,32 @@
 use super::{changed, refused};
 
 #[test]
+fn impossible_flank_points() {
+    let contact = |with: &str, words: &[&str]| {
+        refused("damping = { law = \"flores\", e = 0.9 }", with, 28, words);
+    };
+    contact("penalty_pa_per_m = 0.0", &["penalty", "positive"]);
+    contact("points = \"nodes\"", &["`points`", "penalty_pa_per_m"]);
+    contact(
+        "penalty_pa_per_m = 1e15, points = \"node\"",
+        &["did you mean `nodes`"],
+    );
+    contact(
+        "penalty_pa_per_m = 1e15, points = { along = 3, across = 0 }",
+        &["`across` is 0", "1 to 10"],
+    );
+    contact(
+        "penalty_pa_per_m = 1e15, surface = \"flat\"",
+        &["smooth", "faceted"],
+    );
+    contact(
+        "penalty_pa_per_m = 1e15, damping_ns_per_m3 = -1.0",
+        &["damping", "not negative"],
+    );
+    contact("penalty_pa_per_m = 1e15, reach_m = 0.0", &["reach"]);
+}
+
+#[test]
 fn impossible_contacts() {
     refused(
         "stiffness_n_per_m2 = 1.4e10",

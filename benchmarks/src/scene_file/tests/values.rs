@@ -3,6 +3,7 @@
 use super::{BASE, changed, parse, read, render};
 use crate::scene_file::{QUANTITIES, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
+use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::{Pair, RackPair, ReliefShape, Side};
 use gearbench_models::load::{Load, Profile};
@@ -462,4 +463,34 @@ fn errors_of_the_assembly_have_a_line() {
         shown.contains("gear `wheel`: inertia 0") && shown.contains("help: give another"),
         "{shown}"
     );
+}
+
+#[test]
+fn flank_points_with_and_without_their_settings() {
+    let of = |text: &str| {
+        read("stiffness = \"iso6336\"", text).models[1]
+            .modelling
+            .contacts[0]
+            .points
+    };
+    assert_eq!(of("stiffness = \"iso6336\""), None);
+    assert_eq!(of("penalty_pa_per_m = 1e15"), Some(PointContact::new(1e15)));
+    let all = "penalty_pa_per_m = 2e14, points = { along = 5, across = 1 }, surface = \"faceted\", \
+               passes = \"both\", damping_ns_per_m3 = 1e7, reach_m = 1e-4";
+    assert_eq!(
+        of(all),
+        Some(PointContact {
+            penalty: 2e14,
+            damping: 1e7,
+            rule: PointRule::Quadrature {
+                along: 5,
+                across: 1
+            },
+            surface: SurfaceKind::Faceted,
+            passes: Passes::Both,
+            reach: Some(1e-4),
+        })
+    );
+    let nodes = of("penalty_pa_per_m = 1e15, points = \"nodes\"").unwrap();
+    assert_eq!(nodes.rule, PointRule::Nodes);
 }

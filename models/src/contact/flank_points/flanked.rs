@@ -226,9 +226,16 @@ fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
         }
         Body::Rack(rack) => {
             let tan = rack.transverse_pressure_angle().tan();
-            (x.x >= -rack.form_depth() - 1e-6 * rack.pitch())
-                .then(|| x.y - x.z * rack.params().helix_angle.tan() + sign * x.x * tan)
+            let height = -x.x;
+            (height >= -rack.form_depth() - 1e-6 * rack.pitch())
+                .then(|| x.y + x.z * rack.params().helix_angle.tan() - sign * height * tan)
         }
+    };
+    // A left flank looks counter-clockwise, on a rack to the own -y.
+    let out = if matches!(body, Body::Gear(_)) {
+        sign
+    } else {
+        -sign
     };
     let mut best: Option<f64> = None;
     for x in g.positions.iter() {
@@ -237,7 +244,7 @@ fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
             // Angles of one flank stand together.
             p -= std::f64::consts::TAU * ((p - b) / std::f64::consts::TAU).round();
         }
-        best = Some(best.map_or(p, |b| if sign * p > sign * b { p } else { b }));
+        best = Some(best.map_or(p, |b| if out * p > out * b { p } else { b }));
     }
     // A flank that ends below the form circle stands where its last node is.
     best.or_else(|| {
@@ -255,16 +262,15 @@ fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
 /// Path coordinate [m] of a flank at zero travel and its tooth, from its [`outermost`] place.
 fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
     let (sign, v) = (side.sign(), &o.view);
-    let tooth = ((outermost - sign * v.half_angle_base) / v.pitch).round() as i64;
+    let tooth = |centre: f64| (centre / v.pitch).round() as i64;
     match v.base_radius {
         Some(rb) => (
             rb * (sign * (outermost + o.phase - v.direction) + v.working_pressure_angle),
-            tooth,
+            tooth(outermost - sign * v.half_angle_base),
         ),
-        // The slide is the own -y.
         None => (
-            -sign * (v.assembled - outermost) * v.working_pressure_angle.cos(),
-            -tooth,
+            -sign * (v.assembled + outermost) * v.working_pressure_angle.cos(),
+            tooth(outermost + sign * v.half_angle_base),
         ),
     }
 }

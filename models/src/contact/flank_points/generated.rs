@@ -85,18 +85,16 @@ fn rack(rack: &Rack) -> Vec<FlankGrid> {
     // A rack's flank is plane.
     let size = [ROWS, 2];
     let (low, high) = (-rack.form_depth(), rack.tip_height());
-    let last = rack.first_tooth() + i64::from(rack.teeth()) - 1;
     let mut all = Vec::new();
     for tooth in 0..rack.teeth() {
-        // Teeth count along the slide, which is the own -y.
-        let centre = (i64::from(tooth) - last) as f64 * rack.pitch();
+        let centre = (rack.first_tooth() + i64::from(tooth)) as f64 * rack.pitch();
         for side in Side::BOTH {
             let first = (all.len() * size[0] * size[1]) as u32;
             all.push(grid(tooth, side, first, size, |t, zeta| {
                 let z = 0.5 * rack.face_width() * zeta;
                 let h = low + t * (high - low);
-                let y = centre + z * helix.tan() + side.sign() * rack.half_thickness_at(h);
-                Vec3::new(h, y, z)
+                let y = centre - z * helix.tan() - side.sign() * rack.half_thickness_at(h);
+                Vec3::new(-h, y, z)
             }));
         }
     }

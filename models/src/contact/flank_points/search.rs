@@ -188,7 +188,7 @@ impl FlankPoints {
     fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
         let r = x - pose.origin;
         if self.gears[k].rack {
-            pose.cos * r.x + pose.sin * r.y
+            -(pose.cos * r.x + pose.sin * r.y)
         } else {
             r.x * r.x + r.y * r.y
         }

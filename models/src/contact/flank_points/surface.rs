@@ -116,7 +116,7 @@ impl Shape {
         }
         let (mid_row, mid_column) = (rows / 2, columns / 2);
         let height = |x: Vec3| {
-            if rack { x.x } else { x.x * x.x + x.y * x.y }
+            if rack { -x.x } else { x.x * x.x + x.y * x.y }
         };
         let mut shape = Shape {
             tooth,

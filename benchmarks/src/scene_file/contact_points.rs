@@ -1,0 +1,93 @@
+//! The keys of `contact = { .. }` for models that touch with the points of their flanks.
+
+use super::contact::word_or;
+use super::error::SceneError;
+use super::reader::{Key, Section, key};
+use gearbench_models::contact::flank_points::{
+    MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
+};
+
+/// Keys that only flank points have.
+const OF_POINTS: [&str; 5] = [
+    "points",
+    "surface",
+    "passes",
+    "damping_ns_per_m3",
+    "reach_m",
+];
+
+pub(super) static POINTS: &[Key] = &[
+    key("along", "quadrature points of a face along the profile"),
+    key("across", "quadrature points of a face over the width"),
+];
+
+/// The contact of flank points; none without a penalty.
+pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError> {
+    let Some(penalty) = s.get("penalty_pa_per_m") else {
+        return match OF_POINTS.iter().find_map(|k| s.get(k)) {
+            None => Ok(None),
+            Some(e) => Err(e.error(
+                format!(
+                    "`{}` belongs to flank points, which have no penalty",
+                    e.name
+                ),
+                "remove this",
+                "or add `penalty_pa_per_m`, for steel for example 1e15",
+            )),
+        };
+    };
+    let rule = match s.get("points") {
+        None => PointRule::default(),
+        Some(e) if e.as_text().is_some() => e.word(&[
+            ("quadrature", PointRule::default()),
+            ("nodes", PointRule::Nodes),
+        ])?,
+        Some(e) => {
+            let rule = e.section("`points`", POINTS)?;
+            let count = |name: &str| -> Result<usize, SceneError> {
+                let entry = rule.need(name)?;
+                match entry.whole()? {
+                    n if (1..=MAX_POINTS as i64).contains(&i64::from(n)) => Ok(n as usize),
+                    n => Err(entry.error(
+                        format!("`{name}` is {n}"),
+                        format!("expected 1 to {MAX_POINTS}"),
+                        "3 along the profile and 2 across are usual",
+                    )),
+                }
+            };
+            PointRule::Quadrature {
+                along: count("along")?,
+                across: count("across")?,
+            }
+        }
+    };
+    let settings = PointContact {
+        rule,
+        surface: word_or(
+            s,
+            "surface",
+            &[
+                ("smooth", SurfaceKind::Smooth),
+                ("faceted", SurfaceKind::Faceted),
+            ],
+        )?,
+        passes: match s.get("passes") {
+            None => Passes::Auto,
+            Some(e) => e.word(&[
+                ("first", Passes::First),
+                ("second", Passes::Second),
+                ("both", Passes::Both),
+            ])?,
+        },
+        damping: s.number_or("damping_ns_per_m3", 0.0)?,
+        reach: s.get("reach_m").map(|e| e.number()).transpose()?,
+        ..PointContact::new(penalty.number()?)
+    };
+    match settings.problem() {
+        None => Ok(Some(settings)),
+        Some(problem) => {
+            let (message, help) = problem.split_once("; ").unwrap_or((&problem, ""));
+            Err(penalty.error(message, "in this contact", help))
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Contact of flank points: gaps and normals on exact involutes against the lines of action, forces, rows,
+//! moments, edges.
+
+mod forces;
+mod gaps;
+mod rows;
+
+use gearbench_integrators::system::Coeffs;
+use gearbench_integrators::{Outputs, SecondOrderSystem, State};
+use gearbench_models::contact::candidate::Candidate;
+use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
+use gearbench_models::contact::law::{Damping, Friction};
+use gearbench_models::contact::search::{Party, Wanted};
+use gearbench_models::geometry::{Gear, GearParams, Side, inv};
+use gearbench_models::load::Profile;
+use gearbench_models::mount::Mount;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::{lever, mesh_layout};
+use gearbench_models::scene::spec::{Body, ContactSpec, ModelSpec, Parameters, SceneSpec, Value};
+use gearbench_tests::*;
+use std::f64::consts::TAU;
+
+fn flanked(id: &str, rows: usize, columns: usize) -> ModelSpec {
+    ModelSpec {
+        id: id.into(),
+        parameters: Parameters::from([
+            ("rows".to_string(), Value::Number(rows as f64)),
+            ("columns".to_string(), Value::Number(columns as f64)),
+        ]),
+    }
+}
+
+fn with_points(points: PointContact) -> ContactSpec {
+    ContactSpec {
+        points: Some(points),
+        ..contact(1.5e10)
+    }
+}
+
+/// Turns both hubs as if rolling, by an angle of the first.
+fn roll(spec: &SceneSpec, scene: &Scene, angle: f64) -> State {
+    let mut s = scene.initial();
+    let travel = angle * lever(&spec.gears[0].body);
+    for (k, g) in scene.gears().iter().enumerate() {
+        let rack = g.model.hub().slide.is_some();
+        let sign = if rack || k == 0 { 1.0 } else { -1.0 };
+        s.q[g.range().start] += sign * travel / lever(&spec.gears[k].body);
+    }
+    s
+}
+
+fn quadrature(along: usize, across: usize) -> PointRule {
+    PointRule::Quadrature { along, across }
+}
+
+/// Case A with rigid flanks, overlapping by `-gap`.
+fn rigid_pair(
+    spec: &SceneSpec,
+    [rows, columns]: [usize; 2],
+    points: PointContact,
+) -> (Scene, Vec<(usize, Candidate)>, State) {
+    let model = flanked("rigid-flanks-test", rows, columns);
+    let scene = build(spec, &[model.clone(), model], &with_points(points));
+    let s = scene.initial();
+    let found = candidates(&scene, &s);
+    (scene, found, s)
+}
+
+/// Of the candidates that overlap: sum of penalty x area x overlap [N].
+fn force_of(found: &[(usize, Candidate)]) -> f64 {
+    let closed = found.iter().filter(|(_, c)| c.gap < 0.0);
+    closed.map(|(_, c)| -c.stiffness * c.gap).sum()
+}
