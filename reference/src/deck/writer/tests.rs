@@ -235,6 +235,8 @@ fn generated_meshes_come_back_bit_for_bit() {
             "{name}: elements"
         );
         assert_eq!((a.teeth, &a.bore), (b.teeth, &b.bore), "{name}");
+        assert!(a.mesh.node_sets == b.mesh.node_sets, "{name}: node sets");
+        assert!(a.mesh.face_sets == b.mesh.face_sets, "{name}: face sets");
         assert_eq!(a.flanks.len(), 2 * a.teeth as usize, "{name}");
         assert_eq!(a.flanks.len(), b.flanks.len(), "{name}");
         for f in &a.flanks {
