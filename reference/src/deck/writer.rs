@@ -138,9 +138,12 @@ impl Numbered<'_> {
         self.list(out, &self.gear.bore)?;
         let faces = surface_faces(mesh);
         for f in &self.gear.flanks {
-            let name = format!("flank{suffix}_{}{}", f.tooth + 1, letter(f.side));
+            let flank = format!("{}{}", f.tooth + 1, letter(f.side));
+            let name = format!("flank{suffix}_{flank}");
             writeln!(out, "*NSET, NSET={name}")?;
-            self.list(out, &f.nodes)?;
+            // The named set has the mid-side nodes too.
+            let named = mesh.node_sets.get(&format!("flank_{flank}"));
+            self.list(out, named.unwrap_or(&f.nodes))?;
             writeln!(out, "*SURFACE, NAME=s{name}, TYPE=ELEMENT")?;
             for row in 1..f.rows {
                 for column in 1..f.columns {

@@ -25,8 +25,8 @@ pub(super) struct NamedFlank {
     pub(super) label: i64,
     pub(super) side: Side,
     pub(super) quads: Vec<Quad>,
-    /// Corner nodes of elements in a node set: all have to lie in the grid.
-    pub(super) corners: Option<usize>,
+    /// The node set, if it is one, and how many corners of elements it has: all have to lie in the grid.
+    pub(super) members: Option<(Vec<u32>, usize)>,
 }
 
 /// A flank that was found: its grid, and the tooth by where it stands.
@@ -251,7 +251,10 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
                     label,
                     side,
                     quads,
-                    corners: Some(corners),
+                    members: Some((
+                        members.iter().map(|&n| local[n as usize]).collect(),
+                        corners,
+                    )),
                 });
             }
         }
@@ -277,7 +280,7 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
                 label,
                 side,
                 quads,
-                corners: None,
+                members: None,
             });
         }
         bodies.push(body);
@@ -379,7 +382,8 @@ impl Body {
         for f in placement.flanks {
             let name = format!("flank_{}{}", f.tooth + 1, letter(f.side));
             face_sets.insert(format!("s{name}"), f.grid.faces);
-            node_sets.insert(name, f.grid.nodes.clone());
+            let members = f.grid.members.unwrap_or_else(|| f.grid.nodes.clone());
+            node_sets.insert(name, members);
             let nodes = f.grid.nodes.iter();
             flanks.push(FlankGrid {
                 tooth: f.tooth,

@@ -24,6 +24,8 @@ pub(super) struct Grid {
     pub(super) nodes: Vec<u32>,
     /// Row by row.
     pub(super) faces: Vec<Face>,
+    /// The whole node set with its mid-side nodes, if it came from one.
+    pub(super) members: Option<Vec<u32>>,
 }
 
 /// Faces that belong to one element only.
@@ -52,20 +54,24 @@ pub(super) fn boundary(connectivity: &[u32], nodes_per_element: usize) -> Vec<Qu
     quads().filter(|q| seen[&key(q.corners)] == 1).collect()
 }
 
-/// Lays faces out as a grid; `corners` is how many nodes it has to have, if that is known. `height` grows from the root to the tip, `z` over the width.
+/// Lays faces out as a grid; `members` is the node set it came from and how many corners of elements it has. `height` grows from the root to the tip, `z` over the width.
 pub(super) fn grid(
     deck: &Deck,
     set: &str,
     quads: &[Quad],
-    corners: Option<usize>,
+    members: Option<&(Vec<u32>, usize)>,
     height: &dyn Fn(u32) -> f64,
     z: &dyn Fn(u32) -> f64,
 ) -> Result<Grid, DeckError> {
-    let grid = lay_out(set, quads, height, z).and_then(|grid| match corners {
-        Some(n) if n != grid.nodes.len() => {
+    let grid = lay_out(set, quads, height, z).and_then(|mut grid| match members {
+        Some((_, n)) if *n != grid.nodes.len() => {
             Err(format!("{} of {n} nodes in its faces", grid.nodes.len()))
         }
-        _ => Ok(grid),
+        Some((members, _)) => {
+            grid.members = Some(members.clone());
+            Ok(grid)
+        }
+        None => Ok(grid),
     });
     grid.map_err(|found| {
         decline(
@@ -199,5 +205,6 @@ fn lay_out(
         columns,
         nodes,
         faces,
+        members: None,
     })
 }

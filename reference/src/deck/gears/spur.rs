@@ -125,7 +125,14 @@ pub(super) fn stands(
     for flank in &body.flanks {
         let z = |n: u32| point(n)[2];
         let height = |n: u32| point(n)[0];
-        let grid = grid(deck, &flank.set, &flank.quads, flank.corners, &height, &z)?;
+        let grid = grid(
+            deck,
+            &flank.set,
+            &flank.quads,
+            flank.members.as_ref(),
+            &height,
+            &z,
+        )?;
         let profile = profile(&grid, point);
         let mean = profile.iter().map(|p| offset(p[1])).sum::<f64>() / profile.len() as f64;
         let steps = (mean / pitch).round();
