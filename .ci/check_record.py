@@ -27,12 +27,16 @@ def main(path):
         assert ("step" in run) != ("rtol" in run), f"{name}: step or rtol"
         assert run["status"] == "converged", f"{name}: {run['status']}: {run.get('message')}"
         against = {m["against"]: m for m in run["metrics"]}
-        assert {"calculix", "self"} <= set(against), f"{name}: compared with {sorted(against)}"
+        wanted = {"calculix"} if run["model"] == "fe" else {"calculix", "self"}
+        assert wanted <= set(against), f"{name}: compared with {sorted(against)}"
         for key in METRIC_KEYS:
             assert key in against["calculix"], f"{name}: no {key}"
-        limit = {"rigid": 0.05, "movable-teeth": 0.035}[run["model"]]
+        limit = {"rigid": 0.05, "movable-teeth": 0.035, "fe": 0.02}[run["model"]]
         error = against["calculix"]["force_l2_aligned"]
         assert error <= limit, f"{name}: aligned force error {error:.4f} beyond {limit}"
+        # Deflected teeth touch off the lines of action, where there is no such invariant.
+        if run["model"] == "fe":
+            continue
         drift = run["ledger"]["invariant_drift_rel"]
         assert abs(drift) <= 1e-10, f"{name}: momentum invariant drifts by {drift:.1e}"
     print(f"{len(runs)} runs checked, all within their limits")

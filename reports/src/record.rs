@@ -246,7 +246,7 @@ pub struct Run {
     /// Shortest and longest wall time of the repeats \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wall_spread_s: Option<[f64; 2]>,
-    /// Number of timed repeats.
+    /// Number of timed repeats without observers; 0 when the observed run itself was timed.
     #[serde(default)]
     pub repeats: u32,
     /// Fixed cost before the first step: mesh, modes, factorisation \[s\].

@@ -25,6 +25,8 @@ const TUNNELLING: f64 = 0.1;
 /// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
 /// dip a little below zero just before the contact opens; the law itself never pulls.
 const ADHESION: f64 = 1e-3;
+/// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
+const LONG: f64 = 1.0;
 /// Made-up share of the energy at which a run is beyond saving and stops.
 const HOPELESS: f64 = 0.5;
 
@@ -158,8 +160,13 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         (status, message) = (s, Some(m));
     }
 
-    // Timings come from runs without observers. A failed run is not repeated: its time is no cost.
-    let repeats = if status.is_failure() { 0 } else { job.repeats };
+    // Timings come from runs without observers, but for long ones. A failed run is not repeated: its time is no
+    // cost.
+    let repeats = if status.is_failure() || observed > LONG {
+        0
+    } else {
+        job.repeats
+    };
     let mut walls = Vec::new();
     for _ in 0..repeats {
         let mut s = scene.initial();
@@ -209,7 +216,14 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         factorisations: work.factorisations,
         events: work.events,
         dofs: scene.layout().n,
-        ledger: ledger_record(job, &ledger, &series, start_momenta, end_momenta),
+        ledger: ledger_record(
+            job,
+            &ledger,
+            &series,
+            scene
+                .on_lines_of_action()
+                .then_some([start_momenta, end_momenta]),
+        ),
         contacts: history
             .peak_state
             .as_ref()
@@ -373,8 +387,7 @@ fn ledger_record(
     job: &Job<'_>,
     ledger: &Ledger,
     series: &TimeSeries,
-    start: Vec<f64>,
-    end: Vec<f64>,
+    momenta: Option<[Vec<f64>; 2]>,
 ) -> record::Ledger {
     let impulse: f64 = series
         .time_s
@@ -382,7 +395,8 @@ fn ledger_record(
         .zip(series.contact_force_n.windows(2))
         .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
         .sum();
-    // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive).
+    // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
+    // its forces stay on the lines of action.
     let two_free = job.scene.gears.len() == 2
         && job.scene.gears.iter().all(|g| {
             g.loads.is_empty()
@@ -392,7 +406,7 @@ fn ledger_record(
                         | gearbench_models::mount::Mount::Prismatic
                 )
         });
-    let drift = two_free.then(|| {
+    let drift = momenta.filter(|_| two_free).map(|[start, end]| {
         let r = [
             lever(&job.scene.gears[0].body),
             lever(&job.scene.gears[1].body),

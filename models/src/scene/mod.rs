@@ -182,6 +182,12 @@ impl Scene {
         Some(ends.map(|p| [p.x, p.y]))
     }
 
+    /// True when all contact forces lie on the lines of action; points of flanks have the normals of the
+    /// deflected teeth.
+    pub fn on_lines_of_action(&self) -> bool {
+        self.meshes.iter().all(|m| m.search.locates())
+    }
+
     /// Replaces the loads of a gear, for sweeps.
     pub fn set_loads(&mut self, gear: usize, loads: Vec<Load>) {
         self.gears[gear].loads = loads;

@@ -2,6 +2,8 @@
 //!
 //! The calibrated models must stay within what their fit reached; nothing here is a golden value of our own.
 
+mod full_order;
+
 use gearbench::scene_file;
 use gearbench::study::compare::{Plan, compare};
 use gearbench::study::identify::{apply, identify};

@@ -1,0 +1,215 @@
+//! Full-order finite elements against CalculiX on the same meshes, and their own ledgers.
+//!
+//! Same elements, same penalty, faceted flanks on both sides; what is left is how contact is integrated over
+//! the faces and the scheme in time. Limits stand a little above what was found, far inside what is asked.
+
+use gearbench::models::models;
+use gearbench::scene_file::{self, SceneFile};
+use gearbench::study::compare::{Plan, compare};
+use gearbench_integrators::system::{Outputs, SecondOrderSystem};
+use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work};
+use gearbench_models::contact::flank_points::PointRule;
+use gearbench_models::scene::Scene;
+use gearbench_reference::{ExternalReference, reference};
+use gearbench_reports::record::Run;
+
+fn load(name: &str) -> (SceneFile, ExternalReference) {
+    let scene = scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"));
+    let external = reference(scene.reference.as_deref().unwrap()).unwrap();
+    (scene, external)
+}
+
+/// The run of a model of a scene under its own integrator.
+fn run(
+    (scene, external): &(SceneFile, ExternalReference),
+    label: &str,
+    rule: Option<PointRule>,
+) -> Run {
+    let plan = Plan {
+        repeats: 0,
+        tolerance: None,
+        ..Plan::of(scene, &[scene.model(label).unwrap()], Some(external))
+    };
+    let mut plan = plan;
+    for contact in &mut plan.entries[0].modelling.contacts {
+        if let (Some(points), Some(rule)) = (&mut contact.points, rule) {
+            points.rule = rule;
+        }
+    }
+    compare(&plan, None, |_, _| {}).unwrap().runs.remove(0)
+}
+
+struct Limits {
+    force: f64,
+    impulse: f64,
+    peak: f64,
+    rebound: f64,
+}
+
+fn check(run: &Run, external: &ExternalReference, limits: &Limits) {
+    let m = run.against("calculix").unwrap();
+    let force = m.force_l2.unwrap();
+    assert!(force < limits.force, "force history {force}");
+    let impulse = m.impulse_rel.unwrap();
+    assert!(impulse.abs() < limits.impulse, "impulse {impulse}");
+    let peak = m.peak_force_rel.unwrap();
+    assert!(peak.abs() < limits.peak, "peak {peak}");
+    let start = external.parameters.gears[0].speed;
+    let end = external.summary.omega1_mean_end_rad_s;
+    let rebound = (m.omega1_end.unwrap() - end) / (start - end);
+    assert!(rebound.abs() < limits.rebound, "rebound {rebound}");
+}
+
+#[test]
+fn case_a_fine_with_quadrature_points_and_with_nodes() {
+    let case = load("spur_impact");
+    let found = run(&case, "fe", None);
+    let limits = Limits {
+        force: 0.006,
+        impulse: 1e-3,
+        peak: 3e-3,
+        rebound: 1e-3,
+    };
+    check(&found, &case.1, &limits);
+    // More points per face come nearer: it is the discretisation of the contact that differs.
+    let along = |along| Some(PointRule::Quadrature { along, across: 2 });
+    let denser = run(&case, "fe", along(7));
+    let limits = Limits {
+        force: 0.003,
+        ..limits
+    };
+    check(&denser, &case.1, &limits);
+    let nodes = run(&case, "fe", Some(PointRule::Nodes));
+    let limits = Limits {
+        force: 0.03,
+        impulse: 2e-3,
+        peak: 0.03,
+        rebound: 0.005,
+    };
+    check(&nodes, &case.1, &limits);
+}
+
+#[test]
+fn case_c_and_the_rack() {
+    let limits = Limits {
+        force: 0.006,
+        impulse: 1e-3,
+        peak: 5e-3,
+        rebound: 1e-3,
+    };
+    for scene in ["spur_impact_large", "rack_pinion"] {
+        let case = load(scene);
+        let found = run(&case, "fe", None);
+        check(&found, &case.1, &limits);
+    }
+}
+
+/// Momentum of each gear and the impulse of the moments on it, by the trapezoidal rule, which is the rule of
+/// velocity Verlet itself; and the energy.
+#[derive(Default)]
+struct Ledger {
+    out: Outputs,
+    torque: Vec<usize>,
+    last: Vec<f64>,
+    impulse: Vec<f64>,
+    energy: [f64; 2],
+}
+
+impl Sink for Ledger {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        if self.last.is_empty() {
+            sys.output(step.from.at(), &mut self.out);
+            self.last = self.torque.iter().map(|&c| self.out.channels[c]).collect();
+            self.impulse = vec![0.0; self.torque.len()];
+            self.energy[0] = self.out.energy.total();
+        }
+        sys.output(step.to.at(), &mut self.out);
+        let h = step.to.t - step.from.t;
+        for (i, &c) in self.torque.iter().enumerate() {
+            let torque = self.out.channels[c];
+            self.impulse[i] += 0.5 * h * (self.last[i] + torque);
+            self.last[i] = torque;
+        }
+        self.energy[1] = self.out.energy.total();
+        Control::Continue
+    }
+}
+
+#[test]
+fn explicit_steps_keep_momentum_and_make_up_little_energy() {
+    let (scene, _) = load("spur_impact");
+    let choice = scene.model("fe-lumped").unwrap();
+    let mut built = Scene::build(&scene.spec_for(choice), &choice.modelling, models()).unwrap();
+    let mut drift = Vec::new();
+    for h in [3e-8, 1.5e-8] {
+        let mut state = built.initial();
+        let torque = ["pinion", "wheel"]
+            .iter()
+            .map(|g| built.channel(&format!("contact_torque:{g}")).unwrap())
+            .collect();
+        let momenta = |scene: &Scene, s: &gearbench_integrators::State| -> Vec<f64> {
+            let gears = scene.gears().iter();
+            gears
+                .map(|g| g.model.hub_state(g.at(s.at())).momentum)
+                .collect()
+        };
+        let before = momenta(&built, &state);
+        let mut ledger = Ledger {
+            torque,
+            ..Ledger::default()
+        };
+        let (_, mut method) = gearbench_integrators::method("velocity-verlet").unwrap();
+        // Until the flanks have parted.
+        let plan = TimePlan::new(1.1e-4, Resolution::Step(h));
+        method
+            .run(
+                &mut built,
+                &mut state,
+                &plan,
+                &mut ledger,
+                &mut Work::default(),
+            )
+            .unwrap();
+        let after = momenta(&built, &state);
+        for i in 0..2 {
+            let change = after[i] - before[i];
+            let error = (change - ledger.impulse[i]) / change;
+            assert!(error.abs() < 1e-9, "momentum of gear {i}: {error:e}");
+        }
+        drift.push((ledger.energy[1] / ledger.energy[0] - 1.0).abs());
+    }
+    assert!(drift[0] < 5e-4, "{drift:?}");
+    assert!(drift[1] < 0.5 * drift[0], "{drift:?}");
+}
+
+#[test]
+fn explicit_and_implicit_agree_on_the_same_masses() {
+    let case = load("spur_impact");
+    let implicit = run(&case, "fe", None);
+    let (scene, external) = &case;
+    let plan = Plan {
+        repeats: 0,
+        tolerance: None,
+        duration: 1.1e-4,
+        ..Plan::of(scene, &[scene.model("fe").unwrap()], Some(external))
+    };
+    let plan = plan.with_methods(vec![gearbench::study::run::Method {
+        text: "velocity-verlet".into(),
+        resolution: Resolution::Step(2e-8),
+    }]);
+    let explicit = compare(&plan, None, |_, _| {}).unwrap().runs.remove(0);
+    let (a, b) = (implicit.series.unwrap(), explicit.series.unwrap());
+    let (mut difference, mut size) = (0.0, 0.0);
+    for (t, f) in b.time_s.iter().zip(&b.contact_force_n) {
+        let i = a
+            .time_s
+            .partition_point(|x| x < t)
+            .clamp(1, a.time_s.len() - 1);
+        let w = (t - a.time_s[i - 1]) / (a.time_s[i] - a.time_s[i - 1]);
+        let g = a.contact_force_n[i - 1] * (1.0 - w) + a.contact_force_n[i] * w;
+        difference += (f - g).powi(2);
+        size += f * f;
+    }
+    let error = (difference / size).sqrt();
+    assert!(error < 0.005, "{error}");
+}
