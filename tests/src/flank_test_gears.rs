@@ -19,7 +19,7 @@ use gearbench_models::gear::placement::Placement;
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
-use gearbench_models::geometry::{Gear, Side};
+use gearbench_models::geometry::{Gear, Rack, Side};
 use gearbench_models::mount::Hub;
 use gearbench_models::scene::spec::{Body, BuildError, Value};
 
@@ -95,23 +95,52 @@ pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
     Flanks::new(all)
 }
 
-fn flanks_of(context: &GearContext<'_>) -> Result<Flanks, BuildError> {
-    let Body::Gear(gear) = context.body else {
-        return Err(BuildError::gear(
-            context.name,
-            "the test gears are no racks",
-        ));
-    };
+/// The same for a rack, in the frame of its geometry; teeth counted from the lowest.
+fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
+    let mut all = Vec::new();
+    for tooth in 0..rack.teeth() {
+        for side in Side::BOTH {
+            let first = (all.len() * rows * columns) as u32;
+            let point = |r: usize, c: usize| {
+                let t = r as f64 / (rows - 1) as f64;
+                let height = t * rack.tip_height() - (1.0 - t) * rack.form_depth();
+                let z = rack.face_width() * (c as f64 / (columns - 1) as f64 - 0.5);
+                let y = (rack.first_tooth() + i64::from(tooth)) as f64 * rack.pitch()
+                    - z * rack.params().helix_angle.tan()
+                    - side.sign() * rack.half_thickness_at(height);
+                Vec3::new(-height, y, z)
+            };
+            all.push(FlankGrid {
+                tooth,
+                side,
+                rows,
+                columns,
+                nodes: (first..).take(rows * columns).collect(),
+                positions: (0..rows * columns)
+                    .map(|i| point(i / columns, i % columns))
+                    .collect(),
+            });
+        }
+    }
+    Flanks::new(all)
+}
+
+fn flanks_of(context: &GearContext<'_>) -> Flanks {
     let count = |key, default| number(context, key, default) as usize;
-    Ok(grids(gear, count("rows", 9.0), count("columns", 2.0)))
+    let (rows, columns) = (count("rows", 9.0), count("columns", 2.0));
+    match context.body {
+        Body::Gear(gear) => grids(gear, rows, columns),
+        Body::Rack(rack) => rack_grids(rack, rows, columns),
+    }
 }
 
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
+    let flanks = flanks_of(context);
     Ok(Box::new(RigidFlanks {
         rigid: Rigid::new(context.hub.clone(), context.lever),
-        flanks: flanks_of(context)?,
         placement: context.placement,
-        positions: undeformed(&flanks_of(context)?),
+        positions: undeformed(&flanks),
+        flanks,
     }))
 }
 
@@ -214,7 +243,13 @@ struct Nodal {
 }
 
 fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let flanks = flanks_of(context)?;
+    if matches!(context.body, Body::Rack(_)) {
+        return Err(BuildError::gear(
+            context.name,
+            "the nodal test gear is no rack",
+        ));
+    }
+    let flanks = flanks_of(context);
     let positions = undeformed(&flanks);
     let m = number(context, "mass_kg", 1e-7);
     let of_nodes: f64 = positions.iter().map(|x| m * (x.x * x.x + x.y * x.y)).sum();

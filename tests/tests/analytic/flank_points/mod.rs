@@ -11,7 +11,7 @@ use gearbench_models::contact::candidate::Candidate;
 use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::contact::law::{Damping, Friction};
 use gearbench_models::contact::search::{Party, Wanted};
-use gearbench_models::geometry::{Gear, GearParams, Side, inv};
+use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side, inv};
 use gearbench_models::load::Profile;
 use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
