@@ -134,6 +134,32 @@ impl FullOrder {
         }
     }
 
+    /// Corner nodes and weights of a point; a point of the smooth flank without its element has none.
+    fn corners(&self, p: &Point) -> Option<([u32; 4], [f64; 4])> {
+        match p.locus {
+            Locus::Quadrature { face, xi } => {
+                Some((self.body.flanks.corners(face), Flanks::weights(xi)))
+            }
+            Locus::Node(node) => Some(([node; 4], [1.0, 0.0, 0.0, 0.0])),
+            Locus::Flank { .. } => None,
+        }
+    }
+
+    /// What of a point lies above the face between its nodes [m]: the smooth flank's rise, which turns with the
+    /// frame; zero on a faceted flank.
+    fn bulge(&self, at: At<'_>, p: &Point, corners: &[u32; 4], weights: &[f64; 4]) -> Vec3 {
+        let mut x = [Vec3::zeros(); 4];
+        self.node_positions(at, corners, &mut x);
+        let on_face: Vec3 = x.iter().zip(weights).map(|(x, w)| *w * x).sum();
+        let bulge = p.x - on_face;
+        // Rounding of a position is no bulge.
+        if bulge.norm_squared() < 1e-28 {
+            Vec3::zeros()
+        } else {
+            bulge
+        }
+    }
+
     /// `z x (X + u)` or the slide, for a node.
     #[inline]
     fn arm(&self, node: usize, u: &[f64]) -> [f64; 3] {
@@ -227,19 +253,37 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn row(&self, _at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
-        let (corners, weights) = match p.locus {
-            Locus::Quadrature { face, xi } => (self.body.flanks.corners(face), Flanks::weights(xi)),
-            Locus::Node(node) => ([node; 4], [1.0, 0.0, 0.0, 0.0]),
-            // A point of the smooth flank without its element has no nodes to push on.
-            Locus::Flank { .. } => return,
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+        let Some((corners, weights)) = self.corners(p) else {
+            return;
         };
+        if self.own > 0 {
+            let along = dot3(
+                unit_motion(&self.bulge(at, p, &corners, &weights).into(), self.slide()),
+                n.as_slice(),
+            );
+            if along != 0.0 && self.slide().is_none() {
+                row.push(0, along);
+            }
+        }
         for (node, w) in corners.into_iter().zip(weights) {
             let place = self.body.place[node as usize];
             if w != 0.0 && place != Tie::HELD {
                 row.push_span(self.own + 3 * place as usize, [w * n.x, w * n.y, w * n.z]);
             }
         }
+    }
+
+    /// The nodes say all of a point's motion but what lies above their face, which turns with a driven hub.
+    fn drift(&self, at: At<'_>, p: &Point, n: &Vec3) -> f64 {
+        if self.own > 0 || self.slide().is_some() {
+            return 0.0;
+        }
+        self.corners(p).map_or(0.0, |(corners, weights)| {
+            let bulge = self.bulge(at, p, &corners, &weights);
+            let turned = unit_motion(&bulge.into(), None);
+            self.hub.speed(at.t, at.v) * dot3(turned, n.as_slice())
+        })
     }
 
     fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
