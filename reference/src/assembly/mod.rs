@@ -2,6 +2,12 @@
 //!
 //! Coordinates of the whole mesh are `3 node + axis`. The stiffness is kept in 3x3 blocks, the mass as one
 //! scalar per pair of nodes (times the unit matrix of three axes), both symmetric with the upper part stored.
+//!
+//! | part | owns |
+//! |---|---|
+//! | [`assemble`], [`blocks`] | the matrices and their products |
+//! | [`tie`] | the bore that moves with the hub, reduced matrices |
+//! | [`highest_frequency`] | the bound of explicit steps |
 
 pub mod blocks;
 mod highest;
@@ -30,6 +36,9 @@ pub struct Assembly {
 }
 
 /// Assembles a mesh.
+///
+/// # Panics
+/// If an element names a node that the mesh does not have.
 ///
 /// # Errors
 /// [`ElementError`] names an element that cannot be integrated.

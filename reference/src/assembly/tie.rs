@@ -65,7 +65,10 @@ impl Tie {
     /// Marks a node that the hub holds.
     pub const HELD: u32 = u32::MAX;
 
-    /// Ties the bore nodes; the hub is free in the motions listed.
+    /// Ties the bore nodes; the hub is free in the motions listed. None: the bore is clamped.
+    ///
+    /// # Panics
+    /// If a bore node is none of the nodes.
     #[must_use]
     pub fn new(nodes: &[Vec3], bore: &[u32], motions: &[HubMotion]) -> Self {
         let mut place = vec![0; nodes.len()];
@@ -136,7 +139,11 @@ impl Tie {
         }
     }
 
-    /// `T^T K T` and `T^T M T` with inertia added at the hub, one value per free motion.
+    /// `T^T K T` and `T^T M T` with inertia added at the hub: per free motion a mass [kg] or a moment of inertia
+    /// [kg m^2].
+    ///
+    /// # Panics
+    /// If there are fewer values than motions.
     #[must_use]
     pub fn reduce(&self, a: &Assembly, added_inertia: &[f64], mass: MassKind) -> Reduced {
         let stiffness = self.reduced(

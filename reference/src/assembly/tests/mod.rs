@@ -66,14 +66,17 @@ fn a_pulled_bar_needs_forces_at_its_ends_only() {
 }
 
 #[test]
-fn mass_is_that_of_the_bar() {
-    let (_, a) = assembled(5);
-    let expected = Material::STEEL.density * 5e-2 * 1e-2 * 8e-3;
-    let n = 3 * a.lumped.len();
-    let mut y = vec![0.0; n];
-    a.mass.apply3(&vec![1.0; n], &mut y);
-    assert!((y.iter().sum::<f64>() / 3.0 / expected - 1.0).abs() < 1e-12);
-    assert!((a.lumped.iter().sum::<f64>() / expected - 1.0).abs() < 1e-12);
+fn consistent_and_lumped_mass_are_that_of_the_body() {
+    let size = [5e-2, 1e-2, 8e-3];
+    let expected = Material::STEEL.density * size.iter().product::<f64>();
+    for kind in ElementKind::ALL {
+        let a = assemble(&support::brick(kind, [3, 2, 2], size), &Material::STEEL).unwrap();
+        let mut y = vec![0.0; 3 * a.lumped.len()];
+        a.mass.apply3(&vec![1.0; y.len()], &mut y);
+        assert!((y.iter().sum::<f64>() / 3.0 / expected - 1.0).abs() < 1e-12);
+        assert!((a.lumped.iter().sum::<f64>() / expected - 1.0).abs() < 1e-12);
+        assert!(a.lumped.iter().all(|m| *m > 0.0), "{kind:?}");
+    }
 }
 
 #[test]
