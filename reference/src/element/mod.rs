@@ -16,8 +16,9 @@
 //! These are the rules of CalculiX 2.20, found by comparison: C3D8, C3D20 and C3D20R give its stored
 //! eigenfrequencies to all printed digits (a C3D20R mass by 3x3x3 points would differ in the sixth). Only its C3D8I
 //! is another element: CalculiX keeps the internal displacements in the mass. The mass of one C3D20R has rank 8
-//! of 20, so that of a mesh need not be positive definite. A single column of
-//! C3D20R has motions without strain energy that pass from element to element; two columns have none.
+//! of 20, and that of every stored mesh of them is singular: good for modes and for implicit steps, but what
+//! divides by the mass wants the lumped one. A single column of C3D20R has motions without strain energy that
+//! pass from element to element; two columns beside each other have none.
 //!
 //! Text: T. J. R. Hughes, *The Finite Element Method* (1987), ch. 3 and 4.
 
