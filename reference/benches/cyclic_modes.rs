@@ -164,12 +164,12 @@ fn main() {
             &[],
             MassKind::Consistent,
         );
-        for block in [4, 8, 16] {
+        for block in [4, 8] {
             let options = Options {
-                block,
+                block: Some(block),
                 ..Options::default()
             };
-            let start = Instant::now();
+            let (start, processor) = (Instant::now(), processor_s());
             let modes =
                 lowest(r.stiffness.as_ref(), r.mass.as_ref(), count, &options).expect("modes");
             let seconds = start.elapsed().as_secs_f64();

@@ -67,6 +67,9 @@ fn capacity_for(count: usize, block: usize) -> usize {
     count + (count / 2).max(5 * block).max(24)
 }
 
+/// A Gram matrix of a block whose smallest eigenvalue is this fraction of the largest loses three digits.
+const WELL_CONDITIONED: f64 = 1e-6;
+
 /// State of an iteration; it can be continued to find more modes.
 #[derive(Debug)]
 pub struct Lanczos<T: Scalar> {
@@ -100,10 +103,16 @@ struct Ritz<T: Scalar> {
 }
 
 impl<T: Scalar> Lanczos<T> {
-    /// Prepares an iteration; nothing is solved yet.
+    /// Prepares an iteration with `block` vectors per step, whatever the options say about it; nothing is solved yet.
     #[must_use]
-    pub fn new(mass: Arc<Symmetric<T>>, shift: f64, options: &Options, par: Par) -> Self {
-        let (n, block) = (mass.size(), options.block.max(1));
+    pub fn new(
+        mass: Arc<Symmetric<T>>,
+        shift: f64,
+        block: usize,
+        options: &Options,
+        par: Par,
+    ) -> Self {
+        let (n, block) = (mass.size(), block.max(1));
         let mut new = Self {
             mass,
             shift,
@@ -289,12 +298,27 @@ impl<T: Scalar> Lanczos<T> {
     }
 
     /// Makes `w` M-orthonormal and the last block, behind `size` vectors; keeps the triangle that it had.
+    ///
+    /// Orthonormal by the eigenvectors of its Gram matrix (A. Stathopoulos, K. Wu, SIAM J. Sci. Comput. 23, 2002),
+    /// which is repeated until the Gram matrix is well conditioned.
     fn normalise(&mut self, mut w: Mat<T>, size: usize) -> Result<(), ModesError> {
-        let b = self.block;
+        let (n, b) = (w.nrows(), self.block);
         let mut coupling = Mat::<T>::identity(b, b);
-        let mut mw = Mat::zeros(w.nrows(), b);
-        for pass in 0..4 {
-            self.mass.apply(w.as_ref(), mw.as_mut());
+        let mut mw = Mat::zeros(n, b);
+        let mut spare = Mat::zeros(n, b);
+        let combine = |x: &mut Mat<T>, spare: &mut Mat<T>, by: &Mat<T>| {
+            matmul(
+                spare.as_mut(),
+                Accum::Replace,
+                &*x,
+                by,
+                T::real(1.0),
+                Par::Seq,
+            );
+            std::mem::swap(x, spare);
+        };
+        self.mass.apply(w.as_ref(), mw.as_mut());
+        for _ in 0..5 {
             let gram = adjoint_product(w.as_ref(), mw.as_ref(), self.par);
             let (lambda, u) = eigen(gram.as_ref(), Par::Seq)?;
             let top = lambda[b - 1];
@@ -311,20 +335,34 @@ impl<T: Scalar> Lanczos<T> {
             let back = Mat::from_fn(b, b, |i, j| {
                 u[(j, i)].conjugate() * T::real(lambda[i].max(0.0).sqrt())
             });
-            w = &w * &forward;
-            coupling = &back * &coupling;
-            for j in (0..b).filter(|&j| lambda[j] <= floor) {
-                // The Krylov space is exhausted in this direction: any other one continues.
-                self.randomise(w.as_mut().subcols_mut(j, 1));
-            }
-            if lambda[0] > 1e-4 * top && pass > 0 {
+            combine(&mut w, &mut spare, &forward);
+            combine(&mut mw, &mut spare, &forward);
+            let mut both = Mat::zeros(b, b);
+            matmul(
+                both.as_mut(),
+                Accum::Replace,
+                &back,
+                &coupling,
+                T::real(1.0),
+                Par::Seq,
+            );
+            coupling = both;
+            if lambda[0] > 0.5 * top {
                 break;
             }
-            if size > 0 {
-                self.remove(w.as_mut(), 0, size);
+            if lambda[0] <= WELL_CONDITIONED * top {
+                // Small vectors have been blown up, and with them what rounding left along the basis. Where the
+                // Krylov space is exhausted any other direction continues.
+                for j in (0..b).filter(|&j| lambda[j] <= floor) {
+                    self.randomise(w.as_mut().subcols_mut(j, 1));
+                }
+                if size > 0 {
+                    self.remove(w.as_mut(), 0, size);
+                }
+                self.mass.apply(w.as_ref(), mw.as_mut());
             }
         }
-        self.mass.apply(w.as_ref(), self.mass_last.as_mut());
+        self.mass_last = mw;
         self.basis.as_mut().subcols_mut(size, b).copy_from(&w);
         self.coupling = coupling;
         Ok(())

@@ -31,8 +31,9 @@ use std::time::Instant;
 pub struct Options {
     /// Shift sigma of `(K - sigma M)^-1 M` [rad²/s²], below the whole spectrum; `None`: slightly below zero.
     pub shift: Option<f64>,
-    /// Vectors per step; should be the largest multiplicity or more.
-    pub block: usize,
+    /// Vectors per step; should be the largest multiplicity or more. `None`: 8, and 4 for the harmonics of a
+    /// cyclic gear, whose modes are simple.
+    pub block: Option<usize>,
     /// Residual of the inverse iteration relative to its eigenvalue at which a mode counts as found.
     pub tolerance: f64,
     /// Steps after which the search gives up.
@@ -47,7 +48,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             shift: None,
-            block: 8,
+            block: None,
             tolerance: 1e-9,
             max_steps: 2000,
             verify: true,
@@ -55,6 +56,9 @@ impl Default for Options {
         }
     }
 }
+
+/// Vectors per step for a whole body.
+const BLOCK: usize = 8;
 
 /// Lowest modes of a pair of matrices.
 #[derive(Clone, Debug)]
@@ -194,7 +198,8 @@ pub fn lowest(
         });
     }
     let shift = options.shift.unwrap_or_else(|| default_shift(&k, &m));
-    if lanczos::is_small(n, count, options.block) {
+    let block = options.block.unwrap_or(BLOCK).max(1);
+    if lanczos::is_small(n, count, block) {
         return dense::lowest(&k, &m, count, shift);
     }
     let start = Instant::now();
@@ -211,7 +216,7 @@ pub fn lowest(
     let par = options
         .par
         .unwrap_or(if n < 20_000 { Par::Seq } else { Par::rayon(0) });
-    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, options, par);
+    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, block, options, par);
     iteration.report.analysis_s = analysis;
     iteration.report.factorisation_s = factorisation;
     iteration.report.factorisations = 1;
@@ -219,7 +224,7 @@ pub fn lowest(
     iteration.run(&factor, Target::Count(count))?;
     let mut modes = iteration.modes(&factor, &k, count)?;
     if options.verify && count > 1 {
-        verify(&k, &m, &symbolic, par, options.block, &mut modes)?;
+        verify(&k, &m, &symbolic, par, block, &mut modes)?;
     }
     Ok(modes)
 }

@@ -150,6 +150,17 @@ impl<T: Scalar> Symmetric<T> {
         while first < x.ncols() {
             let width = PANEL.min(x.ncols() - first);
             for k in 0..PANEL {
+                let column = if k < width {
+                    x.col(first + k).try_as_col_major()
+                } else {
+                    None
+                };
+                if let Some(column) = column {
+                    from.iter_mut()
+                        .zip(column.as_slice())
+                        .for_each(|(f, x)| f[k] = *x);
+                    continue;
+                }
                 for i in 0..n {
                     from[i][k] = if k < width {
                         x[(i, first + k)]

@@ -58,7 +58,7 @@ fn multiple_eigenvalues_are_complete() {
     let exact = exact_grid(n);
     for (count, block) in [(1, 1), (40, 8), (150, 6), (60, 12)] {
         let options = Options {
-            block,
+            block: Some(block),
             ..Options::default()
         };
         let modes = lowest(k.as_ref(), m.as_ref(), count, &options).unwrap();

@@ -9,6 +9,9 @@ use faer::{Mat, Par, c64};
 use std::sync::Arc;
 use std::time::Instant;
 
+/// Vectors per step.
+const BLOCK: usize = 4;
+
 /// Search of one harmonic.
 pub(super) struct Harmonic {
     /// Modes of the gear per mode of the harmonic.
@@ -133,10 +136,11 @@ impl<T: Scalar> State<T> {
         } else {
             Arc::new(Symbolic::new(pair.stiffness.symbolic(), Ordering::Best)?)
         };
-        let engine = if is_small(n, 1, options.block) {
+        let block = options.block.unwrap_or(BLOCK).max(1);
+        let engine = if is_small(n, 1, block) {
             Engine::Dense(dense::lowest(&stiffness, &mass, n, shift)?)
         } else {
-            Engine::Iteration(Lanczos::new(mass.clone(), shift, options, Par::Seq))
+            Engine::Iteration(Lanczos::new(mass.clone(), shift, block, options, Par::Seq))
         };
         Ok(Self {
             stiffness,
