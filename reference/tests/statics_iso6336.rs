@@ -13,7 +13,9 @@
 //! | ISO 6336-1 | c', with the 0.8 of the norm | solid disc, CR = 1 | yes | for 100 N/mm and more |
 //! | analytic | Weber-Banaschek, plane | Sainsot-Velex | Hertz, linear | wide or narrow by b/h |
 //!
-//! The finite-element values are secants `F / (b d)` at 300 N/mm.
+//! The finite-element values are secants `F / (b d)` at 100 N/mm, where the norm begins and one pair is alone at the
+//! pitch point. With more load the pairs before and behind touch early: at 300 N/mm the 50/50 gears share it among
+//! three there, and a pair's part over the common approach falls, for it also gives way under its neighbours' load.
 
 use gearbench_models::contact::flank_points::{PointContact, PointRule};
 use gearbench_models::contact::law::Damping;
@@ -37,7 +39,7 @@ use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 /// N/(mm um) in N/m^2.
 const PER_MM_UM: f64 = 1e9;
 /// Load over the width [N/m].
-const LOAD: f64 = 300e3;
+const LOAD: f64 = 100e3;
 const PENALTY: f64 = 1e16;
 
 /// A pair: all that its stiffness depends on.
@@ -140,12 +142,12 @@ struct Fineness {
 
 const USUAL: Fineness = Fineness {
     kind: ElementKind::C3D8I,
-    flank: 12,
+    flank: 24,
     fillet: 4,
     across: 6,
     layers: 2,
     rim: 4,
-    width: 4,
+    width: 2,
 };
 
 const KEYS: [&str; 6] = ["flank", "fillet", "across", "layers", "rim", "width"];
@@ -322,7 +324,7 @@ fn single_pair_stiffness_is_that_of_the_norm_within_a_tenth() {
 #[test]
 #[ignore = "a minute"]
 fn a_mesh_cycle_of_every_pair() {
-    println!("pair, at 300 N/mm         c'      at C    c_g     tangent  TE um   p-p um");
+    println!("pair, at 100 N/mm         c'      at C    c_g     tangent  TE um   p-p um");
     for case in &CASES {
         let load = Load::Force(LOAD * case.width);
         for (name, mut pair) in [
@@ -396,7 +398,8 @@ fn refinement_of_the_mesh() {
     // Both elements head for the same value; the one with incompatible modes is ahead.
     assert!(last[1] < last[0] && last[1] > 0.97 * last[0], "{last:?}");
     report("usual", USUAL, PENALTY, LOAD);
-    report("flank 24", with(|f| f.flank = 24), PENALTY, LOAD);
+    report("flank 12", with(|f| f.flank = 12), PENALTY, LOAD);
+    report("flank 48", with(|f| f.flank = 48), PENALTY, LOAD);
     report(
         "across 8, layers 3",
         with(|f| (f.across, f.layers) = (8, 3)),
@@ -404,9 +407,10 @@ fn refinement_of_the_mesh() {
         LOAD,
     );
     report("rim 8", with(|f| f.rim = 8), PENALTY, LOAD);
-    report("width 8", with(|f| f.width = 8), PENALTY, LOAD);
+    report("width 1", with(|f| f.width = 1), PENALTY, LOAD);
+    report("width 6", with(|f| f.width = 6), PENALTY, LOAD);
     report("penalty 1e15 Pa/m", USUAL, 1e15, LOAD);
     report("penalty 1e17 Pa/m", USUAL, 1e17, LOAD);
-    report("load 100 N/mm", USUAL, PENALTY, 100e3);
+    report("load 300 N/mm", USUAL, PENALTY, 300e3);
     report("load 1000 N/mm", USUAL, PENALTY, 1000e3);
 }
