@@ -5,6 +5,8 @@
 //! overlap's outline: where only the edge of a tooth's tip digs into the other flank (the pair that starts early
 //! under 34 um at the last position, a strip of 20 um on a face of 350 um) a coarse rule misses it.
 
+#![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
+
 use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::{Gear, GearParams, Side};
