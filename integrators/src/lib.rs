@@ -33,7 +33,7 @@
 //! | [`implicit`] | the generalised-alpha family (Newmark-beta, HHT-alpha), BDF, TR-BDF2, ESDIRK 3(4) |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
-//! | [`equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
+//! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
 //!

@@ -108,14 +108,15 @@ fn print(scene: &str, load: &str, rows: &[Row]) {
     say("  c_g     mean secant stiffness of the mesh;  tangent: its slope at the load, mean");
     say("  TE      mean static transmission error, and peak to peak");
     say("");
+    let wide = rows.iter().map(|r| r.label.len()).max().unwrap_or(0).max(5);
     say(&format!(
-        "{:<18} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8}  includes",
+        "{:<wide$} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8}  includes",
         "model", "c'", "at C", "c_g", "tangent", "TE", "p-p"
     ));
     for r in rows {
         let c = &r.cycle;
         say(&format!(
-            "{:<18} {:>7.2} {:>7.2} {:>7.2} {:>8.2} {:>8.3} {:>8.3}  {}",
+            "{:<wide$} {:>7.2} {:>7.2} {:>7.2} {:>8.2} {:>8.3} {:>8.3}  {}",
             r.label,
             c.single_stiffness() / PER_MM_UM,
             c.at_pitch_point() / PER_MM_UM,
