@@ -97,6 +97,11 @@ impl<'a> Common<'a> {
         })
     }
 
+    /// Elements from the skin to the bore.
+    pub(super) fn level_count(&self) -> usize {
+        (self.levels.len() - 1) / self.refine
+    }
+
     /// The level `d` of a column that begins at `top` and arrives at the bore at `foot`.
     fn in_column(&self, top: Plane, foot: f64, d: usize) -> Plane {
         if d == 0 {
@@ -233,18 +238,25 @@ impl Surface {
         let flank = start.len() - 1;
         let roll_form = follows[flank].0;
 
-        // Even steps over the fillet and over the arc, or over both where the arc is too short for its own.
+        // Even steps over the fillet and over the arc, or over both where one is too short for its own.
         let (lf, la) = (root.fillet_length(), root.arc_length());
         let (nf, na) = (tooth.fillet, tooth.root);
+        let (sf, sa) = (lf / nf as f64, la / na as f64);
+        // A sharp tool leaves no fillet on a rack, and next to none on large gears: then the row into the edge
+        // halves its angle and ends in the corner of the core.
+        let sharp = sf < 0.05 * sa;
         let mut ends = vec![0.0];
-        if la / na as f64 >= 0.35 * lf / nf as f64 {
-            ends.extend((1..=nf).map(|i| lf * i as f64 / nf as f64));
-            ends.extend((1..=na).map(|i| lf + la * i as f64 / na as f64));
+        if sa >= 0.35 * sf && !sharp {
+            ends.extend((1..=nf).map(|i| sf * i as f64));
+            ends.extend((1..=na).map(|i| lf + sa * i as f64));
         } else {
             ends.extend((1..=nf + na).map(|i| (lf + la) * i as f64 / (nf + na) as f64));
         }
         let lengths = refined(&ends, f);
-        let first = root.dip(0.0).min(1.2);
+        let first = if sharp { 0.0 } else { root.dip(0.0).min(1.2) };
+        if sharp {
+            dip[flank] = FRAC_PI_4;
+        }
         for &length in &lengths[1..] {
             let natural = root.dip(length);
             start.push(root.at(length));
@@ -271,6 +283,9 @@ impl Surface {
                 } else {
                     dip[j].sin_cos()
                 };
+                // A thin rim leaves no more room.
+                let room = start[j][1] + 0.5 * common.rim_depth;
+                let thickness = thickness.min(room / sin.max(1e-3));
                 [start[j][0] - thickness * cos, start[j][1] - thickness * sin]
             })
             .collect();
@@ -280,7 +295,7 @@ impl Surface {
             dip[j] = 0.5 * (dip[j - 1] + dip[j + 1]);
         }
         // Corner of the core: a whole element from the form circle and from the middle of the space.
-        let corner = (1..nf + na)
+        let corner = (usize::from(!sharp)..nf + na)
             .map(|k| flank + k * f)
             .min_by(|&a, &b| {
                 let away = |j: usize| (dip[j] - FRAC_PI_4).abs();
@@ -323,14 +338,32 @@ pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
         let sag = (0.5 * u * (0.35 * surface.dip[j]).tan()).min(0.15 * common.rim_depth);
         [t * u, v - sag * (1.0 - t * t)]
     };
-    // Columns gather evenly at the bore as far as the depth gives them room to.
-    let even = (common.depth / (2.0 * common.body.half_pitch())).min(0.9);
-    let foot = |m: usize, top: f64| {
+    let rim_top = |m: usize| -> (Plane, Option<(usize, usize)>) {
+        if m <= low {
+            let j = rows - m;
+            (skin_point(-1.0, j, layers), Some((1, j)))
+        } else if m < low + core_columns {
+            (core_point(corner, m - low), None)
+        } else {
+            let j = corner + (m - low - core_columns);
+            (skin_point(1.0, j, layers), Some((0, j)))
+        }
+    };
+    // Columns gather evenly at the bore as far as they need not lean too much.
+    let at_bore = |m: usize| {
         let t = (2.0 * m as f64 - rim_columns as f64) / rim_columns as f64;
+        t * common.body.half_pitch()
+    };
+    let most = (0..=rim_columns)
+        .map(|m| (at_bore(m) - rim_top(m).0[0]).abs())
+        .fold(0.0, f64::max);
+    let slender = common.depth / (2.0 * common.body.half_pitch());
+    let even = slender.min(0.2 * common.depth / most.max(1e-300)).min(0.9);
+    let foot = |m: usize, top: f64| {
         if m == 0 || m == rim_columns {
             top
         } else {
-            top + (t * common.body.half_pitch() - top) * even
+            top + (at_bore(m) - top) * even
         }
     };
 
@@ -397,17 +430,6 @@ pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
         core.set(j, 0, skins[1].at(j, layers));
         core.set(j, core_columns, skins[0].at(j, layers));
     }
-    let rim_top = |m: usize| -> (Plane, Option<(usize, usize)>) {
-        if m <= low {
-            let j = rows - m;
-            (skin_point(-1.0, j, layers), Some((1, j)))
-        } else if m < low + core_columns {
-            (core_point(corner, m - low), None)
-        } else {
-            let j = corner + (m - low - core_columns);
-            (skin_point(1.0, j, layers), Some((0, j)))
-        }
-    };
     for m in 1..rim_columns {
         column(&mut s, &mut rim, m, rim_top(m).0);
     }

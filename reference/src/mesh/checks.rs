@@ -1,0 +1,103 @@
+//! Refuses counts, ratios and webs that no mesh can have.
+
+use super::error::MeshError;
+use super::params::{FineTeeth, Tooth, Web};
+use gearbench_models::geometry::Gear;
+
+/// Greatest count of anything.
+const MOST: usize = 1000;
+
+fn check_count(
+    what: &'static str,
+    value: usize,
+    least: usize,
+    expected: &'static str,
+) -> Result<(), MeshError> {
+    if (least..=MOST).contains(&value) {
+        Ok(())
+    } else {
+        Err(MeshError::Invalid {
+            what,
+            value: value as f64,
+            expected,
+        })
+    }
+}
+
+fn check_tooth(tooth: Tooth) -> Result<(), MeshError> {
+    check_count("elements along the flank", tooth.flank, 1, "1 to 1000")?;
+    check_count("elements along the fillet", tooth.fillet, 2, "2 to 1000")?;
+    check_count("elements on the root arc", tooth.root, 1, "1 to 1000")?;
+    check_count(
+        "elements across the tooth",
+        tooth.across,
+        3,
+        "3 to 1000: a skin on both sides and a core",
+    )
+}
+
+/// Checks all counts and gives the layers of the skin that every tooth has room for.
+pub(super) fn check_counts(
+    tooth: Tooth,
+    fine: Option<&FineTeeth>,
+    layers: usize,
+    rim: usize,
+    width: usize,
+) -> Result<usize, MeshError> {
+    check_count("layers of the skin", layers, 1, "1 to 1000")?;
+    check_count("layers of the rim", rim, 1, "1 to 1000")?;
+    check_count("layers over the width", width, 1, "1 to 1000")?;
+    let mut across = tooth.across;
+    check_tooth(tooth)?;
+    if let Some(f) = fine {
+        check_tooth(f.others)?;
+        across = across.min(f.others.across);
+    }
+    Ok(layers.min((across - 1) / 2))
+}
+
+pub(super) fn check_ratios(flank: f64, skin: f64, rim: Option<f64>) -> Result<(), MeshError> {
+    for (what, value) in [
+        ("grading of the flank", flank),
+        ("growth in the skin", skin),
+        ("growth in the rim", rim.unwrap_or(1.0)),
+    ] {
+        if !(0.1..=10.0).contains(&value) {
+            return Err(MeshError::Invalid {
+                what,
+                value,
+                expected: "a ratio from 0.1 to 10; 1 is uniform",
+            });
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn check_web(w: &Web, gear: &Gear, width: usize) -> Result<(), MeshError> {
+    check_count("layers of the web", w.layers, 1, "1 to 1000")?;
+    check_count("layers of the hub", w.hub_layers, 1, "1 to 1000")?;
+    check_count(
+        "layers over the width of a gear with a web",
+        width,
+        3,
+        "3 to 1000",
+    )?;
+    let (low, high, b) = (gear.params().bore_radius, gear.r_root(), gear.face_width());
+    let fits = low < w.inner_radius
+        && w.inner_radius < w.outer_radius
+        && w.outer_radius < high
+        && w.thickness > 0.0
+        && w.thickness < b;
+    if fits {
+        Ok(())
+    } else {
+        Err(MeshError::Web {
+            inner: w.inner_radius,
+            outer: w.outer_radius,
+            thickness: w.thickness,
+            low,
+            high,
+            width: b,
+        })
+    }
+}
