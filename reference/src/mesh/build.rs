@@ -1,22 +1,20 @@
 //! From the section of a tooth to the mesh of a gear or rack: turned tooth by tooth, drawn over the width
 //! along the helix.
 
+use super::assembly::Assembly;
+use super::checks::{check_counts, check_ratios, check_tooth, check_web};
 use super::error::MeshError;
-use super::grading::{geometric, refined};
 use super::params::{FineTeeth, GearMeshParams, RackMeshParams, Tooth, Web};
 use super::profile::{Body, Plane};
 use super::quality::ElementCheck;
 use super::section::{Common, Section, section};
-use super::{ElementKind, Face, GearMesh, Mesh, Part};
+use super::width::planes;
+use super::{ElementKind, GearMesh, Part};
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::FlankGrid;
-use gearbench_models::geometry::{Gear, Rack, Side};
-use std::collections::BTreeMap;
+use gearbench_models::geometry::{Gear, Rack};
 
 /// More nodes than this are taken for a mistake.
 const MOST_NODES: f64 = 5e7;
-/// Greatest count of anything.
-const MOST: usize = 1000;
 
 /// Meshes a gear, or one sector of it.
 ///
@@ -119,149 +117,40 @@ pub fn rack(rack: &Rack, params: &RackMeshParams) -> Result<GearMesh, MeshError>
 }
 
 /// 2 for elements with mid-side nodes.
-fn refine(kind: ElementKind) -> usize {
+pub(super) fn refine(kind: ElementKind) -> usize {
     if kind.nodes() == 20 { 2 } else { 1 }
 }
 
-fn check_count(
-    what: &'static str,
-    value: usize,
-    least: usize,
-    expected: &'static str,
-) -> Result<(), MeshError> {
-    if (least..=MOST).contains(&value) {
-        Ok(())
-    } else {
-        Err(MeshError::Invalid {
-            what,
-            value: value as f64,
-            expected,
-        })
-    }
-}
-
-fn check_tooth(tooth: Tooth, layers: usize) -> Result<(), MeshError> {
-    check_count("elements along the flank", tooth.flank, 1, "1 to 1000")?;
-    check_count("elements along the fillet", tooth.fillet, 2, "2 to 1000")?;
-    check_count("elements on the root arc", tooth.root, 1, "1 to 1000")?;
-    check_count(
-        "elements across the tooth",
-        tooth.across,
-        2 * layers + 1,
-        "more than twice the layers of the skin (there is a skin on both sides), at most 1000",
-    )
-}
-
-fn check_counts(tooth: Tooth, layers: usize, rim: usize, width: usize) -> Result<(), MeshError> {
-    check_count("layers of the skin", layers, 1, "1 to 1000")?;
-    check_tooth(tooth, layers)?;
-    check_count("layers of the rim", rim, 1, "1 to 1000")?;
-    check_count("layers over the width", width, 1, "1 to 1000")
-}
-
-fn check_ratios(flank: f64, skin: f64, rim: Option<f64>) -> Result<(), MeshError> {
-    for (what, value) in [
-        ("grading of the flank", flank),
-        ("growth in the skin", skin),
-        ("growth in the rim", rim.unwrap_or(1.0)),
-    ] {
-        if !(0.1..=10.0).contains(&value) {
-            return Err(MeshError::Invalid {
-                what,
-                value,
-                expected: "a ratio from 0.1 to 10; 1 is uniform",
-            });
-        }
-    }
-    Ok(())
-}
-
-fn check_web(w: &Web, gear: &Gear, width: usize) -> Result<(), MeshError> {
-    check_count("layers of the web", w.layers, 1, "1 to 1000")?;
-    check_count("layers of the hub", w.hub_layers, 1, "1 to 1000")?;
-    check_count(
-        "layers over the width of a gear with a web",
-        width,
-        3,
-        "3 to 1000",
-    )?;
-    let (low, high, b) = (gear.params().bore_radius, gear.r_root(), gear.face_width());
-    let fits = low < w.inner_radius
-        && w.inner_radius < w.outer_radius
-        && w.outer_radius < high
-        && w.thickness > 0.0
-        && w.thickness < b;
-    if fits {
-        Ok(())
-    } else {
-        Err(MeshError::Web {
-            inner: w.inner_radius,
-            outer: w.outer_radius,
-            thickness: w.thickness,
-            low,
-            high,
-            width: b,
-        })
-    }
-}
-
-/// Planes over the width; with a web two of them are its faces.
-fn planes(layers: usize, b: f64, web: Option<&Web>, refine: usize) -> Vec<f64> {
-    let even = |n: usize, from: f64, to: f64| {
-        geometric(n, 1.0, 1)
-            .into_iter()
-            .map(move |t| from + (to - from) * t)
-    };
-    let mut ends: Vec<f64>;
-    match web {
-        None => ends = even(layers, -0.5 * b, 0.5 * b).collect(),
-        Some(w) => {
-            let side = sides(layers, b, w);
-            let h = 0.5 * w.thickness;
-            ends = even(side, -0.5 * b, -h).collect();
-            ends.extend(even(layers - 2 * side, -h, h).skip(1));
-            ends.extend(even(side, h, 0.5 * b).skip(1));
-        }
-    }
-    refined(&ends, refine)
-}
-
-/// Layers beside the web, on each side.
-fn sides(layers: usize, b: f64, w: &Web) -> usize {
-    let wanted = (layers as f64 * 0.5 * (1.0 - w.thickness / b)).round() as usize;
-    wanted.clamp(1, (layers - 1) / 2)
-}
-
 /// Everything that is known before nodes are made.
-struct Plan<'a> {
-    body: Body<'a>,
-    kind: ElementKind,
-    common: Common<'a>,
-    planes: Vec<f64>,
-    web: Option<Web>,
+pub(super) struct Plan<'a> {
+    pub(super) body: Body<'a>,
+    pub(super) kind: ElementKind,
+    pub(super) common: Common<'a>,
+    pub(super) planes: Vec<f64>,
+    pub(super) web: Option<Web>,
     /// Teeth in the order of their place.
-    teeth: Vec<u32>,
-    all_teeth: u32,
+    pub(super) teeth: Vec<u32>,
+    pub(super) all_teeth: u32,
     /// The last tooth joins the first.
-    closed: bool,
+    pub(super) closed: bool,
     /// Pitches by which the first of them is turned.
-    first_turn: i64,
-    fine: Option<&'a FineTeeth>,
-    tooth: Tooth,
-    layers: usize,
+    pub(super) first_turn: i64,
+    pub(super) fine: Option<&'a FineTeeth>,
+    pub(super) tooth: Tooth,
+    pub(super) layers: usize,
 }
 
 /// A section with its elements over the width.
-struct Template {
-    section: Section,
+pub(super) struct Template {
+    pub(super) section: Section,
     /// For every point and plane whether a node stands there.
-    used: Vec<bool>,
+    pub(super) used: Vec<bool>,
     /// (radius, angle) or (height, distance) of every point.
-    rolled: Vec<[f64; 2]>,
+    pub(super) rolled: Vec<[f64; 2]>,
     /// Quadrilateral and layer of every element.
-    elements: Vec<(u32, u32)>,
+    pub(super) elements: Vec<(u32, u32)>,
     /// First element of each quadrilateral and layer, `u32::MAX` where the web leaves none.
-    element_of: Vec<u32>,
+    pub(super) element_of: Vec<u32>,
 }
 
 impl Plan<'_> {
@@ -307,7 +196,7 @@ impl Plan<'_> {
         Ok(out.finish(self))
     }
 
-    fn layers_over_width(&self) -> usize {
+    pub(super) fn layers_over_width(&self) -> usize {
         (self.planes.len() - 1) / refine(self.kind)
     }
 
@@ -384,7 +273,7 @@ impl Plan<'_> {
     }
 
     /// All nodes of one tooth, as [point][plane].
-    fn positions(&self, t: &Template, turn: i64, out: &mut Vec<Vec3>) {
+    pub(super) fn positions(&self, t: &Template, turn: i64, out: &mut Vec<Vec3>) {
         out.clear();
         for p in &t.rolled {
             out.extend(self.planes.iter().map(|&z| self.place(*p, turn, z)));
@@ -406,7 +295,11 @@ impl Plan<'_> {
     }
 
     /// Node of a template for every node of an element.
-    fn element_nodes(&self, t: &Template, (q, layer): (u32, u32)) -> impl Iterator<Item = usize> {
+    pub(super) fn element_nodes(
+        &self,
+        t: &Template,
+        (q, layer): (u32, u32),
+    ) -> impl Iterator<Item = usize> {
         let nodes = t.section.quads[q as usize].nodes;
         let planes = self.planes.len();
         let f = refine(self.kind);
@@ -442,144 +335,5 @@ impl Plan<'_> {
             }
         }
         Ok(())
-    }
-}
-
-/// The mesh on its way.
-struct Assembly {
-    nodes: Vec<Vec3>,
-    connectivity: Vec<u32>,
-    bore: Vec<u32>,
-    flanks: Vec<FlankGrid>,
-    node_sets: BTreeMap<String, Vec<u32>>,
-    face_sets: BTreeMap<String, Vec<Face>>,
-    /// Numbers of the nodes of a tooth, as [point][plane].
-    ids: Vec<u32>,
-    positions: Vec<Vec3>,
-    /// Numbers on the first cut of all and on the last so far.
-    first_cut: Vec<u32>,
-    last_cut: Vec<u32>,
-}
-
-impl Assembly {
-    fn new(plan: &Plan<'_>, nodes: usize) -> Self {
-        let elements = nodes * plan.kind.nodes();
-        Assembly {
-            nodes: Vec::with_capacity(nodes),
-            connectivity: Vec::with_capacity(elements),
-            bore: Vec::new(),
-            flanks: Vec::with_capacity(2 * plan.teeth.len()),
-            node_sets: BTreeMap::new(),
-            face_sets: BTreeMap::new(),
-            ids: Vec::new(),
-            positions: Vec::new(),
-            first_cut: Vec::new(),
-            last_cut: Vec::new(),
-        }
-    }
-
-    fn tooth(&mut self, plan: &Plan<'_>, t: &Template, place: usize, tooth: u32) {
-        let planes = plan.planes.len();
-        let cut = t.section.cut * planes;
-        let all = t.used.len();
-        plan.positions(t, plan.first_turn + place as i64, &mut self.positions);
-        self.ids.clear();
-        self.ids.resize(all, u32::MAX);
-        let mut from = 0;
-        let mut to = all;
-        if place > 0 {
-            self.ids[..cut].copy_from_slice(&self.last_cut);
-            from = cut;
-        }
-        if plan.closed && place + 1 == plan.teeth.len() {
-            self.ids[all - cut..].copy_from_slice(&self.first_cut);
-            to = all - cut;
-        }
-        for i in from..to {
-            if t.used[i] {
-                self.ids[i] = self.nodes.len() as u32;
-                self.nodes.push(self.positions[i]);
-            }
-        }
-        if place == 0 {
-            self.first_cut = self.ids[..cut].to_vec();
-        }
-        self.last_cut.clear();
-        self.last_cut.extend_from_slice(&self.ids[all - cut..]);
-
-        let first_element = (self.connectivity.len() / plan.kind.nodes()) as u32;
-        for &e in &t.elements {
-            let ids = &self.ids;
-            self.connectivity
-                .extend(plan.element_nodes(t, e).map(|n| ids[n]));
-        }
-        for &p in &t.section.bore {
-            let of_point = &self.ids[p as usize * planes..][..planes];
-            self.bore
-                .extend(of_point.iter().filter(|&&n| n != u32::MAX));
-        }
-        self.flanks_of(plan, t, tooth, first_element);
-    }
-
-    fn flanks_of(&mut self, plan: &Plan<'_>, t: &Template, tooth: u32, first_element: u32) {
-        let (planes, f) = (plan.planes.len(), refine(plan.kind));
-        let layers = plan.layers_over_width();
-        for (line, side) in t.section.flanks.iter().zip(Side::BOTH) {
-            let letter = if side == Side::Left { 'l' } else { 'r' };
-            let name = format!("flank_{}{letter}", tooth + 1);
-            let mut set = Vec::with_capacity(line.points.len() * planes);
-            for &p in &line.points {
-                let of_point = &self.ids[p as usize * planes..][..planes];
-                set.extend(of_point.iter().filter(|&&n| n != u32::MAX));
-            }
-            // Contact sees the corner nodes: quadrilaterals with a node at each corner.
-            let mut nodes = Vec::with_capacity((line.points.len() / f + 1) * (layers + 1));
-            for &p in line.points.iter().step_by(f) {
-                nodes.extend((0..=layers).map(|l| self.ids[p as usize * planes + l * f]));
-            }
-            let faces = line.faces.iter().flat_map(|&(q, face)| {
-                (0..layers).map(move |l| Face {
-                    element: first_element + t.element_of[q as usize * layers + l],
-                    face,
-                })
-            });
-            self.face_sets.insert(format!("s{name}"), faces.collect());
-            self.node_sets.insert(name, set);
-            self.flanks.push(FlankGrid {
-                tooth,
-                side,
-                rows: (line.points.len() - 1) / f + 1,
-                columns: layers + 1,
-                positions: nodes.iter().map(|&n| self.nodes[n as usize]).collect(),
-                nodes,
-            });
-        }
-    }
-
-    fn finish(mut self, plan: &Plan<'_>) -> GearMesh {
-        self.bore.sort_unstable();
-        self.bore.dedup();
-        self.node_sets.insert("bore".into(), self.bore.clone());
-        if matches!(plan.body, Body::Gear(_)) && !plan.closed {
-            let present = |cut: &[u32]| cut.iter().copied().filter(|&n| n != u32::MAX).collect();
-            self.node_sets
-                .insert("cut_low".into(), present(&self.first_cut));
-            self.node_sets
-                .insert("cut_high".into(), present(&self.last_cut));
-        }
-        self.nodes.shrink_to_fit();
-        self.connectivity.shrink_to_fit();
-        GearMesh {
-            mesh: Mesh {
-                nodes: self.nodes,
-                kind: plan.kind,
-                connectivity: self.connectivity,
-                node_sets: self.node_sets,
-                face_sets: self.face_sets,
-            },
-            teeth: plan.all_teeth,
-            bore: self.bore,
-            flanks: self.flanks,
-        }
     }
 }

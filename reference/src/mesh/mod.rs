@@ -10,7 +10,9 @@
 //!   tooth 0 centred on y = 0, tooth `k` follows towards +y, `Left` is the side that meets left flanks of gears.
 //!   Sets are named from 1, as the decks have them: `flank_1l` is the left flank of tooth 0.
 
+mod assembly;
 mod build;
+mod checks;
 mod error;
 mod grading;
 mod params;
@@ -19,11 +21,13 @@ mod quality;
 mod section;
 #[cfg(test)]
 mod tests;
+pub mod vtu;
+mod width;
 
 pub use build::{gear, rack, sector};
 pub use error::{MeshError, Part};
 pub use params::{FineTeeth, GearMeshParams, RackMeshParams, Tooth, Web};
-pub use quality::{ElementQuality, Quality, quality};
+pub use quality::{ElementQuality, Quality, element_qualities, quality};
 
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::FlankGrid;

@@ -207,10 +207,20 @@ impl ElementCheck {
     }
 }
 
+/// Quality of each element in turn.
+pub fn element_qualities(mesh: &Mesh) -> impl Iterator<Item = ElementQuality> {
+    let check = ElementCheck::new(mesh.kind);
+    let mut nodes = Vec::with_capacity(mesh.kind.nodes());
+    mesh.elements().map(move |e| {
+        nodes.clear();
+        nodes.extend(e.iter().map(|&n| mesh.nodes[n as usize]));
+        check.element(&nodes)
+    })
+}
+
 /// Measures every element of a mesh.
 #[must_use]
 pub fn quality(mesh: &Mesh) -> Quality {
-    let check = ElementCheck::new(mesh.kind);
     let mut q = Quality {
         min_scaled_jacobian: f64::INFINITY,
         mean_scaled_jacobian: 0.0,
@@ -220,11 +230,7 @@ pub fn quality(mesh: &Mesh) -> Quality {
         volume: 0.0,
         polar_moment: 0.0,
     };
-    let mut nodes = Vec::with_capacity(mesh.kind.nodes());
-    for (i, e) in mesh.elements().enumerate() {
-        nodes.clear();
-        nodes.extend(e.iter().map(|&n| mesh.nodes[n as usize]));
-        let found = check.element(&nodes);
+    for (i, found) in element_qualities(mesh).enumerate() {
         if found.scaled_jacobian < q.min_scaled_jacobian || found.scaled_jacobian.is_nan() {
             q.min_scaled_jacobian = found.scaled_jacobian;
             q.worst_element = i;

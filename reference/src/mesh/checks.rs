@@ -1,0 +1,95 @@
+//! Refuses counts, ratios and webs that no mesh can have.
+
+use super::error::MeshError;
+use super::params::{Tooth, Web};
+use gearbench_models::geometry::Gear;
+
+/// Greatest count of anything.
+const MOST: usize = 1000;
+
+fn check_count(
+    what: &'static str,
+    value: usize,
+    least: usize,
+    expected: &'static str,
+) -> Result<(), MeshError> {
+    if (least..=MOST).contains(&value) {
+        Ok(())
+    } else {
+        Err(MeshError::Invalid {
+            what,
+            value: value as f64,
+            expected,
+        })
+    }
+}
+
+pub(super) fn check_tooth(tooth: Tooth, layers: usize) -> Result<(), MeshError> {
+    check_count("elements along the flank", tooth.flank, 1, "1 to 1000")?;
+    check_count("elements along the fillet", tooth.fillet, 2, "2 to 1000")?;
+    check_count("elements on the root arc", tooth.root, 1, "1 to 1000")?;
+    check_count(
+        "elements across the tooth",
+        tooth.across,
+        2 * layers + 1,
+        "more than twice the layers of the skin (there is a skin on both sides), at most 1000",
+    )
+}
+
+pub(super) fn check_counts(
+    tooth: Tooth,
+    layers: usize,
+    rim: usize,
+    width: usize,
+) -> Result<(), MeshError> {
+    check_count("layers of the skin", layers, 1, "1 to 1000")?;
+    check_tooth(tooth, layers)?;
+    check_count("layers of the rim", rim, 1, "1 to 1000")?;
+    check_count("layers over the width", width, 1, "1 to 1000")
+}
+
+pub(super) fn check_ratios(flank: f64, skin: f64, rim: Option<f64>) -> Result<(), MeshError> {
+    for (what, value) in [
+        ("grading of the flank", flank),
+        ("growth in the skin", skin),
+        ("growth in the rim", rim.unwrap_or(1.0)),
+    ] {
+        if !(0.1..=10.0).contains(&value) {
+            return Err(MeshError::Invalid {
+                what,
+                value,
+                expected: "a ratio from 0.1 to 10; 1 is uniform",
+            });
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn check_web(w: &Web, gear: &Gear, width: usize) -> Result<(), MeshError> {
+    check_count("layers of the web", w.layers, 1, "1 to 1000")?;
+    check_count("layers of the hub", w.hub_layers, 1, "1 to 1000")?;
+    check_count(
+        "layers over the width of a gear with a web",
+        width,
+        3,
+        "3 to 1000",
+    )?;
+    let (low, high, b) = (gear.params().bore_radius, gear.r_root(), gear.face_width());
+    let fits = low < w.inner_radius
+        && w.inner_radius < w.outer_radius
+        && w.outer_radius < high
+        && w.thickness > 0.0
+        && w.thickness < b;
+    if fits {
+        Ok(())
+    } else {
+        Err(MeshError::Web {
+            inner: w.inner_radius,
+            outer: w.outer_radius,
+            thickness: w.thickness,
+            low,
+            high,
+            width: b,
+        })
+    }
+}

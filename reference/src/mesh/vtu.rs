@@ -1,0 +1,357 @@
+//! Meshes for ParaView: unstructured grids of VTK in XML (`.vtu`), arrays inline as base64.
+//!
+//! After the VTK file formats (The VTK User's Guide, 11th ed., section 19.3): version 1.0, little endian, every
+//! array behind the number of its bytes as `UInt64`. Nodes of quadratic hexahedra have the order of decks.
+//! Written here, not by a library: the format is one page, and what exists reads and writes all of VTK.
+
+use super::Mesh;
+use gearbench_models::Vec3;
+use std::io::{self, Write};
+
+/// VTK's number of a hexahedron with 8 nodes.
+const HEXAHEDRON: u8 = 12;
+/// With 20 nodes.
+const QUADRATIC_HEXAHEDRON: u8 = 25;
+
+/// Values of a field, one per node or per element.
+#[derive(Clone, Copy, Debug)]
+pub enum Values<'a> {
+    /// Numbers.
+    Scalars(&'a [f64]),
+    /// Whole numbers.
+    Integers(&'a [i32]),
+    /// Vectors, as displacements.
+    Vectors(&'a [Vec3]),
+}
+
+impl Values<'_> {
+    fn len(self) -> usize {
+        match self {
+            Values::Scalars(v) => v.len(),
+            Values::Integers(v) => v.len(),
+            Values::Vectors(v) => v.len(),
+        }
+    }
+}
+
+/// A named field.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    /// Name in ParaView.
+    pub name: &'a str,
+    /// Its values.
+    pub values: Values<'a>,
+}
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum VtuError {
+    /// The output refuses.
+    #[error("cannot write the VTU file: {0}")]
+    Io(#[from] io::Error),
+    /// A field does not fit the mesh.
+    #[error("field `{name}` has {found} values; the mesh has {expected} {what}")]
+    Length {
+        /// Name of the field.
+        name: String,
+        /// Its values.
+        found: usize,
+        /// Nodes or elements.
+        expected: usize,
+        /// `nodes` or `elements`.
+        what: &'static str,
+    },
+}
+
+/// Writes a mesh with fields at its nodes and elements.
+///
+/// # Errors
+/// [`VtuError`] when a field has another length than the mesh, before anything is written, or when `out` fails.
+pub fn write(
+    out: &mut dyn Write,
+    mesh: &Mesh,
+    at_nodes: &[Field<'_>],
+    at_elements: &[Field<'_>],
+) -> Result<(), VtuError> {
+    let (points, cells) = (mesh.nodes.len(), mesh.element_count());
+    for (fields, expected, what) in [
+        (at_nodes, points, "nodes"),
+        (at_elements, cells, "elements"),
+    ] {
+        for f in fields {
+            if f.values.len() != expected {
+                return Err(VtuError::Length {
+                    name: f.name.to_owned(),
+                    found: f.values.len(),
+                    expected,
+                    what,
+                });
+            }
+        }
+    }
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        out,
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">"
+    )?;
+    writeln!(
+        out,
+        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
+    )?;
+    for (tag, fields) in [("PointData", at_nodes), ("CellData", at_elements)] {
+        writeln!(out, "<{tag}>")?;
+        for f in fields {
+            field(out, f)?;
+        }
+        writeln!(out, "</{tag}>")?;
+    }
+    writeln!(out, "<Points>")?;
+    field(
+        out,
+        &Field {
+            name: "Points",
+            values: Values::Vectors(&mesh.nodes),
+        },
+    )?;
+    writeln!(out, "</Points>\n<Cells>")?;
+    let size = mesh.kind.nodes();
+    let kind = if size == 8 {
+        HEXAHEDRON
+    } else {
+        QUADRATIC_HEXAHEDRON
+    };
+    let connectivity = mesh
+        .connectivity
+        .iter()
+        .map(|&n| i64::from(n).to_le_bytes());
+    array(out, "connectivity", "Int64", 1, connectivity)?;
+    let offsets = (1..=cells).map(|i| ((i * size) as i64).to_le_bytes());
+    array(out, "offsets", "Int64", 1, offsets)?;
+    array(out, "types", "UInt8", 1, (0..cells).map(|_| [kind]))?;
+    writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")?;
+    Ok(())
+}
+
+/// Where nodes stand on a gear, for [`write`]: `bore` is 1 on the bore; `flank` is the number of the tooth from 1
+/// on its left flank and minus that on its right one; `cut` is -1 and 1 on the cuts of a sector; 0 elsewhere.
+#[must_use]
+pub fn membership(mesh: &Mesh) -> [(&'static str, Vec<i32>); 3] {
+    let mut found = ["bore", "flank", "cut"].map(|name| (name, vec![0; mesh.nodes.len()]));
+    for (name, nodes) in &mesh.node_sets {
+        let flank = || {
+            let (number, side) = name
+                .strip_prefix("flank_")?
+                .split_at_checked(name.len() - 7)?;
+            let number: i32 = number.parse().ok()?;
+            Some(if side == "r" { -number } else { number })
+        };
+        let (which, value) = match name.as_str() {
+            "bore" => (0, 1),
+            "cut_low" => (2, -1),
+            "cut_high" => (2, 1),
+            _ => match flank() {
+                Some(value) => (1, value),
+                None => continue,
+            },
+        };
+        for &n in nodes {
+            found[which].1[n as usize] = value;
+        }
+    }
+    found
+}
+
+fn field(out: &mut dyn Write, f: &Field<'_>) -> io::Result<()> {
+    match f.values {
+        Values::Scalars(v) => array(out, f.name, "Float64", 1, v.iter().map(|x| x.to_le_bytes())),
+        Values::Integers(v) => array(out, f.name, "Int32", 1, v.iter().map(|x| x.to_le_bytes())),
+        Values::Vectors(v) => {
+            let bytes = v.iter().flat_map(|x| [x.x, x.y, x.z].map(f64::to_le_bytes));
+            array(out, f.name, "Float64", 3, bytes)
+        }
+    }
+}
+
+/// One array: its head, the number of its bytes, its bytes.
+fn array<const N: usize>(
+    out: &mut dyn Write,
+    name: &str,
+    kind: &str,
+    components: usize,
+    values: impl Iterator<Item = [u8; N]>,
+) -> io::Result<()> {
+    let mut bytes = vec![0; 8];
+    bytes.extend(values.flatten());
+    let length = (bytes.len() - 8) as u64;
+    bytes[..8].copy_from_slice(&length.to_le_bytes());
+    let name = name
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;");
+    writeln!(
+        out,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
+    )?;
+    out.write_all(&base64(&bytes))?;
+    writeln!(out, "\n</DataArray>")
+}
+
+/// Base64 with padding (RFC 4648, section 4).
+fn base64(bytes: &[u8]) -> Vec<u8> {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = Vec::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let at = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
+        let word = at(0) << 16 | at(1) << 8 | at(2);
+        for digit in 0..4 {
+            text.push(if digit <= three.len() {
+                DIGITS[(word >> (18 - 6 * digit) & 63) as usize]
+            } else {
+                b'='
+            });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{ElementKind, GearMeshParams, sector};
+    use gearbench_models::geometry::{Gear, GearParams};
+
+    #[test]
+    fn base64_of_the_standard() {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text.as_bytes());
+        }
+    }
+
+    /// Bytes of a named array, decoded bit by bit.
+    fn read(text: &str, name: &str) -> Vec<u8> {
+        let from = text.find(&format!("Name=\"{name}\"")).expect(name);
+        let body = text[from..].split_once('>').unwrap().1;
+        let body = body.split_once('<').unwrap().0.trim();
+        let mut bits = Vec::new();
+        for c in body.bytes().filter(|&c| c != b'=') {
+            let v = match c {
+                b'A'..=b'Z' => c - b'A',
+                b'a'..=b'z' => c - b'a' + 26,
+                b'0'..=b'9' => c - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                other => panic!("{other} is no digit"),
+            };
+            bits.extend((0..6).rev().map(|k| v >> k & 1));
+        }
+        let bytes: Vec<u8> = bits
+            .chunks_exact(8)
+            .map(|b| b.iter().fold(0, |v, &bit| v << 1 | bit))
+            .collect();
+        let length = u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
+        assert_eq!(bytes.len(), 8 + length, "{name}");
+        bytes[8..].to_vec()
+    }
+
+    fn floats(bytes: &[u8]) -> Vec<f64> {
+        bytes
+            .chunks_exact(8)
+            .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+            .collect()
+    }
+
+    #[test]
+    fn what_is_written_reads_back_bit_for_bit() {
+        let g = Gear::new(GearParams {
+            teeth: 20,
+            module: 4e-3,
+            bore_radius: 15e-3,
+            ..GearParams::default()
+        })
+        .unwrap();
+        for kind in [ElementKind::C3D8, ElementKind::C3D20] {
+            let p = GearMeshParams {
+                kind,
+                ..GearMeshParams::default()
+            };
+            let mesh = sector(&g, &p).unwrap().mesh;
+            let u: Vec<Vec3> = mesh.nodes.iter().map(|x| x * 1e-3).collect();
+            let jacobian: Vec<f64> = crate::mesh::element_qualities(&mesh)
+                .map(|q| q.scaled_jacobian)
+                .collect();
+            let sets = membership(&mesh);
+            let mut fields = vec![Field {
+                name: "u",
+                values: Values::Vectors(&u),
+            }];
+            fields.extend(sets.iter().map(|(name, v)| Field {
+                name,
+                values: Values::Integers(v),
+            }));
+            let cells = [Field {
+                name: "a < \"b\" & c",
+                values: Values::Scalars(&jacobian),
+            }];
+            let mut out = Vec::new();
+            write(&mut out, &mesh, &fields, &cells).unwrap();
+            let text = String::from_utf8(out).unwrap();
+            let flat = |v: &[Vec3]| v.iter().flat_map(|x| [x.x, x.y, x.z]).collect::<Vec<_>>();
+            assert_eq!(floats(&read(&text, "Points")), flat(&mesh.nodes));
+            assert_eq!(floats(&read(&text, "u")), flat(&u));
+            assert_eq!(
+                floats(&read(&text, "a &lt; &quot;b&quot; &amp; c")),
+                jacobian
+            );
+            let whole = |name| -> Vec<u32> {
+                let bytes = read(&text, name);
+                let each = bytes.chunks_exact(8);
+                each.map(|b| i64::from_le_bytes(b.try_into().unwrap()) as u32)
+                    .collect()
+            };
+            assert_eq!(whole("connectivity"), mesh.connectivity);
+            let n = kind.nodes() as u32;
+            let ends: Vec<u32> = (1..=mesh.element_count() as u32).map(|i| i * n).collect();
+            assert_eq!(whole("offsets"), ends);
+            let types = read(&text, "types");
+            assert!(types.len() == mesh.element_count());
+            assert!(types.iter().all(|&t| t == if n == 8 { 12 } else { 25 }));
+            let flank: Vec<i32> = read(&text, "flank")
+                .chunks_exact(4)
+                .map(|b| i32::from_le_bytes(b.try_into().unwrap()))
+                .collect();
+            for (i, &f) in flank.iter().enumerate() {
+                let on = |name: &str| mesh.node_sets[name].contains(&(i as u32));
+                assert_eq!((f == 1, f == -1), (on("flank_1l"), on("flank_1r")));
+            }
+        }
+    }
+
+    #[test]
+    fn fields_of_another_length_are_refused() {
+        let mesh = Mesh {
+            nodes: vec![],
+            kind: ElementKind::C3D8,
+            connectivity: vec![],
+            node_sets: Default::default(),
+            face_sets: Default::default(),
+        };
+        let mut out = Vec::new();
+        let field = Field {
+            name: "u",
+            values: Values::Scalars(&[1.0]),
+        };
+        let e = write(&mut out, &mesh, &[field], &[])
+            .unwrap_err()
+            .to_string();
+        assert!(e.contains("`u`") && e.contains("0 nodes"), "{e}");
+        assert!(out.is_empty());
+    }
+}
