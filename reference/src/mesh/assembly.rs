@@ -48,7 +48,7 @@ impl Assembly {
         let planes = plan.planes.len();
         let cut = t.section.cut * planes;
         let all = t.used.len();
-        plan.positions(t, plan.first_turn + place as i64, &mut self.positions);
+        plan.positions(t, plan.turn(place), &mut self.positions);
         self.ids.clear();
         self.ids.resize(all, u32::MAX);
         let mut from = 0;

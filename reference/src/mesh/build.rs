@@ -103,12 +103,14 @@ pub fn rack(rack: &Rack, params: &RackMeshParams) -> Result<GearMesh, MeshError>
         )?,
         planes: planes(p.width, rack.face_width(), None, refine(p.kind)),
         web: None,
+        // The section's left side points down: teeth join from the highest to the lowest.
         teeth: (0..i64::from(n))
+            .rev()
             .map(|k| (first + k).rem_euclid(i64::from(n)) as u32)
             .collect(),
         all_teeth: n,
         closed: false,
-        first_turn: first,
+        first_turn: first + i64::from(n) - 1,
         fine: p.fine_teeth.as_ref(),
         tooth: p.tooth,
         layers: p.layers,
@@ -133,7 +135,7 @@ pub(super) struct Plan<'a> {
     pub(super) all_teeth: u32,
     /// The last tooth joins the first.
     pub(super) closed: bool,
-    /// Pitches by which the first of them is turned.
+    /// Pitches by which the first of them stands from tooth 0.
     pub(super) first_turn: i64,
     pub(super) fine: Option<&'a FineTeeth>,
     pub(super) tooth: Tooth,
@@ -156,7 +158,6 @@ pub(super) struct Template {
 impl Plan<'_> {
     fn build(&self) -> Result<GearMesh, MeshError> {
         let mut fine = vec![true; self.all_teeth as usize];
-        let mut templates = vec![self.template(&self.tooth)];
         if let Some(f) = self.fine {
             check_tooth(f.others, self.layers)?;
             fine.fill(false);
@@ -171,20 +172,21 @@ impl Plan<'_> {
                     }
                 }
             }
-            templates.push(self.template(&f.others));
         }
-        let template = |tooth: u32| &templates[usize::from(!fine[tooth as usize])];
-        let estimate: f64 = self
-            .teeth
-            .iter()
-            .map(|&k| template(k).used.len() as f64)
-            .sum();
+        let counts = |tooth: u32| match self.fine {
+            Some(f) if !fine[tooth as usize] => &f.others,
+            _ => &self.tooth,
+        };
+        let estimate: f64 = self.teeth.iter().map(|&k| self.nodes_of(counts(k))).sum();
         if estimate > MOST_NODES {
             return Err(MeshError::TooLarge {
                 nodes: estimate,
                 limit: MOST_NODES,
             });
         }
+        let mut templates = vec![self.template(&self.tooth)];
+        templates.extend(self.fine.map(|f| self.template(&f.others)));
+        let template = |tooth: u32| &templates[usize::from(!fine[tooth as usize])];
         for t in &templates {
             self.check(t)?;
         }
@@ -194,6 +196,22 @@ impl Plan<'_> {
             out.tooth(self, template(tooth), place, tooth);
         }
         Ok(out.finish(self))
+    }
+
+    /// About as many nodes has a tooth.
+    fn nodes_of(&self, t: &Tooth) -> f64 {
+        let core = t.across - 2 * self.layers;
+        let root = t.fillet + t.root;
+        let levels = self.common.level_count();
+        let quads = 2 * (t.flank + root) * self.layers
+            + (t.flank + t.fillet) * core
+            + (2 * root + core) * levels;
+        let layers = self.layers_over_width() as f64;
+        // Three more nodes for every element that has mid-side nodes.
+        match refine(self.kind) {
+            1 => quads as f64 * (layers + 1.0),
+            _ => quads as f64 * (4.0 * layers + 3.0),
+        }
     }
 
     pub(super) fn layers_over_width(&self) -> usize {
@@ -239,6 +257,14 @@ impl Plan<'_> {
             rolled,
             elements,
             element_of,
+        }
+    }
+
+    /// Pitches from tooth 0 to a place.
+    pub(super) fn turn(&self, place: usize) -> i64 {
+        match self.body {
+            Body::Gear(_) => self.first_turn + place as i64,
+            Body::Rack(_) => self.first_turn - place as i64,
         }
     }
 

@@ -11,6 +11,8 @@
 //!   Sets are named from 1, as the decks have them: `flank_1l` is the left flank of tooth 0.
 
 mod assembly;
+#[cfg(test)]
+mod body_tests;
 mod build;
 mod checks;
 mod error;

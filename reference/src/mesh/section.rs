@@ -97,6 +97,11 @@ impl<'a> Common<'a> {
         })
     }
 
+    /// Elements from the skin to the bore.
+    pub(super) fn level_count(&self) -> usize {
+        (self.levels.len() - 1) / self.refine
+    }
+
     /// The level `d` of a column that begins at `top` and arrives at the bore at `foot`.
     fn in_column(&self, top: Plane, foot: f64, d: usize) -> Plane {
         if d == 0 {
@@ -233,18 +238,24 @@ impl Surface {
         let flank = start.len() - 1;
         let roll_form = follows[flank].0;
 
-        // Even steps over the fillet and over the arc, or over both where the arc is too short for its own.
+        // Even steps over the fillet and over the arc, or over both where one is too short for its own.
         let (lf, la) = (root.fillet_length(), root.arc_length());
         let (nf, na) = (tooth.fillet, tooth.root);
+        let (sf, sa) = (lf / nf as f64, la / na as f64);
         let mut ends = vec![0.0];
-        if la / na as f64 >= 0.35 * lf / nf as f64 {
-            ends.extend((1..=nf).map(|i| lf * i as f64 / nf as f64));
-            ends.extend((1..=na).map(|i| lf + la * i as f64 / na as f64));
+        if sa >= 0.35 * sf && sf >= 0.2 * sa {
+            ends.extend((1..=nf).map(|i| sf * i as f64));
+            ends.extend((1..=na).map(|i| lf + sa * i as f64));
         } else {
             ends.extend((1..=nf + na).map(|i| (lf + la) * i as f64 / (nf + na) as f64));
         }
         let lengths = refined(&ends, f);
-        let first = root.dip(0.0).min(1.2);
+        // A sharp tool leaves no fillet on a rack: the row into the edge halves its angle.
+        let sharp = lf < 0.02 * (lf + la);
+        let first = if sharp { 0.0 } else { root.dip(0.0).min(1.2) };
+        if sharp {
+            dip[flank] = FRAC_PI_4;
+        }
         for &length in &lengths[1..] {
             let natural = root.dip(length);
             start.push(root.at(length));
@@ -271,6 +282,9 @@ impl Surface {
                 } else {
                     dip[j].sin_cos()
                 };
+                // A thin rim leaves no more room.
+                let room = start[j][1] + 0.5 * common.rim_depth;
+                let thickness = thickness.min(room / sin.max(1e-3));
                 [start[j][0] - thickness * cos, start[j][1] - thickness * sin]
             })
             .collect();
@@ -280,7 +294,7 @@ impl Surface {
             dip[j] = 0.5 * (dip[j - 1] + dip[j + 1]);
         }
         // Corner of the core: a whole element from the form circle and from the middle of the space.
-        let corner = (1..nf + na)
+        let corner = (usize::from(!sharp)..nf + na)
             .map(|k| flank + k * f)
             .min_by(|&a, &b| {
                 let away = |j: usize| (dip[j] - FRAC_PI_4).abs();

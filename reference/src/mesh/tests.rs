@@ -1,7 +1,7 @@
 use super::*;
 use gearbench_models::geometry::{Gear, GearParams, Side};
 
-fn params(teeth: u32) -> GearParams {
+pub(super) fn params(teeth: u32) -> GearParams {
     GearParams {
         teeth,
         module: 4e-3,
@@ -10,16 +10,16 @@ fn params(teeth: u32) -> GearParams {
 }
 
 /// A gear with its bore at a part of the root radius.
-fn bored(mut p: GearParams, part: f64) -> Gear {
+pub(super) fn bored(mut p: GearParams, part: f64) -> Gear {
     p.bore_radius = part * Gear::new(p.clone()).unwrap().r_root();
     Gear::new(p).unwrap()
 }
 
-fn spur(teeth: u32) -> Gear {
+pub(super) fn spur(teeth: u32) -> Gear {
     bored(params(teeth), 0.5)
 }
 
-fn small() -> GearMeshParams {
+pub(super) fn small() -> GearMeshParams {
     GearMeshParams {
         width: 2,
         ..GearMeshParams::default()
@@ -27,7 +27,7 @@ fn small() -> GearMeshParams {
 }
 
 /// Every node belongs to an element, every inner face to exactly two.
-fn assert_conforming(mesh: &Mesh) -> usize {
+pub(super) fn assert_conforming(mesh: &Mesh) -> usize {
     let mut used = vec![false; mesh.nodes.len()];
     let mut faces = std::collections::HashMap::new();
     for e in 0..mesh.element_count() {
