@@ -21,6 +21,11 @@ const MOST_NODES: f64 = 5e7;
 /// # Errors
 /// [`MeshError`] when a count is out of range, the gear is solid, or an element would be turned inside out.
 pub fn gear(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError> {
+    plan(gear, params)?.build()
+}
+
+/// Checks what is asked for.
+fn plan<'a>(gear: &'a Gear, params: &'a GearMeshParams) -> Result<Plan<'a>, MeshError> {
     let p = params;
     let bore = gear.params().bore_radius;
     check_counts(p.tooth, p.layers, p.rim, p.width)?;
@@ -41,7 +46,7 @@ pub fn gear(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError>
     let b = gear.face_width();
     let planes = planes(p.width, b, p.web.as_ref(), refine(p.kind));
     let z = gear.teeth();
-    Plan {
+    Ok(Plan {
         body,
         kind: p.kind,
         common: Common::new(
@@ -62,8 +67,7 @@ pub fn gear(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError>
         fine: p.fine_teeth.as_ref(),
         tooth: p.tooth,
         layers: p.layers,
-    }
-    .build()
+    })
 }
 
 /// Meshes one sector of a gear: [`gear`] with [`GearMeshParams::sector`].
@@ -361,5 +365,35 @@ impl Plan<'_> {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::tests::{small, spur};
+
+    /// No sound input is known that gives a bad element: one is made by hand.
+    #[test]
+    fn an_element_turned_inside_out_is_refused_with_its_place() {
+        let (g, p) = (spur(20), small());
+        let plan = plan(&g, &p).unwrap();
+        plan.check(&plan.template(&p.tooth)).unwrap();
+        for part in [Part::Flank, Part::Fillet, Part::Core, Part::Rim] {
+            let mut bad = plan.template(&p.tooth);
+            let quad = bad.section.quads.iter().find(|q| q.part == part).unwrap();
+            let [a, c] = [quad.nodes[0], quad.nodes[2]].map(|n| n as usize);
+            bad.rolled.swap(a, c);
+            let e = plan.check(&bad).unwrap_err();
+            let MeshError::Inverted { at, jacobian, .. } = e else {
+                panic!("{e}")
+            };
+            assert!(jacobian <= 0.0);
+            assert!(at.iter().all(|x| x.abs() < g.r_tip()));
+            assert!(e.to_string().contains("use "), "{e}");
+            // A node that is not a number must not slip through either.
+            bad.rolled[a] = [f64::NAN; 2];
+            assert!(plan.check(&bad).is_err());
+        }
     }
 }

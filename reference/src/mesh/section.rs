@@ -242,16 +242,17 @@ impl Surface {
         let (lf, la) = (root.fillet_length(), root.arc_length());
         let (nf, na) = (tooth.fillet, tooth.root);
         let (sf, sa) = (lf / nf as f64, la / na as f64);
+        // A sharp tool leaves no fillet on a rack, and next to none on large gears: then the row into the edge
+        // halves its angle and ends in the corner of the core.
+        let sharp = sf < 0.05 * sa;
         let mut ends = vec![0.0];
-        if sa >= 0.35 * sf && sf >= 0.2 * sa {
+        if sa >= 0.35 * sf && !sharp {
             ends.extend((1..=nf).map(|i| sf * i as f64));
             ends.extend((1..=na).map(|i| lf + sa * i as f64));
         } else {
             ends.extend((1..=nf + na).map(|i| (lf + la) * i as f64 / (nf + na) as f64));
         }
         let lengths = refined(&ends, f);
-        // A sharp tool leaves no fillet on a rack: the row into the edge halves its angle.
-        let sharp = lf < 0.02 * (lf + la);
         let first = if sharp { 0.0 } else { root.dip(0.0).min(1.2) };
         if sharp {
             dip[flank] = FRAC_PI_4;
