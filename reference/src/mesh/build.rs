@@ -2,7 +2,7 @@
 //! along the helix.
 
 use super::assembly::Assembly;
-use super::checks::{check_counts, check_ratios, check_tooth, check_web};
+use super::checks::{check_counts, check_ratios, check_web};
 use super::error::MeshError;
 use super::params::{FineTeeth, GearMeshParams, RackMeshParams, Tooth, Web};
 use super::profile::{Body, Plane};
@@ -28,7 +28,7 @@ pub fn gear(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError>
 fn plan<'a>(gear: &'a Gear, params: &'a GearMeshParams) -> Result<Plan<'a>, MeshError> {
     let p = params;
     let bore = gear.params().bore_radius;
-    check_counts(p.tooth, p.layers, p.rim, p.width)?;
+    let layers = check_counts(p.tooth, p.fine_teeth.as_ref(), p.layers, p.rim, p.width)?;
     check_ratios(p.flank_grading, p.skin_growth, p.rim_growth)?;
     if bore <= 0.0 {
         return Err(MeshError::NoBore {
@@ -53,7 +53,7 @@ fn plan<'a>(gear: &'a Gear, params: &'a GearMeshParams) -> Result<Plan<'a>, Mesh
             body,
             &p.tooth,
             refine(p.kind),
-            p.layers,
+            layers,
             p.rim,
             (p.flank_grading, p.skin_growth, p.rim_growth),
             p.web.as_ref(),
@@ -66,7 +66,7 @@ fn plan<'a>(gear: &'a Gear, params: &'a GearMeshParams) -> Result<Plan<'a>, Mesh
         first_turn: 0,
         fine: p.fine_teeth.as_ref(),
         tooth: p.tooth,
-        layers: p.layers,
+        layers,
     })
 }
 
@@ -88,7 +88,7 @@ pub fn sector(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshErro
 /// As [`gear`].
 pub fn rack(rack: &Rack, params: &RackMeshParams) -> Result<GearMesh, MeshError> {
     let p = params;
-    check_counts(p.tooth, p.layers, p.body, p.width)?;
+    let layers = check_counts(p.tooth, p.fine_teeth.as_ref(), p.layers, p.body, p.width)?;
     check_ratios(p.flank_grading, p.skin_growth, p.body_growth)?;
     let body = Body::Rack(rack);
     let n = rack.teeth();
@@ -100,7 +100,7 @@ pub fn rack(rack: &Rack, params: &RackMeshParams) -> Result<GearMesh, MeshError>
             body,
             &p.tooth,
             refine(p.kind),
-            p.layers,
+            layers,
             p.body,
             (p.flank_grading, p.skin_growth, p.body_growth),
             None,
@@ -117,7 +117,7 @@ pub fn rack(rack: &Rack, params: &RackMeshParams) -> Result<GearMesh, MeshError>
         first_turn: first + i64::from(n) - 1,
         fine: p.fine_teeth.as_ref(),
         tooth: p.tooth,
-        layers: p.layers,
+        layers,
     }
     .build()
 }
@@ -163,7 +163,6 @@ impl Plan<'_> {
     fn build(&self) -> Result<GearMesh, MeshError> {
         let mut fine = vec![true; self.all_teeth as usize];
         if let Some(f) = self.fine {
-            check_tooth(f.others, self.layers)?;
             fine.fill(false);
             for &tooth in &f.teeth {
                 match fine.get_mut(tooth as usize) {

@@ -1,7 +1,7 @@
 //! Refuses counts, ratios and webs that no mesh can have.
 
 use super::error::MeshError;
-use super::params::{Tooth, Web};
+use super::params::{FineTeeth, Tooth, Web};
 use gearbench_models::geometry::Gear;
 
 /// Greatest count of anything.
@@ -24,28 +24,36 @@ fn check_count(
     }
 }
 
-pub(super) fn check_tooth(tooth: Tooth, layers: usize) -> Result<(), MeshError> {
+fn check_tooth(tooth: Tooth) -> Result<(), MeshError> {
     check_count("elements along the flank", tooth.flank, 1, "1 to 1000")?;
     check_count("elements along the fillet", tooth.fillet, 2, "2 to 1000")?;
     check_count("elements on the root arc", tooth.root, 1, "1 to 1000")?;
     check_count(
         "elements across the tooth",
         tooth.across,
-        2 * layers + 1,
-        "more than twice the layers of the skin (there is a skin on both sides), at most 1000",
+        3,
+        "3 to 1000: a skin on both sides and a core",
     )
 }
 
+/// Checks all counts and gives the layers of the skin that every tooth has room for.
 pub(super) fn check_counts(
     tooth: Tooth,
+    fine: Option<&FineTeeth>,
     layers: usize,
     rim: usize,
     width: usize,
-) -> Result<(), MeshError> {
+) -> Result<usize, MeshError> {
     check_count("layers of the skin", layers, 1, "1 to 1000")?;
-    check_tooth(tooth, layers)?;
     check_count("layers of the rim", rim, 1, "1 to 1000")?;
-    check_count("layers over the width", width, 1, "1 to 1000")
+    check_count("layers over the width", width, 1, "1 to 1000")?;
+    let mut across = tooth.across;
+    check_tooth(tooth)?;
+    if let Some(f) = fine {
+        check_tooth(f.others)?;
+        across = across.min(f.others.across);
+    }
+    Ok(layers.min((across - 1) / 2))
 }
 
 pub(super) fn check_ratios(flank: f64, skin: f64, rim: Option<f64>) -> Result<(), MeshError> {

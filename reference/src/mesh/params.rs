@@ -16,8 +16,21 @@ pub struct Tooth {
     /// Elements on the root arc between the fillet and the middle of the tooth space, at least 1. Where a large
     /// tool radius leaves no such arc they are spread over the fillet.
     pub root: usize,
-    /// Elements across the tooth from flank to flank, above twice the skin's layers.
+    /// Elements across the tooth from flank to flank, at least 3.
     pub across: usize,
+}
+
+impl Tooth {
+    /// Just enough for a tooth that carries no load: it brings mass and the stiffness of its root.
+    #[must_use]
+    pub fn coarse() -> Self {
+        Tooth {
+            flank: 3,
+            fillet: 2,
+            root: 1,
+            across: 3,
+        }
+    }
 }
 
 impl Default for Tooth {
@@ -66,7 +79,8 @@ pub struct GearMeshParams {
     pub kind: ElementKind,
     /// Elements of a tooth.
     pub tooth: Tooth,
-    /// Layers of the skin under flanks, fillets and root.
+    /// Layers of the skin under flanks, fillets and root; fewer where a tooth has not elements enough across for
+    /// them and a core.
     pub layers: usize,
     /// Layers from the skin of the root to the bore (with a web: to its outer radius).
     pub rim: usize,
@@ -113,7 +127,8 @@ pub struct RackMeshParams {
     pub kind: ElementKind,
     /// Elements of a tooth.
     pub tooth: Tooth,
-    /// Layers of the skin under flanks, fillets and root.
+    /// Layers of the skin under flanks, fillets and root; fewer where a tooth has not elements enough across for
+    /// them and a core.
     pub layers: usize,
     /// Layers from the skin of the root to the back.
     pub body: usize,
