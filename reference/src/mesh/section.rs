@@ -338,14 +338,32 @@ pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
         let sag = (0.5 * u * (0.35 * surface.dip[j]).tan()).min(0.15 * common.rim_depth);
         [t * u, v - sag * (1.0 - t * t)]
     };
-    // Columns gather evenly at the bore as far as the depth gives them room to.
-    let even = (common.depth / (2.0 * common.body.half_pitch())).min(0.9);
-    let foot = |m: usize, top: f64| {
+    let rim_top = |m: usize| -> (Plane, Option<(usize, usize)>) {
+        if m <= low {
+            let j = rows - m;
+            (skin_point(-1.0, j, layers), Some((1, j)))
+        } else if m < low + core_columns {
+            (core_point(corner, m - low), None)
+        } else {
+            let j = corner + (m - low - core_columns);
+            (skin_point(1.0, j, layers), Some((0, j)))
+        }
+    };
+    // Columns gather evenly at the bore as far as they need not lean too much.
+    let at_bore = |m: usize| {
         let t = (2.0 * m as f64 - rim_columns as f64) / rim_columns as f64;
+        t * common.body.half_pitch()
+    };
+    let most = (0..=rim_columns)
+        .map(|m| (at_bore(m) - rim_top(m).0[0]).abs())
+        .fold(0.0, f64::max);
+    let slender = common.depth / (2.0 * common.body.half_pitch());
+    let even = slender.min(0.2 * common.depth / most.max(1e-300)).min(0.9);
+    let foot = |m: usize, top: f64| {
         if m == 0 || m == rim_columns {
             top
         } else {
-            top + (t * common.body.half_pitch() - top) * even
+            top + (at_bore(m) - top) * even
         }
     };
 
@@ -412,17 +430,6 @@ pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
         core.set(j, 0, skins[1].at(j, layers));
         core.set(j, core_columns, skins[0].at(j, layers));
     }
-    let rim_top = |m: usize| -> (Plane, Option<(usize, usize)>) {
-        if m <= low {
-            let j = rows - m;
-            (skin_point(-1.0, j, layers), Some((1, j)))
-        } else if m < low + core_columns {
-            (core_point(corner, m - low), None)
-        } else {
-            let j = corner + (m - low - core_columns);
-            (skin_point(1.0, j, layers), Some((0, j)))
-        }
-    };
     for m in 1..rim_columns {
         column(&mut s, &mut rim, m, rim_top(m).0);
     }
