@@ -24,6 +24,8 @@ struct Factor {
     of_node: HashMap<u32, usize>,
     /// Three columns of `A^-1` per kept node, coordinates in the frame, hub last.
     columns: Vec<f64>,
+    /// The column of the hub's coordinate, once it is asked for.
+    hub: Vec<f64>,
 }
 
 /// Factors and buffers.
@@ -92,6 +94,7 @@ impl Correction {
                     cholesky,
                     of_node: HashMap::new(),
                     columns: Vec::new(),
+                    hub: Vec::new(),
                 },
             );
             return Ok(());
@@ -101,6 +104,7 @@ impl Correction {
         factor.key = [f64::NAN; 3];
         factor.of_node.clear();
         factor.columns.clear();
+        factor.hub.clear();
         factor
             .cholesky
             .refactor(self.matrix.as_ref())
@@ -149,6 +153,12 @@ impl Correction {
         }
         let n = self.n;
         let factor = &mut self.factors[0];
+        let asks_hub = coordinates.iter().any(|&i| (i as usize) < self.own);
+        if asks_hub && factor.hub.is_empty() {
+            factor.hub.resize(n, 0.0);
+            factor.hub[n - 1] = 1.0;
+            factor.cholesky.solve(&mut factor.hub);
+        }
         if (factor.of_node.len() + self.nodes.len()) * 24 * n > COLUMN_BYTES {
             factor.of_node.clear();
             factor.columns.clear();
@@ -178,7 +188,7 @@ impl Correction {
         );
     }
 
-    /// Flexibility `E^T A^-1 E` of some coordinates (the hub's not among them), row-major.
+    /// Flexibility `E^T A^-1 E` of some coordinates, row-major.
     pub fn flexibility(
         &mut self,
         frame: Frame,
@@ -191,35 +201,45 @@ impl Correction {
         self.keep(coordinates);
         let (n, s) = (self.n, coordinates.len());
         let factor = &self.factors[0];
+        let own = self.own;
+        // A node and an axis, or `None` for the hub.
         let split = |i: u32| {
-            let i = i as usize - self.own;
-            ((i / 3) as u32, i % 3)
+            let i = (i as usize).checked_sub(own)?;
+            Some(((i / 3) as u32, i % 3))
         };
         for (col, &j) in coordinates.iter().enumerate() {
-            let (node, axis) = split(j);
-            let mut unit = [0.0; 3];
-            unit[axis] = 1.0;
-            let weights = frame.to_frame(unit);
-            let columns = &factor.columns[3 * factor.of_node[&node] * n..][..3 * n];
+            let (columns, weights) = match split(j) {
+                Some((node, axis)) => {
+                    let mut unit = [0.0; 3];
+                    unit[axis] = 1.0;
+                    let start = 3 * factor.of_node[&node] * n;
+                    (&factor.columns[start..][..3 * n], frame.to_frame(unit))
+                }
+                None => (&factor.hub[..], [1.0, 0.0, 0.0]),
+            };
+            let at_row = |row: usize| -> f64 {
+                let columns = columns.chunks_exact(n);
+                weights.iter().zip(columns).map(|(w, c)| w * c[row]).sum()
+            };
             let (mut last, mut response) = (u32::MAX, [0.0; 3]);
             for (row, &i) in coordinates.iter().enumerate() {
-                let (at, axis) = split(i);
-                if at != last {
-                    let mut own = [0.0; 3];
-                    for (w, column) in weights.iter().zip(columns.chunks_exact(n)) {
-                        for k in 0..3 {
-                            own[k] += w * column[3 * at as usize + k];
+                g[row * s + col] = match split(i) {
+                    Some((at, axis)) => {
+                        if at != last {
+                            let start = 3 * at as usize;
+                            let own = [0, 1, 2].map(|k| at_row(start + k));
+                            (last, response) = (at, frame.to_space(own));
                         }
+                        response[axis]
                     }
-                    (last, response) = (at, frame.to_space(own));
-                }
-                g[row * s + col] = response[axis];
+                    None => at_row(n - 1),
+                };
             }
         }
         Ok(())
     }
 
-    /// `x += A^-1 E f` for forces at some coordinates (the hub's not among them).
+    /// `x += A^-1 E f` for forces at some coordinates.
     pub fn add_response(
         &mut self,
         frame: Frame,
@@ -234,8 +254,12 @@ impl Correction {
         let n = self.n;
         self.small.clear();
         self.small.resize(3 * self.nodes.len(), 0.0);
+        let mut at_hub = 0.0;
         for (&i, f) in coordinates.iter().zip(forces) {
-            let i = i as usize - self.own;
+            let Some(i) = (i as usize).checked_sub(self.own) else {
+                at_hub += f;
+                continue;
+            };
             let node = (i / 3) as u32;
             if let Some(k) = self.nodes.iter().position(|&x| x == node) {
                 self.small[3 * k + i % 3] += f;
@@ -252,6 +276,9 @@ impl Correction {
             for (((y, a), b), c) in self.buffer.iter_mut().zip(a).zip(b).zip(c) {
                 *y += f[0] * a + f[1] * b + f[2] * c;
             }
+        }
+        for (y, c) in self.buffer.iter_mut().zip(&factor.hub) {
+            *y += at_hub * c;
         }
         let (of_nodes, of_hub) = self.buffer.split_at_mut(n - self.own);
         frame.all_to_space(of_nodes);
