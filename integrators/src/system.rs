@@ -168,6 +168,12 @@ pub trait SecondOrderSystem {
         crate::dense_solve::correct_by_columns(self, at, c, rhs_to_x)
     }
 
+    /// Factorisations that corrections needed so far, for systems that keep factors; `None` where every correction
+    /// factorises afresh.
+    fn factorisations(&self) -> Option<u64> {
+        None
+    }
+
     /// `df = (df/dq) dq + (df/dv) dv`: the tangent applied to a direction.
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]);
 

@@ -164,3 +164,49 @@ fn condensed_incompatible_modes_meet_the_quadratic_element_at_as_many_unknowns()
     println!("| refined z = 20, condensed C3D8I to C3D20R | 20 | {d:.1e} |");
     assert!(d < 0.01, "{d:.2e}");
 }
+
+/// A gear that gearbench meshed and wrote, solved by CalculiX as a whole and here from one sector.
+#[test]
+fn two_hundred_modes_of_a_generated_gear() {
+    let body = Gear::new(GearParams {
+        teeth: 24,
+        module: 4e-3,
+        face_width: 0.02,
+        bore_radius: 0.02,
+        ..GearParams::default()
+    })
+    .unwrap();
+    // As `calculix/modal/SOURCE.md` says.
+    let params = GearMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth {
+            flank: 9,
+            fillet: 6,
+            root: 3,
+            across: 8,
+        },
+        layers: 2,
+        rim: 6,
+        width: 6,
+        ..GearMeshParams::default()
+    };
+    let section = sector(&body, &params).unwrap();
+    let stored = table("eig_z24_generated.csv", "C3D8_hz");
+    let modes = cyclic::lowest(
+        &section,
+        &Material::STEEL,
+        &Hub::fixed(),
+        stored.len(),
+        &Options::default(),
+    )
+    .unwrap();
+    assert_eq!(modes.unknowns, 108_864);
+    let worst = modes
+        .frequencies()
+        .iter()
+        .zip(&stored)
+        .map(|(f, t)| (f / t - 1.0).abs())
+        .fold(0.0, f64::max);
+    println!("generated gear, {} modes: {worst:.1e}", stored.len());
+    assert!(worst < 1e-5, "{worst:e}");
+}

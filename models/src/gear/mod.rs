@@ -215,6 +215,11 @@ pub trait GearModel {
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular>;
 
+    /// Factorisations that [`Self::correct`] needed so far, for gears that keep factors.
+    fn factorisations(&self) -> Option<u64> {
+        None
+    }
+
     /// True for gears with many coordinates of which a contact touches few: the scene then condenses the
     /// Newton correction to those, with [`Self::condensed`] and [`Self::add_response`].
     fn prefers_condensed(&self) -> bool {

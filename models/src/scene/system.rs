@@ -181,6 +181,11 @@ impl SecondOrderSystem for Scene {
         result
     }
 
+    fn factorisations(&self) -> Option<u64> {
+        let kept = self.gears.iter().filter_map(|g| g.model.factorisations());
+        kept.reduce(|a, b| a + b)
+    }
+
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
         for g in &mut self.gears {

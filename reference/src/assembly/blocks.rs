@@ -217,6 +217,23 @@ impl ScalarMatrix {
         &self.values
     }
 
+    /// Lumps every entry between a held and a free node onto both of them: row sums stay.
+    pub fn decouple(&mut self, held: impl Fn(usize) -> bool) {
+        for row in 0..self.pattern.nodes() {
+            let range = self.pattern.row(row);
+            let diagonal = range.start;
+            for place in range.skip(1) {
+                let column = self.pattern.columns[place] as usize;
+                if held(row) != held(column) {
+                    let lumped = std::mem::take(&mut self.values[place]);
+                    self.values[diagonal] += lumped;
+                    let other = self.pattern.row(column).start;
+                    self.values[other] += lumped;
+                }
+            }
+        }
+    }
+
     /// Adds an element's matrix, row-major over `n` nodes.
     pub fn add(&mut self, nodes: &[u32], m: &[f64]) {
         let n = nodes.len();

@@ -9,6 +9,7 @@ use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::placement::Placement;
+use gearbench_models::mount::Mount;
 use gearbench_models::stiffness::Material;
 
 /// A gear's finite elements with the hub's nodes taken out.
@@ -43,7 +44,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// Prepares a mesh in its assembled position; `moves` is false where the hub's motion is prescribed.
+    /// Prepares a mesh in its assembled position on a hub with this mount.
+    ///
+    /// Where the hub is driven the mass between held and free nodes is lumped: the power of the drive then
+    /// follows from the state alone, without the accelerations that contact makes.
     ///
     /// # Errors
     /// An element that is turned inside out.
@@ -51,7 +55,7 @@ impl Body {
         mesh: GearMesh,
         material: &Material,
         placement: &Placement,
-        moves: bool,
+        mount: &Mount,
         mass: MassKind,
         added_inertia: f64,
     ) -> Result<Body, ElementError> {
@@ -65,12 +69,16 @@ impl Body {
         for x in &mut mesh.nodes {
             *x = pose.point(x) - placement.centre;
         }
-        let assembly = assemble(&mesh, material)?;
+        let mut assembly = assemble(&mesh, material)?;
         let position = mesh.nodes;
         let motion = slide.map_or(HubMotion::Turn, HubMotion::Slide);
+        let moves = matches!(mount, Mount::Revolute | Mount::Prismatic);
         let motions: &[HubMotion] = if moves { &[motion] } else { &[] };
         let tie = Tie::new(&position, &bore, motions);
         let (free, place) = (tie.free().to_vec(), tie.places().to_vec());
+        if matches!(mount, Mount::Driven(_)) {
+            assembly.mass.decouple(|node| place[node] == Tie::HELD);
+        }
         let added = [added_inertia];
         let reduced = tie.reduce(&assembly, &added[..motions.len()], mass);
 

@@ -80,12 +80,6 @@ impl FullOrder {
         &self.body
     }
 
-    /// Factorisations of Newton matrices so far.
-    #[must_use]
-    pub fn factorisations(&self) -> u64 {
-        self.correction.factorisations()
-    }
-
     #[inline]
     fn slide(&self) -> Option<&Vec3> {
         self.hub.slide.as_ref()
@@ -132,6 +126,18 @@ impl FullOrder {
                 of_node.copy_from_slice(&d[3 * place as usize..][..3]);
             }
         }
+    }
+
+    /// Moment (or force along the slide) of the elastic forces `g` at the free nodes on the hub.
+    fn torque(&self, u: &[f64], g: &[f64]) -> f64 {
+        self.body
+            .free
+            .iter()
+            .map(|&node| {
+                let node = node as usize;
+                dot3(self.arm(node, u), &g[3 * node..3 * node + 3])
+            })
+            .sum()
     }
 
     /// Corner nodes and weights of a point; a point of the smooth flank without its element has none.
@@ -292,18 +298,15 @@ impl GearModel for FullOrder {
         let Nodal { u, g, .. } = &mut *nodal;
         self.elastic(frame, at.q, u);
         self.body.assembly.stiffness.apply(u, g);
-        let mut torque = 0.0;
+        if self.own > 0 {
+            f[0] += self.torque(u, g);
+        }
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let of_node = [g[3 * node], g[3 * node + 1], g[3 * node + 2]];
-            torque += dot3(self.arm(node, u), &of_node);
-            let force = frame.to_space(of_node);
+            let force = frame.to_space([g[3 * node], g[3 * node + 1], g[3 * node + 2]]);
             for axis in 0..3 {
                 f[self.own + 3 * k + axis] -= force[axis];
             }
-        }
-        if self.own > 0 {
-            f[0] += torque;
         }
         let speed = self.hub.speed(at.t, at.v);
         for &(k, pull) in &self.body.pull {
@@ -452,6 +455,10 @@ impl GearModel for FullOrder {
         self.correction.solve(frame, c, hub_damping, rhs_to_x)
     }
 
+    fn factorisations(&self) -> Option<u64> {
+        Some(self.correction.factorisations())
+    }
+
     fn prefers_condensed(&self) -> bool {
         true
     }
@@ -499,6 +506,18 @@ impl GearModel for FullOrder {
             strain: 0.5 * dot(u, g),
             contact: 0.0,
         }
+    }
+
+    fn driven_power(&self, at: At<'_>) -> f64 {
+        if !matches!(self.hub.mount, Mount::Driven(_)) {
+            return 0.0;
+        }
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, .. } = &mut *nodal;
+        self.elastic(self.frame(at), at.q, u);
+        self.body.assembly.stiffness.apply(u, g);
+        let inertia = self.body.hub_inertia * self.prescribed_acceleration(at.t);
+        self.hub.speed(at.t, at.v) * (inertia - self.torque(u, g))
     }
 
     fn has_powers(&self) -> bool {

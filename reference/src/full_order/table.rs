@@ -7,7 +7,6 @@ use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
 use crate::{deck, mesh};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::spec::{Body as Toothing, BuildError, Value};
 use std::path::Path;
 
@@ -247,12 +246,11 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
-    let moves = !matches!(context.hub.mount, Mount::Fixed | Mount::Driven(_));
     let body = Body::new(
         mesh,
         &context.material,
         &context.placement,
-        moves,
+        &context.hub.mount,
         mass,
         context.added_inertia,
     )

@@ -56,9 +56,16 @@ fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
 
 fn gear(mount: Mount, slide: Option<Vec3>, mass: MassKind) -> FullOrder {
     let hub = hub(mount, slide);
-    let moves = hub.coordinates() > 0;
     let placement = Placement::new(&hub, 0.3);
-    let body = Body::new(ring(10), &Material::STEEL, &placement, moves, mass, 1e-4).unwrap();
+    let body = Body::new(
+        ring(10),
+        &Material::STEEL,
+        &placement,
+        &hub.mount,
+        mass,
+        1e-4,
+    )
+    .unwrap();
     FullOrder::new(hub, 0.04, body)
 }
 
@@ -303,5 +310,35 @@ fn kept_columns_give_the_response_of_the_whole_gear() {
             let at_node: f64 = (0..5).map(|j| g[5 * row + j] * forces[j]).sum();
             assert!((at_node - expected[i as usize]).abs() < 1e-12 * size);
         }
+    }
+}
+
+#[test]
+fn a_drive_puts_in_what_the_energy_gains() {
+    for mass in [MassKind::Consistent, MassKind::Lumped] {
+        let ramp = Profile::Ramp {
+            from: 30.0,
+            to: 80.0,
+            start: 0.0,
+            end: 1.0,
+        };
+        let mut gear = gear(Mount::Driven(ramp), None, mass);
+        let t = 0.5;
+        let (q, v) = state(&gear, gear.hub().travel(t, &[]), gear.hub().speed(t, &[]));
+        let mut a = vec![0.0; q.len()];
+        gear.internal_force(at(t, &q, &v), &mut a);
+        gear.solve_mass(at(t, &q, &v), &mut a);
+        let h = 1e-9;
+        let energy = |sign: f64| {
+            let (mut q, mut v) = (q.clone(), v.clone());
+            for i in 0..q.len() {
+                q[i] += sign * h * (v[i] + 0.5 * sign * h * a[i]);
+                v[i] += sign * h * a[i];
+            }
+            gear.energy(at(t + sign * h, &q, &v)).total()
+        };
+        let gain = (energy(1.0) - energy(-1.0)) / (2.0 * h);
+        let power = gear.driven_power(at(t, &q, &v));
+        assert!((gain / power - 1.0).abs() < 1e-3, "{mass:?} {gain} {power}");
     }
 }
