@@ -218,7 +218,7 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         mesh,
         &context.material,
         &context.placement,
-        false,
+        &Mount::Fixed,
         MassKind::Lumped,
         context.added_inertia,
     )
