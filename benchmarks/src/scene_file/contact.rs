@@ -3,7 +3,7 @@
 //! ```toml
 //! contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } }
 //! contact = { stiffness = "iso6336", exponent = 1.0, friction = { mu = 0.05, v_ref_m_s = 0.01 } }
-//! contact = { penalty_pa_per_m = 1e15, points = { along = 3, across = 2 }, surface = "smooth" }
+//! contact = { penalty_pa_per_m = 1e15, points = { along = 8, across = 2 }, surface = "smooth" }
 //! ```
 
 use super::contact_points;

@@ -51,7 +51,7 @@ pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError
                     n => Err(entry.error(
                         format!("`{name}` is {n}"),
                         format!("expected 1 to {MAX_POINTS}"),
-                        "3 along the profile and 2 across are usual",
+                        "8 along the profile and 2 across are usual",
                     )),
                 }
             };

@@ -72,7 +72,7 @@ impl Correction {
     /// Makes the factor for weights the first of `factors`.
     fn prepare(&mut self, c: Coeffs, hub_damping: f64) -> Result<(), Singular> {
         let key = [c.m, c.k, c.d * hub_damping];
-        if let Some(i) = self.factors.iter().position(|f| f.key == key) {
+        if let Some(i) = self.factors.iter().position(|f| same(&f.key, &key)) {
             self.factors.swap(0, i);
             return Ok(());
         }
@@ -291,6 +291,13 @@ impl Correction {
         }
         Ok(())
     }
+}
+
+/// Steps on a grid differ by rounding: their weights are the same to a correction.
+fn same(a: &[f64; 3], b: &[f64; 3]) -> bool {
+    a.iter()
+        .zip(b)
+        .all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs())
 }
 
 /// The union of two lower triangles: a matrix with that pattern, and the entries of both on it.
