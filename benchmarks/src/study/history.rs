@@ -92,8 +92,10 @@ impl Sink for History {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         let (t0, t1) = (step.from.t, step.to.t);
         let h = t1 - t0;
-        // A long step through a contact is resolved as finely as the contact's own pace asks.
-        let parts = if self.also_steps && self.rows.len() < self.grid.len() + MOST_STEPS {
+        // A long step through a contact is resolved as finely as the contact's own pace asks. Where nothing has
+        // power no damper lets the force jump, and the grid shows all of it.
+        let finely = self.also_steps && sys.has_powers();
+        let parts = if finely && self.rows.len() < self.grid.len() + MOST_STEPS {
             (h / (SAMPLES_PER_PACE * sys.pace(step.to.at())))
                 .ceil()
                 .clamp(1.0, MOST_PARTS)

@@ -16,11 +16,12 @@
 
 use super::body::Body;
 use super::correction::Correction;
-use super::frame::{Frame, unit_motion};
+use super::frame::unit_motion;
+use super::kinematics::dot3;
 use crate::assembly::tie::{MassKind, Tie};
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use gearbench_models::Vec3;
-use gearbench_models::contact::candidate::{Locus, Point, Tooth};
+use gearbench_models::contact::candidate::{Point, Tooth};
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::contact::row::Row;
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
@@ -42,11 +43,11 @@ struct Nodal {
 /// A gear with all its nodal displacements.
 #[derive(Debug)]
 pub struct FullOrder {
-    hub: Hub,
+    pub(super) hub: Hub,
     lever: f64,
-    body: Body,
+    pub(super) body: Body,
     /// Coordinates of the hub: 0 or 1; those of the nodes follow.
-    own: usize,
+    pub(super) own: usize,
     scratch: RefCell<Nodal>,
     correction: Correction,
 }
@@ -79,109 +80,6 @@ impl FullOrder {
     pub fn body(&self) -> &Body {
         &self.body
     }
-
-    #[inline]
-    fn slide(&self) -> Option<&Vec3> {
-        self.hub.slide.as_ref()
-    }
-
-    fn frame(&self, at: At<'_>) -> Frame {
-        Frame::at(self.hub.travel(at.t, at.q), self.slide())
-    }
-
-    /// Slope of a prescribed speed; zero for other mounts.
-    fn prescribed_acceleration(&self, t: f64) -> f64 {
-        match &self.hub.mount {
-            Mount::Driven(speed) => speed.slope(t),
-            _ => 0.0,
-        }
-    }
-
-    /// Elastic displacements of all nodes in the frame.
-    fn elastic(&self, frame: Frame, q: &[f64], u: &mut [f64]) {
-        let d = &q[self.own..];
-        for (k, &node) in self.body.free.iter().enumerate() {
-            let node = node as usize;
-            let e = frame.elastic(&self.body.position[node], &d[3 * k..3 * k + 3]);
-            u[3 * node..][..3].copy_from_slice(&e);
-        }
-        for (node, &place) in self.body.place.iter().enumerate() {
-            if place == Tie::HELD {
-                u[3 * node..][..3].fill(0.0);
-            }
-        }
-    }
-
-    /// Velocities of all nodes in space.
-    fn velocities(&self, frame: Frame, speed: f64, v: &[f64], out: &mut [f64]) {
-        let d = &v[self.own..];
-        for (node, &place) in self.body.place.iter().enumerate() {
-            let of_node = &mut out[3 * node..][..3];
-            if place == Tie::HELD {
-                let unit = unit_motion(&self.body.position[node].into(), self.slide());
-                for (o, w) in of_node.iter_mut().zip(frame.to_space(unit)) {
-                    *o = speed * w;
-                }
-            } else {
-                of_node.copy_from_slice(&d[3 * place as usize..][..3]);
-            }
-        }
-    }
-
-    /// Moment (or force along the slide) of the elastic forces `g` at the free nodes on the hub.
-    fn torque(&self, u: &[f64], g: &[f64]) -> f64 {
-        self.body
-            .free
-            .iter()
-            .map(|&node| {
-                let node = node as usize;
-                dot3(self.arm(node, u), &g[3 * node..3 * node + 3])
-            })
-            .sum()
-    }
-
-    /// Corner nodes and weights of a point; a point of the smooth flank without its element has none.
-    fn corners(&self, p: &Point) -> Option<([u32; 4], [f64; 4])> {
-        match p.locus {
-            Locus::Quadrature { face, xi } => {
-                Some((self.body.flanks.corners(face), Flanks::weights(xi)))
-            }
-            Locus::Node(node) => Some(([node; 4], [1.0, 0.0, 0.0, 0.0])),
-            Locus::Flank { .. } => None,
-        }
-    }
-
-    /// What of a point lies above the face between its nodes [m]: the smooth flank's rise, which turns with the
-    /// frame; zero on a faceted flank.
-    fn bulge(&self, at: At<'_>, p: &Point, corners: &[u32; 4], weights: &[f64; 4]) -> Vec3 {
-        let mut x = [Vec3::zeros(); 4];
-        self.node_positions(at, corners, &mut x);
-        let on_face: Vec3 = x.iter().zip(weights).map(|(x, w)| *w * x).sum();
-        let bulge = p.x - on_face;
-        // Rounding of a position is no bulge.
-        if bulge.norm_squared() < 1e-28 {
-            Vec3::zeros()
-        } else {
-            bulge
-        }
-    }
-
-    /// `z x (X + u)` or the slide, for a node.
-    #[inline]
-    fn arm(&self, node: usize, u: &[f64]) -> [f64; 3] {
-        let x = &self.body.position[node];
-        let place = [
-            x.x + u[3 * node],
-            x.y + u[3 * node + 1],
-            x.z + u[3 * node + 2],
-        ];
-        unit_motion(&place, self.slide())
-    }
-}
-
-#[inline]
-fn dot3(a: [f64; 3], b: &[f64]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl GearModel for FullOrder {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`frame`] | the frame on the hub: where undeformed points are |
 //! | [`body`] | mesh, stiffness and mass, prepared |
-//! | [`gear`] | the gear model: coordinates, forces, energy |
+//! | [`gear`], `kinematics` | the gear model: coordinates, forces, energy; where its nodes are and how they move |
 //! | [`correction`] | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
 //! | [`table`] | the line in the table of models: parameters, where the mesh comes from |
 
@@ -12,6 +12,7 @@ pub mod body;
 pub mod correction;
 pub mod frame;
 pub mod gear;
+mod kinematics;
 pub mod table;
 
 #[cfg(test)]
