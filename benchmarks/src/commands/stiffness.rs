@@ -45,12 +45,9 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
     let mut load_text = String::new();
     for (i, entry) in entries.iter().enumerate() {
         bar.set_message(entry.label.clone());
-        let load = load_of(args, entry)?;
-        let Load::Force(force) = load else {
-            unreachable!("the command asks for a force")
-        };
+        let force = force_of(args, entry)?;
         let done = args.positions * i;
-        let row = solve(entry, models(), load, args.positions, |n| {
+        let row = solve(entry, models(), Load::Force(force), args.positions, |n| {
             bar.set_position((done + n) as u64);
         });
         let row = row.map_err(|e| {
@@ -84,15 +81,15 @@ fn refuse(label: &str, e: &StaticsError) -> Refusal {
 }
 
 /// The force along the line of action that the command line asks for.
-fn load_of(args: &Stiffness, entry: &Entry) -> Result<Load, Refusal> {
+fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
     let gears = &entry.spec.gears;
     let [a, b] = entry.spec.meshes[0].gears;
     let layout = gearbench_models::scene::build::mesh_layout(&gears[a], &gears[b])
         .map_err(|e| Refusal::Failed(e.to_string()))?;
-    Ok(Load::Force(match args.torque {
+    Ok(match args.torque {
         Some(torque) => torque / lever(&gears[a].body),
         None => 1e3 * args.load * layout.face_width,
-    }))
+    })
 }
 
 fn print(scene: &str, load: &str, rows: &[Row]) {

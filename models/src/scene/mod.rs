@@ -185,7 +185,7 @@ impl Scene {
     /// True when all contact forces lie on the lines of action; points of flanks have the normals of the
     /// deflected teeth.
     pub fn on_lines_of_action(&self) -> bool {
-        self.meshes.iter().all(|m| m.search.locates())
+        self.locates
     }
 
     /// Replaces the loads of a gear, for sweeps.

@@ -66,18 +66,18 @@ pub enum ElementError {
 }
 
 /// Gauss-Legendre points and weights on [-1, 1].
-const TWO: [(f64, f64); 2] = [
+pub(crate) const TWO: [(f64, f64); 2] = [
     (-0.577_350_269_189_625_8, 1.0),
     (0.577_350_269_189_625_8, 1.0),
 ];
-const THREE: [(f64, f64); 3] = [
+pub(crate) const THREE: [(f64, f64); 3] = [
     (-0.774_596_669_241_483_4, 5.0 / 9.0),
     (0.0, 8.0 / 9.0),
     (0.774_596_669_241_483_4, 5.0 / 9.0),
 ];
 
 /// Points of a product rule with their weights.
-fn rule(line: &[(f64, f64)]) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
+pub(crate) fn rule(line: &[(f64, f64)]) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
     line.iter().flat_map(move |&(z, wz)| {
         line.iter()
             .flat_map(move |&(y, wy)| line.iter().map(move |&(x, wx)| ([x, y, z], wx * wy * wz)))

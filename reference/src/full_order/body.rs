@@ -39,8 +39,6 @@ pub struct Body {
     pub added_inertia: f64,
     /// Nodal masses times the places of held nodes, `M_fb X_b`, per place in `free` that has any [kg m].
     pub pull: Vec<(u32, [f64; 3])>,
-    /// The same with their velocity for a hub of unit speed, `M_fb V_b`.
-    pub drag: Vec<(u32, [f64; 3])>,
 }
 
 impl Body {
@@ -124,9 +122,8 @@ impl Body {
             out
         };
         let inertia = added_inertia + dot(&motion_of, &times_mass(&motion_of));
-        let dragged = times_mass(&held_motion);
-        let hub_inertia = added_inertia + dot(&held_motion, &dragged);
-        let (drag, pull) = (of_free(&dragged), of_free(&times_mass(&held_place)));
+        let hub_inertia = added_inertia + dot(&held_motion, &times_mass(&held_motion));
+        let pull = of_free(&times_mass(&held_place));
         let lumped = match mass {
             MassKind::Lumped => assembly.lumped.clone(),
             MassKind::Consistent => Vec::new(),
@@ -144,7 +141,6 @@ impl Body {
             hub_inertia,
             added_inertia,
             pull,
-            drag,
         })
     }
 

@@ -213,15 +213,6 @@ impl GearModel for FullOrder {
                 f[self.own + 3 * k as usize + axis] += speed * speed * force[axis];
             }
         }
-        let acceleration = self.prescribed_acceleration(at.t);
-        if acceleration != 0.0 {
-            for &(k, drag) in &self.body.drag {
-                let force = frame.to_space(drag);
-                for axis in 0..3 {
-                    f[self.own + 3 * k as usize + axis] -= acceleration * force[axis];
-                }
-            }
-        }
     }
 
     fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {

@@ -92,6 +92,22 @@ pub const FACE_CORNERS: [[usize; 4]; 6] = [
     [3, 7, 4, 0],
 ];
 
+/// Corner nodes of the twelve edges, in the order of the mid-side nodes 8 to 19.
+pub const EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
 /// A face of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Face {

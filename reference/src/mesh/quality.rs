@@ -5,7 +5,8 @@
 //! Knupp, *Algebraic mesh quality metrics*, SIAM J. Sci. Comput. 23, 2001). The sign is also tested at the
 //! element's integration points: corners alone do not bound the inside of a curved element.
 
-use super::{ElementKind, Mesh};
+use super::{EDGES, ElementKind, Mesh};
+use crate::element::{MAX_NODES, THREE, TWO, gradients, natural_corner, rule, values};
 use gearbench_models::Vec3;
 
 /// Quality of a mesh.
@@ -40,87 +41,19 @@ pub struct ElementQuality {
     pub polar_moment: f64,
 }
 
-/// Natural coordinates of the nodes.
-const NODES: [[f64; 3]; 20] = [
-    [-1., -1., -1.],
-    [1., -1., -1.],
-    [1., 1., -1.],
-    [-1., 1., -1.],
-    [-1., -1., 1.],
-    [1., -1., 1.],
-    [1., 1., 1.],
-    [-1., 1., 1.],
-    [0., -1., -1.],
-    [1., 0., -1.],
-    [0., 1., -1.],
-    [-1., 0., -1.],
-    [0., -1., 1.],
-    [1., 0., 1.],
-    [0., 1., 1.],
-    [-1., 0., 1.],
-    [-1., -1., 0.],
-    [1., -1., 0.],
-    [1., 1., 0.],
-    [-1., 1., 0.],
-];
-
-/// Corner nodes of the twelve edges.
-const EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
-
 /// Shape functions and their derivatives at a point of the reference cube.
 #[derive(Clone)]
 struct At {
-    n: Vec<f64>,
-    dn: Vec<[f64; 3]>,
+    n: [f64; MAX_NODES],
+    dn: [[f64; 3]; MAX_NODES],
     weight: f64,
 }
 
 impl At {
-    fn new(kind: ElementKind, x: [f64; 3], weight: f64) -> Self {
-        let count = kind.nodes();
-        let (mut n, mut dn) = (vec![0.0; count], vec![[0.0; 3]; count]);
-        for i in 0..count {
-            let a = NODES[i];
-            // Each factor and its derivative: linear 1 + a x, or 1 - x^2 where the node stands mid-side.
-            let f: [f64; 3] = std::array::from_fn(|k| match a[k] {
-                0.0 => 1.0 - x[k] * x[k],
-                _ => 1.0 + a[k] * x[k],
-            });
-            let df: [f64; 3] = std::array::from_fn(|k| match a[k] {
-                0.0 => -2.0 * x[k],
-                _ => a[k],
-            });
-            let product = f[0] * f[1] * f[2];
-            let d = [
-                df[0] * f[1] * f[2],
-                f[0] * df[1] * f[2],
-                f[0] * f[1] * df[2],
-            ];
-            if i >= 8 {
-                n[i] = product / 4.0;
-                dn[i] = d.map(|v| v / 4.0);
-            } else if count == 20 {
-                let g = a[0] * x[0] + a[1] * x[1] + a[2] * x[2] - 2.0;
-                n[i] = product * g / 8.0;
-                dn[i] = std::array::from_fn(|k| (d[k] * g + product * a[k]) / 8.0);
-            } else {
-                n[i] = product / 8.0;
-                dn[i] = d.map(|v| v / 8.0);
-            }
-        }
+    fn new(kind: ElementKind, xi: [f64; 3], weight: f64) -> Self {
+        let (mut n, mut dn) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
+        values(kind, xi, &mut n);
+        gradients(kind, xi, &mut dn);
         At { n, dn, weight }
     }
 
@@ -148,28 +81,15 @@ pub(super) struct ElementCheck {
 
 impl ElementCheck {
     pub(super) fn new(kind: ElementKind) -> Self {
-        let rule: Vec<(f64, f64)> = match kind {
-            ElementKind::C3D8 | ElementKind::C3D8I => {
-                let g = 1.0 / 3f64.sqrt();
-                vec![(-g, 1.0), (g, 1.0)]
-            }
-            ElementKind::C3D20 | ElementKind::C3D20R => {
-                let g = 0.6f64.sqrt();
-                vec![(-g, 5.0 / 9.0), (0.0, 8.0 / 9.0), (g, 5.0 / 9.0)]
-            }
+        let line: &[_] = match kind {
+            ElementKind::C3D8 | ElementKind::C3D8I => &TWO,
+            ElementKind::C3D20 | ElementKind::C3D20R => &THREE,
         };
-        let mut integration = Vec::new();
-        for &(x, wx) in &rule {
-            for &(y, wy) in &rule {
-                for &(z, wz) in &rule {
-                    integration.push(At::new(kind, [x, y, z], wx * wy * wz));
-                }
-            }
-        }
-        let corners = NODES[..8].iter().map(|&c| At::new(kind, c, 0.0));
+        let integration = rule(line).map(|(xi, weight)| At::new(kind, xi, weight));
+        let corners = (0..8).map(|c| At::new(kind, natural_corner(c), 0.0));
         ElementCheck {
             corners: corners.collect(),
-            integration,
+            integration: integration.collect(),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::support::{brick, largest};
 use crate::assembly::assemble;
 use crate::element::matrices;
-use crate::mesh::{ElementKind, Mesh};
+use crate::mesh::{EDGES, ElementKind, Mesh};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use nalgebra::DMatrix;
@@ -24,20 +24,6 @@ fn distort(mesh: &mut Mesh, cells: usize, side: f64, curved: bool) {
     if curved || mesh.kind.nodes() == 8 {
         return;
     }
-    const EDGES: [[usize; 2]; 12] = [
-        [0, 1],
-        [1, 2],
-        [2, 3],
-        [3, 0],
-        [4, 5],
-        [5, 6],
-        [6, 7],
-        [7, 4],
-        [0, 4],
-        [1, 5],
-        [2, 6],
-        [3, 7],
-    ];
     for e in 0..mesh.element_count() {
         let nodes: Vec<u32> = mesh.element(e).to_vec();
         for (middle, edge) in EDGES.iter().enumerate() {
