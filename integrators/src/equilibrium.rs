@@ -157,8 +157,7 @@ pub fn equilibrium(
                 d: 0.0,
                 k: 1.0,
             };
-            work.factorisations += 1;
-            match sys.correct(s.at(), c, &mut dx) {
+            match work.correct(sys, s.at(), c, &mut dx) {
                 Ok(()) => break,
                 Err(Singular) if mass == 0.0 => {
                     mass = shift(sys, s, &f)

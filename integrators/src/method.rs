@@ -4,7 +4,7 @@
 //! problem, so a pull-style `step()` would be self-referential. One-step methods implement [`OneStep`] and
 //! get the loop, step control and event location from [`crate::stepped::Stepped`].
 
-use crate::system::{SecondOrderSystem, State};
+use crate::system::{At, Coeffs, SecondOrderSystem, Singular, State};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -113,6 +113,26 @@ pub struct Work {
     pub events: u64,
     /// Restarts of the method.
     pub restarts: u64,
+}
+
+impl Work {
+    /// Asks a system for a Newton correction and counts the factorisations that took: those it says it made, or
+    /// one where it keeps no factors.
+    pub(crate) fn correct(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        at: At<'_>,
+        c: Coeffs,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let before = sys.factorisations();
+        let result = sys.correct(at, c, rhs_to_x);
+        self.factorisations += match (before, sys.factorisations()) {
+            (Some(before), Some(after)) => after - before,
+            _ => 1,
+        };
+        result
+    }
 }
 
 /// Why a run ended early. Every variant says when, and how much where that helps.

@@ -204,14 +204,9 @@ impl OneStep for GeneralisedAlpha {
             for i in 0..n {
                 self.residual[i] -= self.b1[i];
             }
-            let factorised = sys.factorisations();
-            sys.correct(at, c, &mut self.residual)
+            work.correct(sys, at, c, &mut self.residual)
                 .map_err(|_| StepError::SingularTangent { t: from.t, h })?;
             work.newton_iterations += 1;
-            work.factorisations += match (factorised, sys.factorisations()) {
-                (Some(before), Some(after)) => after - before,
-                _ => 1,
-            };
             let previous = size;
             size = 0.0;
             let mut rounding = 0.0_f64;
