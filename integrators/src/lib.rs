@@ -111,5 +111,7 @@ pub use method::{
     Sink, StepError, Stepping, TimePlan, Work,
 };
 pub use stepped::Stepped;
-pub use system::{At, Change, Coeffs, Energy, Layout, Outputs, Power, SecondOrderSystem, State};
+pub use system::{
+    At, Change, Coeffs, Energy, Layout, ModalSplit, Outputs, Power, SecondOrderSystem, State,
+};
 pub use table::{METHODS, Method, method};

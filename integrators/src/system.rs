@@ -137,6 +137,26 @@ pub struct Outputs {
 #[error("the Newton matrix is singular")]
 pub struct Singular;
 
+/// A system that is oscillators, one per coordinate, and a rest:
+/// `a = -omega^2 q - 2 zeta omega v + rest(t, q, v)`.
+///
+/// Lengths: all slices have length [`Layout::n`].
+pub trait ModalSplit {
+    /// Angular frequency [rad/s] and damping ratio of each coordinate; constant over a run, zero for the motion of a
+    /// rigid body.
+    fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]);
+
+    /// The rest of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
+    fn rest(&mut self, at: At<'_>, a: &mut [f64]);
+
+    /// The rest that steady loads make while nothing touches; the time until which it is constant.
+    fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64;
+
+    /// A time until which the rest surely is that of [`Self::steady`], were the system to move on from `s` without
+    /// contact; `s.t` where something touches or nothing is known.
+    fn free_until(&mut self, s: &State) -> f64;
+}
+
 /// A second-order system with branches.
 ///
 /// Lengths: `f`, `a`, `x`, `q`, `v` have length [`Layout::n`].
@@ -176,6 +196,12 @@ pub trait SecondOrderSystem {
 
     /// `df = (df/dq) dq + (df/dv) dv`: the tangent applied to a direction.
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]);
+
+    /// The system as independent linear oscillators and a rest, for methods that are exact for the linear part;
+    /// `None` where it is not one.
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        None
+    }
 
     /// Guards of the current branch; `out` has length [`Layout::guards`].
     fn guards(&mut self, _at: At<'_>, out: &mut [f64]) {

@@ -119,6 +119,9 @@ fn numbers(context: &GearContext<'_>, key: &str, low: f64) -> Result<Vec<f64>, B
         Some(Value::Text(x)) => {
             return Err(refuse(key, format!("expected numbers, found \"{x}\"")));
         }
+        Some(Value::Flag(x)) => {
+            return Err(refuse(key, format!("expected numbers, found {x}")));
+        }
     };
     match values.iter().find(|x| !(x.is_finite() && **x >= low)) {
         Some(x) => Err(refuse(

@@ -6,6 +6,7 @@
 //! | [`deck`] | Abaqus and CalculiX decks: reading, checking, writing |
 //! | [`element`], [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
 //! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
+//! | [`reduction`] | modes, static compliance and their reduction to the data of the elastic gear |
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
 //! | [`external`] | what a stored reference of another program carries, and how it is read |
@@ -22,6 +23,7 @@ pub mod external;
 pub mod full_order;
 pub mod mesh;
 pub mod modes;
+pub mod reduction;
 pub mod solve;
 pub mod statics;
 mod stored_format;

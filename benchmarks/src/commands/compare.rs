@@ -273,6 +273,7 @@ fn parameters(model: &ModelSpec) -> Vec<String> {
         .map(|(key, value)| match value {
             Value::Number(x) => format!("{key} = {}", short(*x, 5)),
             Value::Text(x) => format!("{key} = {x}"),
+            Value::Flag(x) => format!("{key} = {x}"),
             Value::List(x) => format!("{key}: {} values", x.len()),
         })
         .collect()

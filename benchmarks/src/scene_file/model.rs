@@ -271,6 +271,8 @@ fn parameters(
             Value::List(e.numbers()?)
         } else if let Some(text) = e.as_text() {
             Value::Text(text.to_owned())
+        } else if let Some(flag) = e.as_boolean() {
+            Value::Flag(flag)
         } else {
             Value::Number(e.number()?)
         };

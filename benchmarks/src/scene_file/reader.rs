@@ -276,12 +276,18 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// True or false, if it is one of them.
+    pub(super) fn as_boolean(&self) -> Option<bool> {
+        match self.value.get_ref() {
+            DeValue::Boolean(b) => Some(*b),
+            _ => None,
+        }
+    }
+
     /// True or false.
     pub(super) fn boolean(&self) -> Result<bool, SceneError> {
-        match self.value.get_ref() {
-            DeValue::Boolean(b) => Ok(*b),
-            _ => Err(self.expected("true or false")),
-        }
+        self.as_boolean()
+            .ok_or_else(|| self.expected("true or false"))
     }
 
     /// The text, if it is one.

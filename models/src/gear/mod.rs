@@ -5,6 +5,7 @@
 //! differ in nothing else. A gear may take part in several meshes; the gears of a mesh may have different
 //! models.
 
+pub mod elastic;
 pub mod movable_teeth;
 pub mod placement;
 pub mod rigid;
@@ -14,6 +15,7 @@ use crate::Vec3;
 use crate::contact::candidate::{Point, Tooth};
 use crate::contact::flank_points::Flanks;
 use crate::contact::row::Row;
+use crate::gear::elastic::NormalField;
 use crate::geometry::Side;
 use crate::mount::Hub;
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
@@ -93,6 +95,16 @@ pub struct HubState {
     pub momentum: f64,
 }
 
+/// A gear whose coordinates are independent oscillators, `M^-1 f = -omega^2 q - 2 zeta omega v + rest`, one entry
+/// per coordinate; zero for the motion of a hub.
+#[derive(Clone, Copy, Debug)]
+pub struct Oscillators<'a> {
+    /// Angular frequencies [rad/s].
+    pub omega: &'a [f64],
+    /// Damping ratios.
+    pub zeta: &'a [f64],
+}
+
 /// A gear at some fidelity. `at` holds the gear's own coordinates and memory only.
 pub trait GearModel {
     /// Id of the model.
@@ -156,8 +168,14 @@ pub trait GearModel {
         None
     }
 
-    /// Deformed positions in space [m] of nodes of its [`Self::flanks`]. The search asks for a flank at a time,
-    /// once per evaluation.
+    /// Displacements of its flank nodes along their normals, on top of the rigid motion that
+    /// [`Self::node_positions`] then tells; `None` for gears whose node positions are the deformed ones.
+    fn field(&self) -> Option<&dyn NormalField> {
+        None
+    }
+
+    /// Deformed positions in space [m] of nodes of its [`Self::flanks`] (moved rigidly, for a gear with a
+    /// [`Self::field`]). The search asks for a flank at a time, once per evaluation.
     fn node_positions(&self, _at: At<'_>, _nodes: &[u32], _out: &mut [Vec3]) {}
 
     /// Appends `d(x_p . n)/dq` to a row that is already targeted at this gear.
@@ -291,6 +309,23 @@ pub trait GearModel {
     /// Power that a prescribed motion puts into the gear's own coordinates [W].
     fn driven_power(&self, _at: At<'_>) -> f64 {
         0.0
+    }
+
+    /// Speed of the hub, which viscous loads see: of the mount's coordinate where that is the hub's.
+    fn hub_speed(&self, at: At<'_>) -> f64 {
+        self.hub().speed(at.t, at.v)
+    }
+
+    /// Adds a load on a hub that is free to move [N m] or [N].
+    fn add_hub_load(&self, load: f64, f: &mut [f64]) {
+        if self.hub().coordinates() > 0 {
+            f[0] += load;
+        }
+    }
+
+    /// The oscillators that its coordinates are, with a constant diagonal mass; `None` for other gears.
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        None
     }
 
     /// Hub motion and momentum of the whole gear.

@@ -2,7 +2,7 @@
 //!
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the lever arm is the base radius.
 
-use super::{Coordinates, GearModel, HubState, Magnitudes};
+use super::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
 use crate::Vec3;
 use crate::contact::candidate::{Point, Tooth};
 use crate::contact::row::Row;
@@ -167,6 +167,15 @@ impl GearModel for Rigid {
             kinetic,
             ..Energy::default()
         }
+    }
+
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        const NONE: &[f64] = &[0.0];
+        let own = &NONE[..self.hub.coordinates()];
+        Some(Oscillators {
+            omega: own,
+            zeta: own,
+        })
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {

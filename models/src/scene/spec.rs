@@ -90,6 +90,8 @@ pub enum Value {
     Text(String),
     /// Numbers, one per tooth or knot.
     List(Vec<f64>),
+    /// Yes or no.
+    Flag(bool),
 }
 
 /// Parameters of a gear model by name, in SI units.

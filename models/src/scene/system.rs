@@ -62,7 +62,9 @@ impl SecondOrderSystem for Scene {
                 g.model.internal_force(own, &mut f[range]);
             }
             if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
-                f[g.offset] += g.load(at.t, at.v[g.offset]);
+                let load = g.load(at.t, g.model.hub_speed(g.at(at)));
+                let range = g.range();
+                g.model.add_hub_load(load, &mut f[range]);
             }
         }
         self.evaluate_contacts(at);
@@ -191,10 +193,19 @@ impl SecondOrderSystem for Scene {
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
-            g.model
-                .internal_tangent(own, &dq[range.clone()], &dv[range.clone()], &mut df[range]);
-            if g.model.hub().coordinates() > 0 {
-                df[g.offset] -= g.viscous() * dv[g.offset];
+            g.model.internal_tangent(
+                own,
+                &dq[range.clone()],
+                &dv[range.clone()],
+                &mut df[range.clone()],
+            );
+            if g.model.hub().coordinates() > 0 && !g.loads.is_empty() {
+                let along = At {
+                    v: &dv[range.clone()],
+                    ..own
+                };
+                let load = -g.viscous() * g.model.hub_speed(along);
+                g.model.add_hub_load(load, &mut df[range]);
             }
         }
         self.evaluate_contacts(at);

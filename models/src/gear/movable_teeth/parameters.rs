@@ -92,6 +92,11 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
                 key,
                 format!("expected a number, found \"{x}\""),
             )),
+            Some(Value::Flag(x)) => Err(BuildError::parameter(
+                MODEL,
+                key,
+                format!("expected a number, found {x}"),
+            )),
         }
     };
     let list = |key: &str| -> Result<Option<Vec<f64>>, BuildError> {

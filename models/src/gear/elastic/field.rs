@@ -1,0 +1,29 @@
+//! The seam to contacts that work on nodes: how far flank nodes stand outward of the rigid flank.
+
+use gearbench_integrators::system::At;
+
+/// Outward displacements of flank nodes, linear in the gear's coordinates and in the forces on the nodes:
+/// `a = B q - R F + r T`. Nodes are those of the gear's [`Flanks`](crate::contact::flank_points::Flanks), `F`
+/// presses into the tooth, `T` is the load on the hub.
+///
+/// With constant `B` and `R` the contact forces derive from one potential of `q`, whatever nodes touch.
+pub trait NormalField {
+    /// `out_k = sum_i b_ki x_i` with the gear's coordinates, or velocities, `x`.
+    fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]);
+
+    /// `f_i -= sum_k b_ki F_k`.
+    fn press(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]);
+
+    /// True when there is a residual compliance.
+    fn is_compliant(&self) -> bool;
+
+    /// Residual compliance `R_kl` between nodes [m/N], `out[k * n + l]`; zeros where there is none.
+    fn compliance(&self, nodes: &[u32], out: &mut [f64]);
+
+    /// Displacement `r_k` by unit load on the hub.
+    fn hub_compliance(&self, nodes: &[u32], out: &mut [f64]);
+
+    /// A bound of `|B q|` at any flank node [m]: `sqrt(c) sqrt(2 U)` with the largest modal compliance `c` of a node
+    /// and the strain energy `U` (Cauchy and Schwarz).
+    fn bound(&self, at: At<'_>) -> f64;
+}

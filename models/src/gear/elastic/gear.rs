@@ -1,0 +1,444 @@
+//! The elastic gear as a gear model.
+
+use super::field::NormalField;
+use super::reduced::Reduced;
+use crate::Vec3;
+use crate::contact::candidate::{Locus, Point, Tooth};
+use crate::contact::flank_points::Flanks;
+use crate::contact::row::Row;
+use crate::gear::placement::Placement;
+use crate::gear::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
+use crate::mount::{Hub, Mount};
+use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
+use std::sync::Arc;
+
+/// A reduced elastic body on its hub.
+#[derive(Clone, Debug)]
+pub struct Elastic {
+    hub: Hub,
+    lever: f64,
+    placement: Placement,
+    data: Arc<Reduced>,
+    /// Undeformed flank nodes in the own frame [m].
+    positions: Vec<Vec3>,
+    /// Coordinates of the hub: 0 or 1; the modes follow.
+    own: usize,
+    /// Per coordinate; zero for the hub.
+    omega: Vec<f64>,
+    zeta: Vec<f64>,
+    /// Largest shape of each mode at a flank node [1/sqrt(kg)].
+    largest: Vec<f64>,
+    /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
+    softest: f64,
+}
+
+impl Elastic {
+    /// A reduced body on its hub; `lever` is the base radius [m], or `cos(alpha)` for a rack. The hub's inertia
+    /// becomes that of the reduction.
+    ///
+    /// # Errors
+    /// What of the data does not fit together, or does not fit the mount.
+    pub fn new(
+        mut hub: Hub,
+        lever: f64,
+        placement: Placement,
+        data: Arc<Reduced>,
+    ) -> Result<Self, String> {
+        if let Some(problem) = data.problem() {
+            return Err(problem);
+        }
+        let own = hub.coordinates();
+        if (own == 1) != data.free {
+            let (is, of) = if data.free {
+                ("free", "held")
+            } else {
+                ("held", "free")
+            };
+            return Err(format!(
+                "the modes are those of a hub that is {is} to move, but the mount's hub is {of}; reduce the gear for this mount"
+            ));
+        }
+        hub.inertia = data.inertia;
+        let with_hub = |x: &[f64]| -> Vec<f64> {
+            std::iter::repeat_n(0.0, own)
+                .chain(x.iter().copied())
+                .collect()
+        };
+        let mut largest = vec![0.0_f64; data.modes()];
+        let mut softest = 0.0_f64;
+        for node in 0..data.nodes() as u32 {
+            let mut compliance = 0.0;
+            for ((b, w), l) in data
+                .shapes_at(node)
+                .iter()
+                .zip(&data.omega)
+                .zip(&mut largest)
+            {
+                *l = l.max(b.abs());
+                compliance += (b / w).powi(2);
+            }
+            softest = softest.max(compliance);
+        }
+        let mut positions = vec![Vec3::zeros(); data.nodes()];
+        for grid in data.flanks.grids() {
+            for (&node, x) in grid.nodes.iter().zip(&grid.positions) {
+                positions[node as usize] = *x;
+            }
+        }
+        Ok(Elastic {
+            positions,
+            own,
+            omega: with_hub(&data.omega),
+            zeta: with_hub(&data.damping),
+            hub,
+            lever,
+            placement,
+            data,
+            largest,
+            softest,
+        })
+    }
+
+    /// The reduction.
+    #[must_use]
+    pub fn data(&self) -> &Reduced {
+        &self.data
+    }
+
+    fn prescribed_acceleration(&self, t: f64) -> f64 {
+        match &self.hub.mount {
+            Mount::Driven(speed) => speed.slope(t),
+            _ => 0.0,
+        }
+    }
+
+    /// Sum over the modes of `w_i x_i`.
+    fn over_modes(&self, w: &[f64], x: &[f64]) -> f64 {
+        w.iter().zip(&x[self.own..]).map(|(w, x)| w * x).sum()
+    }
+}
+
+/// `sum w_i x_i` in eight parts, which the compiler can vectorise.
+#[inline]
+pub(crate) fn dot(w: &[f64], x: &[f64]) -> f64 {
+    let mut parts = [0.0; 8];
+    let (w8, x8) = (w.chunks_exact(8), x.chunks_exact(8));
+    let rest: f64 = w8
+        .remainder()
+        .iter()
+        .zip(x8.remainder())
+        .map(|(a, b)| a * b)
+        .sum();
+    for (a, b) in w8.zip(x8) {
+        for k in 0..8 {
+            parts[k] += a[k] * b[k];
+        }
+    }
+    parts.iter().sum::<f64>() + rest
+}
+
+impl NormalField for Elastic {
+    fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]) {
+        let q = &x[self.own..];
+        for (a, &node) in out.iter_mut().zip(nodes) {
+            *a = dot(self.data.shapes_at(node), q);
+        }
+    }
+
+    fn press(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]) {
+        let f = &mut f[self.own..];
+        for (&node, &force) in nodes.iter().zip(forces) {
+            if force == 0.0 {
+                continue;
+            }
+            for (f, b) in f.iter_mut().zip(self.data.shapes_at(node)) {
+                *f -= force * b;
+            }
+        }
+    }
+
+    fn is_compliant(&self) -> bool {
+        self.data.residual.is_some()
+    }
+
+    fn compliance(&self, nodes: &[u32], out: &mut [f64]) {
+        let Some(r) = &self.data.residual else {
+            out.fill(0.0);
+            return;
+        };
+        let all = self.data.nodes();
+        for (row, &i) in out.chunks_exact_mut(nodes.len()).zip(nodes) {
+            for (c, &j) in row.iter_mut().zip(nodes) {
+                *c = r.flanks.between(i, j, all);
+            }
+        }
+    }
+
+    fn hub_compliance(&self, nodes: &[u32], out: &mut [f64]) {
+        for (c, &node) in out.iter_mut().zip(nodes) {
+            *c = self
+                .data
+                .residual
+                .as_ref()
+                .map_or(0.0, |r| r.hub[node as usize]);
+        }
+    }
+
+    fn bound(&self, at: At<'_>) -> f64 {
+        let twice_strain: f64 =
+            at.q.iter()
+                .zip(&self.omega)
+                .map(|(q, w)| (w * q).powi(2))
+                .sum();
+        (self.softest * twice_strain).sqrt()
+    }
+}
+
+impl GearModel for Elastic {
+    fn id(&self) -> &'static str {
+        "elastic"
+    }
+
+    fn hub(&self) -> &Hub {
+        &self.hub
+    }
+
+    fn hub_mut(&mut self) -> &mut Hub {
+        &mut self.hub
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        Coordinates {
+            n: self.omega.len(),
+            memory: 0,
+        }
+    }
+
+    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
+        for i in 0..self.own {
+            q[i] = m.deflection / self.lever;
+            v[i] = m.speed / self.lever;
+        }
+        // A mode that moves no flank has no magnitude of its own.
+        let floor = 1e-3 * self.largest.iter().copied().fold(0.0, f64::max);
+        let modes = q[self.own..].iter_mut().zip(&mut v[self.own..]);
+        for ((q, v), largest) in modes.zip(&self.largest) {
+            let shape = largest.max(floor).max(f64::MIN_POSITIVE);
+            *q = m.deflection / shape;
+            *v = m.speed / shape;
+        }
+    }
+
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
+        q.fill(0.0);
+        v.fill(0.0);
+        v[..self.own].fill(speed);
+    }
+
+    fn contact_mass(&self) -> f64 {
+        if self.own > 0 {
+            self.hub.inertia / self.lever.powi(2)
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    fn pace(&self) -> f64 {
+        1.0 / self.omega.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
+        self.hub.travel(at.t, at.q)
+    }
+
+    fn tooth_travels(&self, at: At<'_>, _first: Tooth, out: &mut [f64]) {
+        out.fill(self.hub.travel(at.t, at.q));
+    }
+
+    fn flanks(&self) -> Option<&Flanks> {
+        Some(&self.data.flanks)
+    }
+
+    fn field(&self) -> Option<&dyn NormalField> {
+        Some(self)
+    }
+
+    fn node_positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        for (x, &node) in out.iter_mut().zip(nodes) {
+            *x = pose.point(&self.positions[node as usize]);
+        }
+    }
+
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+        if self.own > 0 {
+            row.push(0, self.hub.lever(&p.x, n));
+        }
+        let (corners, weights) = match p.locus {
+            Locus::Quadrature { face, xi } => (self.data.flanks.corners(face), Flanks::weights(xi)),
+            Locus::Node(node) => ([node; 4], [1.0, 0.0, 0.0, 0.0]),
+            Locus::Flank { .. } => return,
+        };
+        // Displacements are outward: they count with the sign of the normal.
+        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let outward = pose.turn(&self.data.normals[corners[0] as usize]);
+        let sign = outward.dot(n).signum();
+        let shapes = corners.map(|k| self.data.shapes_at(k));
+        row.push_span(
+            self.own,
+            (0..self.data.modes()).map(|i| {
+                sign * shapes
+                    .iter()
+                    .zip(weights)
+                    .map(|(b, w)| w * b[i])
+                    .sum::<f64>()
+            }),
+        );
+    }
+
+    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+        let acceleration = self.prescribed_acceleration(at.t);
+        for i in self.own..self.omega.len() {
+            let (w, z) = (self.omega[i], self.zeta[i]);
+            f[i] -= w * (w * at.q[i] + 2.0 * z * at.v[i])
+                + acceleration * self.data.participation[i - self.own];
+        }
+    }
+
+    fn internal_tangent(&mut self, _at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        for i in self.own..self.omega.len() {
+            let (w, z) = (self.omega[i], self.zeta[i]);
+            df[i] -= w * (w * dq[i] + 2.0 * z * dv[i]);
+        }
+    }
+
+    fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+        for f in &mut f_to_a[..self.own] {
+            *f /= self.hub.inertia;
+        }
+    }
+
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+        for y in &mut y[..self.own] {
+            *y *= self.hub.inertia;
+        }
+    }
+
+    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
+        diagonal.fill(1.0);
+        diagonal[..self.own].fill(self.hub.inertia);
+        true
+    }
+
+    fn correct(
+        &mut self,
+        _at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        rhs_to_x: &mut [f64],
+    ) -> Result<(), Singular> {
+        // A viscous load sees the speed of the hub, frame and modes: one more rank (Sherman and Morrison).
+        let damping = c.d * hub_damping * self.own as f64;
+        let (mut answer, mut flow) = (0.0, 0.0);
+        for i in 0..self.omega.len() {
+            let (w, z) = (self.omega[i], self.zeta[i]);
+            let (mass, hub) = if i < self.own {
+                (self.hub.inertia, 1.0)
+            } else {
+                (1.0, self.data.hub[i - self.own])
+            };
+            let diagonal = c.m * mass + c.d * 2.0 * z * w + c.k * w * w;
+            if diagonal == 0.0 {
+                return Err(Singular);
+            }
+            rhs_to_x[i] /= diagonal;
+            if damping != 0.0 {
+                answer += hub * hub / diagonal;
+                flow += hub * rhs_to_x[i];
+            }
+        }
+        if damping == 0.0 {
+            return Ok(());
+        }
+        let y = damping * flow / (1.0 + damping * answer);
+        for i in 0..self.omega.len() {
+            let (w, z) = (self.omega[i], self.zeta[i]);
+            let (mass, hub) = if i < self.own {
+                (self.hub.inertia, 1.0)
+            } else {
+                (1.0, self.data.hub[i - self.own])
+            };
+            rhs_to_x[i] -= y * hub / (c.m * mass + c.d * 2.0 * z * w + c.k * w * w);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        let squares = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let frame = if self.own > 0 {
+            self.hub.inertia * at.v[0].powi(2)
+        } else {
+            0.0
+        };
+        let strain: f64 = (at.q.iter().zip(&self.omega))
+            .map(|(q, w)| (w * q).powi(2))
+            .sum();
+        Energy {
+            kinetic: 0.5 * (frame + squares(&at.v[self.own..])),
+            strain: 0.5 * strain,
+            contact: 0.0,
+        }
+    }
+
+    fn has_powers(&self) -> bool {
+        matches!(self.hub.mount, Mount::Driven(_)) || self.zeta.iter().any(|z| *z > 0.0)
+    }
+
+    fn dissipated(&self, at: At<'_>) -> f64 {
+        (self.omega.iter().zip(&self.zeta).zip(at.v))
+            .map(|((w, z), v)| 2.0 * z * w * v * v)
+            .sum()
+    }
+
+    fn driven_power(&self, at: At<'_>) -> f64 {
+        let acceleration = self.prescribed_acceleration(at.t);
+        if acceleration == 0.0 {
+            return 0.0;
+        }
+        -acceleration * self.over_modes(&self.data.participation, at.v)
+    }
+
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let speed = self.hub.speed(at.t, at.v);
+        HubState {
+            travel: self.hub.travel(at.t, at.q) + self.over_modes(&self.data.hub, at.q),
+            speed: speed + self.over_modes(&self.data.hub, at.v),
+            momentum: self.hub.inertia * speed + self.over_modes(&self.data.participation, at.v),
+        }
+    }
+
+    fn hub_speed(&self, at: At<'_>) -> f64 {
+        self.hub.speed(at.t, at.v) + self.over_modes(&self.data.hub, at.v)
+    }
+
+    fn add_hub_load(&self, load: f64, f: &mut [f64]) {
+        if self.own > 0 {
+            f[0] += load;
+            for (f, h) in f[1..].iter_mut().zip(&self.data.hub) {
+                *f += h * load;
+            }
+        }
+    }
+
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        Some(Oscillators {
+            omega: &self.omega,
+            zeta: &self.zeta,
+        })
+    }
+
+    fn uses_engagement(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,26 @@
+//! The elastic gear: rigid motion of a floating frame plus a few modes, and the static compliance of the modes
+//! that were cut.
+//!
+//! Generalised coordinates: the turn `theta` of the mean-axis frame where the mount leaves it free (a rack: its
+//! travel), then one coordinate `q_i` per kept mode, shapes orthonormal in the mass. Modes of a hub that is free to
+//! move hold no momentum about the mount's axis, so frame and modes are decoupled to first order
+//! (A. A. Shabana, *Dynamics of Multibody Systems*, ch. 5; W. Schiehlen, P. Eberhard, *Technische Dynamik*):
+//!
+//! ```text
+//! J theta'' = T + sum_c N_c l_c
+//! q_i'' + 2 zeta_i omega_i q_i' + omega_i^2 q_i = h_i T - sum_k b_ki F_k
+//! a_k = sum_i b_ki q_i - sum_l R_kl F_l + r_k T
+//! ```
+//!
+//! `a_k` is how far flank node `k` stands outward of the rigid flank, `b_ki` the shape of mode `i` there, `F_k` the
+//! contact force that presses on the node, `h_i` how far mode `i` turns the hub, `R` and `r` the residual compliance
+//! between the flank nodes and towards the hub. Only displacements along the normals enter a gap: what slides
+//! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
+//! steel tooth.
+
+mod field;
+mod gear;
+pub mod reduced;
+
+pub use field::NormalField;
+pub use gear::Elastic;

@@ -1,0 +1,186 @@
+//! What a reduction hands to the elastic gear: plain data of one gear on one kind of mount.
+//!
+//! Conventions, stated once:
+//!
+//! - Flank nodes are numbered through from 0, tooth by tooth, left flank before right flank, row by row as in
+//!   [`FlankGrid`](crate::contact::flank_points::FlankGrid); those numbers are the nodes of [`Reduced::flanks`].
+//! - Shapes and displacements at flank nodes are along the outward normal of the undeformed flank, positive out of
+//!   the tooth; forces on them are positive into the tooth.
+//! - Modes are orthonormal in the mass of the whole gear with what is added at the hub: shapes in 1/sqrt(kg),
+//!   coordinates in sqrt(kg) m.
+//! - A hub that moves turns counter-clockwise (a rack travels along its slide) for positive angle, torque and shape.
+
+use crate::Vec3;
+use crate::contact::flank_points::Flanks;
+
+/// A reduced gear.
+#[derive(Clone, Debug)]
+pub struct Reduced {
+    /// Flanks in the gear's own frame.
+    pub flanks: Flanks,
+    /// Outward unit normal at each flank node, own frame.
+    pub normals: Vec<Vec3>,
+    /// The hub is free in the mount's direction; else the modes are those of a held hub.
+    pub free: bool,
+    /// Inertia about the axis [kg m^2], or mass [kg] of a rack, with what is added at the hub.
+    pub inertia: f64,
+    /// Angular frequencies of the kept modes [rad/s], positive.
+    pub omega: Vec<f64>,
+    /// Damping ratios of the kept modes.
+    pub damping: Vec<f64>,
+    /// Shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
+    pub shapes: Vec<f64>,
+    /// Turn [rad] (travel [m]) of a free hub beyond the frame by unit coordinate; zeros for a held hub.
+    pub hub: Vec<f64>,
+    /// Held hubs: inertia coupling `phi_i^T M e` with the prescribed motion `e`; zeros for a free hub.
+    pub participation: Vec<f64>,
+    /// Static compliance of the modes that were cut; `None` for plain truncation.
+    pub residual: Option<Residual>,
+}
+
+/// Static compliance of the modes that were cut.
+#[derive(Clone, Debug)]
+pub struct Residual {
+    /// Between flank nodes.
+    pub flanks: FlankCompliance,
+    /// Outward displacement of each flank node by unit torque at a free hub [m/(N m)] (force of a rack [m/N]);
+    /// zeros for a held hub.
+    pub hub: Vec<f64>,
+    /// Turn (travel) of the hub by unit torque (force) at it.
+    pub hub_hub: f64,
+}
+
+/// Inward displacement [m] of a flank node by unit force [N] into another.
+#[derive(Clone, Debug)]
+pub enum FlankCompliance {
+    /// Of any two nodes: symmetric, row-major over all flank nodes.
+    Full(Vec<f64>),
+    /// Of a gear whose teeth are all alike: `blocks[d][i][j]` is the displacement of node `i` of tooth `t + d` by a
+    /// force on node `j` of tooth `t`, `d` from 0 to `teeth - 1`, row-major.
+    Cyclic {
+        /// Teeth of the gear.
+        teeth: usize,
+        /// Flank nodes of a tooth.
+        per_tooth: usize,
+        /// The blocks, one after the other.
+        blocks: Vec<f64>,
+    },
+}
+
+impl FlankCompliance {
+    /// Compliance between two of `nodes` flank nodes [m/N].
+    #[inline]
+    #[must_use]
+    pub fn between(&self, i: u32, j: u32, nodes: usize) -> f64 {
+        let (i, j) = (i as usize, j as usize);
+        match self {
+            FlankCompliance::Full(c) => c[i * nodes + j],
+            FlankCompliance::Cyclic {
+                teeth,
+                per_tooth: m,
+                blocks,
+            } => {
+                let apart = (i / m + teeth - j / m) % teeth;
+                blocks[(apart * m + i % m) * m + j % m]
+            }
+        }
+    }
+}
+
+impl Reduced {
+    /// Number of flank nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.normals.len()
+    }
+
+    /// Number of kept modes.
+    #[must_use]
+    pub fn modes(&self) -> usize {
+        self.omega.len()
+    }
+
+    /// Shapes of all modes at a flank node.
+    #[inline]
+    #[must_use]
+    pub fn shapes_at(&self, node: u32) -> &[f64] {
+        let n = self.omega.len();
+        &self.shapes[node as usize * n..][..n]
+    }
+
+    /// What does not fit together, if anything: lengths, and numbers that are not finite or have the wrong sign.
+    #[must_use]
+    pub fn problem(&self) -> Option<String> {
+        let (nodes, modes) = (self.nodes(), self.modes());
+        let grid_nodes: usize = self.flanks.grids().iter().map(|g| g.nodes.len()).sum();
+        let lengths = [
+            ("nodes of the flanks", grid_nodes, nodes),
+            ("damping ratios", self.damping.len(), modes),
+            ("shapes", self.shapes.len(), nodes * modes),
+            ("hub shapes", self.hub.len(), modes),
+            ("participations", self.participation.len(), modes),
+        ];
+        for (what, found, expected) in lengths {
+            if found != expected {
+                return Some(format!("{found} {what}, expected {expected}"));
+            }
+        }
+        if let Some(g) = self.flanks.grids().iter().find(|g| {
+            g.rows < 2
+                || g.columns < 2
+                || g.rows * g.columns != g.nodes.len()
+                || g.nodes.len() != g.positions.len()
+                || g.nodes.iter().any(|n| *n as usize >= nodes)
+        }) {
+            return Some(format!(
+                "the flank grid of tooth {} is not {} x {} of the {nodes} flank nodes",
+                g.tooth, g.rows, g.columns
+            ));
+        }
+        if let Some(r) = &self.residual {
+            let (found, expected) = match &r.flanks {
+                FlankCompliance::Full(c) => (c.len(), nodes * nodes),
+                FlankCompliance::Cyclic {
+                    teeth,
+                    per_tooth,
+                    blocks,
+                } => {
+                    if teeth * per_tooth != nodes {
+                        return Some(format!(
+                            "{teeth} teeth with {per_tooth} flank nodes, but {nodes} flank nodes"
+                        ));
+                    }
+                    (blocks.len(), teeth * per_tooth * per_tooth)
+                }
+            };
+            if found != expected {
+                return Some(format!("{found} compliances, expected {expected}"));
+            }
+            if r.hub.len() != nodes {
+                return Some(format!(
+                    "{} compliances towards the hub, expected {nodes}",
+                    r.hub.len()
+                ));
+            }
+        }
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        if !(self.omega.iter().all(|w| w.is_finite() && *w > 0.0)
+            && self.damping.iter().all(|z| (0.0..1.0).contains(z)))
+        {
+            return Some("frequencies must be positive and damping ratios in [0, 1)".into());
+        }
+        let residual = self.residual.as_ref().is_none_or(|r| {
+            let c = match &r.flanks {
+                FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c,
+            };
+            finite(c) && finite(&r.hub) && r.hub_hub.is_finite()
+        });
+        let inertia = self.inertia.is_finite() && self.inertia > 0.0;
+        (!(residual
+            && inertia
+            && finite(&self.shapes)
+            && finite(&self.hub)
+            && finite(&self.participation)))
+        .then(|| "a number is not finite".into())
+    }
+}

@@ -1,0 +1,47 @@
+//! Reduction: what the elastic gear model needs of a finite-element mesh.
+//!
+//! Pass 1 ([`Basis`]) belongs to a mesh, a kind of mount and an added hub inertia, and is stored: flank nodes with
+//! their normals, many modes at these nodes, the static compliance of the whole mesh between them. Pass 2 keeps some
+//! of the modes and gives what the others would have carried to the residual compliance
+//!
+//! ```text
+//! R = B (K^+ - Phi_e Omega^-2 Phi_e^T) B^T,   K^+ = P^T K_c^-1 P,   P = I - M Phi_r Phi_r^T
+//! ```
+//!
+//! with the rigid motion `Phi_r` that the mount leaves free (inertia relief) and any support `c` that holds it.
+//!
+//! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
+
+use gearbench_models::Vec3;
+use gearbench_models::contact::flank_points::Flanks;
+use gearbench_models::gear::elastic::reduced::Residual;
+
+/// Pass 1: modes and static compliance of a gear at its flank nodes and its hub.
+#[derive(Clone, Debug)]
+pub struct Basis {
+    /// Flanks in the gear's own frame, nodes numbered through.
+    pub flanks: Flanks,
+    /// Outward unit normal at each flank node, own frame.
+    pub normals: Vec<Vec3>,
+    /// The hub is free in the mount's direction.
+    pub free: bool,
+    /// Inertia [kg m^2] (rack: mass [kg]) with what is added at the hub.
+    pub inertia: f64,
+    /// What is added at the hub.
+    pub added_inertia: f64,
+    /// Unknowns of the finite elements.
+    pub unknowns: usize,
+    /// Angular frequencies of all modes found, ascending, rigid motion left out [rad/s].
+    pub omega: Vec<f64>,
+    /// Modes that must be kept or cut together have the same number: pairs of equal frequency, and the harmonic
+    /// families of a cyclic gear.
+    pub family: Vec<u32>,
+    /// Shapes at the flank nodes along the normals, `node * modes + mode` [1/sqrt(kg)].
+    pub shapes: Vec<f64>,
+    /// Turn (travel) of a free hub in each mode; zeros for a held hub.
+    pub hub: Vec<f64>,
+    /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
+    pub participation: Vec<f64>,
+    /// Compliance of the whole mesh: nothing is cut from it yet.
+    pub compliance: Residual,
+}
