@@ -12,6 +12,14 @@
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
+mod error;
+mod mounting;
+pub mod surface;
+
+pub use error::ReductionError;
+pub use mounting::Mounting;
+pub use surface::Surface;
+
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::elastic::reduced::Residual;

@@ -39,6 +39,13 @@ pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64
     areas
 }
 
+/// Outward unit normals of the smooth surface through the undeformed nodes of grid `grid`, at these nodes, row by
+/// row: `t_z x t_r` of the spline tangents over the width and along the profile, turned out of the tooth.
+#[must_use]
+pub fn nodal_normals(flanks: &Flanks, grid: usize) -> Vec<Vec3> {
+    Shape::new(flanks, grid, SurfaceKind::Smooth, &Rule::default(), false).nodal_normals()
+}
+
 /// A flank of one tooth as a structured grid of nodes, in the gear's own frame: axis z through the origin and
 /// tooth 0 centred on +x; a rack as in [`crate::geometry`], reference line on y, teeth pointing to -x.
 ///

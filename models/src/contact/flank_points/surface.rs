@@ -190,6 +190,24 @@ impl Shape {
         self.areas = areas;
     }
 
+    /// Outward unit normals at the nodes, row by row.
+    pub fn nodal_normals(&self) -> Vec<Vec3> {
+        let still = Pose {
+            cos: 1.0,
+            sin: 0.0,
+            origin: Vec3::zeros(),
+        };
+        (0..self.rows * self.columns)
+            .map(|i| {
+                let (r, c) = (i / self.columns, i % self.columns);
+                let (row, column) = (r.min(self.rows - 2), c.min(self.columns - 2));
+                let face = self.face(&self.positions, &still, row, column);
+                let s = face.eval(self, (r - row) as f64, (c - column) as f64);
+                self.side.sign() * s.across.cross(&s.along).normalize()
+            })
+            .collect()
+    }
+
     /// Calls `f` for each point of the faces that `keep(row, column)` keeps, row by row.
     #[inline]
     pub fn points(

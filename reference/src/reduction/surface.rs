@@ -1,0 +1,173 @@
+//! The flank nodes of a mesh: their numbers, outward normals and areas.
+//!
+//! Flank nodes are numbered through from 0, tooth by tooth, left flank before right flank, row by row, whatever the
+//! order of the mesh; a node at the edge between two flanks has a number on each. Modes and compliances of a
+//! reduction share these numbers, and the normals: displacements count outwards, forces into the tooth.
+
+use super::error::ReductionError;
+use crate::mesh::GearMesh;
+use gearbench_models::Vec3;
+use gearbench_models::contact::flank_points::{
+    FlankGrid, Flanks, PointRule, nodal_normals, reference_areas,
+};
+
+/// The flank nodes of a gear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Flanks in the gear's own frame with the numbers of the flank nodes.
+    pub flanks: Flanks,
+    /// Node of the mesh per flank node (of the sector, where the gear is made of copies of one).
+    pub mesh_nodes: Vec<u32>,
+    /// Outward unit normals of the smooth undeformed flanks, own frame.
+    pub normals: Vec<Vec3>,
+    /// Area of the flank that each node stands for [m^2].
+    pub areas: Vec<f64>,
+}
+
+fn flank_error(text: String) -> ReductionError {
+    ReductionError::Flanks(text)
+}
+
+impl Surface {
+    /// The flank nodes of a mesh, whole or of some teeth.
+    ///
+    /// # Errors
+    /// No flank, a flank twice, a grid that is none, a node that the mesh does not have or that the hub holds.
+    pub fn new(gear: &GearMesh) -> Result<Self, ReductionError> {
+        let mut order: Vec<&FlankGrid> = gear.flanks.iter().collect();
+        order.sort_by_key(|g| (g.tooth, g.side));
+        if order.is_empty() {
+            return Err(flank_error(
+                "the mesh names none; give the node sets of the flanks that may touch, such as `flank_1l`".into(),
+            ));
+        }
+        let name = |g: &FlankGrid| format!("the {:?} flank of tooth {}", g.side, g.tooth + 1);
+        for pair in order.windows(2) {
+            if (pair[0].tooth, pair[0].side) == (pair[1].tooth, pair[1].side) {
+                return Err(flank_error(format!("{} is given twice", name(pair[0]))));
+            }
+        }
+        let mut held = vec![false; gear.mesh.nodes.len()];
+        for &node in &gear.bore {
+            held[node as usize] = true;
+        }
+        let (mut mesh_nodes, mut grids) = (Vec::new(), Vec::with_capacity(order.len()));
+        for g in order {
+            let n = g.rows * g.columns;
+            if g.rows < 2 || g.columns < 2 || g.nodes.len() != n || g.positions.len() != n {
+                return Err(flank_error(format!(
+                    "{} has {} nodes and {} positions for a grid of {} x {}, which must be at least 2 x 2",
+                    name(g),
+                    g.nodes.len(),
+                    g.positions.len(),
+                    g.rows,
+                    g.columns
+                )));
+            }
+            for &node in &g.nodes {
+                match held.get(node as usize) {
+                    Some(false) => {}
+                    Some(true) => {
+                        return Err(flank_error(format!(
+                            "node {node} of {} belongs to the bore as well: the hub holds it, so it cannot yield to contact",
+                            name(g)
+                        )));
+                    }
+                    None => {
+                        return Err(flank_error(format!(
+                            "{} names node {node}, but the mesh has {}",
+                            name(g),
+                            held.len()
+                        )));
+                    }
+                }
+            }
+            let first = mesh_nodes.len() as u32;
+            mesh_nodes.extend_from_slice(&g.nodes);
+            grids.push(FlankGrid {
+                nodes: (first..).take(n).collect(),
+                ..g.clone()
+            });
+        }
+        let flanks = Flanks::new(grids);
+        let (mut normals, mut areas) = (Vec::new(), Vec::new());
+        for g in 0..flanks.grids().len() {
+            normals.extend(nodal_normals(&flanks, g));
+            areas.extend(reference_areas(&flanks, g, PointRule::Nodes));
+        }
+        if let Some(i) = normals
+            .iter()
+            .position(|n| !n.iter().all(|x| x.is_finite()))
+        {
+            return Err(flank_error(format!(
+                "no normal at node {}: the nodes of its flank about it coincide or lie in a line",
+                mesh_nodes[i]
+            )));
+        }
+        Ok(Surface {
+            flanks,
+            mesh_nodes,
+            normals,
+            areas,
+        })
+    }
+
+    /// The flank nodes of a whole gear made of copies of a sector that holds tooth 0.
+    ///
+    /// # Errors
+    /// As [`Surface::new`], and flanks of other teeth than tooth 0.
+    pub fn of_sector(sector: &GearMesh) -> Result<Self, ReductionError> {
+        let own = Self::new(sector)?;
+        if let Some(g) = own.flanks.grids().iter().find(|g| g.tooth != 0) {
+            return Err(flank_error(format!(
+                "the sector has a flank of tooth {}, but it is tooth 1 that is repeated",
+                g.tooth + 1
+            )));
+        }
+        let (teeth, per_tooth) = (sector.teeth, own.nodes() as u32);
+        let pitch = std::f64::consts::TAU / f64::from(teeth);
+        let mut grids = Vec::new();
+        let mut normals = Vec::new();
+        for tooth in 0..teeth {
+            let (s, c) = (pitch * f64::from(tooth)).sin_cos();
+            let turn = |x: &Vec3| Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z);
+            grids.extend(own.flanks.grids().iter().map(|g| FlankGrid {
+                tooth,
+                nodes: g.nodes.iter().map(|k| k + tooth * per_tooth).collect(),
+                positions: g.positions.iter().map(turn).collect(),
+                ..g.clone()
+            }));
+            normals.extend(own.normals.iter().map(turn));
+        }
+        Ok(Surface {
+            flanks: Flanks::new(grids),
+            mesh_nodes: own.mesh_nodes.repeat(teeth as usize),
+            normals,
+            areas: own.areas.repeat(teeth as usize),
+        })
+    }
+
+    /// Number of flank nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.mesh_nodes.len()
+    }
+
+    /// Position of each flank node, own frame [m].
+    #[must_use]
+    pub fn positions(&self) -> Vec<Vec3> {
+        let grids = self.flanks.grids().iter();
+        grids.flat_map(|g| g.positions.iter().copied()).collect()
+    }
+
+    /// `out_k = n_k . u(node of k)` for displacements of the mesh, three per node; nodes of a whole mesh only.
+    pub fn along_normals(&self, u: &[f64], out: &mut [f64]) {
+        for ((out, n), &node) in out.iter_mut().zip(&self.normals).zip(&self.mesh_nodes) {
+            let u = &u[3 * node as usize..][..3];
+            *out = n.x * u[0] + n.y * u[1] + n.z * u[2];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
