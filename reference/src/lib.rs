@@ -23,6 +23,7 @@ pub mod external;
 pub mod full_order;
 pub mod mesh;
 pub mod modes;
+mod parallel;
 pub mod reduction;
 pub mod solve;
 pub mod statics;

@@ -12,10 +12,13 @@
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
+pub mod compliance;
+mod cutting;
 mod error;
 mod mounting;
 pub mod surface;
 
+pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
 pub use mounting::Mounting;
 pub use surface::Surface;
