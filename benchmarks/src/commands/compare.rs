@@ -3,7 +3,7 @@
 use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
 use crate::cli::Compare;
 use crate::scene_file::{self, ModelChoice, SceneFile};
-use crate::study::compare::{Plan, compare, methods_from};
+use crate::study::compare::{LEFT_OUT, Plan, compare, methods_from};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
 use gearbench_models::scene::build::{lever, mesh_layout};
@@ -104,6 +104,9 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
             r.steps,
             outcome
         ));
+    }
+    for (what, pair) in results.settings.iter().filter(|(what, _)| what == LEFT_OUT) {
+        say(&format!("{what}: {pair}"));
     }
     let failed = results
         .runs

@@ -98,6 +98,7 @@ fn refuse_run(e: RunError) -> Refusal {
             help = "`gearbench list` names the integrators; a step or tolerance follows an @, as in rk4@1e-6",
             "{e}"
         )),
+        e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
         RunError::Interrupted => Refusal::Failed("interrupted; nothing was written".into()),
     }
 }

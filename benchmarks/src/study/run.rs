@@ -111,6 +111,11 @@ pub enum RunError {
     /// The integrator is not known or its parameters are wrong.
     #[error("{0}")]
     Method(String),
+    /// The integrator needs a linear part to be exact for, which not every model has.
+    #[error(
+        "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
+    )]
+    NoLinearPart(String),
     /// Stopped from outside.
     #[error("interrupted")]
     Interrupted,
@@ -123,6 +128,9 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     let setup = started.elapsed();
     let (row, mut method) =
         gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
+    if row.info.linear_part && scene.modal().is_none() {
+        return Err(RunError::NoLinearPart(row.info.id.into()));
+    }
 
     let channel = |name: &str| scene.channel(name).unwrap_or(0);
     let (force, least) = (channel("force:0"), channel("normal_min:0"));
