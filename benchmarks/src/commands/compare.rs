@@ -126,7 +126,11 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
 /// from, conventions of the stiffness.
-fn settings(scene: &SceneFile, choices: &[&ModelChoice], no_events: bool) -> Vec<(String, String)> {
+pub(super) fn settings(
+    scene: &SceneFile,
+    choices: &[&ModelChoice],
+    no_events: bool,
+) -> Vec<(String, String)> {
     let mut rows: Vec<(String, String)> = Vec::new();
     let mut row = |what: &str, value: String| rows.push((what.to_string(), value));
     row(

@@ -114,7 +114,7 @@ impl Plan<'_> {
             models: models(),
             duration: scene.duration,
             samples: scene.study.samples,
-            reference: reference.map(series),
+            reference: reference.map(external),
             tolerance: scene.tolerance.clone(),
             settings: Vec::new(),
             repeats: 1,
@@ -171,7 +171,7 @@ impl Plan<'_> {
 }
 
 /// The history of an external reference as records keep it.
-fn series(r: &ExternalReference) -> ReferenceSeries {
+pub fn external(r: &ExternalReference) -> ReferenceSeries {
     let h = &r.history;
     ReferenceSeries {
         // Records name the program; the title and source say which case.
@@ -314,7 +314,7 @@ fn variant(entry: &Entry) -> Option<String> {
 }
 
 /// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.
-fn thin(series: &TimeSeries) -> TimeSeries {
+pub(super) fn thin(series: &TimeSeries) -> TimeSeries {
     let force = &series.contact_force_n;
     let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
     let at = peak.map_or(0.0, |i| series.time_s[i]);

@@ -9,7 +9,7 @@ use gearbench_integrators::{
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec};
+use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec, Value};
 use gearbench_reports::record::{
     self, ContactPoint, ContactSnapshot, Outline, Run, Status, finite,
 };
@@ -201,6 +201,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     walls.sort_by(f64::total_cmp);
     let wall_s = walls[walls.len() / 2];
 
+    let reduction = reduction(&scene, job.modelling);
     let (step, rtol) = match job.method.resolution {
         Resolution::Step(h) => (Some(h), None),
         Resolution::Tolerance(r) => (None, Some(r)),
@@ -224,6 +225,10 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         factorisations: work.factorisations,
         events: work.events,
         dofs: scene.layout().n,
+        modes: reduction.modes,
+        residual: reduction.residual,
+        choose: reduction.choose,
+        highest_hz: reduction.highest_hz,
         ledger: ledger_record(
             job,
             &ledger,
@@ -239,6 +244,35 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         series: Some(series),
         ..Run::default()
     })
+}
+
+/// What a record says of the modes of elastic gears.
+#[derive(Default)]
+struct Reduction {
+    modes: Option<usize>,
+    residual: Option<bool>,
+    choose: Option<String>,
+    highest_hz: Option<f64>,
+}
+
+fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
+    let mut found = Reduction::default();
+    for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
+        let (Some(modes), Some(field)) = (gear.model.oscillators(), gear.model.field()) else {
+            continue;
+        };
+        let kept = modes.omega.iter().filter(|w| **w > 0.0).count();
+        let highest = modes.omega.iter().copied().fold(0.0, f64::max) / std::f64::consts::TAU;
+        found.modes = found.modes.max(Some(kept));
+        found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
+        if kept > 0 {
+            found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
+        }
+        if let Some(Value::Text(way)) = spec.parameters.get("choose") {
+            found.choose = Some(way.clone());
+        }
+    }
+    found
 }
 
 /// Integrates without timing or judging and returns the force at the grid times: for fits.
