@@ -13,5 +13,6 @@ fn main() -> Result<(), ReportError> {
     write_results(&dir.join("impact"), &support::impact_results())?;
     write_results(&dir.join("rotation"), &support::rotation_results())?;
     write_results(&dir.join("modes"), &support::mode_results())?;
+    write_results(&dir.join("sweep"), &support::sweep_results())?;
     Ok(())
 }

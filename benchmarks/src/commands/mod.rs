@@ -9,6 +9,7 @@ mod list;
 mod mesh;
 mod modes;
 mod stiffness;
+mod sweep;
 
 use crate::cli::{Cli, Command};
 use crate::scene_file::SceneError;
@@ -50,6 +51,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Identify(args)) => identify::run(&args, &told()),
         Some(Command::Stiffness(args)) => stiffness::run(&args),
         Some(Command::Modes(args)) => modes::run(&args, &told()),
+        Some(Command::Sweep(args)) => sweep::run(&args, &told()),
         Some(Command::Mesh(args)) => mesh::run(&args, &told()),
         Some(Command::List) => list::run(),
         Some(Command::Report(args)) => report(&args.dir),

@@ -13,6 +13,7 @@ mod mesh;
 mod modes;
 mod stiffness;
 mod style;
+pub(crate) mod sweep;
 
 pub use canvas::DrawError;
 pub use stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
@@ -34,7 +35,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 9] = [
+pub(crate) const FILES: [&str; 13] = [
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -44,6 +45,10 @@ pub(crate) const FILES: [&str; 9] = [
     "frequencies.svg",
     "modes_peak.svg",
     "modes_cost.svg",
+    "sweep.svg",
+    "sweep_spectra.svg",
+    "sweep_harmonics.svg",
+    "sweep_cycles.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -56,6 +61,9 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
         let mut all = modes::modes(&view)?;
         all.extend(histories::force(&view)?);
         return Ok(all);
+    }
+    if sweep::applies(&view) {
+        return sweep::sweep(&view);
     }
     let all = [
         histories::force(&view)?,
