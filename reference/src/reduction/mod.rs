@@ -10,13 +10,25 @@
 //!
 //! with the rigid motion `Phi_r` that the mount leaves free (inertia relief) and any support `c` that holds it.
 //!
+//! | part | owns |
+//! |---|---|
+//! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
+//! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
+//! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
+//! | [`choose`] | which modes are kept, and with what damping |
+//! | [`shared`] | one basis for all that need the same |
+//!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
+pub mod basis;
+pub mod choose;
 pub mod compliance;
 mod cutting;
 mod error;
 mod mounting;
+pub mod shared;
 pub mod surface;
+pub(crate) mod table;
 
 pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
@@ -55,4 +67,13 @@ pub struct Basis {
     pub participation: Vec<f64>,
     /// Compliance of the whole mesh: nothing is cut from it yet.
     pub compliance: Residual,
+}
+
+/// Which modes are wanted, rigid motion not counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// So many of the lowest (one more if the last is half of a pair).
+    Count(usize),
+    /// All up to this frequency [Hz].
+    UpTo(f64),
 }
