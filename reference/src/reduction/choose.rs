@@ -186,3 +186,6 @@ pub fn reduced(
         residual: None,
     })
 }
+
+#[cfg(test)]
+mod tests;
