@@ -16,6 +16,7 @@
 //! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
 //! | [`choose`] | which modes are kept, and with what damping |
+//! | [`estimate`] | what a choice costs in accuracy, before any scene is run |
 //! | [`shared`] | one basis for all that need the same |
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
@@ -25,6 +26,7 @@ pub mod choose;
 pub mod compliance;
 mod cutting;
 mod error;
+pub mod estimate;
 mod mounting;
 pub mod shared;
 pub mod surface;
@@ -56,8 +58,7 @@ pub struct Basis {
     pub unknowns: usize,
     /// Angular frequencies of all modes found, ascending, rigid motion left out [rad/s].
     pub omega: Vec<f64>,
-    /// Modes that must be kept or cut together have the same number: pairs of equal frequency, and the harmonic
-    /// families of a cyclic gear.
+    /// Modes that must be kept or cut together have the same number: those of equal frequency.
     pub family: Vec<u32>,
     /// Shapes at the flank nodes along the normals, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: Vec<f64>,

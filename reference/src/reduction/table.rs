@@ -1,6 +1,7 @@
 //! The line of `elastic` in the table of gear models.
 
 use super::choose::{self, Choice, Criterion, ModalDamping};
+use super::estimate::Impacts;
 use super::{Mounting, Wanted, shared};
 use crate::mesh_source::{self, Reader, Source};
 use gearbench_models::gear::GearModel;
@@ -20,7 +21,7 @@ const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
 }
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 14] = mesh_source::with_own(&[
+static PARAMETERS: [ParameterInfo; 15] = mesh_source::with_own(&[
     optional(
         "modes",
         "most modes to keep; default 100 (all where `max_frequency_hz` is given), 0 is quasi-static",
@@ -33,6 +34,10 @@ static PARAMETERS: [ParameterInfo; 14] = mesh_source::with_own(&[
     optional(
         "residual",
         "true (default): modes that are cut stay as static compliance; false: plain truncation",
+    ),
+    optional(
+        "target_error",
+        "keeps the fewest modes whose estimated error of the force history, relative L2, is this or less",
     ),
     optional("damping_ratio", "damping ratio of all modes; default 0"),
     optional(
@@ -112,6 +117,13 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let residual = reader.flag("residual")?.unwrap_or(true);
     let step = reader.number("step_s", None)?.unwrap_or(STEP);
     let max_frequency = reader.number("max_frequency_hz", None)?;
+    let target = reader.number("target_error", None)?;
+    if target.is_some() && !residual {
+        return Err(reader.error(
+            "target_error",
+            "is estimated for modes with the static compliance of the others; leave out `residual = false`",
+        ));
+    }
     let damping = damping(&reader)?;
 
     let source = Source::read(&reader)?;
@@ -120,9 +132,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Toothing::Gear(_) => Mounting::gear(free, context.added_inertia),
         Toothing::Rack(_) => Mounting::rack(free, context.added_inertia),
     };
-    // A frequency alone keeps all modes below it.
+    // A frequency alone keeps all modes below it; a target may take any number.
     let (count, wanted) = match (count, max_frequency) {
         (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
+        (None, None) if target.is_some() => (usize::MAX, Wanted::Count(LEAST_CANDIDATES)),
         (count, _) => {
             let count = count.unwrap_or(MODES);
             (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
@@ -136,18 +149,21 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         .map_err(|e| reader.error("mesh", e.to_string()))?;
     let highest = choose::highest_for_step(step)
         .min(max_frequency.map_or(f64::INFINITY, |f| std::f64::consts::TAU * f));
-    let kept = choose::choose(
-        &basis,
-        &Choice {
-            by,
-            count,
-            highest,
-            candidates: shared::lowest(&basis, wanted),
-            even_over_width: even_over_width(context.body),
-        },
-    );
+    let choice = Choice {
+        by,
+        count,
+        highest,
+        candidates: shared::lowest(&basis, wanted),
+        even_over_width: even_over_width(context.body),
+    };
+    let kept = match target {
+        None => choose::choose(&basis, &choice),
+        Some(target) => Impacts::new(&basis, context.lever, choice.even_over_width)
+            .fewest(&choice, target)
+            .map_err(|e| reader.error("target_error", e.to_string()))?,
+    };
     let reduced = choose::reduced(&basis, &kept, &damping, residual)
-        .map_err(|e| reader.error("residual", e.to_string()))?;
+        .map_err(|e| reader.error("modes", e.to_string()))?;
     let gear = Elastic::new(
         context.hub.clone(),
         context.lever,
@@ -155,4 +171,102 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Arc::new(reduced),
     );
     Ok(Box::new(gear.map_err(|e| reader.error("mesh", e))?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_models::Vec3;
+    use gearbench_models::gear::placement::Placement;
+    use gearbench_models::geometry::{Gear, GearParams};
+    use gearbench_models::mount::{Hub, Mount};
+    use gearbench_models::scene::spec::Parameters;
+    use gearbench_models::stiffness::Material;
+
+    fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {
+        let gear = Gear::new(GearParams {
+            teeth: 18,
+            module: 2e-3,
+            face_width: 5e-3,
+            bore_radius: 6e-3,
+            ..GearParams::default()
+        });
+        let gear = gear.unwrap();
+        let lever = gear.r_base();
+        let hub = Hub {
+            mount,
+            centre: Vec3::zeros(),
+            slide: None,
+            inertia: 1.0,
+        };
+        let mut all: Parameters = [
+            ("flank_elements", 3.0),
+            ("fillet_elements", 2.0),
+            ("across_elements", 6.0),
+            ("rim_elements", 2.0),
+            ("width_elements", 1.0),
+        ]
+        .into_iter()
+        .map(|(key, x)| (key.to_string(), Value::Number(x)))
+        .collect();
+        all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
+        let context = GearContext {
+            name: "pinion",
+            body: &Toothing::Gear(gear),
+            material: Material::STEEL,
+            hub: &hub,
+            added_inertia: 0.0,
+            placement: Placement::new(&hub, 0.1),
+            lever,
+            parameters: &all,
+        };
+        ROW.build(&context)
+            .map(|g| g.coordinates().n - hub.coordinates())
+    }
+
+    #[test]
+    fn parameters_say_which_modes() {
+        let number = |x: f64| Value::Number(x);
+        let word = |x: &str| Value::Text(x.into());
+        let modes = built(Mount::Revolute, &[("modes", number(30.0))]).unwrap();
+        assert!((29..=30).contains(&modes));
+        let held = built(Mount::Fixed, &[("modes", number(0.0))]).unwrap();
+        assert_eq!(held, 0);
+        let below = [
+            ("max_frequency_hz", number(2e5)),
+            ("residual", Value::Flag(false)),
+        ];
+        let below = built(Mount::Revolute, &below).unwrap();
+        assert!(below > 20);
+        // A longer step carries fewer.
+        let slow = [("max_frequency_hz", number(2e5)), ("step_s", number(8e-6))];
+        assert!(built(Mount::Revolute, &slow).unwrap() < below);
+        let coarse = built(Mount::Revolute, &[("target_error", number(0.03))]).unwrap();
+        let fine = built(
+            Mount::Revolute,
+            &[("target_error", number(0.01)), ("step_s", number(4e-7))],
+        )
+        .unwrap();
+        assert!(0 < coarse && coarse < fine);
+        for (parameters, message) in [
+            (vec![("choose", word("best"))], "\"best\" is not known"),
+            (vec![("rayleigh", number(1.0))], "[alpha, beta]"),
+            (
+                vec![("target_error", number(1e-9)), ("modes", number(20.0))],
+                "allow more modes",
+            ),
+            (
+                vec![
+                    ("target_error", number(0.1)),
+                    ("residual", Value::Flag(false)),
+                ],
+                "leave out",
+            ),
+            (vec![("damping_ratio", number(1.5))], "damp less"),
+            (vec![("modes", number(1.5))], "whole number"),
+        ] {
+            let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
+            assert!(e.contains(message), "{e}");
+        }
+    }
 }

@@ -1,80 +1,172 @@
 use super::*;
+use crate::mesh::{self, ElementKind, GearMeshParams, RackMeshParams, Tooth};
+use crate::reduction::{Mounting, Wanted, basis};
+use gearbench_models::gear::elastic::reduced::FlankCompliance;
+use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+use gearbench_models::stiffness::Material;
 
-/// Force history of a mass that hits one row of flank nodes of a free gear.
-#[allow(clippy::too_many_arguments)]
-fn impact(b: &Basis, kept: &[usize], rows: &[u32], lever: f64, mass: f64, penalty: f64, h: f64, end: f64, every: usize) -> Vec<f64> {
-    let n = b.omega.len();
-    let mean: Vec<f64> = (0..n).map(|i| rows.iter().map(|&k| b.shapes[k as usize * n + i]).sum::<f64>() / rows.len() as f64).collect();
-    let mut is = vec![false; n];
-    kept.iter().for_each(|&i| is[i] = true);
-    let soft: f64 = (0..n).filter(|i| !is[*i]).map(|i| (mean[i] / b.omega[i]).powi(2)).sum();
-    let compliance = soft + 1.0 / penalty;
-    let modes: Vec<(f64, f64, f64)> = kept.iter().map(|&i| { let (s, c) = (b.omega[i] * h).sin_cos(); let _ = s; (b.omega[i], mean[i], c) }).collect();
-    let mut q: Vec<[f64; 2]> = vec![[0.0; 2]; modes.len()];
-    let (mut x, mut v, mut y, mut w) = (0.0, -1.0, 0.0, 0.0); // mass; rigid gear along the line, y outward
-    let gear = b.inertia / lever.powi(2);
-    let force = |x: f64, y: f64, q: &[[f64; 2]]| {
-        let a: f64 = q.iter().zip(&modes).map(|(q, m)| q[0] * m.1).sum();
-        ((y + a - x) / compliance).max(0.0)
+/// All modes of a small rack.
+fn rack() -> Basis {
+    let rack = Rack::new(RackParams {
+        module: 2e-3,
+        teeth: 3,
+        face_width: 4e-3,
+        ..RackParams::default()
+    })
+    .unwrap();
+    let params = RackMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        body: 2,
+        width: 1,
+        ..RackMeshParams::default()
     };
-    let mut f = force(x, y, &q);
-    let mut out = vec![];
-    let steps = (end / h).round() as usize;
-    for step in 0..steps {
-        if step % every == 0 { out.push(f); }
-        v += 0.5 * h * f / mass; w -= 0.5 * h * f / gear;
-        for (q, m) in q.iter_mut().zip(&modes) { q[1] -= 0.5 * h * f * m.1; }
-        x += h * v; y += h * w;
-        for (q, m) in q.iter_mut().zip(&modes) {
-            let (s, c) = ((m.0 * h).sin(), m.2);
-            *q = [c * q[0] + s / m.0 * q[1], c * q[1] - m.0 * s * q[0]];
-        }
-        f = force(x, y, &q);
-        v += 0.5 * h * f / mass; w -= 0.5 * h * f / gear;
-        for (q, m) in q.iter_mut().zip(&modes) { q[1] -= 0.5 * h * f * m.1; }
+    let mesh = mesh::rack(&rack, &params).unwrap();
+    let wanted = Wanted::Count(usize::MAX / 2);
+    basis::of_mesh(&mesh, &Material::STEEL, &Mounting::rack(true, 0.01), wanted).unwrap()
+}
+
+fn gear() -> Basis {
+    let gear = Gear::new(GearParams {
+        teeth: 18,
+        module: 2e-3,
+        face_width: 5e-3,
+        bore_radius: 6e-3,
+        ..GearParams::default()
+    })
+    .unwrap();
+    let params = GearMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        rim: 2,
+        width: 2,
+        ..GearMeshParams::default()
+    };
+    let sector = mesh::sector(&gear, &params).unwrap();
+    let mounting = Mounting::gear(true, 1e-6);
+    basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(120)).unwrap()
+}
+
+fn choice(count: usize, by: Criterion) -> Choice {
+    Choice {
+        by,
+        count,
+        candidates: usize::MAX,
+        highest: f64::INFINITY,
+        even_over_width: false,
     }
-    out
+}
+
+/// Together all modes yield what the mesh yields in statics.
+#[test]
+fn compliances_of_all_modes_add_up_to_the_static_one() {
+    let b = rack();
+    let FlankCompliance::Full(c) = &b.compliance.flanks else {
+        panic!("a rack is not cyclic")
+    };
+    let n = b.normals.len();
+    for even in [false, true] {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (g, grid) in b.flanks.grids().iter().enumerate() {
+            let areas = reference_areas(&b.flanks, g, PointRule::Nodes);
+            let together = if even { grid.columns } else { 1 };
+            for (nodes, areas) in grid.nodes.chunks(together).zip(areas.chunks(together)) {
+                let area: f64 = areas.iter().sum();
+                for (i, a) in nodes.iter().zip(areas) {
+                    for (j, b) in nodes.iter().zip(areas) {
+                        sum += a * b / area * c[*i as usize * n + *j as usize];
+                    }
+                }
+                total += area;
+            }
+        }
+        let of_modes: f64 = flank_compliances(&b, even).iter().sum();
+        let exact = sum / total;
+        assert!((of_modes / exact - 1.0).abs() < 1e-7, "{of_modes} {exact}");
+    }
 }
 
 #[test]
-fn scratch() {
-    use crate::reduction::{Mounting, Wanted, basis};
-    let r = crate::REFERENCES.iter().find(|r| r.id == "calculix/case-a-fine").unwrap();
-    let d = crate::deck::read_bytes(r.id, r.deck).unwrap();
-    let m = crate::deck::gears(&d).unwrap().swap_remove(0).mesh;
-    let b = basis::of_mesh(&m, &gearbench_models::stiffness::Material::STEEL, &Mounting::gear(true, 0.0), Wanted::Count(700)).unwrap();
-    eprintln!("highest {} kHz", b.omega.last().unwrap() / 6283.0);
-    let n = b.omega.len();
-    let c2 = flank_compliances(&b, true);
-    let rbs = 0.0376;
-    eprintln!("total {:.3e} sum", c2.iter().sum::<f64>());
-    for row in [3, 8usize, 14] {
-        let g = &b.flanks.grids()[0];
-        let rows = &g.nodes[row * g.columns..][..g.columns];
-        let all: Vec<usize> = (0..n).collect();
-        let total: f64 = c2.iter().sum();
-        let mass = 1.0;
-        let reference = impact(&b, &all, rows, rbs, mass, 1e9, 2e-8, 1.5e-4, 50);
-        let norm = reference.iter().map(|x| x * x).sum::<f64>();
-        let peak = reference.iter().fold(0.0_f64, |a, b| a.max(*b));
-        eprintln!("row {row} duration {} us, peak {peak}", reference.iter().filter(|f| **f > 0.0).count());
-        let red = mass * (b.inertia / rbs / rbs) / (mass + b.inertia / rbs / rbs);
-        let wc2 = 1.0 / (red * (total + 1e-9));
-        for p in [0, 1] {
-            let mut order: Vec<usize> = (0..n).filter(|i| b.omega[*i] < 2.01e6).collect();
-            let key = |i: usize| match p { 0 => 1.0 / b.omega[i], _ => c2[i] / b.omega[i].powi(p as i32 - 1) };
-            order.sort_by(|a, b| key(*b).total_cmp(&key(*a)));
-            for count in [5, 10, 15, 25, 35, 50, 75, 100, 150, 200] {
-                let kept = &order[..count];
-                let f = impact(&b, kept, rows, rbs, mass, 1e9, 2e-8, 1.5e-4, 50);
-                let e = (f.iter().zip(&reference).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / norm).sqrt();
-                let cut: Vec<usize> = (0..n).filter(|i| !kept.contains(i)).collect();
-                let share: f64 = cut.iter().map(|&i| c2[i]).sum::<f64>() / total;
-                let lin: f64 = cut.iter().map(|&i| c2[i] * wc2.sqrt() / b.omega[i]).sum::<f64>() / total;
-                let rms: f64 = cut.iter().map(|&i| (c2[i] * wc2.sqrt() / b.omega[i] / total).powi(2)).sum::<f64>().sqrt();
-                eprint!(" {count}: {:.2}% ({:.1} {:.2} {:.2})", 100.0 * e, 100.0 * share, 100.0 * lin, 100.0 * rms);
+fn choices_grow_and_keep_families_whole() {
+    let b = gear();
+    for by in [Criterion::Frequency, Criterion::FlankCompliance] {
+        let mut share = 0.0;
+        for count in [0, 7, 20, 41, 80, 1000] {
+            let kept = choose(&b, &choice(count, by));
+            assert!(kept.len() <= count && kept.len() + 2 > count.min(b.omega.len()));
+            assert!(kept.is_sorted_by(|a, b| a < b));
+            for &i in &kept {
+                let mut family = (0..b.family.len()).filter(|j| b.family[*j] == b.family[i]);
+                assert!(family.all(|j| kept.contains(&j)), "half of a family");
             }
-            eprintln!(" p={p}");
+            let compliances = flank_compliances(&b, false);
+            let of_kept: f64 = kept.iter().map(|&i| compliances[i]).sum();
+            assert!(of_kept >= share);
+            share = of_kept;
+            if by == Criterion::FlankCompliance && kept.len() == count {
+                // No other families of as many modes yield more.
+                let lowest = choose(&b, &choice(count, Criterion::Frequency));
+                assert!(of_kept >= lowest.iter().map(|&i| compliances[i]).sum::<f64>());
+            }
         }
     }
+    let half = 0.5 * (b.omega[50] + b.omega[51]);
+    let low = choose(
+        &b,
+        &Choice {
+            highest: half,
+            candidates: 45,
+            ..choice(1000, Criterion::FlankCompliance)
+        },
+    );
+    assert!(low.iter().all(|&i| b.omega[i] < half && i < 45));
+}
+
+/// On a spur gear shapes are even or odd over the width; odd ones do not yield to an even load.
+#[test]
+fn shapes_odd_over_the_width_do_not_count_where_contact_is_even() {
+    let b = gear();
+    let (all, even) = (flank_compliances(&b, false), flank_compliances(&b, true));
+    let odd = all
+        .iter()
+        .zip(&even)
+        .filter(|(a, e)| **e < 1e-9 * **a)
+        .count();
+    assert!(odd > 20 && odd < b.omega.len() - 20, "{odd}");
+    let kept = choose(
+        &b,
+        &Choice {
+            even_over_width: true,
+            ..choice(30, Criterion::FlankCompliance)
+        },
+    );
+    assert!(kept.iter().all(|&i| even[i] > 1e-3 * all[i]));
+}
+
+#[test]
+fn reduced_gears_are_sound_and_damping_is_what_was_asked() {
+    let b = gear();
+    let kept = choose(&b, &choice(30, Criterion::FlankCompliance));
+    let damping = ModalDamping {
+        ratio: 0.01,
+        alpha: 100.0,
+        beta: 1e-8,
+    };
+    let with = reduced(&b, &kept, &damping, true).unwrap();
+    let without = reduced(&b, &kept, &damping, false).unwrap();
+    assert_eq!(with.problem(), None);
+    assert_eq!(without.problem(), None);
+    assert!(with.residual.is_some() && without.residual.is_none());
+    let none = reduced(&b, &[], &damping, true).unwrap();
+    assert_eq!(none.problem(), None);
+    let w = with.omega[3];
+    assert_eq!(with.damping[3], 0.01 + 0.5 * (100.0 / w + 1e-8 * w));
+    let strong = ModalDamping {
+        beta: 1e-5,
+        ..ModalDamping::default()
+    };
+    let message = reduced(&b, &kept, &strong, true).unwrap_err().to_string();
+    assert!(message.contains("damp less"), "{message}");
 }
