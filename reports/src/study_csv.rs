@@ -4,7 +4,13 @@ use crate::record::{Results, Run};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
-pub(crate) const FILES: [&str; 4] = ["modes.csv", "sweep.csv", "sweep_cycles.csv", "statics.csv"];
+pub(crate) const FILES: [&str; 5] = [
+    "modes.csv",
+    "sweep.csv",
+    "sweep_cycles.csv",
+    "statics.csv",
+    "penalty.csv",
+];
 
 /// The tables of a record: name, text.
 pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
@@ -18,6 +24,9 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     if !steady.is_empty() {
         all.push((FILES[1].to_owned(), sweep(&steady)));
         all.push((FILES[2].to_owned(), cycles(&steady)));
+    }
+    if results.study == "penalty" {
+        all.push((FILES[4].to_owned(), penalty(results)));
     }
     if !results.statics.is_empty() {
         all.push((FILES[3].to_owned(), statics(results)));
@@ -81,6 +90,43 @@ fn modes(results: &Results) -> String {
                 number(Some(r.setup_s)),
             ]
         })
+    });
+    write(&header, rows)
+}
+
+fn penalty(results: &Results) -> String {
+    let header = [
+        "model",
+        "penalty_pa_per_m",
+        "hard",
+        "status",
+        "peak_force_n",
+        "impulse_ns",
+        "static_transmission_error_m",
+        "force_l2_to_hard",
+        "peak_force_rel_to_hard",
+        "impulse_rel_to_hard",
+        "integrator",
+        "step_s",
+        "wall_s",
+    ];
+    let rows = results.runs.iter().map(|r| {
+        let (own, hard) = (r.metrics.first(), r.against("hard"));
+        vec![
+            r.model_label(),
+            number(r.penalty_pa_per_m),
+            r.hard.unwrap_or(false).to_string(),
+            r.status.to_string(),
+            number(own.and_then(|m| m.peak_force_n)),
+            number(own.and_then(|m| m.impulse_ns)),
+            number(r.static_error_m),
+            number(hard.and_then(|m| m.force_l2)),
+            number(hard.and_then(|m| m.peak_force_rel)),
+            number(hard.and_then(|m| m.impulse_rel)),
+            r.integrator.clone(),
+            number(r.step),
+            number(Some(r.wall_s)),
+        ]
     });
     write(&header, rows)
 }

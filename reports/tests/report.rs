@@ -377,3 +377,22 @@ fn a_sweep_names_its_resonances_and_shows_what_failed() {
     assert_eq!(now.error_harmonics_m.len(), then.error_harmonics_m.len());
     assert!((now.error_rms_m / then.error_rms_m - 1.0).abs() < 1e-12);
 }
+
+#[test]
+fn a_study_of_penalties_comes_to_hard_contact() {
+    let dir = Folder::new("penalty");
+    write_results(&dir.0, &support::penalty_results()).unwrap();
+    let files = contents(&dir.0);
+    for name in ["penalty.svg", "penalty_distance.svg", "penalty.csv"] {
+        assert!(files.contains_key(name), "{name}");
+    }
+    let finding = files[PAGE].split("class=\"finding\"").nth(1).unwrap();
+    let finding = finding.split("</section>").next().unwrap();
+    // 0.3 / (1 + p / 1e13) is 0.01 % at 3e16, where the last run that did not fail stands; 1 % is at 2.9e14.
+    assert!(finding.contains("3e16 Pa/m"), "{finding}");
+    assert!(finding.contains("the force from 3e14 Pa/m on"), "{finding}");
+    assert!(
+        files["penalty.svg"].contains("failed") && files["penalty.svg"].contains("hard contact")
+    );
+    assert_eq!(files["penalty.csv"].lines().count(), 1 + 10);
+}

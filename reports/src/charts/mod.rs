@@ -11,6 +11,7 @@ mod histories;
 mod lines;
 mod mesh;
 mod modes;
+pub(crate) mod penalty;
 mod stiffness;
 mod style;
 pub(crate) mod sweep;
@@ -35,7 +36,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 13] = [
+pub(crate) const FILES: [&str; 15] = [
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -49,6 +50,8 @@ pub(crate) const FILES: [&str; 13] = [
     "sweep_spectra.svg",
     "sweep_harmonics.svg",
     "sweep_cycles.svg",
+    "penalty.svg",
+    "penalty_distance.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -59,6 +62,11 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     let view = View::new(results);
     if modes::applies(&view) {
         let mut all = modes::modes(&view)?;
+        all.extend(histories::force(&view)?);
+        return Ok(all);
+    }
+    if penalty::applies(&view) {
+        let mut all = penalty::penalty(&view)?;
         all.extend(histories::force(&view)?);
         return Ok(all);
     }

@@ -5,6 +5,7 @@
 
 mod finding;
 mod modes;
+mod penalty;
 mod sections;
 mod sweep;
 mod table;
@@ -59,12 +60,14 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         match results.study.as_str() {
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
+            "penalty" => penalty::finding(&view),
             _ => finding::finding(&view),
         }
     ));
     out.push_str(&match results.study.as_str() {
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
+        "penalty" => penalty::tables(&view),
         _ => sections::glance(&view),
     });
     for (i, chart) in charts.iter().enumerate() {

@@ -494,3 +494,48 @@ pub fn sweep_results() -> Results {
         ..base
     }
 }
+
+/// A study of penalties that come to hard contact, the stiffest failed.
+pub fn penalty_results() -> Results {
+    let base = impact_results();
+    let hard = impact(1.9e-5, 3610.0, 0.05, 1e-6);
+    let mut runs = Vec::new();
+    for i in 0..=9 {
+        let penalty = (i < 9).then(|| 1e13 * 10f64.powf(0.5 * f64::from(i)));
+        let off = penalty.map_or(0.0, |p| 0.3 / (1.0 + p / 1e13));
+        let series = impact(1.9e-5, 3610.0 * (1.0 - off), 0.05, 1e-6);
+        let mut run = Run {
+            model: "elastic".into(),
+            integrator: "trigonometric".into(),
+            step: Some(1e-6),
+            wall_s: 1e-3,
+            simulated_s: 1.34e-4,
+            steps: 134,
+            penalty_pa_per_m: penalty,
+            hard: penalty.is_none().then_some(true),
+            static_error_m: Some(1e-5 * (1.0 + off)),
+            metrics: vec![compare(&series, &Ledger::default(), &hard, "hard")],
+            series: (i % 3 == 0).then_some(series),
+            ..Run::default()
+        };
+        if i == 8 {
+            run.status = Status::BlowUp;
+            run.message = Some("made up".into());
+        }
+        runs.push(run);
+    }
+    Results {
+        study: "penalty".into(),
+        command: "gearbench penalty spur_impact".into(),
+        tolerance: None,
+        references: vec![ReferenceSeries {
+            id: "hard".into(),
+            title: "hard contact".into(),
+            source: "the last run of this record".into(),
+            series: hard,
+            ..ReferenceSeries::default()
+        }],
+        runs,
+        ..base
+    }
+}
