@@ -139,7 +139,7 @@ impl Scene {
             }
         }
         for a in &nodal.active {
-            let (p, mesh) = (&a.point, &self.meshes[a.point.mesh]);
+            let (p, mesh) = (&a.point, &self.meshes[a.point.mesh as usize]);
             energy.contact += mesh.law.potential(a.elastic.0, p.stiffness);
             power.dissipated -= (a.force.n - a.elastic.1) * a.rate;
             if a.force.n == 0.0 {
@@ -148,16 +148,17 @@ impl Scene {
             power.external -= a.force.n * self.nodal_drift(a, at);
             let on_slave = a.force.n * a.direction;
             let on_second = if p.slave == 0 { -on_slave } else { on_slave };
-            let of_mesh = &mut out.channels[PER_MESH * p.mesh..][..PER_MESH];
+            let of_mesh = &mut out.channels[PER_MESH * p.mesh as usize..][..PER_MESH];
             of_mesh[1] += on_second.x;
             of_mesh[2] += on_second.y;
             of_mesh[3] = of_mesh[3].min(a.force.n);
             for (k, &i) in mesh.gears.iter().enumerate() {
-                let force = if k == p.slave { on_slave } else { -on_slave };
-                let lever = self.gears[i]
-                    .model
-                    .hub()
-                    .lever(&p.points[p.slave].x, &force);
+                let force = if k == p.sides()[0] {
+                    on_slave
+                } else {
+                    -on_slave
+                };
+                let lever = self.gears[i].model.hub().lever(&p.x, &force);
                 out.channels[per_gear + 4 * i + 3] += lever;
             }
         }
