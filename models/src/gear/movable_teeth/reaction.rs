@@ -7,7 +7,7 @@
 //! ```
 //!
 //! with the radial and tangential directions `e_i`, `t_i` of a tooth and the contact forces `F`. Equal teeth outside
-//! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations, taken to first order.
+//! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`.
 //! The torque of a held mount is what the springs exert on the body.
 
 use super::{Integrated, MovableTeeth};
@@ -84,7 +84,7 @@ impl MovableTeeth {
         let mut at_tooth = 0;
         let free = &at.memory[self.head()..];
         self.deviations()
-            .each(&self.springs, at.t, free, |tooth, v, a| {
+            .each(&self.springs, at.t, free, |tooth, [d, v, a]| {
                 while at_tooth < tooth {
                     (sin, cos) = (
                         sin * step_cos + cos * step_sin,
@@ -92,7 +92,15 @@ impl MovableTeeth {
                     );
                     at_tooth += 1;
                 }
-                add(mass(0), (sin, cos), 2.0 * mean_v * v, a);
+                // A deviation is a small angle: its sine and cosine to rounding.
+                let d2 = d * d;
+                let (small_sin, small_cos) = (d * (1.0 - d2 / 6.0), 1.0 - d2 * (0.5 - d2 / 24.0));
+                let own = (
+                    sin * small_cos + cos * small_sin,
+                    cos * small_cos - sin * small_sin,
+                );
+                add(mass(0), own, (mean_v + v).powi(2), mean_a + a);
+                add(-mass(0), (sin, cos), mean_v * mean_v, mean_a);
             });
         reaction.force += rate;
         reaction
