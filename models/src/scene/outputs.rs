@@ -190,7 +190,8 @@ impl Scene {
                 field.hub_compliance(&[node], &mut r);
                 pressed += r[0] * force;
             }
-            out.channels[per_gear + OF_GEAR.len() * i + TRAVEL] += field.hub_give() * nodes.load - pressed;
+            out.channels[per_gear + OF_GEAR.len() * i + TRAVEL] +=
+                field.hub_give() * nodes.load - pressed;
             if g.model.hub().coordinates() > 0 {
                 power.external += pressed * g.applied_rate(at.t);
             }
