@@ -8,6 +8,7 @@
 //! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
 //! | [`reduction`] | modes, static compliance and their reduction to the data of the elastic gear |
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
+//! | `mesh_source` | where a model of finite elements takes its mesh from: its parameters |
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
 //! | [`external`] | what a stored reference of another program carries, and how it is read |
 //! | [`table`] | the stored references, embedded in the program: one line each in [`table::REFERENCES`] |
@@ -22,6 +23,7 @@ pub mod element;
 pub mod external;
 pub mod full_order;
 pub mod mesh;
+mod mesh_source;
 pub mod modes;
 pub mod reduction;
 pub mod solve;
@@ -32,5 +34,9 @@ pub mod table;
 pub use external::{
     ExternalReference, GearData, History, ImpactParameters, RackData, ReferenceError, Summary,
 };
-pub use full_order::MODELS;
 pub use table::{REFERENCES, StoredReference, reference};
+
+use gearbench_models::gear::table::Model;
+
+/// The gear models of this crate.
+pub static MODELS: &[Model] = &[full_order::table::ROW, reduction::table::ROW];

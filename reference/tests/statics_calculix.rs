@@ -15,7 +15,7 @@ use gearbench_models::scene::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, SceneSpec, Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
-use gearbench_reference::full_order::MODELS;
+use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
 
 /// Force per width at 17 and 34 um, and that of the pairs behind, at and ahead at 34 um [N/mm].

@@ -6,17 +6,16 @@
 //! | [`body`] | mesh, stiffness and mass, prepared |
 //! | [`gear`], `kinematics` | the gear model: coordinates, forces, energy; where its nodes are and how they move |
 //! | [`correction`] | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
-//! | [`table`] | the line in the table of models: parameters, where the mesh comes from |
+//! | `table` | the line in the table of models |
 
 pub mod body;
 pub mod correction;
 pub mod frame;
 pub mod gear;
 mod kinematics;
-pub mod table;
+pub(crate) mod table;
 
 #[cfg(test)]
 mod tests;
 
 pub use gear::FullOrder;
-pub use table::MODELS;

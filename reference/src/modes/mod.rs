@@ -183,6 +183,31 @@ pub fn lowest(
     count: usize,
     options: &Options,
 ) -> Result<Modes, ModesError> {
+    search(k, m, Target::Count(count), options)
+}
+
+/// All modes with `omega^2` up to a bound [rad²/s²]; matrices as for [`lowest`].
+///
+/// # Errors
+/// As [`lowest`].
+pub fn up_to(
+    k: SparseColMatRef<'_, usize, f64>,
+    m: SparseColMatRef<'_, usize, f64>,
+    omega2: f64,
+    options: &Options,
+) -> Result<Modes, ModesError> {
+    search(k, m, Target::Above(omega2), options)
+}
+
+/// A body of so few unknowns has all its modes in no time.
+const FEW_UNKNOWNS: usize = 600;
+
+fn search(
+    k: SparseColMatRef<'_, usize, f64>,
+    m: SparseColMatRef<'_, usize, f64>,
+    target: Target,
+    options: &Options,
+) -> Result<Modes, ModesError> {
     if k.ncols() != m.ncols() {
         return Err(ModesError::Sizes {
             stiffness: k.ncols(),
@@ -191,16 +216,27 @@ pub fn lowest(
     }
     let (k, m) = (Symmetric::new(k)?, Arc::new(Symmetric::new(m)?));
     let n = k.size();
-    if count > n {
-        return Err(ModesError::TooMany {
-            wanted: count,
-            unknowns: n,
-        });
-    }
     let shift = options.shift.unwrap_or_else(|| default_shift(&k, &m));
     let block = options.block.unwrap_or(BLOCK).max(1);
-    if lanczos::is_small(n, count, block) {
-        return dense::lowest(&k, &m, count, shift);
+    match target {
+        Target::Count(count) if count > n => {
+            return Err(ModesError::TooMany {
+                wanted: count,
+                unknowns: n,
+            });
+        }
+        Target::Count(count) if lanczos::is_small(n, count, block) => {
+            return dense::lowest(&k, &m, count, shift);
+        }
+        Target::Above(omega2) if n <= FEW_UNKNOWNS => {
+            let mut all = dense::lowest(&k, &m, n, shift)?;
+            let count = all.omega2.partition_point(|w2| *w2 <= omega2);
+            all.omega2.truncate(count);
+            all.residuals.truncate(count);
+            all.vectors = all.vectors.subcols(0, count).to_owned();
+            return Ok(all);
+        }
+        _ => {}
     }
     let start = Instant::now();
     let shifted = k.minus(shift, &m);
@@ -221,7 +257,11 @@ pub fn lowest(
     iteration.report.factorisation_s = factorisation;
     iteration.report.factorisations = 1;
     iteration.report.factor_bytes = factor.bytes();
-    iteration.run(&factor, Target::Count(count))?;
+    iteration.run(&factor, target)?;
+    let count = match target {
+        Target::Count(count) => count,
+        Target::Above(omega2) => iteration.found()?.partition_point(|w2| *w2 <= omega2),
+    };
     let mut modes = iteration.modes(&factor, &k, count)?;
     if options.verify && count > 1 {
         verify(&k, &m, &symbolic, par, block, &mut modes)?;

@@ -19,6 +19,15 @@ pub enum ReductionError {
     /// Modes that cannot be found, or a sector that makes no gear.
     #[error(transparent)]
     Modes(#[from] ModesError),
+    /// The lowest mode of a free gear is not its rigid motion.
+    #[error(
+        "the lowest mode of the free gear holds {share:.3e} of its inertia, not all of it: the mesh is in pieces, \
+         or its bore does not hold it"
+    )]
+    NotRigid {
+        /// Part of the inertia that the lowest mode holds.
+        share: f64,
+    },
     /// Data that do not belong together.
     #[error("{0}")]
     Mismatch(String),

@@ -10,11 +10,22 @@
 //!
 //! with the rigid motion `Phi_r` that the mount leaves free (inertia relief) and any support `c` that holds it.
 //!
+//! | part | owns |
+//! |---|---|
+//! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
+//! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
+//! | [`choose`] | which modes are kept, and with what damping |
+//! | [`shared`] | one basis for all that need the same |
+//!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
+pub mod basis;
+pub mod choose;
 mod error;
 mod mounting;
+pub mod shared;
 pub mod surface;
+pub(crate) mod table;
 
 pub use error::ReductionError;
 pub use mounting::Mounting;
@@ -50,6 +61,15 @@ pub struct Basis {
     pub hub: Vec<f64>,
     /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
     pub participation: Vec<f64>,
-    /// Compliance of the whole mesh: nothing is cut from it yet.
-    pub compliance: Residual,
+    /// Compliance of the whole mesh: nothing is cut from it yet. `None` where only truncation is asked for.
+    pub compliance: Option<Residual>,
+}
+
+/// Which modes are wanted, rigid motion not counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// So many of the lowest (one more if the last is half of a pair).
+    Count(usize),
+    /// All up to this frequency [Hz].
+    UpTo(f64),
 }

@@ -44,4 +44,12 @@ impl Mounting {
             Vec::new()
         }
     }
+
+    /// Rigid motion of all nodes by a unit of the hub's, three components each.
+    #[must_use]
+    pub fn rigid(&self, nodes: &[Vec3]) -> Vec<f64> {
+        (nodes.iter())
+            .flat_map(|x| -> [f64; 3] { self.motion.of(x).into() })
+            .collect()
+    }
 }

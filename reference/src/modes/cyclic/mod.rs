@@ -19,7 +19,7 @@ mod tests;
 
 pub use sector::Sector;
 
-use super::{ModesError, Options, Report};
+use super::{ModesError, Options, Report, Target};
 use crate::assembly::tie::HubMotion;
 use crate::mesh::GearMesh;
 use crate::solve::Symbolic;
@@ -175,19 +175,36 @@ impl Sector {
     /// # Errors
     /// As [`lowest`].
     pub fn lowest(&self, count: usize, options: &Options) -> Result<CyclicModes, ModesError> {
-        let teeth = self.teeth() as usize;
-        let unknowns = self.unknowns() * teeth;
+        let unknowns = self.unknowns() * self.teeth() as usize;
         if count > unknowns {
             return Err(ModesError::TooMany {
                 wanted: count,
                 unknowns,
             });
         }
+        self.search(Target::Count(count), options)
+    }
+
+    /// All modes of the whole gear with `omega^2` up to a bound [rad²/s²].
+    ///
+    /// # Errors
+    /// As [`lowest`].
+    pub fn up_to(&self, omega2: f64, options: &Options) -> Result<CyclicModes, ModesError> {
+        self.search(Target::Above(omega2), options)
+    }
+
+    fn search(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
+        let teeth = self.teeth() as usize;
+        let unknowns = self.unknowns() * teeth;
         let start = Instant::now();
         let symbolic = Arc::new(self.symbolic()?);
         let harmonics = teeth / 2 + 1;
         let keep = 16 * symbolic.stored() * harmonics < KEEP_BELOW;
         // On average every harmonic has this many; those with more are searched further in the second round.
+        let count = match target {
+            Target::Count(count) => count,
+            Target::Above(_) => teeth,
+        };
         let guess = (count.div_ceil(teeth) + 1).min(self.unknowns());
         let states = self.each(harmonics, |n| {
             let mut state = Harmonic::new(self, n as u32, &symbolic, options)?;
@@ -195,9 +212,15 @@ impl Sector {
             Ok(state)
         })?;
         // The last mode wanted, as far as known: an upper bound of the true one.
-        let bound = last_wanted(&states, count, f64::INFINITY);
+        let bound = match target {
+            Target::Count(_) => last_wanted(&states, count, f64::INFINITY),
+            Target::Above(omega2) => omega2,
+        };
         let states = self.each_of(states, |state| state.find_above(bound, keep))?;
-        let bound = last_wanted(&states, count, bound);
+        let bound = match target {
+            Target::Count(_) => last_wanted(&states, count, bound),
+            Target::Above(omega2) => omega2,
+        };
         let finished = self.each(harmonics, |n| {
             states[n].finish(self, n as u32, bound, options.verify)
         })?;

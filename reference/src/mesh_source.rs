@@ -1,0 +1,322 @@
+//! Where the mesh of a gear comes from: the parameters of the models that are made of finite elements.
+
+use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
+use crate::{deck, mesh};
+use gearbench_models::gear::table::{GearContext, ParameterInfo};
+use gearbench_models::scene::spec::{Body as Toothing, BuildError, Value};
+use std::path::Path;
+
+const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
+    ParameterInfo {
+        key,
+        meaning,
+        required: false,
+    }
+}
+
+/// Parameters that say where a mesh comes from.
+pub const PARAMETERS: [ParameterInfo; 7] = [
+    optional(
+        "mesh",
+        "\"generated\" (default), a stored reference such as \"calculix/case-a-fine\", or a path of a deck (.inp, .inp.gz)",
+    ),
+    optional(
+        "element",
+        "\"C3D8\" or \"C3D8I\" (default for generated meshes); a deck brings its own",
+    ),
+    optional(
+        "flank_elements",
+        "elements along a flank of a generated mesh",
+    ),
+    optional(
+        "fillet_elements",
+        "elements along a fillet of a generated mesh",
+    ),
+    optional(
+        "across_elements",
+        "elements across a tooth of a generated mesh",
+    ),
+    optional(
+        "rim_elements",
+        "elements from root to bore of a generated mesh",
+    ),
+    optional(
+        "width_elements",
+        "elements over the face width of a generated mesh",
+    ),
+];
+
+/// The parameters of a mesh and `own` ones of a model: `N` are those of both.
+#[must_use]
+pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; N] {
+    let mut all = [PARAMETERS[0]; N];
+    assert!(
+        PARAMETERS.len() + own.len() == N,
+        "N is the number of all parameters"
+    );
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < PARAMETERS.len() {
+            PARAMETERS[i]
+        } else {
+            own[i - PARAMETERS.len()]
+        };
+        i += 1;
+    }
+    all
+}
+
+/// Parameters of a gear as its model reads them: errors name model and key.
+#[derive(Clone, Copy, Debug)]
+pub struct Reader<'a> {
+    /// Id of the model.
+    pub model: &'static str,
+    /// What it is built from.
+    pub context: &'a GearContext<'a>,
+}
+
+impl<'a> Reader<'a> {
+    /// An error about a parameter.
+    #[must_use]
+    pub fn error(&self, key: &str, message: impl Into<String>) -> BuildError {
+        BuildError::parameter(self.model, key, message)
+    }
+
+    /// A word.
+    ///
+    /// # Errors
+    /// A value of another kind.
+    pub fn text(&self, key: &str) -> Result<Option<&'a str>, BuildError> {
+        match self.context.parameters.get(key) {
+            None => Ok(None),
+            Some(Value::Text(x)) => Ok(Some(x)),
+            Some(_) => Err(self.error(key, "expected a word in quotation marks")),
+        }
+    }
+
+    /// A whole number from `least` to `most`.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub fn count(&self, key: &str, least: usize, most: usize) -> Result<Option<usize>, BuildError> {
+        match self.context.parameters.get(key) {
+            None => Ok(None),
+            Some(Value::Number(x))
+                if *x >= least as f64 && *x <= most as f64 && x.fract() == 0.0 =>
+            {
+                Ok(Some(*x as usize))
+            }
+            Some(_) => Err(self.error(
+                key,
+                format!("expected a whole number from {least} to {most}"),
+            )),
+        }
+    }
+
+    /// A number above 0 (`least`: or equal to it).
+    ///
+    /// # Errors
+    /// Anything else.
+    pub fn number(&self, key: &str, least: Option<f64>) -> Result<Option<f64>, BuildError> {
+        match (self.context.parameters.get(key), least) {
+            (None, _) => Ok(None),
+            (Some(Value::Number(x)), None) if x.is_finite() && *x > 0.0 => Ok(Some(*x)),
+            (Some(Value::Number(x)), Some(least)) if x.is_finite() && *x >= least => Ok(Some(*x)),
+            (Some(_), None) => Err(self.error(key, "expected a number above 0")),
+            (Some(_), Some(least)) => {
+                Err(self.error(key, format!("expected a number of {least} or more")))
+            }
+        }
+    }
+
+    /// Yes or no.
+    ///
+    /// # Errors
+    /// A value of another kind.
+    pub fn flag(&self, key: &str) -> Result<Option<bool>, BuildError> {
+        match self.context.parameters.get(key) {
+            None => Ok(None),
+            Some(Value::Flag(x)) => Ok(Some(*x)),
+            Some(_) => Err(self.error(key, "expected true or false")),
+        }
+    }
+}
+
+/// A mesh, or how to make one.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// To be generated.
+    Generated(GearMeshParams),
+    /// Read from a deck, in the gear's own frame.
+    Deck(Box<GearMesh>),
+}
+
+impl Source {
+    /// Where the mesh of a gear comes from.
+    ///
+    /// # Errors
+    /// What of the parameters is wrong, or of the deck.
+    pub fn read(reader: &Reader<'_>) -> Result<Source, BuildError> {
+        let element = match reader.text("element")? {
+            None => None,
+            Some(name) => Some(ElementKind::from_name(name).ok_or_else(|| {
+                let known: Vec<&str> = ElementKind::ALL.iter().map(|k| k.name()).collect();
+                reader.error(
+                    "element",
+                    format!(
+                        "there is no element \"{name}\"; there are {}",
+                        known.join(", ")
+                    ),
+                )
+            })?),
+        };
+        match reader.text("mesh")?.unwrap_or("generated") {
+            "generated" => generated(reader, element),
+            source => stored(reader, source, element).map(|m| Source::Deck(Box::new(m))),
+        }
+    }
+
+    /// The whole mesh in the gear's own frame.
+    ///
+    /// # Errors
+    /// A gear that cannot be meshed so.
+    pub fn whole(self, reader: &Reader<'_>) -> Result<GearMesh, BuildError> {
+        let params = match self {
+            Source::Deck(mesh) => return Ok(*mesh),
+            Source::Generated(params) => params,
+        };
+        let mesh = match reader.context.body {
+            Toothing::Gear(g) => mesh::gear(g, &params),
+            Toothing::Rack(r) => mesh::rack(
+                r,
+                &RackMeshParams {
+                    kind: params.kind,
+                    tooth: params.tooth,
+                    body: params.rim,
+                    width: params.width,
+                    ..RackMeshParams::default()
+                },
+            ),
+        };
+        mesh.map_err(|e| reader.error("mesh", e.to_string()))
+    }
+
+    /// The sector of tooth 0 where the gear is made of equal ones: a generated gear of three teeth or more.
+    ///
+    /// # Errors
+    /// As [`Source::whole`].
+    pub fn sector(&self, reader: &Reader<'_>) -> Result<Option<GearMesh>, BuildError> {
+        match (self, reader.context.body) {
+            (Source::Generated(params), Toothing::Gear(g)) if g.teeth() >= 3 => {
+                let mesh = mesh::sector(g, params);
+                mesh.map(Some)
+                    .map_err(|e| reader.error("mesh", e.to_string()))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// A generated mesh.
+fn generated(reader: &Reader<'_>, element: Option<ElementKind>) -> Result<Source, BuildError> {
+    let mut params = GearMeshParams::default();
+    if let Some(kind) = element {
+        params.kind = kind;
+    }
+    let tooth = &mut params.tooth;
+    for (key, value) in [
+        ("flank_elements", &mut tooth.flank),
+        ("fillet_elements", &mut tooth.fillet),
+        ("across_elements", &mut tooth.across),
+        ("rim_elements", &mut params.rim),
+        ("width_elements", &mut params.width),
+    ] {
+        if let Some(n) = reader.count(key, 1, 500)? {
+            *value = n;
+        }
+    }
+    Ok(Source::Generated(params))
+}
+
+/// The mesh of a gear in a deck: the toothed body with as many teeth whose centre is nearest.
+fn stored(
+    reader: &Reader<'_>,
+    source: &str,
+    element: Option<ElementKind>,
+) -> Result<GearMesh, BuildError> {
+    let context = reader.context;
+    let error = |key: &str, message: String| reader.error(key, message);
+    for key in [
+        "flank_elements",
+        "fillet_elements",
+        "across_elements",
+        "rim_elements",
+        "width_elements",
+    ] {
+        if context.parameters.contains_key(key) {
+            return Err(error(
+                key,
+                format!("is for generated meshes, but the mesh is \"{source}\"; leave it out"),
+            ));
+        }
+    }
+    let stored = crate::REFERENCES.iter().find(|r| r.id == source);
+    let deck = match stored {
+        Some(reference) => deck::read_bytes(source, reference.deck),
+        None if Path::new(source).is_file() => deck::read(source),
+        None => {
+            let known: Vec<&str> = crate::REFERENCES.iter().map(|r| r.id).collect();
+            return Err(error(
+                "mesh",
+                format!(
+                    "\"{source}\" is neither a file nor a stored reference; there are \"generated\", {}",
+                    known.join(", ")
+                ),
+            ));
+        }
+    };
+    let gears = deck
+        .and_then(|d| deck::gears(&d))
+        .map_err(|e| error("mesh", e.to_string()))?;
+    let (teeth, rack) = match context.body {
+        Toothing::Gear(g) => (g.teeth(), false),
+        Toothing::Rack(r) => (r.teeth(), true),
+    };
+    let found: Vec<String> = gears
+        .iter()
+        .map(|g| format!("{} with {} teeth", g.name, g.mesh.teeth))
+        .collect();
+    let distance = |g: &deck::DeckGear| (g.centre - context.hub.centre).xy().norm();
+    let mut gear = gears
+        .into_iter()
+        .filter(|g| rack == matches!(g.shape, deck::BodyShape::Rack { .. }))
+        .filter(|g| rack || g.mesh.teeth == teeth)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .ok_or_else(|| {
+            error(
+                "mesh",
+                format!(
+                    "gear `{}` has {teeth} teeth, but \"{source}\" has {}",
+                    context.name,
+                    found.join(", ")
+                ),
+            )
+        })?
+        .mesh;
+    if let Some(kind) = element {
+        if kind.nodes() != gear.mesh.kind.nodes() {
+            return Err(error(
+                "element",
+                format!(
+                    "the elements of \"{source}\" are {} with {} nodes; {} has {}",
+                    gear.mesh.kind.name(),
+                    gear.mesh.kind.nodes(),
+                    kind.name(),
+                    kind.nodes()
+                ),
+            ));
+        }
+        gear.mesh.kind = kind;
+    }
+    Ok(gear)
+}

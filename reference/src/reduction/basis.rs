@@ -1,0 +1,267 @@
+//! Pass 1, the modal part: modes of a gear at its flank nodes and its hub.
+//!
+//! Two routes to the same data. [`of_sector`] takes one tooth of a gear whose teeth are all alike: modes by
+//! cyclic symmetry, and at the flank node that is node `k` of tooth 0 turned by `t` pitches
+//!
+//! ```text
+//! b = Re or Im ( c_k exp(2 pi i n t / z) ),     c_k = n_k . u_k
+//! ```
+//!
+//! with the complex shape `u` of harmonic `n` and the normal `n_k` of tooth 0: normals turn with their tooth.
+//! [`of_mesh`] takes any mesh: modes of the whole.
+//!
+//! A free gear has one mode without frequency, `e / sqrt(J)` with the rigid motion `e` and `J = e^T M e`; it is
+//! checked and left out. All others hold no momentum, `phi^T M e = 0`.
+
+use super::error::ReductionError;
+use super::surface::Surface;
+use super::{Basis, Mounting, Wanted};
+use crate::assembly::assemble;
+use crate::assembly::tie::{MassKind, Tie};
+use crate::mesh::GearMesh;
+use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
+use crate::modes::{self, Options};
+use gearbench_models::stiffness::Material;
+
+/// Modes whose squared frequencies differ by less than this fraction are one: rounding and the tolerance of the
+/// search leave less.
+const EQUAL: f64 = 1e-7;
+
+/// How far the lowest mode of a free gear may be from its rigid motion.
+const RIGID: f64 = 1e-6;
+
+impl Wanted {
+    /// As many more, for the rigid mode of a free gear.
+    fn with(self, more: usize) -> Self {
+        match self {
+            Wanted::Count(n) => Wanted::Count(n + more),
+            Wanted::UpTo(f) => Wanted::UpTo(f),
+        }
+    }
+}
+
+fn omega2(frequency: f64) -> f64 {
+    (std::f64::consts::TAU * frequency).powi(2)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// What one mode leaves behind.
+struct Shape {
+    omega2: f64,
+    /// Along the normals of all flank nodes.
+    flanks: Vec<f64>,
+    hub: f64,
+    /// `phi^T M e` over the nodes, without what is added at the hub.
+    momentum: f64,
+}
+
+/// Modes of a gear by its whole mesh.
+///
+/// # Errors
+/// [`ReductionError`]: no flanks, bad elements, modes that cannot be found.
+pub fn of_mesh(
+    mesh: &GearMesh,
+    material: &Material,
+    mounting: &Mounting,
+    wanted: Wanted,
+) -> Result<Basis, ReductionError> {
+    let nodes = Surface::new(mesh)?;
+    let assembly = assemble(&mesh.mesh, material)?;
+    let motions = mounting.motions();
+    let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &motions);
+    let added = [mounting.added_inertia];
+    let reduced = tie.reduce(&assembly, &added[..motions.len()], MassKind::Consistent);
+    let rigid = mounting.rigid(&mesh.mesh.nodes);
+    let mut pull = vec![0.0; rigid.len()];
+    assembly.mass.apply3(&rigid, &mut pull);
+    let inertia = mounting.added_inertia + dot(&rigid, &pull);
+    drop(assembly);
+
+    let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+    let options = Options::default();
+    let found = match wanted.with(motions.len()) {
+        Wanted::Count(count) => modes::lowest(k, m, count.min(tie.coordinates()), &options)?,
+        Wanted::UpTo(frequency) => modes::up_to(k, m, omega2(frequency), &options)?,
+    };
+    let mut full = vec![0.0; rigid.len()];
+    let shapes = (0..found.omega2.len())
+        .map(|mode| {
+            let vector: Vec<f64> = found.vectors.col(mode).iter().copied().collect();
+            tie.expand(&vector, &mut full);
+            let mut flanks = vec![0.0; nodes.nodes()];
+            nodes.along_normals(&full, &mut flanks);
+            Shape {
+                omega2: found.omega2[mode],
+                flanks,
+                hub: if mounting.free {
+                    vector[vector.len() - 1]
+                } else {
+                    0.0
+                },
+                momentum: dot(&full, &pull),
+            }
+        })
+        .collect();
+    finish(nodes, mounting, inertia, tie.coordinates(), shapes)
+}
+
+/// Modes of a gear of equal teeth by the sector of tooth 0, with node sets `cut_low` and `cut_high`.
+///
+/// # Errors
+/// As [`of_mesh`]; a sector whose cuts do not match.
+pub fn of_sector(
+    sector: &GearMesh,
+    material: &Material,
+    mounting: &Mounting,
+    wanted: Wanted,
+) -> Result<Basis, ReductionError> {
+    let nodes = Surface::of_sector(sector)?;
+    let teeth = f64::from(sector.teeth);
+    let rigid = mounting.rigid(&sector.mesh.nodes);
+    let mut pull = vec![0.0; rigid.len()];
+    assemble(&sector.mesh, material)?
+        .mass
+        .apply3(&rigid, &mut pull);
+    let inertia = mounting.added_inertia + teeth * dot(&rigid, &pull);
+    let hub = if mounting.free {
+        cyclic::Hub::turning(mounting.added_inertia)
+    } else {
+        cyclic::Hub::fixed()
+    };
+    let own = hub.motions.len();
+    let search = Sector::new(sector, material, &hub)?;
+    let options = Options::default();
+    let found = match wanted.with(own) {
+        Wanted::Count(count) => search.lowest(
+            count.min(search.unknowns() * sector.teeth as usize),
+            &options,
+        )?,
+        Wanted::UpTo(frequency) => search.up_to(omega2(frequency), &options)?,
+    };
+    let bore = sector.bore.first().copied().unwrap_or(0) as usize;
+    let shapes = (0..found.modes.len())
+        .map(|mode| cyclic_shape(&found, mode, &nodes, &rigid, &pull, bore))
+        .collect();
+    finish(nodes, mounting, inertia, found.unknowns + own, shapes)
+}
+
+/// A mode of a cyclic gear at its flank nodes; `bore` is a node that the hub holds.
+fn cyclic_shape(
+    found: &CyclicModes,
+    mode: usize,
+    nodes: &Surface,
+    rigid: &[f64],
+    pull: &[f64],
+    bore: usize,
+) -> Shape {
+    let m = &found.modes[mode];
+    let u = found.shapes[m.harmonic as usize].col(m.column);
+    let teeth = u64::from(found.teeth);
+    let per_tooth = nodes.nodes() / found.teeth as usize;
+    let along: Vec<(f64, f64)> = (nodes.mesh_nodes.iter().zip(&nodes.normals))
+        .take(per_tooth)
+        .map(|(&node, n)| {
+            (0..3).fold((0.0, 0.0), |(re, im), axis| {
+                let c = u[3 * node as usize + axis];
+                (re + n[axis] * c.re, im + n[axis] * c.im)
+            })
+        })
+        .collect();
+    let flanks = (0..teeth)
+        .flat_map(|tooth| {
+            // Whole turns taken out first: exact phases for all teeth.
+            let turns = (tooth * u64::from(m.harmonic)) % teeth;
+            let (sin, cos) = (std::f64::consts::TAU * turns as f64 / teeth as f64).sin_cos();
+            along.iter().map(move |(re, im)| match m.part {
+                Part::Single | Part::Cosine => re * cos - im * sin,
+                Part::Sine => re * sin + im * cos,
+            })
+        })
+        .collect();
+    // The hub turns, and the gear has angular momentum, only where all teeth move alike.
+    let (mut hub, mut momentum) = (0.0, 0.0);
+    if m.harmonic == 0 {
+        let real = |i: usize| u[i].re;
+        let of_bore = 3 * bore..3 * bore + 3;
+        let unit = &rigid[of_bore.clone()];
+        hub = of_bore.zip(unit).map(|(i, e)| real(i) * e).sum::<f64>() / dot(unit, unit);
+        momentum = teeth as f64
+            * pull
+                .iter()
+                .enumerate()
+                .map(|(i, p)| real(i) * p)
+                .sum::<f64>();
+    }
+    Shape {
+        omega2: m.omega2,
+        flanks,
+        hub,
+        momentum,
+    }
+}
+
+/// Takes out the rigid mode, finds families, and lays the shapes out node by node.
+fn finish(
+    nodes: Surface,
+    mounting: &Mounting,
+    inertia: f64,
+    unknowns: usize,
+    mut shapes: Vec<Shape>,
+) -> Result<Basis, ReductionError> {
+    if mounting.free {
+        let share = shapes.first().map_or(0.0, |s| {
+            (s.momentum + mounting.added_inertia * s.hub).powi(2) / inertia
+        });
+        if (share - 1.0).abs() > RIGID {
+            return Err(ReductionError::NotRigid { share });
+        }
+        shapes.remove(0);
+    }
+    let count = shapes.len();
+    let mut family: Vec<u32> = Vec::with_capacity(count);
+    for (i, s) in shapes.iter().enumerate() {
+        let number = match family.last() {
+            None => 0,
+            Some(last) => {
+                let equal = s.omega2 - shapes[i - 1].omega2 <= EQUAL * s.omega2;
+                last + u32::from(!equal)
+            }
+        };
+        family.push(number);
+    }
+    let mut along = vec![0.0; nodes.normals.len() * count];
+    for (mode, s) in shapes.iter().enumerate() {
+        for (node, b) in s.flanks.iter().enumerate() {
+            along[node * count + mode] = *b;
+        }
+    }
+    let of = |f: fn(&Shape) -> f64| shapes.iter().map(f).collect::<Vec<_>>();
+    Ok(Basis {
+        flanks: nodes.flanks,
+        normals: nodes.normals,
+        free: mounting.free,
+        inertia,
+        added_inertia: mounting.added_inertia,
+        unknowns,
+        omega: of(|s| s.omega2.max(0.0).sqrt()),
+        family,
+        shapes: along,
+        hub: if mounting.free {
+            of(|s| s.hub)
+        } else {
+            vec![0.0; count]
+        },
+        participation: if mounting.free {
+            vec![0.0; count]
+        } else {
+            of(|s| s.momentum)
+        },
+        compliance: None,
+    })
+}
+
+#[cfg(test)]
+mod tests;

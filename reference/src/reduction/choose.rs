@@ -1,0 +1,188 @@
+//! Pass 2: which modes are kept, and with what damping.
+//!
+//! Modes of a family are kept or cut together. They are ranked by frequency, lowest first, or by flank compliance,
+//! largest first: the mean over the family of
+//!
+//! ```text
+//! c_i = sum_k A_k b_ki^2 / (omega_i^2 sum_k A_k)
+//! ```
+//!
+//! with the reference areas `A_k` of the flank nodes. Where contact lies evenly over the face width, on spur
+//! toothing without crowning, `b` is first averaged over each row of nodes: shapes that are odd over the width then
+//! do not count.
+
+use super::{Basis, ReductionError};
+use gearbench_models::contact::flank_points::{PointRule, reference_areas};
+use gearbench_models::gear::elastic::reduced::Reduced;
+use std::f64::consts::PI;
+
+/// By what modes are ranked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Criterion {
+    /// Lowest frequency first.
+    Frequency,
+    /// Largest flank compliance first.
+    #[default]
+    FlankCompliance,
+}
+
+/// Which modes to keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Rank.
+    pub by: Criterion,
+    /// At most so many.
+    pub count: usize,
+    /// Among so many of the lowest.
+    pub candidates: usize,
+    /// None above this angular frequency [rad/s]; see [`highest_for_step`].
+    pub highest: f64,
+    /// Contact lies evenly over the face width.
+    pub even_over_width: bool,
+}
+
+/// Part of the Nyquist frequency of a step up to which modes are kept: kicks at steps `h` drive a mode near
+/// `omega h = pi` in resonance.
+const PART_OF_NYQUIST: f64 = 0.64;
+
+/// Highest angular frequency [rad/s] that a step of `h` [s] carries.
+#[must_use]
+pub fn highest_for_step(h: f64) -> f64 {
+    PART_OF_NYQUIST * PI / h
+}
+
+/// Mean compliance [m/N] that each mode gives to the flanks, `c_i`.
+#[must_use]
+pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
+    let modes = basis.omega.len();
+    let mut sums = vec![0.0; modes];
+    let mut total = 0.0;
+    let mut mean = vec![0.0; modes];
+    for (index, grid) in basis.flanks.grids().iter().enumerate() {
+        let areas = reference_areas(&basis.flanks, index, PointRule::Nodes);
+        // One node at a time, or a row of them.
+        let together = if even_over_width { grid.columns } else { 1 };
+        for (nodes, areas) in grid.nodes.chunks(together).zip(areas.chunks(together)) {
+            let area: f64 = areas.iter().sum();
+            mean.fill(0.0);
+            for (&node, a) in nodes.iter().zip(areas) {
+                let shapes = &basis.shapes[node as usize * modes..][..modes];
+                for (m, b) in mean.iter_mut().zip(shapes) {
+                    *m += a / area * b;
+                }
+            }
+            for (s, m) in sums.iter_mut().zip(&mean) {
+                *s += area * m * m;
+            }
+            total += area;
+        }
+    }
+    for (s, w) in sums.iter_mut().zip(&basis.omega) {
+        *s /= total * w * w;
+    }
+    sums
+}
+
+/// The modes of a choice, ascending. A family that has no room any more is passed over for smaller ones.
+#[must_use]
+pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
+    let mut families: Vec<(f64, std::ops::Range<usize>)> = Vec::new();
+    let compliances = match choice.by {
+        Criterion::Frequency => Vec::new(),
+        Criterion::FlankCompliance => flank_compliances(basis, choice.even_over_width),
+    };
+    let mut first = 0;
+    for same in basis.family.chunk_by(|a, b| a == b) {
+        let range = first..first + same.len();
+        first = range.end;
+        let rank = match choice.by {
+            Criterion::Frequency => -basis.omega[range.start],
+            Criterion::FlankCompliance => {
+                compliances[range.clone()].iter().sum::<f64>() / same.len() as f64
+            }
+        };
+        if range.end <= choice.candidates && basis.omega[range.end - 1] <= choice.highest {
+            families.push((rank, range));
+        }
+    }
+    families.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut kept = Vec::new();
+    for (_, range) in families {
+        if range.len() <= choice.count.saturating_sub(kept.len()) {
+            kept.extend(range);
+        } else if choice.by == Criterion::Frequency {
+            break;
+        }
+    }
+    kept.sort_unstable();
+    kept
+}
+
+/// Damping of the modes: a ratio for all, and Rayleigh's `C = alpha M + beta K`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModalDamping {
+    /// Ratio of every mode.
+    pub ratio: f64,
+    /// Mass part [1/s].
+    pub alpha: f64,
+    /// Stiffness part [s].
+    pub beta: f64,
+}
+
+impl ModalDamping {
+    /// Ratio of a mode.
+    #[must_use]
+    pub fn at(&self, omega: f64) -> f64 {
+        self.ratio + 0.5 * (self.alpha / omega + self.beta * omega)
+    }
+}
+
+/// The kept modes of a basis as the elastic gear takes them; `residual`: with the compliance of all others.
+///
+/// # Errors
+/// A damping ratio of one or more, a basis without the compliance that is asked for.
+pub fn reduced(
+    basis: &Basis,
+    kept: &[usize],
+    damping: &ModalDamping,
+    residual: bool,
+) -> Result<Reduced, ReductionError> {
+    if residual && basis.compliance.is_none() {
+        return Err(ReductionError::Mismatch(
+            "the basis holds no static compliance: compute it, or truncate with `residual = false`"
+                .into(),
+        ));
+    }
+    let modes = basis.omega.len();
+    let pick = |x: &[f64]| -> Vec<f64> { kept.iter().map(|&i| x[i]).collect() };
+    let omega = pick(&basis.omega);
+    let ratios: Vec<f64> = omega.iter().map(|w| damping.at(*w)).collect();
+    if let Some((w, z)) = omega
+        .iter()
+        .zip(&ratios)
+        .find(|(_, z)| !(0.0..1.0).contains(*z))
+    {
+        return Err(ReductionError::Mismatch(format!(
+            "the damping ratio of the mode at {:.4e} Hz is {z:.3}; modes vibrate below 1: damp less or keep fewer \
+             high modes",
+            w / (2.0 * PI)
+        )));
+    }
+    let nodes = basis.normals.len();
+    let mut shapes = Vec::with_capacity(nodes * kept.len());
+    for row in basis.shapes.chunks_exact(modes.max(1)).take(nodes) {
+        shapes.extend(kept.iter().map(|&i| row[i]));
+    }
+    Ok(Reduced {
+        flanks: basis.flanks.clone(),
+        normals: basis.normals.clone(),
+        free: basis.free,
+        inertia: basis.inertia,
+        omega,
+        damping: ratios,
+        shapes,
+        hub: pick(&basis.hub),
+        participation: pick(&basis.participation),
+        residual: None,
+    })
+}
