@@ -16,14 +16,19 @@
 //! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | [`choose`] | which modes are kept, and with what damping |
 //! | [`shared`] | one basis for all that need the same |
+//! | [`store`] | a basis in a file that numpy opens |
+//! | [`cache`] | files of bases from run to run |
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
 pub mod basis;
+pub mod cache;
 pub mod choose;
 mod error;
+pub mod hash;
 mod mounting;
 pub mod shared;
+pub mod store;
 pub mod surface;
 pub(crate) mod table;
 
@@ -34,6 +39,9 @@ pub use surface::Surface;
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::elastic::reduced::Residual;
+
+/// Hash of the sources of this crate: which way a basis was computed.
+pub(crate) const SOURCE_FINGERPRINT: &str = env!("GEARBENCH_REFERENCE_SOURCES");
 
 /// Pass 1: modes and static compliance of a gear at its flank nodes and its hub.
 #[derive(Clone, Debug)]

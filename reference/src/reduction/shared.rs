@@ -4,7 +4,8 @@
 //! Who comes second waits for the first. A basis with more modes serves those who want fewer; they take the lowest
 //! of it, so a result does not depend on who came before.
 
-use super::{Basis, Mounting, ReductionError, Wanted, basis};
+use super::store::Request;
+use super::{Basis, Mounting, ReductionError, Wanted, basis, cache};
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -95,11 +96,22 @@ pub fn basis_of(
     {
         return Ok(found.clone());
     }
-    let found = Arc::new(if sector {
-        basis::of_sector(mesh, material, mounting, wanted)?
-    } else {
-        basis::of_mesh(mesh, material, mounting, wanted)?
-    });
+    let request = Request {
+        mesh,
+        sector,
+        material: *material,
+        mounting: *mounting,
+        wanted,
+        compliance: false,
+    };
+    let found = cache::in_use().basis(&request, "a scene", || {
+        if sector {
+            basis::of_sector(mesh, material, mounting, wanted)
+        } else {
+            basis::of_mesh(mesh, material, mounting, wanted)
+        }
+    })?;
+    let found = found.basis;
     *slot = Some((wanted, found.clone()));
     Ok(found)
 }
