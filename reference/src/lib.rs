@@ -25,6 +25,7 @@ pub mod full_order;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;
+mod parallel;
 pub mod reduction;
 pub mod solve;
 pub mod statics;

@@ -14,6 +14,7 @@
 //! |---|---|
 //! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
 //! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
+//! | [`compliance`] | static compliance between these nodes and towards the hub |
 //! | [`choose`] | which modes are kept, and with what damping |
 //! | [`shared`] | one basis for all that need the same |
 //! | [`store`] | a basis in a file that numpy opens |
@@ -24,6 +25,8 @@
 pub mod basis;
 pub mod cache;
 pub mod choose;
+pub mod compliance;
+mod cutting;
 mod error;
 pub mod hash;
 mod mounting;
@@ -32,6 +35,7 @@ pub mod store;
 pub mod surface;
 pub(crate) mod table;
 
+pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
 pub use mounting::Mounting;
 pub use surface::Surface;

@@ -14,6 +14,7 @@
 
 mod harmonic;
 mod sector;
+mod statics;
 #[cfg(test)]
 mod tests;
 
@@ -22,12 +23,12 @@ pub use sector::Sector;
 use super::{ModesError, Options, Report, Target};
 use crate::assembly::tie::HubMotion;
 use crate::mesh::GearMesh;
+use crate::parallel::in_turn;
 use crate::solve::Symbolic;
 use faer::{Mat, c64};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use harmonic::Harmonic;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -269,30 +270,7 @@ impl Sector {
         count: usize,
         job: impl Fn(usize) -> Result<S, ModesError> + Sync,
     ) -> Result<Vec<S>, ModesError> {
-        let next = AtomicUsize::new(0);
-        let results: Vec<Mutex<Option<Result<S, ModesError>>>> =
-            (0..count).map(|_| Mutex::new(None)).collect();
-        let work = || loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            if i >= count {
-                break;
-            }
-            let result = job(i);
-            if let Ok(mut slot) = results[i].lock() {
-                *slot = Some(result);
-            }
-        };
-        std::thread::scope(|scope| {
-            if count > 1 {
-                scope.spawn(work);
-            }
-            work();
-        });
-        const LOST: ModesError =
-            ModesError::Matrix("a thread stopped before its harmonic was done");
-        (results.into_iter())
-            .map(|r| r.into_inner().ok().flatten().unwrap_or(Err(LOST)))
-            .collect()
+        in_turn(count, job).into_iter().collect()
     }
 
     /// Runs a job on each state on two threads.

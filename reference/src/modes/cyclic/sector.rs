@@ -16,7 +16,7 @@ use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
 
-const HELD: u32 = u32::MAX;
+pub(super) const HELD: u32 = u32::MAX;
 /// Cuts may mismatch by this fraction of a node's radius.
 const CUT_TOLERANCE: f64 = 1e-6;
 
@@ -41,9 +41,9 @@ struct Motion {
 #[derive(Clone, Debug)]
 pub struct Sector {
     teeth: u32,
-    assembly: Assembly,
+    pub(super) assembly: Assembly,
     /// Per node of the sector its free node and whether it is that node's image on the high cut.
-    place: Vec<(u32, bool)>,
+    pub(super) place: Vec<(u32, bool)>,
     free: usize,
     /// Pairs of free nodes, the column's first: lower triangle of nodes.
     pairs: Vec<(u32, u32)>,

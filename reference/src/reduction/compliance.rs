@@ -1,0 +1,280 @@
+//! Static compliance of a whole gear between its flank nodes and its hub.
+//!
+//! Let `K_c` be the stiffness with the hub held, `c_k` the outward normal at flank node `k`, `e` the rigid motion of
+//! the hub that the mount leaves free and `J = e^T M e`. Loads on a free body are balanced by the inertia of its
+//! rigid motion, `P = I - M e e^T / J` (inertia relief; M. Geradin, D. J. Rixen, *Mechanical Vibrations*, 3rd ed.
+//! 2015, section 2.8), and
+//!
+//! ```text
+//! A = C^T P^T K_c^-1 P C:     A_kl = X_kl - (g_k a_l + a_k g_l) / J + a_k a_l gamma / J^2
+//! X = C^T K_c^-1 C,   a_k = e^T c_k,   g_k = c_k^T K_c^-1 M e,   gamma = (M e)^T K_c^-1 M e
+//! ```
+//!
+//! so the hub held serves every mount and every inertia added at the hub. Unit torque at the hub is one more column
+//! with `X = g = 0` and `a = 1`. `A` does not depend on the support: rigid motion neither enters nor leaves it.
+//!
+//! | route | for |
+//! |---|---|
+//! | [`of_mesh`] | any mesh: one factorisation, all flank nodes as right-hand sides |
+//! | [`of_sector`] | gears made of copies of a sector: forces on one tooth, one small problem per harmonic |
+
+use super::cutting::{symmetrise, symmetrise_blocks};
+use super::error::ReductionError;
+use super::mounting::Mounting;
+use super::surface::Surface;
+use crate::assembly::tie::{HubMotion, MassKind, Tie};
+use crate::assembly::{Assembly, assemble};
+use crate::mesh::GearMesh;
+use crate::modes::cyclic::{Hub, Sector};
+use crate::parallel::in_turn;
+use crate::solve::Cholesky;
+use faer::{Mat, Par};
+use gearbench_models::Vec3;
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
+use gearbench_models::stiffness::Material;
+
+/// Right-hand sides at a time.
+const BLOCK: usize = 48;
+
+/// Compliance with the hub held, and what inertia relief needs.
+struct Held {
+    /// `X` between the flank nodes, in the layout of the result.
+    flanks: FlankCompliance,
+    /// Turn per force, `a_k` [m] (rack: 1).
+    lever: Vec<f64>,
+    /// `g_k` [kg m^2 m/N] and the like.
+    yielding: Vec<f64>,
+    /// `gamma`.
+    hub: f64,
+    /// `J` without what is added.
+    inertia: f64,
+}
+
+impl Held {
+    /// The compliance on a mount.
+    fn mounted(self, mounting: &Mounting) -> Residual {
+        let Held {
+            mut flanks,
+            lever,
+            yielding,
+            hub,
+            inertia,
+        } = self;
+        if !mounting.free {
+            return Residual {
+                flanks,
+                hub: vec![0.0; lever.len()],
+                hub_hub: 0.0,
+            };
+        }
+        let inertia = inertia + mounting.added_inertia;
+        let gamma = hub / (inertia * inertia);
+        let relief = |k: usize, l: usize| {
+            lever[k] * lever[l] * gamma
+                - (yielding[k] * lever[l] + lever[k] * yielding[l]) / inertia
+        };
+        match &mut flanks {
+            FlankCompliance::Full(c) => {
+                let n = lever.len();
+                for (k, row) in c.chunks_exact_mut(n).enumerate() {
+                    for (l, c) in row.iter_mut().enumerate() {
+                        *c += relief(k, l);
+                    }
+                }
+            }
+            // Teeth are alike: what a rigid turn brings is the same for all pairs of them.
+            FlankCompliance::Cyclic {
+                per_tooth, blocks, ..
+            } => {
+                let m = *per_tooth;
+                for (i, c) in blocks.iter_mut().enumerate() {
+                    *c += relief((i / m) % m, i % m);
+                }
+            }
+        }
+        let hub_to = |k: usize| lever[k] * gamma - yielding[k] / inertia;
+        Residual {
+            hub: (0..lever.len()).map(hub_to).collect(),
+            hub_hub: gamma,
+            flanks,
+        }
+    }
+}
+
+/// Compliance of a whole mesh between all its flank nodes and towards the hub.
+///
+/// # Errors
+/// Elements that cannot be integrated, a body that the hub does not hold, a surface of another mesh.
+pub fn of_mesh(
+    gear: &GearMesh,
+    material: &Material,
+    surface: &Surface,
+    mounting: &Mounting,
+) -> Result<Residual, ReductionError> {
+    let assembly = assemble(&gear.mesh, material)?;
+    of_assembly(gear, &assembly, surface, mounting)
+}
+
+/// As [`of_mesh`] with the matrices at hand.
+///
+/// # Errors
+/// As [`of_mesh`].
+pub fn of_assembly(
+    gear: &GearMesh,
+    assembly: &Assembly,
+    surface: &Surface,
+    mounting: &Mounting,
+) -> Result<Residual, ReductionError> {
+    let nodes = &gear.mesh.nodes;
+    let tie = Tie::new(nodes, &gear.bore, &[]);
+    let columns = columns(surface, surface.nodes(), |node| {
+        let place = tie.places().get(node as usize).copied();
+        place.filter(|p| *p != Tie::HELD).map(|p| p as usize)
+    })?;
+    let stiffness = tie.reduce(assembly, &[], MassKind::Consistent).stiffness;
+    let factor = Cholesky::new(stiffness.as_ref())?;
+    drop(stiffness);
+
+    let n = surface.nodes();
+    let starts: Vec<usize> = (0..n).step_by(BLOCK).collect();
+    let solved = in_turn(starts.len(), |i| {
+        let block = &columns[starts[i]..n.min(starts[i] + BLOCK)];
+        let mut x = Mat::<f64>::zeros(factor.unknowns(), block.len());
+        for (j, (place, normal)) in block.iter().enumerate() {
+            for axis in 0..3 {
+                x[(3 * place + axis, j)] = normal[axis];
+            }
+        }
+        factor.solve_many(x.as_mut(), Par::Seq);
+        let mut rows = vec![0.0; block.len() * n];
+        for (j, row) in rows.chunks_exact_mut(n).enumerate() {
+            let x = x.col(j);
+            for (c, (place, normal)) in row.iter_mut().zip(&columns) {
+                *c = (0..3).map(|axis| normal[axis] * x[3 * place + axis]).sum();
+            }
+        }
+        rows
+    });
+    let mut compliance: Vec<f64> = Vec::with_capacity(n * n);
+    solved.into_iter().for_each(|rows| compliance.extend(rows));
+    symmetrise(&mut compliance, n);
+
+    let unit = rigid(nodes, mounting.motion);
+    let mut image = vec![0.0; unit.len()];
+    assembly.mass.apply3(&unit, &mut image);
+    let inertia = unit.iter().zip(&image).map(|(x, y)| x * y).sum();
+    let mut load = vec![0.0; tie.coordinates()];
+    tie.gather(&image, &mut load);
+    let mut answer = Mat::from_fn(load.len(), 1, |i, _| load[i]);
+    factor.solve_many(answer.as_mut(), Par::Seq);
+    let along = |(place, normal): &(usize, Vec3)| -> f64 {
+        (0..3)
+            .map(|axis| normal[axis] * answer[(3 * place + axis, 0)])
+            .sum()
+    };
+    Ok(Held {
+        flanks: FlankCompliance::Full(compliance),
+        lever: levers(surface, mounting),
+        yielding: columns.iter().map(along).collect(),
+        hub: load
+            .iter()
+            .zip(answer.col(0).iter())
+            .map(|(a, b)| a * b)
+            .sum(),
+        inertia,
+    }
+    .mounted(mounting))
+}
+
+/// Compliance of a whole gear from one sector of it; `surface` is that of [`Surface::of_sector`].
+///
+/// With the forces on tooth 0 alone the load of every harmonic is that tooth's, and the teeth answer by the inverse
+/// transform, in the frame turned with each:
+///
+/// ```text
+/// X_d = 1/z sum_n exp(i d mu_n) C^T K_n^-1 C,   mu_n = 2 pi n / z
+/// ```
+///
+/// # Errors
+/// As [`of_mesh`], and a sector that makes no gear, a rack, or flanks that reach the cuts.
+pub fn of_sector(
+    sector: &GearMesh,
+    material: &Material,
+    surface: &Surface,
+    mounting: &Mounting,
+) -> Result<Residual, ReductionError> {
+    let teeth = sector.teeth as usize;
+    if surface.nodes() == 0 || !surface.nodes().is_multiple_of(teeth.max(1)) {
+        return Err(ReductionError::Mismatch(format!(
+            "{} flank nodes of {teeth} teeth that are alike: take the surface of the sector, repeated",
+            surface.nodes()
+        )));
+    }
+    if mounting.motion != HubMotion::Turn {
+        return Err(ReductionError::Mismatch(
+            "a gear made of copies of a sector turns about z: a rack needs its whole mesh".into(),
+        ));
+    }
+    let cyclic = Sector::new(sector, material, &Hub::fixed())?;
+    let per_tooth = surface.nodes() / teeth;
+    let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;
+    let found = cyclic.static_responses(&columns, &rigid(&sector.mesh.nodes, mounting.motion))?;
+    let m = per_tooth;
+    let mut blocks = vec![0.0; teeth * m * m];
+    for (n, g) in found.compliance.iter().enumerate() {
+        let weight = if n == 0 || 2 * n == teeth { 1.0 } else { 2.0 } / teeth as f64;
+        for (d, block) in blocks.chunks_exact_mut(m * m).enumerate() {
+            let turns = (d * n) % teeth;
+            let (sin, cos) = (std::f64::consts::TAU * turns as f64 / teeth as f64).sin_cos();
+            for (c, g) in block.iter_mut().zip(g) {
+                *c += weight * (cos * g.re - sin * g.im);
+            }
+        }
+    }
+    symmetrise_blocks(&mut blocks, teeth, m);
+    Ok(Held {
+        flanks: FlankCompliance::Cyclic {
+            teeth,
+            per_tooth,
+            blocks,
+        },
+        lever: levers(surface, mounting),
+        yielding: found.yielding.repeat(teeth),
+        hub: found.hub * teeth as f64,
+        inertia: found.inertia * teeth as f64,
+    }
+    .mounted(mounting))
+}
+
+/// Displacements of all nodes by unit rigid motion.
+fn rigid(nodes: &[Vec3], motion: HubMotion) -> Vec<f64> {
+    let of = |x: &Vec3| -> [f64; 3] { motion.of(x).into() };
+    nodes.iter().flat_map(of).collect()
+}
+
+/// `a_k = e^T c_k`: how far unit rigid motion moves each flank node outwards.
+fn levers(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
+    let positions = surface.positions();
+    (positions.iter().zip(&surface.normals))
+        .map(|(x, n)| mounting.motion.of(x).dot(n))
+        .collect()
+}
+
+/// Places among the free nodes and normals of the first `count` flank nodes.
+fn columns(
+    surface: &Surface,
+    count: usize,
+    place: impl Fn(u32) -> Option<usize>,
+) -> Result<Vec<(usize, Vec3)>, ReductionError> {
+    (surface.mesh_nodes.iter().zip(&surface.normals).take(count))
+        .map(|(&node, normal)| match place(node) {
+            Some(place) => Ok((place, *normal)),
+            None => Err(ReductionError::Mismatch(format!(
+                "flank node {node} is not free to move: the surface belongs to another mesh, or reaches a cut of the sector"
+            ))),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

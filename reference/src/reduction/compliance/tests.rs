@@ -1,0 +1,415 @@
+//! Both routes against each other, against all modes of a body, and against loads solved for directly.
+
+use super::*;
+use crate::assembly::tie::Reduced;
+use crate::mesh::{ElementKind, GearMeshParams, RackMeshParams, Tooth, gear, rack, sector};
+use crate::modes::{self, Options, cyclic};
+use crate::reduction::{Kept, without_modes};
+use faer::Side;
+use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+
+const STEEL: Material = Material::STEEL;
+
+fn toothed(teeth: u32, helix_angle: f64) -> (Gear, GearMeshParams) {
+    let g = Gear::new(GearParams {
+        teeth,
+        module: 4e-3,
+        helix_angle,
+        pressure_angle: 0.5,
+        profile_shift: 0.35,
+        addendum: 0.7,
+        dedendum: 1.0,
+        tip_radius: 0.15,
+        bore_radius: 0.25 * 4e-3 * f64::from(teeth),
+        ..GearParams::default()
+    })
+    .unwrap();
+    let p = GearMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        rim: 1,
+        width: 1,
+        ..GearMeshParams::default()
+    };
+    (g, p)
+}
+
+fn small_rack() -> GearMesh {
+    let r = Rack::new(RackParams {
+        teeth: 4,
+        module: 4e-3,
+        body_height: 8e-3,
+        ..RackParams::default()
+    })
+    .unwrap();
+    let p = RackMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        body: 1,
+        width: 1,
+        ..RackMeshParams::default()
+    };
+    rack(&r, &p).unwrap()
+}
+
+/// Modes of a whole mesh at its flank nodes and its hub, rigid motion left out.
+struct Shapes {
+    omega: Vec<f64>,
+    shapes: Vec<f64>,
+    hub: Vec<f64>,
+}
+
+impl Shapes {
+    fn of(mesh: &GearMesh, surface: &Surface, mounting: &Mounting, count: Option<usize>) -> Self {
+        let (tie, r) = matrices(mesh, mounting);
+        let rigid = usize::from(mounting.free);
+        let count = count.map_or(tie.coordinates(), |c| c + rigid);
+        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
+        let found = modes::lowest(k, m, count, &Options::default()).unwrap();
+        let kept = count - rigid;
+        let mut s = Shapes {
+            omega: found.omega2[rigid..].iter().map(|w| w.sqrt()).collect(),
+            shapes: vec![0.0; surface.nodes() * kept],
+            hub: vec![0.0; kept],
+        };
+        let mut full = vec![0.0; 3 * mesh.mesh.nodes.len()];
+        let mut along = vec![0.0; surface.nodes()];
+        for i in 0..kept {
+            let reduced: Vec<f64> = found.vectors.col(i + rigid).iter().copied().collect();
+            tie.expand(&reduced, &mut full);
+            surface.along_normals(&full, &mut along);
+            for (k, a) in along.iter().enumerate() {
+                s.shapes[k * kept + i] = *a;
+            }
+            if mounting.free {
+                s.hub[i] = reduced[reduced.len() - 1];
+            }
+        }
+        s
+    }
+
+    fn kept(&self) -> Kept<'_> {
+        Kept {
+            omega: &self.omega,
+            shapes: &self.shapes,
+            hub: &self.hub,
+        }
+    }
+
+    /// The first `count` of the modes.
+    fn first(&self, count: usize) -> Shapes {
+        let all = self.omega.len();
+        Shapes {
+            omega: self.omega[..count].to_vec(),
+            shapes: (self.shapes.chunks_exact(all))
+                .flat_map(|s| s[..count].to_vec())
+                .collect(),
+            hub: self.hub[..count].to_vec(),
+        }
+    }
+}
+
+fn matrices(mesh: &GearMesh, mounting: &Mounting) -> (Tie, Reduced) {
+    let assembly = assemble(&mesh.mesh, &STEEL).unwrap();
+    let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &mounting.motions());
+    let added = [mounting.added_inertia];
+    let added = &added[..mounting.motions().len()];
+    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
+    (tie, reduced)
+}
+
+fn dense(r: &Residual) -> Vec<f64> {
+    let n = r.hub.len();
+    let nodes = 0..n as u32;
+    nodes
+        .clone()
+        .flat_map(|i| nodes.clone().map(move |j| (i, j)))
+        .map(|(i, j)| r.flanks.between(i, j, n))
+        .collect()
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |l, x| l.max(x.abs()))
+}
+
+fn worst(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |l, (a, b)| l.max((a - b).abs()))
+}
+
+/// Smallest eigenvalue of the compliance of flank nodes and hub together, over the largest; the hub in units that
+/// make its own entry one of them.
+fn definiteness(r: &Residual) -> f64 {
+    let n = r.hub.len();
+    let c = dense(r);
+    let unit = if r.hub_hub > 0.0 {
+        (largest(&c) / r.hub_hub).sqrt()
+    } else {
+        1.0
+    };
+    // Outward by outward: the hub's rows count as they are.
+    let all = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
+        (false, false) => c[i * n + j],
+        (true, false) => unit * r.hub[j],
+        (false, true) => unit * r.hub[i],
+        (true, true) => unit * unit * r.hub_hub,
+    });
+    let scale = largest(&c);
+    let all = faer::Scale(1.0 / scale) * all;
+    let values = all.self_adjoint_eigenvalues(Side::Lower).unwrap();
+    values[0] / values[n]
+}
+
+fn mountings() -> [Mounting; 3] {
+    [
+        Mounting::gear(false, 0.0),
+        Mounting::gear(true, 0.0),
+        Mounting::gear(true, 3e-4),
+    ]
+}
+
+#[test]
+fn forces_on_one_tooth_say_all_of_a_cyclic_gear() {
+    for (teeth, helix) in [(8, 0.0), (7, 0.3)] {
+        let (g, p) = toothed(teeth, helix);
+        let (whole, one) = (gear(&g, &p).unwrap(), sector(&g, &p).unwrap());
+        let (a, b) = (
+            Surface::new(&whole).unwrap(),
+            Surface::of_sector(&one).unwrap(),
+        );
+        for mounting in mountings() {
+            let full = of_mesh(&whole, &STEEL, &a, &mounting).unwrap();
+            let cyclic = of_sector(&one, &STEEL, &b, &mounting).unwrap();
+            let (x, y) = (dense(&full), dense(&cyclic));
+            assert!(matches!(cyclic.flanks, FlankCompliance::Cyclic { .. }));
+            assert!(
+                worst(&x, &y) < 1e-9 * largest(&x),
+                "{:e}",
+                worst(&x, &y) / largest(&x)
+            );
+            assert!(worst(&full.hub, &cyclic.hub) <= 1e-9 * largest(&full.hub));
+            assert!((full.hub_hub - cyclic.hub_hub).abs() <= 1e-9 * full.hub_hub);
+        }
+    }
+}
+
+/// `sum over all modes of phi phi^T / omega^2` is the static compliance: whatever holds the body meanwhile, and
+/// nothing is left when all modes are kept.
+#[test]
+fn all_modes_carry_everything_and_what_is_left_never_pulls() {
+    let (g, p) = toothed(6, 0.0);
+    let wheel = gear(&g, &p).unwrap();
+    let bar = small_rack();
+    let cases = [
+        (&wheel, Mounting::gear(false, 0.0)),
+        (&wheel, Mounting::gear(true, 0.0)),
+        (&wheel, Mounting::gear(true, 1e-3)),
+        (&bar, Mounting::rack(true, 0.2)),
+        (&bar, Mounting::rack(false, 0.0)),
+    ];
+    for (mesh, mounting) in cases {
+        let surface = Surface::new(mesh).unwrap();
+        let total = of_mesh(mesh, &STEEL, &surface, &mounting).unwrap();
+        let all = Shapes::of(mesh, &surface, &mounting, None);
+        assert!(definiteness(&total) > -1e-13, "{:e}", definiteness(&total));
+        for count in [1, 7, 40, all.omega.len() / 2] {
+            let rest = without_modes(&total, all.first(count).kept()).unwrap();
+            assert!(
+                definiteness(&rest) > -1e-10,
+                "{count}: {:e}",
+                definiteness(&rest)
+            );
+            assert!(largest(&dense(&rest)) < largest(&dense(&total)));
+        }
+        let rest = without_modes(&total, all.kept()).unwrap();
+        let (left, scale) = (largest(&dense(&rest)), largest(&dense(&total)));
+        assert!(left < 1e-9 * scale, "{left:e} of {scale:e}");
+        assert!(largest(&rest.hub) <= 1e-9 * largest(&total.hub));
+        assert!(rest.hub_hub.abs() <= 1e-9 * total.hub_hub);
+    }
+}
+
+/// Contact forces hold a torque at rest: the deflection of the flanks against the hub is that of a direct solution,
+/// however many modes are kept.
+#[test]
+fn deflections_at_rest_are_those_of_the_finite_elements() {
+    let (g, mut p) = toothed(9, 0.0);
+    p.width = 2;
+    let wheel = gear(&g, &p).unwrap();
+    let bar = small_rack();
+    let cases = [
+        (&wheel, Mounting::gear(false, 0.0)),
+        (&wheel, Mounting::gear(true, 2e-4)),
+        (&bar, Mounting::rack(true, 0.0)),
+    ];
+    for (mesh, mounting) in cases {
+        let surface = Surface::new(mesh).unwrap();
+        let total = of_mesh(mesh, &STEEL, &surface, &mounting).unwrap();
+        let n = surface.nodes();
+        // Two teeth carry, at several nodes each.
+        let forces: Vec<f64> = (0..n)
+            .map(|k| {
+                if k % 7 == 2 && k < n / 2 {
+                    50.0 + k as f64
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let lever = levers(&surface, &mounting);
+        let torque: f64 = forces.iter().zip(&lever).map(|(f, a)| f * a).sum();
+
+        // Directly: the hub held, forces along the normals into the teeth.
+        let (tie, r) = matrices(
+            mesh,
+            &Mounting {
+                free: false,
+                ..mounting
+            },
+        );
+        let mut full = vec![0.0; 3 * mesh.mesh.nodes.len()];
+        for (k, f) in forces.iter().enumerate() {
+            for axis in 0..3 {
+                full[3 * surface.mesh_nodes[k] as usize + axis] -= f * surface.normals[k][axis];
+            }
+        }
+        let mut load = vec![0.0; tie.coordinates()];
+        tie.gather(&full, &mut load);
+        Cholesky::new(r.stiffness.as_ref())
+            .unwrap()
+            .solve(&mut load);
+        tie.expand(&load, &mut full);
+        let mut exact = vec![0.0; n];
+        surface.along_normals(&full, &mut exact);
+
+        let all = Shapes::of(mesh, &surface, &mounting, Some(50));
+        for count in [0, 5, 50] {
+            let kept = all.first(count);
+            let rest = without_modes(&total, kept.kept()).unwrap();
+            let torque = if mounting.free { torque } else { 0.0 };
+            let q: Vec<f64> = (0..count)
+                .map(|i| {
+                    let pressed: f64 = (0..n).map(|k| kept.shapes[k * count + i] * forces[k]).sum();
+                    (kept.hub[i] * torque - pressed) / kept.omega[i].powi(2)
+                })
+                .collect();
+            let turn = kept.hub.iter().zip(&q).map(|(h, q)| h * q).sum::<f64>()
+                - rest
+                    .hub
+                    .iter()
+                    .zip(&forces)
+                    .map(|(r, f)| r * f)
+                    .sum::<f64>()
+                + rest.hub_hub * torque;
+            let found: Vec<f64> = (0..n)
+                .map(|k| {
+                    let modal: f64 = (0..count).map(|i| kept.shapes[k * count + i] * q[i]).sum();
+                    let pressed: f64 = (0..n)
+                        .map(|l| rest.flanks.between(k as u32, l as u32, n) * forces[l])
+                        .sum();
+                    modal - pressed + rest.hub[k] * torque - lever[k] * turn
+                })
+                .collect();
+            let error = worst(&found, &exact) / largest(&exact);
+            assert!(error < 1e-9, "{mounting:?}, {count} modes: {error:e}");
+        }
+    }
+}
+
+/// Cyclic gears: families kept whole leave the teeth alike, and the same as without symmetry; half a pair is refused.
+#[test]
+fn kept_pairs_leave_the_teeth_alike_and_half_a_pair_is_refused() {
+    let (g, p) = toothed(8, 0.0);
+    let (whole, one) = (gear(&g, &p).unwrap(), sector(&g, &p).unwrap());
+    let (a, b) = (
+        Surface::new(&whole).unwrap(),
+        Surface::of_sector(&one).unwrap(),
+    );
+    let mounting = Mounting::gear(true, 1e-4);
+    let found = cyclic::lowest(
+        &one,
+        &STEEL,
+        &cyclic::Hub::turning(mounting.added_inertia),
+        30,
+        &Options::default(),
+    )
+    .unwrap();
+    // Without the rigid turn; whole pairs.
+    let count = found.modes.len() - 1;
+    let (n, m) = (b.nodes(), b.nodes() / 8);
+    let mut s = Shapes {
+        omega: found.modes[1..].iter().map(|m| m.omega2.sqrt()).collect(),
+        shapes: vec![0.0; n * count],
+        hub: vec![0.0; count],
+    };
+    let mut u = vec![0.0; 3 * one.mesh.nodes.len()];
+    for i in 0..count {
+        for tooth in 0..8 {
+            found.expand(i + 1, tooth, &mut u);
+            for k in tooth as usize * m..(tooth as usize + 1) * m {
+                let node = b.mesh_nodes[k] as usize;
+                let x = Vec3::from_column_slice(&u[3 * node..][..3]);
+                s.shapes[k * count + i] = b.normals[k].dot(&x);
+            }
+        }
+        found.expand(i + 1, 0, &mut u);
+        let bore = one.bore[0] as usize;
+        let x = one.mesh.nodes[bore];
+        s.hub[i] = (x.x * u[3 * bore + 1] - x.y * u[3 * bore]) / (x.x * x.x + x.y * x.y);
+    }
+    let full = of_mesh(&whole, &STEEL, &a, &mounting).unwrap();
+    let alike = of_sector(&one, &STEEL, &b, &mounting).unwrap();
+    let scale = largest(&dense(&full));
+    let (x, y) = (
+        without_modes(&full, s.kept()).unwrap(),
+        without_modes(&alike, s.kept()).unwrap(),
+    );
+    assert!(worst(&dense(&x), &dense(&y)) < 1e-9 * scale);
+    assert!(worst(&x.hub, &y.hub) < 1e-9 * largest(&alike.hub));
+    assert!(definiteness(&y) > -1e-10, "{:e}", definiteness(&y));
+
+    let half = (1..count)
+        .find(|&i| found.modes[i].part == cyclic::Part::Cosine)
+        .unwrap();
+    let refused = without_modes(&alike, s.first(half).kept()).unwrap_err();
+    assert!(refused.to_string().contains("pair"), "{refused}");
+    assert!(without_modes(&full, s.first(half).kept()).is_ok());
+}
+
+#[test]
+fn declines_what_does_not_belong_together() {
+    let (g, p) = toothed(6, 0.0);
+    let (whole, one) = (gear(&g, &p).unwrap(), sector(&g, &p).unwrap());
+    let (a, b) = (
+        Surface::new(&whole).unwrap(),
+        Surface::of_sector(&one).unwrap(),
+    );
+    let held = Mounting::gear(false, 0.0);
+    let text = |r: Result<Residual, ReductionError>| r.unwrap_err().to_string();
+    assert!(text(of_sector(&one, &STEEL, &b, &Mounting::rack(true, 0.0))).contains("rack"));
+    let mut other = a.clone();
+    other.mesh_nodes[0] = u32::MAX;
+    assert!(text(of_mesh(&whole, &STEEL, &other, &held)).contains("another mesh"));
+    assert!(text(of_sector(&whole, &STEEL, &b, &held)).contains("cut_low"));
+    let mut loose = whole.clone();
+    loose.bore.clear();
+    assert!(text(of_mesh(&loose, &STEEL, &a, &held)).contains("not positive definite"));
+    let total = of_mesh(&whole, &STEEL, &a, &held).unwrap();
+    let kept = Kept {
+        omega: &[0.0],
+        shapes: &vec![0.0; a.nodes()],
+        hub: &[0.0],
+    };
+    assert!(text(without_modes(&total, kept)).contains("rigid"));
+    assert!(
+        text(without_modes(
+            &total,
+            Kept {
+                shapes: &[],
+                ..kept
+            }
+        ))
+        .contains("expected")
+    );
+}
