@@ -31,6 +31,7 @@
 //! | [`stepped`] | the loop of all one-step methods: step control, event location, table knots |
 //! | [`explicit`] | semi-implicit Euler, velocity Verlet, RK4, Dormand-Prince 5(4), Tsitouras 5(4) |
 //! | [`implicit`] | the generalised-alpha family (Newmark-beta, HHT-alpha), BDF, TR-BDF2, ESDIRK 3(4) |
+//! | [`modal`] | the trigonometric method: exact for linear oscillators, flight in one step |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
@@ -100,6 +101,7 @@ pub mod explicit;
 pub mod implicit;
 pub mod interpolation;
 pub mod method;
+pub mod modal;
 pub mod observers;
 pub mod stepped;
 pub mod system;

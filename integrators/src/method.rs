@@ -50,6 +50,8 @@ pub struct MethodInfo {
     /// Loses energy on a linear undamped oscillator at finite step. A method that does not may still gain
     /// some (Tsitouras) or let it swing (symplectic methods).
     pub dissipative: bool,
+    /// Runs systems with a [`SecondOrderSystem::modal`] split only, and is exact for their oscillators.
+    pub linear_part: bool,
     /// Parameters.
     pub parameters: &'static [Parameter],
     /// Where the method comes from.
@@ -293,6 +295,11 @@ pub trait OneStep {
     /// What the method declares.
     fn info(&self) -> &'static MethodInfo;
 
+    /// Called once at the start of a run: refuses systems that the method cannot run.
+    fn begin(&mut self, _sys: &mut dyn SecondOrderSystem) -> Result<(), StepError> {
+        Ok(())
+    }
+
     /// Sizes buffers and evaluates what the first step needs; called again after every restart.
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work);
 
@@ -307,6 +314,17 @@ pub trait OneStep {
         to: &mut State,
         work: &mut Work,
     ) -> Result<f64, StepError>;
+
+    /// A time up to which the method goes from `s` in one step, whatever step `h` is asked for; at most `s.t + h`
+    /// where it does not.
+    fn reach(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
+        s.t
+    }
+
+    /// The step of at most this size that the method likes best under a tolerance.
+    fn favoured(&self, h: f64) -> f64 {
+        h
+    }
 
     /// The last step was accepted and nothing changed: move cached end values to the start.
     fn advance(&mut self);

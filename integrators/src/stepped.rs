@@ -13,7 +13,9 @@
 //! growth right after a rejected step; after a restart the step starts from the system's pace.
 //!
 //! **Fixed steps** lie on the grid `t0 + i h`. A knot or an event cuts a step short and the next one ends on
-//! the grid again, whatever the rounding of sums.
+//! the grid again, whatever the rounding of sums. A method that knows how far nothing happens
+//! ([`OneStep::reach`]) goes there in one step, to the last point of the grid before it; that step says nothing about
+//! the next.
 
 use crate::bounds::Bounds;
 use crate::events::{Root, Watch};
@@ -140,6 +142,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
         if s.t >= plan.t_end {
             return Ok(());
         }
+        self.method.begin(sys)?;
         self.method.restart(sys, s, work);
         let mut r = Run {
             end: s.clone(),
@@ -177,9 +180,20 @@ impl<M: OneStep> Integrator for Stepped<M> {
                 }
                 t_begin + (on_grid + 1) as f64 * h_next
             } else {
+                h_next = self.method.favoured(h_next);
                 s.t + h_next
             };
-            if t_new >= stop - 1e-9 * h_next {
+            let mut reach = self.method.reach(sys, s, h_next).min(stop);
+            if fixed && reach < stop {
+                reach = t_begin + ((reach - t_begin) / h_next).floor() * h_next;
+            }
+            let leaps = reach > t_new + 1e-9 * h_next;
+            if leaps {
+                t_new = reach;
+                if fixed {
+                    on_grid = ((reach - t_begin) / h_next) as u64 - 1;
+                }
+            } else if t_new >= stop - 1e-9 * h_next {
                 t_new = stop;
             } else if !fixed && t_new > stop - h_next {
                 t_new = 0.5 * (s.t + stop);
@@ -252,13 +266,16 @@ impl<M: OneStep> Integrator for Stepped<M> {
                         return Ok(());
                     }
                 }
-                if !fixed && !located {
+                if !(fixed || located || leaps) {
                     let e = err.max(1e-10);
                     let largest = if after_rejection { 1.0 } else { 10.0 };
                     let factor = 0.9 * e.powf(-0.85 * exponent) * err_old.powf(0.2 * exponent);
                     // A step cut by a knot or the end says nothing about the step to take next.
                     let uncut = if t_new == stop { h_next } else { 0.0 };
                     h_next = (h * factor.clamp(0.2, largest)).max(uncut);
+                    if h_next < resolution_of_time(s.t, plan) {
+                        return Err(StepError::StepTooSmall { t: s.t, h: h_next });
+                    }
                     err_old = e;
                     after_rejection = false;
                 }

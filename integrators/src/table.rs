@@ -9,6 +9,7 @@ use crate::explicit::velocity_verlet::{self, VelocityVerlet};
 use crate::implicit::diffsol_methods;
 use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
 use crate::method::{Integrator, MethodInfo};
+use crate::modal::trigonometric::{self, Trigonometric};
 use crate::stepped::Stepped;
 
 /// A row: what the method declares and how it is made from its parameters (in declared order).
@@ -35,6 +36,10 @@ pub static METHODS: &[Method] = &[
     Method {
         info: &runge_kutta::DOPRI5,
         make: |_| Box::new(Stepped::new(RungeKutta::dopri5())),
+    },
+    Method {
+        info: &trigonometric::INFO,
+        make: |p| Box::new(Stepped::new(Trigonometric::new(p[0] >= 0.5))),
     },
     Method {
         info: &tsit45::INFO,

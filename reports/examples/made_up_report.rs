@@ -1,4 +1,4 @@
-//! Writes two reports of made-up data, to look at the layout: `made_up_report [DIR]`.
+//! Writes reports of made-up data, to look at the layout: `made_up_report [DIR]`.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -12,5 +12,6 @@ fn main() -> Result<(), ReportError> {
         .map_or_else(|| PathBuf::from("out/made-up"), PathBuf::from);
     write_results(&dir.join("impact"), &support::impact_results())?;
     write_results(&dir.join("rotation"), &support::rotation_results())?;
+    write_results(&dir.join("modes"), &support::mode_results())?;
     Ok(())
 }

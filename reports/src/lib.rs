@@ -8,6 +8,7 @@ pub mod charts;
 mod checks;
 mod html;
 pub mod metrics;
+pub mod modes;
 pub mod numbers;
 mod picture;
 pub mod record;

@@ -273,12 +273,21 @@ pub struct Run {
     /// Calibration of the stiffness, such as `impact`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<String>,
-    /// Dynamic modes per gear (elastic model).
+    /// Dynamic modes of the gear that has most of them (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
     /// Whether the cut modes are kept as residual compliance (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
+    /// How its modes were chosen, `flank-compliance` or `frequency` (elastic model).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choose: Option<String>,
+    /// Highest frequency among its modes \[Hz\] (elastic model).
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub highest_hz: Option<f64>,
+    /// What charts call this run where it stands out among others of its variant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mark: Option<String>,
     /// One entry per reference the run is compared with.
     pub metrics: Vec<Metrics>,
     /// Energy and impulse ledger.

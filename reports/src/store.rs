@@ -4,7 +4,7 @@
 //! made, so that [`report_from`] gives the same bytes at any later time. A file is written whole or
 //! not at all: all go to a staging folder first and are renamed into place.
 
-use crate::charts::{DrawError, charts};
+use crate::charts::{DrawError, FILES, charts};
 use crate::html::page;
 use crate::record::{Results, Run, SCHEMA, slug};
 use crate::series::TimeSeries;
@@ -153,10 +153,9 @@ fn histories(results: &Results) -> impl Iterator<Item = (String, &TimeSeries)> {
 
 /// Names of all files a record makes, charts by their fixed names.
 fn file_names(results: &Results) -> Vec<String> {
-    let charts = ["force", "speeds", "mesh", "runtime", "accuracy"];
     histories(results)
         .map(|(name, _)| name)
-        .chain(charts.iter().map(|c| format!("{c}.svg")))
+        .chain(FILES.iter().map(ToString::to_string))
         .collect()
 }
 

@@ -53,6 +53,8 @@ impl<'a> View<'a> {
             .cloned();
         let metric = match &results.tolerance {
             Some(t) => t.metric.clone(),
+            // Reduced and full models share mesh and start: nothing is to be shifted.
+            None if results.study == "modes" => "force_l2".into(),
             None => "force_l2_aligned".into(),
         };
         Self {

@@ -309,3 +309,34 @@ fn long_histories_stay_small_and_keep_their_peaks() {
     // The highest peak defines the axis of the zoom panel; its window is named in the caption.
     assert!(files[PAGE].contains("around the highest peak"));
 }
+
+#[test]
+fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
+    let dir = Folder::new("modes");
+    write_results(&dir.0, &support::mode_results()).unwrap();
+    let files = contents(&dir.0);
+    for name in [
+        "modes.svg",
+        "frequencies.svg",
+        "modes_peak.svg",
+        "modes_cost.svg",
+        "force.svg",
+    ] {
+        assert!(files.contains_key(name), "{name}");
+    }
+    let page = &files[PAGE];
+    let finding = page.split("class=\"finding\"").nth(1).unwrap();
+    let finding = finding.split("</section>").next().unwrap();
+    // 0.068 / (1 + (n / 14)^2.1) + 0.002 falls below 2 % between 10 and 25 and below 1 % between 35 and 50 modes.
+    assert!(finding.contains("25 for 2"), "{finding}");
+    assert!(finding.contains("50 for 1"), "{finding}");
+    // What is pointed out is held against the best with no more modes: 0.75 / (1 + 42/45) + 0.05 over 35 modes.
+    assert!(
+        finding.contains("published method, to 80 kHz, 42 modes"),
+        "{finding}"
+    );
+    assert!(finding.contains("times that of 35 modes"), "{finding}");
+    assert!(finding.contains("1 of 43 runs failed"), "{finding}");
+    assert!(files["modes.svg"].contains(">\nfailed\n<") || files["modes.svg"].contains("failed"));
+    assert!(page.contains("blow-up"));
+}

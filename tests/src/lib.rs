@@ -388,9 +388,13 @@ pub fn resolution(method: &Method, step: f64, tolerance: f64) -> Resolution {
     }
 }
 
-/// All methods of the table.
-pub fn methods() -> &'static [Method] {
+/// The methods of the table that can run a scene.
+pub fn methods_of(scene: &mut Scene) -> Vec<&'static Method> {
+    let split = scene.modal().is_some();
     METHODS
+        .iter()
+        .filter(|m| split || !m.info.linear_part)
+        .collect()
 }
 
 /// Slope of `log y` over `log x`, least squares.

@@ -3,7 +3,7 @@
 use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
 use crate::cli::Compare;
 use crate::scene_file::{self, ModelChoice, SceneFile};
-use crate::study::compare::{Plan, compare, methods_from};
+use crate::study::compare::{LEFT_OUT, Plan, compare, methods_from};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
 use gearbench_models::scene::build::{lever, mesh_layout};
@@ -105,6 +105,9 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
             outcome
         ));
     }
+    for (what, pair) in results.settings.iter().filter(|(what, _)| what == LEFT_OUT) {
+        say(&format!("{what}: {pair}"));
+    }
     let failed = results
         .runs
         .iter()
@@ -123,7 +126,11 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
 /// from, conventions of the stiffness.
-fn settings(scene: &SceneFile, choices: &[&ModelChoice], no_events: bool) -> Vec<(String, String)> {
+pub(super) fn settings(
+    scene: &SceneFile,
+    choices: &[&ModelChoice],
+    no_events: bool,
+) -> Vec<(String, String)> {
     let mut rows: Vec<(String, String)> = Vec::new();
     let mut row = |what: &str, value: String| rows.push((what.to_string(), value));
     row(

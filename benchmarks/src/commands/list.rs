@@ -33,8 +33,13 @@ pub fn run() -> Result<ExitCode, Refusal> {
             Stepping::Adaptive => "adaptive",
             Stepping::Both => "adaptive or fixed step",
         };
+        let needs = if i.linear_part {
+            ", rigid and elastic gears only"
+        } else {
+            ""
+        };
         say(&format!(
-            "  {:<20} order {}, {kind}, {stepping}; {}",
+            "  {:<20} order {}, {kind}, {stepping}{needs}; {}",
             i.id, i.order, i.citation
         ));
         for p in i.parameters {

@@ -7,6 +7,7 @@ mod compare;
 mod identify;
 mod list;
 mod mesh;
+mod modes;
 mod stiffness;
 
 use crate::cli::{Cli, Command};
@@ -48,6 +49,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Compare(args)) => compare::run(&args, &told()),
         Some(Command::Identify(args)) => identify::run(&args, &told()),
         Some(Command::Stiffness(args)) => stiffness::run(&args),
+        Some(Command::Modes(args)) => modes::run(&args, &told()),
         Some(Command::Mesh(args)) => mesh::run(&args, &told()),
         Some(Command::List) => list::run(),
         Some(Command::Report(args)) => report(&args.dir),
@@ -98,6 +100,7 @@ fn refuse_run(e: RunError) -> Refusal {
             help = "`gearbench list` names the integrators; a step or tolerance follows an @, as in rk4@1e-6",
             "{e}"
         )),
+        e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
         RunError::Interrupted => Refusal::Failed("interrupted; nothing was written".into()),
     }
 }

@@ -141,11 +141,11 @@ fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
     Ok(found)
 }
 
-/// The adaptive methods of the table.
+/// The adaptive methods of the table that run every model.
 fn default_integrators() -> Vec<Method> {
     METHODS
         .iter()
-        .filter(|m| m.info.stepping != Stepping::Fixed)
+        .filter(|m| m.info.stepping != Stepping::Fixed && !m.info.linear_part)
         .map(|m| Method {
             text: m.info.id.to_owned(),
             resolution: Resolution::Tolerance(DEFAULT_RTOL),

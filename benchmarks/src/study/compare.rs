@@ -31,6 +31,9 @@ const KEPT_BUCKETS: usize = 700;
 /// Samples up to which a record keeps the further columns (travels) as well.
 const FULL_COLUMNS: usize = 5000;
 
+/// The setting that names pairs of a model and an integrator that cannot run it.
+pub const LEFT_OUT: &str = "left out: needs a linear part";
+
 /// A model of the comparison with its scene (a calibration may place the gears its own way).
 #[derive(Clone, Debug)]
 pub struct Entry {
@@ -111,7 +114,7 @@ impl Plan<'_> {
             models: models(),
             duration: scene.duration,
             samples: scene.study.samples,
-            reference: reference.map(series),
+            reference: reference.map(external),
             tolerance: scene.tolerance.clone(),
             settings: Vec::new(),
             repeats: 1,
@@ -168,7 +171,7 @@ impl Plan<'_> {
 }
 
 /// The history of an external reference as records keep it.
-fn series(r: &ExternalReference) -> ReferenceSeries {
+pub fn external(r: &ExternalReference) -> ReferenceSeries {
     let h = &r.history;
     ReferenceSeries {
         // Records name the program; the title and source say which case.
@@ -201,6 +204,7 @@ pub fn compare(
         resolution: Resolution::Tolerance(rtol),
     });
     let mut runs = Vec::with_capacity(plan.len());
+    let mut left_out = Vec::new();
     for entry in &plan.entries {
         let job = |method| Job {
             scene: &entry.scene,
@@ -219,7 +223,14 @@ pub fn compare(
         let mut pictured = false;
         for method in plan.methods_of(entry) {
             progress(runs.len(), &format!("{}, {}", entry.label, method.text));
-            let mut row = run(&job(method))?;
+            let mut row = match run(&job(method)) {
+                // Not every method is for every model; the record says which pairs it has not.
+                Err(RunError::NoLinearPart(id)) if plan.len() > 1 => {
+                    left_out.push((LEFT_OUT.into(), format!("{} under {id}", entry.label)));
+                    continue;
+                }
+                other => other?,
+            };
             row.model.clone_from(&entry.model);
             row.variant = variant(entry);
             row.calibration.clone_from(&entry.calibration);
@@ -246,6 +257,12 @@ pub fn compare(
             runs.push(row);
         }
     }
+    if runs.is_empty()
+        && let Some((_, pair)) = left_out.first()
+    {
+        let id = pair.rsplit(' ').next().unwrap_or(pair);
+        return Err(RunError::NoLinearPart(id.into()));
+    }
     progress(runs.len(), "report");
     Ok(Results {
         scene: plan.name.clone(),
@@ -255,7 +272,7 @@ pub fn compare(
         machine: machine::machine(),
         commit: machine::COMMIT.into(),
         created: machine::now(),
-        settings: plan.settings.clone(),
+        settings: [plan.settings.clone(), left_out].concat(),
         tolerance: plan.tolerance.clone(),
         references: plan.reference.iter().cloned().collect(),
         runs,
@@ -297,7 +314,7 @@ fn variant(entry: &Entry) -> Option<String> {
 }
 
 /// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.
-fn thin(series: &TimeSeries) -> TimeSeries {
+pub(super) fn thin(series: &TimeSeries) -> TimeSeries {
     let force = &series.contact_force_n;
     let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
     let at = peak.map_or(0.0, |i| series.time_s[i]);

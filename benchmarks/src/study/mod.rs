@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
+//! | [`modes`] | error of the elastic model over the number of modes, against full finite elements |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | [`stiffness`] | static mesh stiffness of the models beside the norm and the analytic compliance |
 
@@ -11,5 +12,6 @@ pub mod compare;
 pub mod history;
 pub mod identify;
 pub mod machine;
+pub mod modes;
 pub mod run;
 pub mod stiffness;

@@ -9,7 +9,7 @@ use gearbench_integrators::{
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec};
+use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec, Value};
 use gearbench_reports::record::{
     self, ContactPoint, ContactSnapshot, Outline, Run, Status, finite,
 };
@@ -111,6 +111,11 @@ pub enum RunError {
     /// The integrator is not known or its parameters are wrong.
     #[error("{0}")]
     Method(String),
+    /// The integrator needs a linear part to be exact for, which not every model has.
+    #[error(
+        "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
+    )]
+    NoLinearPart(String),
     /// Stopped from outside.
     #[error("interrupted")]
     Interrupted,
@@ -123,6 +128,9 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     let setup = started.elapsed();
     let (row, mut method) =
         gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
+    if row.info.linear_part && scene.modal().is_none() {
+        return Err(RunError::NoLinearPart(row.info.id.into()));
+    }
 
     let channel = |name: &str| scene.channel(name).unwrap_or(0);
     let (force, least) = (channel("force:0"), channel("normal_min:0"));
@@ -193,6 +201,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     walls.sort_by(f64::total_cmp);
     let wall_s = walls[walls.len() / 2];
 
+    let reduction = reduction(&scene, job.modelling);
     let (step, rtol) = match job.method.resolution {
         Resolution::Step(h) => (Some(h), None),
         Resolution::Tolerance(r) => (None, Some(r)),
@@ -216,6 +225,10 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         factorisations: work.factorisations,
         events: work.events,
         dofs: scene.layout().n,
+        modes: reduction.modes,
+        residual: reduction.residual,
+        choose: reduction.choose,
+        highest_hz: reduction.highest_hz,
         ledger: ledger_record(
             job,
             &ledger,
@@ -231,6 +244,35 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         series: Some(series),
         ..Run::default()
     })
+}
+
+/// What a record says of the modes of elastic gears.
+#[derive(Default)]
+struct Reduction {
+    modes: Option<usize>,
+    residual: Option<bool>,
+    choose: Option<String>,
+    highest_hz: Option<f64>,
+}
+
+fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
+    let mut found = Reduction::default();
+    for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
+        let (Some(modes), Some(field)) = (gear.model.oscillators(), gear.model.field()) else {
+            continue;
+        };
+        let kept = modes.omega.iter().filter(|w| **w > 0.0).count();
+        let highest = modes.omega.iter().copied().fold(0.0, f64::max) / std::f64::consts::TAU;
+        found.modes = found.modes.max(Some(kept));
+        found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
+        if kept > 0 {
+            found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
+        }
+        if let Some(Value::Text(way)) = spec.parameters.get("choose") {
+            found.choose = Some(way.clone());
+        }
+    }
+    found
 }
 
 /// Integrates without timing or judging and returns the force at the grid times: for fits.

@@ -18,6 +18,7 @@ pub static RK4: MethodInfo = MethodInfo {
     stepping: Stepping::Fixed,
     tolerance_slope: 0.0,
     dissipative: true,
+    linear_part: false,
     parameters: &[],
     citation: "Kutta, Z. Math. Phys. 46 (1901) 435",
 };
@@ -31,6 +32,7 @@ pub static DOPRI5: MethodInfo = MethodInfo {
     stepping: Stepping::Both,
     tolerance_slope: 1.0,
     dissipative: true,
+    linear_part: false,
     parameters: &[],
     citation: "Dormand, Prince, J. Comp. Appl. Math. 6 (1980) 19",
 };

@@ -15,6 +15,7 @@ pub static INFO: MethodInfo = MethodInfo {
     stepping: Stepping::Fixed,
     tolerance_slope: 0.0,
     dissipative: false,
+    linear_part: false,
     parameters: &[],
     citation: "Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), I.1.2",
 };

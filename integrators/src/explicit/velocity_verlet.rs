@@ -17,6 +17,7 @@ pub static INFO: MethodInfo = MethodInfo {
     stepping: Stepping::Fixed,
     tolerance_slope: 0.0,
     dissipative: false,
+    linear_part: false,
     parameters: &[],
     citation: "Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637",
 };

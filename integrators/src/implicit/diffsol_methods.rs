@@ -15,6 +15,7 @@ pub static BDF: MethodInfo = MethodInfo {
     stepping: Stepping::Adaptive,
     tolerance_slope: 0.8,
     dissipative: true,
+    linear_part: false,
     parameters: &[],
     citation: "Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997) 1; diffsol",
 };
@@ -28,6 +29,7 @@ pub static TR_BDF2: MethodInfo = MethodInfo {
     stepping: Stepping::Adaptive,
     tolerance_slope: 2.0 / 3.0,
     dissipative: true,
+    linear_part: false,
     parameters: &[],
     citation: "Bank et al., IEEE Trans. CAD 4 (1985) 436; Hosea, Shampine, Appl. Numer. Math. 20 (1996) 21; diffsol",
 };
@@ -41,6 +43,7 @@ pub static ESDIRK34: MethodInfo = MethodInfo {
     stepping: Stepping::Adaptive,
     tolerance_slope: 0.75,
     dissipative: true,
+    linear_part: false,
     parameters: &[],
     citation: "Jorgensen, Kristensen, Thomsen, arXiv:1803.01613 (2018); diffsol",
 };

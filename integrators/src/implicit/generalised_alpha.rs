@@ -33,6 +33,7 @@ pub static NEWMARK: MethodInfo = MethodInfo {
     stepping: Stepping::Fixed,
     tolerance_slope: 0.0,
     dissipative: false,
+    linear_part: false,
     parameters: &[Parameter {
         name: "beta",
         default: 0.25,
@@ -51,6 +52,7 @@ pub static HHT: MethodInfo = MethodInfo {
     stepping: Stepping::Fixed,
     tolerance_slope: 0.0,
     dissipative: true,
+    linear_part: false,
     parameters: &[Parameter {
         name: "alpha",
         default: 0.05,
@@ -69,6 +71,7 @@ pub static GENERALISED_ALPHA: MethodInfo = MethodInfo {
     stepping: Stepping::Fixed,
     tolerance_slope: 0.0,
     dissipative: true,
+    linear_part: false,
     parameters: &[Parameter {
         name: "rho_inf",
         default: 0.8,

@@ -1,9 +1,10 @@
 //! Event location: simultaneous, grazing, at the end of a step, jumps of the state; knots; hand-overs.
 
 use crate::problems::*;
+use crate::split_off;
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Layout, METHODS, Method, SecondOrderSystem, Sink, State,
-    StepError, Stepping, TimePlan, Work,
+    AcceptedStep, At, Change, Control, Layout, METHODS, Method, ModalSplit, SecondOrderSystem,
+    Sink, State, StepError, Stepping, TimePlan, Work,
 };
 
 fn plan_for(m: &Method, t_end: f64) -> TimePlan<'static> {
@@ -34,6 +35,9 @@ impl SecondOrderSystem for Balls {
     fn pace(&self, _at: At<'_>) -> f64 {
         0.1
     }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
     fn force(&mut self, _at: At<'_>, f: &mut [f64]) {
         f.fill(-2.0);
     }
@@ -52,6 +56,11 @@ impl SecondOrderSystem for Balls {
         Change::Restart
     }
 }
+
+split_off!(Balls, |_own, _i| (0.0, 0.0));
+split_off!(Graze, |_own, _i| (1.0, 0.0));
+split_off!(Table, |_own, _i| (0.0, 0.0));
+split_off!(Counting, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
 
 /// From height one with acceleration two: floor at one second, back up at three, and so on.
 #[test]
@@ -126,6 +135,9 @@ impl SecondOrderSystem for Graze {
     }
     fn pace(&self, at: At<'_>) -> f64 {
         if at.memory[0] == 0.0 { 1.0 } else { 0.01 }
+    }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = -at.q[0] - at.memory[0] * 1e4 * (at.q[0] - self.wall);
@@ -202,6 +214,9 @@ impl SecondOrderSystem for Table {
         0.1
     }
     /// The branch of the table is held in memory, so that it is right on both sides of a knot.
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = at.memory[0];
     }
@@ -295,6 +310,9 @@ impl SecondOrderSystem for Counting {
     }
     fn pace(&self, at: At<'_>) -> f64 {
         Duffing.pace(at)
+    }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);

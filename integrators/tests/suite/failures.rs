@@ -2,14 +2,16 @@
 //! accepted one.
 
 use crate::problems::*;
+use crate::split_off;
 use gearbench_integrators::explicit::runge_kutta::RungeKutta;
 use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
 use gearbench_integrators::implicit::generalised_alpha::GeneralisedAlpha;
 use gearbench_integrators::method::Tolerance;
+use gearbench_integrators::modal::trigonometric::Trigonometric;
 use gearbench_integrators::{
-    At, Change, Layout, METHODS, OneStep, Resolution, SecondOrderSystem, State, StepError,
-    Stepping, TimePlan, Work,
+    At, Change, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
+    StepError, Stepping, TimePlan, Work,
 };
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -35,6 +37,9 @@ impl SecondOrderSystem for Scalar {
     fn pace(&self, _at: At<'_>) -> f64 {
         0.1
     }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = (self.force)(at.t, at.q[0]);
     }
@@ -46,6 +51,9 @@ impl SecondOrderSystem for Scalar {
         df[0] = (self.tangent)(at.q[0]) * dq[0];
     }
 }
+
+split_off!(Scalar, |_own, _i| (0.7, 0.0));
+split_off!(Broken, |_own, _i| (1.0, 0.0));
 
 /// A plan that suits the method.
 fn plan_for(m: &gearbench_integrators::Method, t_end: f64) -> TimePlan<'static> {
@@ -264,6 +272,9 @@ impl SecondOrderSystem for Broken {
     fn pace(&self, _at: At<'_>) -> f64 {
         0.1
     }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = -at.q[0];
     }
@@ -303,6 +314,7 @@ fn a_step_changes_nothing_but_its_end() {
     fn check(mut m: impl OneStep) {
         let (from, mut work) = (Duffing::start(), Work::default());
         let tolerance = Tolerance::of(&Duffing, 1e-6);
+        m.begin(&mut Duffing).unwrap();
         m.restart(&mut Duffing, &from, &mut work);
         let before = from.clone();
         let mut ends = [0.1, 0.03, 0.1].map(|h| {
@@ -326,6 +338,8 @@ fn a_step_changes_nothing_but_its_end() {
     }
     check(SemiImplicitEuler::default());
     check(VelocityVerlet::default());
+    check(Trigonometric::new(false));
+    check(Trigonometric::new(true));
     check(RungeKutta::rk4());
     check(RungeKutta::dopri5());
     check(GeneralisedAlpha::newmark(0.25));

@@ -1,8 +1,8 @@
 //! Gears that hammer within their backlash: impacts with an exact piecewise solution.
 
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Energy, Layout, Method, Outputs, Power, SecondOrderSystem,
-    Sink, State, TimePlan, Work,
+    AcceptedStep, At, Change, Control, Energy, Layout, Method, ModalSplit, Outputs, Power,
+    SecondOrderSystem, Sink, State, TimePlan, Work,
 };
 
 /// Two gears that turn freely within backlash and meet on one line of action, with a linear penalty and
@@ -147,6 +147,29 @@ impl Hammer {
     }
 }
 
+impl ModalSplit for Hammer {
+    fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
+        omega.fill(0.0);
+        zeta.fill(0.0);
+    }
+    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+        self.force(at, a);
+        self.solve_mass(at, a);
+    }
+    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
+        a.fill(0.0);
+        f64::INFINITY
+    }
+    fn free_until(&mut self, s: &State) -> f64 {
+        let (x, u) = self.relative(s.at());
+        let gap = 0.5 * self.backlash - u.signum() * x;
+        if s.memory[0].abs() == 1.0 || x.abs() >= 0.5 * self.backlash {
+            return s.t;
+        }
+        s.t + (1.0 - 1e-9) * gap / u.abs()
+    }
+}
+
 impl SecondOrderSystem for Hammer {
     fn layout(&self) -> Layout {
         Layout {
@@ -168,6 +191,9 @@ impl SecondOrderSystem for Hammer {
         } else {
             1.0 / self.omega()
         }
+    }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         let n = self.line_force(at);

@@ -2,8 +2,10 @@
 //! time_per_step`.
 
 use crate::problems::*;
+use crate::split_off;
 use gearbench_integrators::{
-    At, Change, Layout, METHODS, Method, SecondOrderSystem, State, Stepping, TimePlan, Work,
+    At, Change, Layout, METHODS, Method, ModalSplit, SecondOrderSystem, State, Stepping, TimePlan,
+    Work,
 };
 use std::time::Instant;
 
@@ -78,6 +80,9 @@ impl SecondOrderSystem for Restarting {
     fn pace(&self, at: At<'_>) -> f64 {
         self.0.pace(at)
     }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.0.force(at, f);
     }
@@ -94,6 +99,8 @@ impl SecondOrderSystem for Restarting {
         Change::Restart
     }
 }
+
+split_off!(Restarting, |_own, _i| (0.0, 0.0));
 
 #[test]
 #[ignore = "measures time"]

@@ -2,8 +2,8 @@
 
 pub use crate::hammer::*;
 use gearbench_integrators::{
-    At, Energy, Layout, METHODS, Method, NullSink, Outputs, Resolution, SecondOrderSystem, State,
-    StepError, Stepping, TimePlan, Work,
+    At, Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Resolution,
+    SecondOrderSystem, State, StepError, Stepping, TimePlan, Work,
 };
 
 /// Runs a method of the table; the state is where it ended.
@@ -76,6 +76,41 @@ pub fn state(q: &[f64], v: &[f64]) -> State {
     }
 }
 
+/// Makes a system oscillators and a rest: the frequency [rad/s] and damping ratio of each coordinate are given, the
+/// rest is what is left of its acceleration.
+#[macro_export]
+macro_rules! split_off {
+    ($system:ty, |$own:ident, $i:ident| $oscillator:expr) => {
+        impl gearbench_integrators::ModalSplit for $system {
+            fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
+                let $own = self;
+                for $i in 0..omega.len() {
+                    (omega[$i], zeta[$i]) = $oscillator;
+                }
+            }
+            fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+                self.force(at, a);
+                self.solve_mass(at, a);
+                let $own = &*self;
+                for $i in 0..a.len() {
+                    let (w, z): (f64, f64) = $oscillator;
+                    a[$i] += w * (w * at.q[$i] + 2.0 * z * at.v[$i]);
+                }
+            }
+            fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+                at.t
+            }
+            fn free_until(&mut self, s: &State) -> f64 {
+                s.t
+            }
+        }
+    };
+}
+
+split_off!(Duffing, |_own, i| ([1.0, 1.3][i], [0.05, 0.0][i]));
+split_off!(Oscillator, |own, _i| (own.omega, 0.0));
+split_off!(Chain, |_own, _i| (0.0, 0.0));
+
 /// Two coupled Duffing oscillators with cubic damping and a full mass matrix, forced so that
 /// `q = (sin 1.3 t + 0.2 cos 2.1 t, cos(0.9 t + 0.4))` solves them exactly.
 #[derive(Default)]
@@ -132,6 +167,9 @@ impl SecondOrderSystem for Duffing {
     fn pace(&self, _at: At<'_>) -> f64 {
         0.5
     }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         let [q, v, a] = Self::exact(at.t);
         let (there, here) = (Self::internal(&q, &v), Self::internal(at.q, at.v));
@@ -175,6 +213,9 @@ impl SecondOrderSystem for Oscillator {
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(self.omega);
+    }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = -self.omega * self.omega * at.q[0];
@@ -235,6 +276,9 @@ impl SecondOrderSystem for Chain {
     }
     fn pace(&self, _at: At<'_>) -> f64 {
         0.3
+    }
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f.fill(0.0);

@@ -160,19 +160,30 @@ impl Frame {
 
     /// Grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
     pub fn paint(&self, c: &mut Canvas<'_>, x_name: &str, y_name: &str, x_labels: bool) {
+        let ticks = self.x.ticks((self.area.width() / 85.0) as usize);
+        let ticks: Vec<(f64, String)> = (ticks.iter())
+            .map(|&t| (t, tick_label(t, &ticks, self.x.log)))
+            .collect();
+        self.paint_at(c, &ticks, x_name, y_name, x_labels);
+    }
+
+    /// The same with ticks of the abscissa as given.
+    pub fn paint_at(
+        &self,
+        c: &mut Canvas<'_>,
+        x_ticks: &[(f64, String)],
+        x_name: &str,
+        y_name: &str,
+        x_labels: bool,
+    ) {
         let r = &self.area;
         let grid = Stroke::new(Ink::GRID, 0.8);
         let small = |anchor| Type::new(TICK_SIZE, anchor).ink(Ink::GREY);
-        let ticks = self.x.ticks((r.width() / 85.0) as usize);
-        for &t in &ticks {
-            let (x, _) = self.at(t, self.y.min);
+        for (t, label) in x_ticks {
+            let (x, _) = self.at(*t, self.y.min);
             c.line(&[(x, r.y0), (x, r.y1)], grid);
             if x_labels {
-                c.text(
-                    &tick_label(t, &ticks, self.x.log),
-                    (x, r.y1 + 12.0),
-                    small(Anchor::Middle),
-                );
+                c.text(label, (x, r.y1 + 12.0), small(Anchor::Middle));
             }
         }
         let ticks = self.y.ticks((r.height() / 38.0).max(3.0) as usize);

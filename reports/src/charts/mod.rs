@@ -6,9 +6,11 @@
 mod axis;
 mod canvas;
 mod cost;
+mod curves;
 mod histories;
 mod lines;
 mod mesh;
+mod modes;
 mod stiffness;
 mod style;
 
@@ -31,12 +33,30 @@ pub struct Chart {
     pub svg: String,
 }
 
+/// File names that charts of a record can have.
+pub(crate) const FILES: [&str; 9] = [
+    "force.svg",
+    "speeds.svg",
+    "mesh.svg",
+    "runtime.svg",
+    "accuracy.svg",
+    "modes.svg",
+    "frequencies.svg",
+    "modes_peak.svg",
+    "modes_cost.svg",
+];
+
 /// The charts a record has data for, in the order of the report.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
 pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     let view = View::new(results);
+    if modes::applies(&view) {
+        let mut all = modes::modes(&view)?;
+        all.extend(histories::force(&view)?);
+        return Ok(all);
+    }
     let all = [
         histories::force(&view)?,
         histories::speeds(&view)?,

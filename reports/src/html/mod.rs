@@ -4,6 +4,7 @@
 //! goes through [`escape`].
 
 mod finding;
+mod modes;
 mod sections;
 mod table;
 
@@ -54,9 +55,15 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     out.push_str("</header>\n");
     out.push_str(&format!(
         "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
-        finding::finding(&view)
+        match results.study.as_str() {
+            "modes" => modes::finding(&view),
+            _ => finding::finding(&view),
+        }
     ));
-    out.push_str(&sections::glance(&view));
+    out.push_str(&match results.study.as_str() {
+        "modes" => modes::tables(&view),
+        _ => sections::glance(&view),
+    });
     for (i, chart) in charts.iter().enumerate() {
         out.push_str(&format!(
             "<section class=\"chart\">\n<h2>{}</h2>\n<figure>\n{}<figcaption><b>Figure {}.</b> \

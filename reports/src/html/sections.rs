@@ -54,8 +54,19 @@ fn text(rows: &[&Run], f: impl Fn(&Run) -> String) -> Vec<Option<String>> {
         .collect()
 }
 
+/// Highest frequency of the modes of elastic gears.
+fn highest(rows: &[&Run]) -> Vec<Option<f64>> {
+    rows.iter().map(|r| r.highest_hz).collect()
+}
+
 fn identity(rows: &[&Run]) -> Vec<Column> {
     vec![
+        Column::written(
+            "Modes",
+            "",
+            text(rows, |r| r.modes.map_or(String::new(), |n| n.to_string())),
+        ),
+        Column::numbers("up to", "Hz", 3, &highest(rows)),
         Column::text("Integrator", text(rows, |r| r.integrator.clone())),
         Column::text("Step", text(rows, resolution)),
         Column::text("Status", text(rows, |r| r.status.to_string())),

@@ -298,3 +298,109 @@ pub fn rotation_results() -> Results {
     results.runs = runs;
     results
 }
+
+/// A study of mode counts: four ways of keeping modes, one failed run, one that is pointed out.
+pub fn mode_results() -> Results {
+    let base = impact_results();
+    let fe = impact(1.9e-5, 3610.0, 0.05, 5e-7);
+    let calculix = base.references[0].clone();
+    let mut runs = vec![Run {
+        model: "fe".into(),
+        integrator: "hht-alpha".into(),
+        implicit: true,
+        step: Some(5e-7),
+        wall_s: 1.9,
+        setup_s: 0.6,
+        simulated_s: 1.34e-4,
+        steps: 268,
+        dofs: 14918,
+        metrics: vec![compare(
+            &fe,
+            &Ledger::default(),
+            &calculix.series,
+            "calculix",
+        )],
+        series: Some(fe.clone()),
+        ..Run::default()
+    }];
+    for (choose, residual, variant) in [
+        ("flank-compliance", true, "by flank compliance"),
+        ("frequency", true, "by frequency"),
+        ("flank-compliance", false, "truncated, by flank compliance"),
+        ("frequency", false, "truncated, by frequency"),
+    ] {
+        for modes in [0, 10, 25, 35, 42, 50, 75, 100, 150, 200, 300] {
+            if (modes == 42) == residual && modes == 42 {
+                continue;
+            }
+            let n = modes as f64;
+            let bump = if modes == 25 { 2.2 } else { 1.0 };
+            let error = match (choose, residual) {
+                (_, true) if modes == 0 => 0.052,
+                ("frequency", true) => bump * 0.05 / (1.0 + (n / 25.0).powf(1.9)) + 0.002,
+                (_, true) => 0.068 / (1.0 + (n / 14.0).powf(2.1)) + 0.002,
+                ("frequency", false) => 0.75 / (1.0 + n / 45.0) + 0.05,
+                _ => 0.75 / (1.0 + n / 25.0) + 0.03,
+            };
+            let series = impact(1.9e-5, 3610.0 * (1.0 + 0.6 * error), 0.05 + error, 1e-6);
+            let ledger = Ledger::default();
+            let mut metrics = vec![
+                compare(&series, &ledger, &fe, "fe"),
+                compare(&series, &ledger, &calculix.series, "calculix"),
+            ];
+            metrics[0].force_l2 = Some(error);
+            metrics[0].impulse_rel = Some(-0.05 * error);
+            metrics[1].force_l2 = Some((error * error + 0.017_f64.powi(2)).sqrt());
+            let step = if residual { 1e-6 } else { 2e-8 };
+            let steps = (1.34e-4 / step) as u64;
+            let high = if choose == "frequency" {
+                3.2e3 * n.powf(0.87)
+            } else {
+                60e3 + 1.5e3 * n
+            };
+            let mut run = Run {
+                model: "elastic".into(),
+                variant: Some(variant.into()),
+                integrator: "trigonometric".into(),
+                step: Some(step),
+                wall_s: 2.4e-6 * (1.0 + 0.002 * n) * steps as f64,
+                repeats: 3,
+                setup_s: 0.4,
+                simulated_s: 1.34e-4,
+                steps,
+                force_evaluations: steps + 1,
+                dofs: 2 + 2 * modes,
+                modes: Some(modes),
+                residual: Some(residual),
+                choose: Some(choose.into()),
+                highest_hz: (modes > 0).then_some(high),
+                mark: (choose == "frequency" && !residual && modes == 42)
+                    .then(|| "published method, to 80 kHz".into()),
+                metrics,
+                series: Some(series),
+                ..Run::default()
+            };
+            if choose != "frequency" && !residual && modes == 300 {
+                fail(&mut run, &fe, Status::BlowUp, "not finite at t = 12 us");
+            }
+            runs.push(run);
+        }
+    }
+    Results {
+        study: "modes".into(),
+        command: "gearbench modes spur_impact".into(),
+        tolerance: None,
+        references: vec![
+            ReferenceSeries {
+                id: "fe".into(),
+                title: "full finite elements, same mesh".into(),
+                source: "the first run of this record".into(),
+                series: fe,
+                ..ReferenceSeries::default()
+            },
+            calculix,
+        ],
+        runs,
+        ..base
+    }
+}

@@ -1,0 +1,296 @@
+//! An oscillator under a constant load over a time, in closed form.
+//!
+//! `q'' + 2 zeta omega q' + omega^2 q = g` with `delta = zeta omega`, `w = omega sqrt(1 - zeta^2)`:
+//!
+//! ```text
+//! q(h) = e (c + delta s) q0 + e s v0 + (1 - e (c + delta s)) / omega^2 g,   e = exp(-delta h)
+//! v(h) = -omega^2 e s q0 + e (c - delta s) v0 + e s g,                      c = cos(w h), s = sin(w h) / w
+//! ```
+//!
+//! and `q0 + h v0 + h^2 g / 2` for `omega = 0`.
+
+/// What a time does to an oscillator: `q = qq q0 + qv v0 + qg g`, `v = vq q0 + vv v0 + qv g`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefficients {
+    /// `dq/dq0`.
+    pub qq: f64,
+    /// `dq/dv0` [s], and `dv/dg`.
+    pub qv: f64,
+    /// `dv/dq0` [1/s].
+    pub vq: f64,
+    /// `dv/dv0`.
+    pub vv: f64,
+    /// `dq/dg` [s^2].
+    pub qg: f64,
+}
+
+/// Radians up to which `qg` of a damped oscillator is a power series: the closed form cancels there.
+const SERIES: f64 = 0.5;
+
+/// The oscillator over a time `h` [s]; `zeta` lies in [0, 1).
+#[inline]
+pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
+    if omega == 0.0 {
+        return Coefficients {
+            qq: 1.0,
+            qv: h,
+            vq: 0.0,
+            vv: 1.0,
+            qg: 0.5 * h * h,
+        };
+    }
+    let square = omega * omega;
+    if zeta == 0.0 {
+        let (sin, cos) = (omega * h).sin_cos();
+        let qv = sin / omega;
+        // 1 - cos without cancellation.
+        let rest = if cos > 0.0 {
+            sin * sin / (1.0 + cos)
+        } else {
+            1.0 - cos
+        };
+        return Coefficients {
+            qq: cos,
+            qv,
+            vq: -omega * sin,
+            vv: cos,
+            qg: rest / square,
+        };
+    }
+    let delta = zeta * omega;
+    let w = omega * ((1.0 - zeta) * (1.0 + zeta)).sqrt();
+    let e = (-delta * h).exp();
+    let (sin, cos) = (w * h).sin_cos();
+    let qv = e * sin / w;
+    let qq = e * cos + delta * qv;
+    let qg = if omega * h.abs() < SERIES {
+        load_series(square, delta, h)
+    } else {
+        (1.0 - qq) / square
+    };
+    Coefficients {
+        qq,
+        qv,
+        vq: -square * qv,
+        vv: e * cos - delta * qv,
+        qg,
+    }
+}
+
+/// `qg` as a power series in `h`: `y'' = 1 - 2 delta y' - omega^2 y` from rest.
+fn load_series(square: f64, delta: f64, h: f64) -> f64 {
+    // `term` is the k-th, `before` the one before it; the two right sides shift by one and two powers.
+    let (mut before, mut term) = (0.0, 0.5 * h * h);
+    let mut sum = term;
+    for k in 3..20 {
+        let k = f64::from(k);
+        let next =
+            -(2.0 * delta * h * (k - 1.0) * term + square * h * h * before) / (k * (k - 1.0));
+        (before, term) = (term, next);
+        sum += next;
+    }
+    sum
+}
+
+/// The coefficients of all oscillators for one time, and the filter that goes with it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Drift {
+    /// The time [s].
+    pub(crate) h: f64,
+    qq: Vec<f64>,
+    qv: Vec<f64>,
+    vq: Vec<f64>,
+    vv: Vec<f64>,
+    qg: Vec<f64>,
+    /// `sin(omega h) / (omega h)`, where a filter is asked for.
+    pub(crate) filter: Vec<f64>,
+}
+
+impl Drift {
+    pub(crate) fn fill(&mut self, omega: &[f64], zeta: &[f64], h: f64, filtered: bool) {
+        let n = omega.len();
+        self.h = h;
+        for x in [
+            &mut self.qq,
+            &mut self.qv,
+            &mut self.vq,
+            &mut self.vv,
+            &mut self.qg,
+        ] {
+            x.resize(n, 0.0);
+        }
+        for (i, (&w, &z)) in omega.iter().zip(zeta).enumerate() {
+            let c = coefficients(w, z, h);
+            self.qq[i] = c.qq;
+            self.qv[i] = c.qv;
+            self.vq[i] = c.vq;
+            self.vv[i] = c.vv;
+            self.qg[i] = c.qg;
+        }
+        if filtered {
+            self.filter.clear();
+            self.filter.extend(omega.iter().map(|w| sinc(w * h)));
+        }
+    }
+
+    /// Moves `(q0, v0 + kick k)` under the load `g` to `(q, v)`.
+    #[inline]
+    pub(crate) fn apply(
+        &self,
+        q0: &[f64],
+        v0: &[f64],
+        (kick, k): (f64, &[f64]),
+        g: &[f64],
+        (q, v): (&mut [f64], &mut [f64]),
+    ) {
+        let n = q.len();
+        let (q0, v0, k, g, v) = (&q0[..n], &v0[..n], &k[..n], &g[..n], &mut v[..n]);
+        let (qq, qv, vq) = (&self.qq[..n], &self.qv[..n], &self.vq[..n]);
+        let (vv, qg) = (&self.vv[..n], &self.qg[..n]);
+        for i in 0..n {
+            let u = v0[i] + kick * k[i];
+            q[i] = qq[i] * q0[i] + qv[i] * u + qg[i] * g[i];
+            v[i] = vq[i] * q0[i] + vv[i] * u + qv[i] * g[i];
+        }
+    }
+
+    /// Moves `(q0, v0)` under a load to `(q, v)`.
+    #[inline]
+    pub(crate) fn load(
+        &self,
+        q0: &[f64],
+        v0: &[f64],
+        g: impl Fn(usize) -> f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) {
+        for i in 0..q.len() {
+            q[i] = self.qq[i] * q0[i] + self.qv[i] * v0[i] + self.qg[i] * g(i);
+            v[i] = self.vq[i] * q0[i] + self.vv[i] * v0[i] + self.qv[i] * g(i);
+        }
+    }
+}
+
+/// `sin(x) / x`.
+#[inline]
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { x.sin() / x }
+}
+
+/// Tables kept: the step and its halves, and what knots and events cut off.
+const KEPT: usize = 8;
+
+/// Tables of the steps used last. A step that differs from a table's by the rounding of times is that step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tables {
+    kept: Vec<Drift>,
+    used: Vec<u64>,
+    clock: u64,
+    last: usize,
+}
+
+impl Tables {
+    /// Forgets all tables.
+    pub(crate) fn clear(&mut self) {
+        self.used.fill(0);
+        for d in &mut self.kept {
+            d.h = 0.0;
+        }
+        self.last = 0;
+    }
+
+    /// Index of the table of a step that starts at `t`.
+    pub(crate) fn find(
+        &mut self,
+        omega: &[f64],
+        zeta: &[f64],
+        t: f64,
+        h: f64,
+        filtered: bool,
+    ) -> usize {
+        self.clock += 1;
+        let slack = 4.0 * f64::EPSILON * (t.abs() + h);
+        let same = |d: &Drift| (d.h - h).abs() <= slack && d.h > 0.0;
+        let found = if self.kept.get(self.last).is_some_and(same) {
+            Some(self.last)
+        } else {
+            self.kept.iter().position(same)
+        };
+        let i = found.unwrap_or_else(|| {
+            let i = if self.kept.len() < KEPT {
+                self.kept.push(Drift::default());
+                self.used.push(0);
+                self.kept.len() - 1
+            } else {
+                let oldest = (0..KEPT).min_by_key(|&i| self.used[i]);
+                oldest.unwrap_or(0)
+            };
+            self.kept[i].fill(omega, zeta, h, filtered);
+            i
+        });
+        self.used[i] = self.clock;
+        self.last = i;
+        i
+    }
+
+    pub(crate) fn get(&self, i: usize) -> &Drift {
+        &self.kept[i]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: f64, b: f64, scale: f64, what: &str) {
+        assert!((a - b).abs() <= 4e-15 * scale, "{what}: {a:e} {b:e}");
+    }
+
+    /// Two halves make a whole, from nothing to many periods and almost critical damping.
+    #[test]
+    fn times_add_up() {
+        for omega in [0.0, 1e-9, 1e-3, 0.3, 1.0, 7.0, 400.0] {
+            for zeta in [0.0, 1e-8, 0.02, 0.5, 0.999, 1.0 - 1e-12] {
+                let (a, b) = (
+                    coefficients(omega, zeta, 0.3),
+                    coefficients(omega, zeta, 0.45),
+                );
+                let whole = coefficients(omega, zeta, 0.75);
+                let x = omega.max(1.0);
+                close(b.qq * a.qq + b.qv * a.vq, whole.qq, 10.0 * x, "qq");
+                close(b.qq * a.qv + b.qv * a.vv, whole.qv, 10.0, "qv");
+                close(b.vq * a.qq + b.vv * a.vq, whole.vq, 10.0 * x * x, "vq");
+                close(b.vq * a.qv + b.vv * a.vv, whole.vv, 10.0 * x, "vv");
+                close(b.qq * a.qg + b.qv * a.qv + b.qg, whole.qg, 10.0, "qg");
+            }
+        }
+    }
+
+    /// Where the series takes over it agrees with the closed form, and a slow oscillator with free flight.
+    #[test]
+    fn loads_are_exact_without_cancellation() {
+        for zeta in [1e-6, 0.1, 0.9] {
+            let h = (SERIES - 1e-9) / 3.0;
+            let c = coefficients(3.0, zeta, h);
+            close(c.qg, (1.0 - c.qq) / 9.0, 1.0 / 9.0, "series");
+        }
+        for zeta in [0.0, 0.3] {
+            let c = coefficients(1e-7, zeta, 0.1);
+            let third = 2.0 * zeta * 1e-7 * 1e-3 / 6.0;
+            close(c.qg, 0.005 - third, 0.005, "slow");
+        }
+    }
+
+    #[test]
+    fn tables_survive_the_rounding_of_times() {
+        let mut tables = Tables::default();
+        let (omega, zeta) = ([1.0, 2.0], [0.0, 0.1]);
+        let i = tables.find(&omega, &zeta, 0.7, 1e-3, false);
+        let h = (0.7 + 1e-3) - 0.7;
+        assert_ne!(h, 1e-3);
+        assert_eq!(tables.find(&omega, &zeta, 0.7, h, false), i);
+        for k in 1..20 {
+            tables.find(&omega, &zeta, 0.7, 1e-4 * f64::from(k), false);
+        }
+        assert_eq!(tables.kept.len(), KEPT);
+    }
+}

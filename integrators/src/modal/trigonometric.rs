@@ -1,0 +1,350 @@
+//! The trigonometric method: kick, exact drift, kick.
+//!
+//! ```text
+//! u = v0 + h/2 r0,   (q1, u) <- oscillators and steady loads over h, in closed form,   v1 = u + h/2 r1
+//! ```
+//!
+//! with `r` the rest of the acceleration without the steady loads ([`ModalSplit`]): one evaluation per step. It is
+//! exact where the rest is zero, symplectic without damping and symmetric; a rest that depends on velocity is
+//! evaluated at the predicted `u + h/2 r0`, which keeps order two. P. Deuflhard, *Z. angew. Math. Phys.* 30 (1979)
+//! 177; as the impulse method H. Grubmueller et al., *Mol. Simul.* 6 (1991) 121, M. Tuckerman et al., *J. Chem.
+//! Phys.* 97 (1992) 1990.
+//!
+//! **The step** is bound by the rest alone: `omega_c h < 2` with the frequency of the contact, and away from the
+//! resonances `omega h = pi, 2 pi, ...` of oscillators that it excites ([`resonance`](super::resonance)).
+//!
+//! **Flight.** Where the system tells that nothing will touch until some time, one closed-form step goes there,
+//! however long, and needs no evaluation. A plan's step or tolerance applies to what is left: contact and its
+//! neighbourhood. Fixed steps stay on their grid. Inside such a step the dense output is exact.
+//!
+//! **Under a tolerance** the step is a power of two times a second, so that tables of cosines serve again, and at most
+//! `0.64 pi / omega` of the fastest oscillator. The estimate is the difference of the two kicks,
+//! `h/2 |r1 - r0|`: of second order like the error where a contact opens or closes within the step, and larger than
+//! the error, which is of third order, elsewhere. The global error then follows the tolerance with slope one.
+
+use super::propagator::{Tables, coefficients};
+use super::resonance::safe_step;
+use crate::method::{MethodInfo, OneStep, Parameter, StepError, Stepping, Tolerance, Work};
+use crate::system::{At, ModalSplit, SecondOrderSystem, State};
+
+/// What the method declares.
+pub static INFO: MethodInfo = MethodInfo {
+    id: "trigonometric",
+    name: "trigonometric",
+    order: 2,
+    implicit: false,
+    stepping: Stepping::Both,
+    tolerance_slope: 1.0,
+    dissipative: false,
+    linear_part: true,
+    parameters: &[Parameter {
+        name: "filter",
+        default: 0.0,
+        range: (0.0, 1.0),
+        meaning: "from 0.5 on: the rest sees positions averaged over the step and kicks back alike (mollified), which takes out resonances",
+    }],
+    citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
+};
+
+/// Attempts to fly that are left out after one that led no further than a step, at most.
+const PATIENCE: u32 = 8;
+
+/// The rest at one end of a step.
+#[derive(Clone, Debug, Default)]
+struct Kick {
+    /// Acceleration without oscillators and steady loads, filtered.
+    a: Vec<f64>,
+    /// Something but the steady loads acts.
+    acts: bool,
+    /// Step [s] whose filter it has; 0 without.
+    h: f64,
+}
+
+/// The method.
+#[derive(Clone, Debug, Default)]
+pub struct Trigonometric {
+    filtered: bool,
+    omega: Vec<f64>,
+    zeta: Vec<f64>,
+    longest: f64,
+    tables: Tables,
+    /// Table of the last step.
+    table: usize,
+    ends: [Kick; 2],
+    /// Acceleration by steady loads, and the time until which they are steady.
+    steady: Vec<f64>,
+    steady_until: f64,
+    /// Nothing touches until this time.
+    free_until: f64,
+    /// Attempts to fly to leave out, and how many the next vain one costs.
+    skip: u32,
+    patience: u32,
+    /// Velocities at the end of a step before its last kick.
+    predicted: Vec<f64>,
+    /// What the rest sees through the filter.
+    q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl Trigonometric {
+    /// With a filter, or as it is.
+    pub fn new(filtered: bool) -> Self {
+        Trigonometric {
+            filtered,
+            ..Default::default()
+        }
+    }
+
+    /// The rest at `at`, for a step with the table `table`, into end `end`.
+    fn evaluate(
+        &mut self,
+        split: &mut dyn ModalSplit,
+        at: At<'_>,
+        end: usize,
+        table: usize,
+        work: &mut Work,
+    ) {
+        let kick = &mut self.ends[end];
+        let n = kick.a.len();
+        work.force_evaluations += 1;
+        if !self.filtered {
+            split.rest(at, &mut kick.a);
+            kick.acts = subtract(&mut kick.a, &self.steady);
+            return;
+        }
+        let drift = self.tables.get(table);
+        let (filter, q, v) = (&drift.filter[..n], &mut self.q[..n], &mut self.v[..n]);
+        for i in 0..n {
+            q[i] = filter[i] * at.q[i];
+            v[i] = filter[i] * at.v[i];
+        }
+        split.rest(At { q, v, ..at }, &mut kick.a);
+        kick.acts = subtract(&mut kick.a, &self.steady);
+        kick.h = drift.h;
+        if kick.acts {
+            for (a, f) in kick.a.iter_mut().zip(filter) {
+                *a *= f;
+            }
+        }
+    }
+}
+
+/// `a -= g`; true when something is left.
+#[inline]
+fn subtract(a: &mut [f64], g: &[f64]) -> bool {
+    let mut largest = 0.0_f64;
+    let mut all = 0.0;
+    for (a, g) in a.iter_mut().zip(g) {
+        *a -= g;
+        largest = largest.max(a.abs());
+        all += *a;
+    }
+    // max() drops NaN, a sum keeps it.
+    largest > 0.0 || all.is_nan()
+}
+
+const NO_SPLIT: StepError = StepError::Unsupported {
+    method: INFO.id,
+    what: "a system that is not linear oscillators and a rest; take another method there, for example velocity-verlet or dopri5",
+};
+
+impl OneStep for Trigonometric {
+    fn info(&self) -> &'static MethodInfo {
+        &INFO
+    }
+
+    fn begin(&mut self, sys: &mut dyn SecondOrderSystem) -> Result<(), StepError> {
+        let n = sys.layout().n;
+        let split = sys.modal().ok_or(NO_SPLIT)?;
+        for x in [
+            &mut self.omega,
+            &mut self.zeta,
+            &mut self.steady,
+            &mut self.predicted,
+            &mut self.q,
+            &mut self.v,
+        ] {
+            x.clear();
+            x.resize(n, 0.0);
+        }
+        for end in &mut self.ends {
+            end.a.clear();
+            end.a.resize(n, 0.0);
+        }
+        split.oscillators(&mut self.omega, &mut self.zeta);
+        let good = |(w, z): (&f64, &f64)| *w >= 0.0 && w.is_finite() && (0.0..1.0).contains(z);
+        if !self.omega.iter().zip(&self.zeta).all(good) {
+            return Err(StepError::Unsupported {
+                method: INFO.id,
+                what: "an oscillator whose damping ratio lies outside [0, 1) or whose frequency is no number",
+            });
+        }
+        self.longest = safe_step(&self.omega);
+        self.tables.clear();
+        Ok(())
+    }
+
+    fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
+        (self.skip, self.patience) = (0, 1);
+        self.free_until = s.t;
+        let Some(split) = sys.modal() else { return };
+        self.steady_until = split.steady(s.at(), &mut self.steady);
+        if self.steady_until <= s.t {
+            self.steady.fill(0.0);
+        }
+        if self.filtered {
+            // The filter belongs to a step that is not known yet.
+            self.ends[0].h = 0.0;
+            self.ends[0].acts = true;
+        } else {
+            self.evaluate(split, s.at(), 0, 0, work);
+        }
+    }
+
+    fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
+        if self.ends[0].acts {
+            return s.t;
+        }
+        if self.skip > 0 {
+            self.skip -= 1;
+            return s.t;
+        }
+        if self.steady_until <= s.t + h {
+            return s.t;
+        }
+        let Some(split) = sys.modal() else { return s.t };
+        self.free_until = split.free_until(s);
+        let reach = self.free_until.min(self.steady_until);
+        if reach > s.t + h {
+            self.patience = 1;
+        } else {
+            self.skip = self.patience;
+            self.patience = (2 * self.patience).min(PATIENCE);
+        }
+        reach
+    }
+
+    fn favoured(&self, h: f64) -> f64 {
+        let h = h.min(self.longest);
+        // The largest power of two that is not larger: the exponent without the digits.
+        if h.is_normal() {
+            f64::from_bits(h.to_bits() & 0x7ff0_0000_0000_0000)
+        } else {
+            h
+        }
+    }
+
+    fn step(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        h: f64,
+        tolerance: &Tolerance,
+        to: &mut State,
+        work: &mut Work,
+    ) -> Result<f64, StepError> {
+        let split = sys.modal().ok_or(NO_SPLIT)?;
+        let table = self
+            .tables
+            .find(&self.omega, &self.zeta, from.t, h, self.filtered);
+        self.table = table;
+        to.t = from.t + h;
+        let flies = !self.ends[0].acts && to.t <= self.free_until;
+        if self.filtered && !flies && self.ends[0].h != self.tables.get(table).h {
+            self.evaluate(split, from.at(), 0, table, work);
+        }
+        let half = 0.5 * h;
+        let n = self.omega.len();
+        self.tables.get(table).apply(
+            &from.q,
+            &from.v,
+            (half, &self.ends[0].a),
+            &self.steady,
+            (&mut to.q[..n], &mut to.v[..n]),
+        );
+        if flies {
+            let end = &mut self.ends[1];
+            end.a.fill(0.0);
+            end.acts = false;
+            end.h = self.tables.get(table).h;
+            return Ok(0.0);
+        }
+        let mut predicted = std::mem::take(&mut self.predicted);
+        predicted.copy_from_slice(&to.v);
+        if self.ends[0].acts {
+            for (v, a) in predicted.iter_mut().zip(&self.ends[0].a) {
+                *v += half * a;
+            }
+        }
+        let at = At {
+            t: to.t,
+            q: &to.q,
+            v: &predicted,
+            memory: &from.memory,
+        };
+        self.evaluate(split, at, 1, table, work);
+        self.predicted = predicted;
+        let [start, end] = &self.ends;
+        if !end.acts && !start.acts {
+            return Ok(0.0);
+        }
+        let (a0, a1) = (&start.a[..n], &end.a[..n]);
+        for (v, a) in to.v[..n].iter_mut().zip(a1) {
+            *v += half * a;
+        }
+        if tolerance.rtol == 0.0 {
+            return Ok(0.0);
+        }
+        let (mut worst, mut all) = (0.0_f64, 0.0);
+        for (i, scale) in tolerance.v[..n].iter().enumerate() {
+            let e = ((a1[i] - a0[i]) / scale).abs();
+            worst = worst.max(e);
+            all += e;
+        }
+        Ok(if all.is_finite() {
+            half * worst / tolerance.rtol
+        } else {
+            f64::NAN
+        })
+    }
+
+    fn advance(&mut self) {
+        self.ends.swap(0, 1);
+        if self.ends[0].acts {
+            (self.skip, self.patience) = (0, 1);
+        }
+    }
+
+    /// Oscillators, steady loads and the kick at the start, taken as a constant load, in closed form; what is then
+    /// missing at the end, by a cubic.
+    fn interpolate(&self, from: &State, to: &State, theta: f64, q: &mut [f64], v: &mut [f64]) {
+        let n = self.omega.len();
+        let h = to.t - from.t;
+        let t = theta * h;
+        let [start, end] = &self.ends;
+        let kicked = start.acts || end.acts;
+        let load = |i: usize| self.steady[i] + if start.acts { start.a[i] } else { 0.0 };
+        let (s, r) = (theta, 1.0 - theta);
+        let whole = self.tables.get(self.table);
+        if kicked {
+            // The constant load over the whole step leaves (dq, dv) to be made up.
+            whole.load(&from.q, &from.v, load, (&mut *q, &mut *v));
+            let (sq, svq) = (s * s * (3.0 - 2.0 * s), -h * s * s * r);
+            let (vq, vv) = (6.0 * s * r / h, s * (3.0 * s - 2.0));
+            for i in 0..n {
+                let (dq, dv) = (to.q[i] - q[i], to.v[i] - v[i]);
+                q[i] = sq * dq + svq * dv;
+                v[i] = vq * dq + vv * dv;
+            }
+        } else {
+            q.fill(0.0);
+            v.fill(0.0);
+        }
+        for i in 0..n {
+            let c = coefficients(self.omega[i], self.zeta[i], t);
+            let g = load(i);
+            q[i] += c.qq * from.q[i] + c.qv * from.v[i] + c.qg * g;
+            v[i] += c.vq * from.q[i] + c.vv * from.v[i] + c.qv * g;
+        }
+    }
+}
