@@ -8,6 +8,7 @@ mod identify;
 mod list;
 mod mesh;
 mod modes;
+mod reduce;
 mod stiffness;
 
 use crate::cli::{Cli, Command};
@@ -51,6 +52,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Stiffness(args)) => stiffness::run(&args),
         Some(Command::Modes(args)) => modes::run(&args, &told()),
         Some(Command::Mesh(args)) => mesh::run(&args, &told()),
+        Some(Command::Reduce(args)) => reduce::run(&args),
         Some(Command::List) => list::run(),
         Some(Command::Report(args)) => report(&args.dir),
     };

@@ -101,7 +101,7 @@ impl Cache {
             let opened = fs::File::options().append(true).open(&path);
             let _ = opened.and_then(|f| f.set_modified(SystemTime::now()));
             return Ok(Cached {
-                basis: Arc::new(stored.basis),
+                basis: stored.basis,
                 hit: true,
             });
         }

@@ -11,7 +11,7 @@
 //! toothing without crowning, `b` is first averaged over each row of nodes: shapes that are odd over the width then
 //! do not count.
 
-use super::{Basis, ReductionError};
+use super::{Basis, Kept, ReductionError, without_modes};
 use gearbench_models::contact::flank_points::{PointRule, reference_areas};
 use gearbench_models::gear::elastic::reduced::Reduced;
 use std::f64::consts::PI;
@@ -147,12 +147,6 @@ pub fn reduced(
     damping: &ModalDamping,
     residual: bool,
 ) -> Result<Reduced, ReductionError> {
-    if residual && basis.compliance.is_none() {
-        return Err(ReductionError::Mismatch(
-            "the basis holds no static compliance: compute it, or truncate with `residual = false`"
-                .into(),
-        ));
-    }
     let modes = basis.omega.len();
     let pick = |x: &[f64]| -> Vec<f64> { kept.iter().map(|&i| x[i]).collect() };
     let omega = pick(&basis.omega);
@@ -173,6 +167,22 @@ pub fn reduced(
     for row in basis.shapes.chunks_exact(modes.max(1)).take(nodes) {
         shapes.extend(kept.iter().map(|&i| row[i]));
     }
+    let hub = pick(&basis.hub);
+    let kept_modes = Kept {
+        omega: &omega,
+        shapes: &shapes,
+        hub: &hub,
+    };
+    let cut = match (&basis.compliance, residual) {
+        (_, false) => None,
+        (Some(total), true) => Some(without_modes(total, kept_modes)?),
+        (None, true) => {
+            return Err(ReductionError::Mismatch(
+                "the basis holds no static compliance: compute it, or truncate with `residual = false`"
+                    .into(),
+            ));
+        }
+    };
     Ok(Reduced {
         flanks: basis.flanks.clone(),
         normals: basis.normals.clone(),
@@ -181,8 +191,8 @@ pub fn reduced(
         omega,
         damping: ratios,
         shapes,
-        hub: pick(&basis.hub),
+        hub,
         participation: pick(&basis.participation),
-        residual: None,
+        residual: cut,
     })
 }

@@ -15,10 +15,12 @@
 //! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
 //! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | [`compliance`] | static compliance between these nodes and towards the hub |
+//! | [`pass1`] | modes and compliance together |
 //! | [`choose`] | which modes are kept, and with what damping |
 //! | [`shared`] | one basis for all that need the same |
 //! | [`store`] | a basis in a file that numpy opens |
 //! | [`cache`] | files of bases from run to run |
+//! | [`open`], [`Toothing`] | stored bases in a scene, held against its gears |
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
@@ -28,8 +30,12 @@ pub mod choose;
 pub mod compliance;
 mod cutting;
 mod error;
+mod geometry;
 pub mod hash;
 mod mounting;
+mod of_gear;
+pub mod open;
+pub mod pass1;
 pub mod shared;
 pub mod store;
 pub mod surface;
@@ -37,7 +43,9 @@ pub(crate) mod table;
 
 pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
+pub use geometry::Toothing;
 pub use mounting::Mounting;
+pub use of_gear::{OfGear, mounting, of_gear};
 pub use surface::Surface;
 
 use gearbench_models::Vec3;

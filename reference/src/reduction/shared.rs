@@ -5,7 +5,7 @@
 //! of it, so a result does not depend on who came before.
 
 use super::store::Request;
-use super::{Basis, Mounting, ReductionError, Wanted, basis, cache};
+use super::{Basis, Mounting, ReductionError, Wanted, cache, pass1};
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -73,16 +73,18 @@ impl Wanted {
     }
 }
 
-/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once.
+/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once; `compliance`:
+/// with the static compliance.
 ///
 /// # Errors
-/// As [`basis::of_mesh`].
+/// As [`pass1::compute`].
 pub fn basis_of(
     mesh: &GearMesh,
     sector: bool,
     material: &Material,
     mounting: &Mounting,
     wanted: Wanted,
+    compliance: bool,
 ) -> Result<Arc<Basis>, ReductionError> {
     let key = Key::new(mesh, sector, material, mounting);
     // A basis that was not finished leaves an empty slot: nothing is lost with a poisoned lock.
@@ -93,6 +95,7 @@ pub fn basis_of(
     let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((held, found)) = &*slot
         && held.holds(wanted, found)
+        && (found.compliance.is_some() || !compliance)
     {
         return Ok(found.clone());
     }
@@ -102,14 +105,10 @@ pub fn basis_of(
         material: *material,
         mounting: *mounting,
         wanted,
-        compliance: false,
+        compliance,
     };
     let found = cache::in_use().basis(&request, "a scene", || {
-        if sector {
-            basis::of_sector(mesh, material, mounting, wanted)
-        } else {
-            basis::of_mesh(mesh, material, mounting, wanted)
-        }
+        pass1::compute(&request, &mut |_| {})
     })?;
     let found = found.basis;
     *slot = Some((wanted, found.clone()));

@@ -13,6 +13,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use serde_json::{Value, json};
 use std::io::{self, Write};
+use std::sync::Arc;
 
 const META: &str = "meta";
 const TOOTH: &str = "flank_tooth";
@@ -418,7 +419,10 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     };
     match problem(&basis, &meta) {
         Some(problem) => Err(problem),
-        None => Ok(Stored { basis, meta }),
+        None => Ok(Stored {
+            basis: Arc::new(basis),
+            meta,
+        }),
     }
 }
 

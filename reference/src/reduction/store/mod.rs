@@ -25,6 +25,7 @@ use gearbench_models::stiffness::Material;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Version of the format that is written, and the newest that is read.
@@ -191,7 +192,7 @@ impl Request<'_> {
 #[derive(Clone, Debug)]
 pub struct Stored {
     /// The basis.
-    pub basis: Basis,
+    pub basis: Arc<Basis>,
     /// Where it comes from.
     pub meta: Meta,
 }
