@@ -19,6 +19,7 @@
 //! `Left` is the counter-clockwise side of a tooth; the gap `g` is positive when open; the contact row is
 //! `w = dg/dq`, and a normal force `N >= 0` adds `w N` to the generalised forces.
 
+mod cholesky;
 pub mod contact;
 pub mod gear;
 pub mod geometry;

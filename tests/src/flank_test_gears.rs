@@ -23,7 +23,7 @@ use gearbench_models::geometry::{Gear, Rack, Side};
 use gearbench_models::mount::Hub;
 use gearbench_models::scene::spec::{Body, BuildError, Value};
 
-const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
+pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
         key,
         meaning,
@@ -57,7 +57,7 @@ pub const NODAL: Model = Model {
     build: build_nodal,
 };
 
-fn number(context: &GearContext<'_>, key: &str, default: f64) -> f64 {
+pub(crate) fn number(context: &GearContext<'_>, key: &str, default: f64) -> f64 {
     match context.parameters.get(key) {
         Some(Value::Number(x)) => *x,
         _ => default,
@@ -96,7 +96,7 @@ pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
 }
 
 /// The same for a rack, in the frame of its geometry; teeth counted from the lowest.
-fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
+pub fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
     let mut all = Vec::new();
     for tooth in 0..rack.teeth() {
         for side in Side::BOTH {
@@ -125,7 +125,7 @@ fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
     Flanks::new(all)
 }
 
-fn flanks_of(context: &GearContext<'_>) -> Flanks {
+pub(crate) fn flanks_of(context: &GearContext<'_>) -> Flanks {
     let count = |key, default| number(context, key, default) as usize;
     let (rows, columns) = (count("rows", 9.0), count("columns", 2.0));
     match context.body {

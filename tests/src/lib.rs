@@ -25,6 +25,7 @@ use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 #[allow(dead_code)]
 #[path = "../../models/examples/elastic_test_gear.rs"]
 pub mod elastic_test_gear;
+pub mod elastic_toy;
 pub mod flank_test_gears;
 
 /// All models: the table of the crate and the example.
@@ -37,7 +38,11 @@ pub fn models() -> Vec<Model> {
 /// All models, with the test gears that bring flanks.
 pub fn models_with_flanks() -> Vec<Model> {
     let mut table = models();
-    table.extend([flank_test_gears::RIGID, flank_test_gears::NODAL]);
+    table.extend([
+        flank_test_gears::RIGID,
+        flank_test_gears::NODAL,
+        elastic_toy::ELASTIC_TOY,
+    ]);
     table
 }
 

@@ -155,6 +155,18 @@ impl Row {
         }
     }
 
+    /// The same for the part of the row that belongs to the first gear.
+    pub fn for_each_first(&self, mut f: impl FnMut(usize, f64)) {
+        for &(i, value) in &self.singles[..self.split.0 as usize] {
+            f(i as usize, value);
+        }
+        for (start, values) in self.spans(self.split.1) {
+            for (i, value) in (start..).zip(values) {
+                f(i, *value);
+            }
+        }
+    }
+
     /// True when no coordinate takes part.
     pub fn is_empty(&self) -> bool {
         self.count == 0 && self.values.is_empty()

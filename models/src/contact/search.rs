@@ -4,6 +4,7 @@
 //! changes only at its guards, so inside a step the set of candidates is fixed.
 
 use super::candidate::{Candidate, Tooth};
+use super::nodal::{NodalParty, NodalPoint};
 use crate::gear::GearModel;
 use crate::geometry::Side;
 use gearbench_integrators::system::At;
@@ -81,6 +82,10 @@ pub trait ContactSearch {
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     );
+
+    /// Appends the points of a mesh with a gear that has a [field](crate::gear::elastic::NormalField), of rigid gap up
+    /// to what their displacements can close, and the nodes that they lie on. Only searches of flank points have any.
+    fn nodal_points(&self, _sides: [NodalParty<'_>; 2], _out: &mut Vec<NodalPoint>) {}
 
     /// Gaps [m] of all pairs in the search's memory by slot; other entries of `out` stay as they are.
     fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]);

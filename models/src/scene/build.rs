@@ -1,6 +1,7 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
 use super::contacts::Workspace;
+use super::nodal::Nodal;
 use super::outputs::channel_names;
 use super::points::flank_points;
 use super::spec::{Body, BuildError, ContactSpec, GearSpec, MeshSpec, Modelling, SceneSpec};
@@ -492,11 +493,13 @@ impl Scene {
                 let law = law_of(spec, mesh, contact, k_max)?;
                 (Box::new(search), law)
             };
+            let has_field = |i: &usize| gears[*i].model.field().is_some();
             meshes.push(SceneMesh {
                 gears: mesh.gears,
                 search,
                 law,
                 friction: contact.friction,
+                nodal: mesh.gears.iter().any(has_field),
                 memory: 0,
                 guards: 0,
                 cells: 0,
@@ -504,6 +507,7 @@ impl Scene {
                 zones: 0,
             });
         }
+        refuse_two_compliances(&gears)?;
         Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
     }
 
@@ -562,6 +566,8 @@ impl Scene {
             .fold(scales.pace, f64::min);
         let channels = channel_names(&gears, meshes.len());
         let compliant = gears.iter().any(|g| g.model.is_compliant());
+        let fields = gears.iter().any(|g| g.model.field().is_some());
+        let nodal = Nodal::new(&gears, &meshes);
         let condenses = gears.iter().any(|g| g.model.prefers_condensed());
         let tracks = meshes.iter().any(|m| m.law.needs_impact_speed())
             || gears.iter().any(|g| g.model.uses_engagement());
@@ -582,15 +588,35 @@ impl Scene {
             memory,
             guards,
             compliant,
+            fields,
             condenses,
             locates,
             tracks,
             inverse_mass: mass.iter().map(|m| m.recip()).collect(),
             mass,
-            work: Workspace::default(),
+            work: Workspace {
+                nodal,
+                ..Workspace::default()
+            },
             initial,
             phases,
         }
+    }
+}
+
+/// Compliance between points and displacement fields of nodes take different solves.
+fn refuse_two_compliances(gears: &[SceneGear]) -> Result<(), BuildError> {
+    let field = gears.iter().find(|g| g.model.field().is_some());
+    let local = gears.iter().find(|g| g.model.is_compliant());
+    match (field, local) {
+        (Some(field), Some(local)) => Err(BuildError::gear(
+            &local.name,
+            format!(
+                "its compliance is one between contact points, that of gear `{}` one between nodes; use one kind of model for both",
+                field.name
+            ),
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -1,6 +1,8 @@
 //! Evaluation of all contacts of a scene at one state.
 
 use super::condensed::Condensed;
+use super::nodal::Nodal;
+use super::nodal_tangent::Reduced;
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Tooth};
@@ -64,6 +66,10 @@ pub(super) struct Workspace {
     pub solve: CompliantSolve,
     pub failed: bool,
     pub condensed: Condensed,
+    /// Contacts of gears with fields.
+    pub nodal: Nodal,
+    /// Their tangent.
+    pub reduced: Reduced,
     /// Newton correction: rows V, columns Z, small matrix, small vector.
     pub v: Vec<f64>,
     pub z: Vec<f64>,
@@ -119,6 +125,10 @@ impl Scene {
     /// Fills `work.active` and its rows with the contacts at a state.
     #[inline]
     pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
+        if self.fields {
+            self.evaluate_with_fields(at);
+            return;
+        }
         if self.compliant {
             self.evaluate_compliant(at);
             return;
@@ -135,7 +145,7 @@ impl Scene {
 
     /// Appends the contacts of a mesh.
     #[inline(never)]
-    fn evaluate_mesh(&mut self, at: At<'_>, m: usize, located: bool) {
+    pub(super) fn evaluate_mesh(&mut self, at: At<'_>, m: usize, located: bool) {
         let Scene {
             gears,
             meshes,
@@ -315,6 +325,9 @@ impl Scene {
                 rows[1].add_to(c.friction.f, f);
             }
         }
+        if self.fields {
+            self.work.nodal.add_forces(&self.gears, f);
+        }
     }
 
     /// Derivative of the normal forces in a direction, one per active contact, into `work.rhs`.
@@ -340,6 +353,20 @@ impl Scene {
     /// Contact forces at a state, for pictures and reports.
     pub fn contact_forces(&mut self, at: At<'_>) -> Vec<ContactForce> {
         self.evaluate_contacts(at);
+        let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
+        let nodal = nodal.map(|a| {
+            let p = &a.point;
+            let normal = a.direction / a.direction.norm();
+            ContactForce {
+                mesh: p.mesh,
+                teeth: p.points.map(|x| x.tooth),
+                side: if p.slot == 0 { Side::Left } else { Side::Right },
+                x: p.points[0].x,
+                force: if p.slave == 0 { -a.force.n } else { a.force.n } * normal,
+                normal_force: a.force.n,
+                gap: a.gap,
+            }
+        });
         self.work
             .active
             .iter()
@@ -358,6 +385,7 @@ impl Scene {
                     gap: c.gap,
                 }
             })
+            .chain(nodal)
             .collect()
     }
 }

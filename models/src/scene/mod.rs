@@ -15,6 +15,8 @@ pub mod spec;
 
 mod condensed;
 mod contacts;
+mod nodal;
+mod nodal_tangent;
 mod outputs;
 mod points;
 mod system;
@@ -93,6 +95,8 @@ pub struct SceneMesh {
     pub law: Law,
     /// Sliding friction.
     pub friction: Option<Friction>,
+    /// One of its gears has a displacement field.
+    nodal: bool,
     /// Offset of its memory, and of its guards.
     memory: usize,
     guards: usize,
@@ -141,6 +145,8 @@ pub struct Scene {
     memory: usize,
     guards: usize,
     compliant: bool,
+    /// A gear has a displacement field.
+    fields: bool,
     /// A gear asks for the condensed Newton correction.
     condenses: bool,
     /// All searches have guards; else forces are clipped and nothing is located.

@@ -111,11 +111,70 @@ impl Scene {
                     a.force.n * c.scale[k] * lever + a.friction.f * along;
             }
         }
+        if self.fields {
+            self.add_nodal_output(at, out, &mut energy, &mut power);
+        }
         for m in 0..self.meshes.len() {
             let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
             of_mesh[0] = of_mesh[1].hypot(of_mesh[2]);
         }
         out.energy = energy;
         out.power = power;
+    }
+
+    /// What contacts of gears with fields add. Energy of the residual compliance counts as that of contact; a load
+    /// that changes works on the turn of the hub that it carries.
+    fn add_nodal_output(
+        &self,
+        at: At<'_>,
+        out: &mut Outputs,
+        energy: &mut Energy,
+        power: &mut Power,
+    ) {
+        let nodal = &self.work.nodal;
+        let per_gear = PER_MESH * self.meshes.len();
+        for solved in &nodal.solved {
+            if !solved.points.is_empty() {
+                energy.contact += solved.solve.energy();
+            }
+        }
+        for a in &nodal.active {
+            let (p, mesh) = (&a.point, &self.meshes[a.point.mesh]);
+            energy.contact += mesh.law.potential(a.elastic.0, p.stiffness);
+            power.dissipated -= (a.force.n - a.elastic.1) * a.rate;
+            if a.force.n == 0.0 {
+                continue;
+            }
+            power.external -= a.force.n * self.nodal_drift(a, at);
+            let on_slave = a.force.n * a.direction;
+            let on_second = if p.slave == 0 { -on_slave } else { on_slave };
+            let of_mesh = &mut out.channels[PER_MESH * p.mesh..][..PER_MESH];
+            of_mesh[1] += on_second.x;
+            of_mesh[2] += on_second.y;
+            of_mesh[3] = of_mesh[3].min(a.force.n);
+            for (k, &i) in mesh.gears.iter().enumerate() {
+                let force = if k == p.slave { on_slave } else { -on_slave };
+                let lever = self.gears[i]
+                    .model
+                    .hub()
+                    .lever(&p.points[p.slave].x, &force);
+                out.channels[per_gear + 4 * i + 3] += lever;
+            }
+        }
+        for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {
+            let Some(field) = g.model.field() else {
+                continue;
+            };
+            let mut pressed = 0.0;
+            for (&node, force) in nodes.nodes.iter().zip(&nodes.force) {
+                let mut r = [0.0];
+                field.hub_compliance(&[node], &mut r);
+                pressed += r[0] * force;
+            }
+            out.channels[per_gear + 4 * i + 2] += field.hub_give() * nodes.load - pressed;
+            if g.model.hub().coordinates() > 0 {
+                power.external += pressed * g.applied_rate(at.t);
+            }
+        }
     }
 }

@@ -103,6 +103,9 @@ impl SecondOrderSystem for Scene {
         self.evaluate_contacts(at);
         let n = self.n;
         self.correct_gears(at, c, rhs_to_x)?;
+        if self.fields {
+            return self.correct_nodal(at, c, rhs_to_x);
+        }
         let m = self.work.active.len();
         if m == 0 {
             return Ok(());
@@ -226,6 +229,9 @@ impl SecondOrderSystem for Scene {
                 rows[1].add_to(dforce - ds * a.friction.f, df);
                 rows[2].add_to(ds * a.friction.f, df);
             }
+        }
+        if self.fields {
+            self.add_nodal_tangent([dq, dv], df);
         }
     }
 

@@ -8,6 +8,7 @@ mod friction;
 mod kinematics;
 mod mounts;
 mod movable_teeth;
+mod nodal;
 mod refusals;
 mod rows;
 mod statics;

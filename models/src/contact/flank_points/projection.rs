@@ -26,6 +26,17 @@ pub(super) struct Hit {
     pub normal: Vec3,
     /// Distance along it [m], positive outside.
     pub gap: f64,
+    /// On an edge between faces, where the place moves in one direction only.
+    pub edge: Option<Edge>,
+}
+
+/// Along which lines of the grid an edge between faces runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Edge {
+    /// Between two rows, over the width.
+    Across,
+    /// Between two columns, along the profile.
+    Along,
 }
 
 /// A flank in the deformed state.
@@ -106,6 +117,27 @@ impl Deformed<'_> {
             x: spot.x,
             normal,
             gap: normal.dot(&(x - spot.x)),
+            edge: None,
+        }
+    }
+
+    /// How the place of the closest point answers to a displacement of `x` against the flank [1/m].
+    pub fn answer(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
+        let spot = (self.face(hit.row, hit.column)).eval(self.shape, hit.a, hit.b);
+        let r = x - spot.x;
+        let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);
+        let ab = spot.along.dot(&spot.across) - spot.bend[1].dot(&r);
+        let bb = spot.across.dot(&spot.across) - spot.bend[2].dot(&r);
+        match hit.edge {
+            None => {
+                let det = aa * bb - ab * ab;
+                [
+                    (bb * spot.along - ab * spot.across) / det,
+                    (aa * spot.across - ab * spot.along) / det,
+                ]
+            }
+            Some(Edge::Along) => [spot.along / aa, Vec3::zeros()],
+            Some(Edge::Across) => [Vec3::zeros(), spot.across / bb],
         }
     }
 
@@ -147,6 +179,7 @@ impl Deformed<'_> {
             x: spot.x,
             normal,
             gap: normal.dot(&r),
+            edge: Some(if turned { Edge::Along } else { Edge::Across }),
             ..hit
         }
     }

@@ -1,5 +1,6 @@
 //! The point search: candidates of a mesh at a state.
 
+use super::Flanks;
 use super::flanked::{Flanked, Near, Owner};
 use super::projection::{Begin, Deformed, Hit};
 use super::settings::{Passes, PointContact};
@@ -7,7 +8,9 @@ use super::surface::{FlankPoint, Rule, Shape};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
 use crate::contact::lines_of_action::MeshGeometry;
+use crate::contact::nodal::{GearNodes, NodalParty, NodalPoint, UNUSED, weighted};
 use crate::contact::search::{ContactSearch, Party, SearchWork, Wanted, ZoneChange};
+use crate::gear::elastic::NormalField;
 use crate::gear::placement::Pose;
 use crate::geometry::Side;
 use std::cell::RefCell;
@@ -58,6 +61,20 @@ struct Scratch {
     /// Clearance of each node of a flank [m].
     heights: Vec<f64>,
     work: SearchWork,
+}
+
+/// A point of gear `k`, the slave, that is projected on the other gear, the master.
+pub(super) struct Found<'a> {
+    pub k: usize,
+    /// Slave and master.
+    pub flanks: [&'a Deformed<'a>; 2],
+    active: [&'a Active; 2],
+    /// With the part of its area that is on the master.
+    pub point: FlankPoint,
+    pub x: Vec3,
+    pub hit: Hit,
+    /// `A' / A` of that area by the place along the master's face.
+    pub fading: f64,
 }
 
 impl FlankPoints {
@@ -223,15 +240,14 @@ impl FlankPoints {
         &self,
         k: usize,
         pair: [usize; 2],
-        parties: [&Party<'_>; 2],
         (scratch, heights, work): (&Scratch, &mut Vec<f64>, &mut SearchWork),
         limit: f64,
-        out: &mut Vec<Candidate>,
+        mut found: impl FnMut(&Found<'_>),
     ) {
         let m = 1 - k;
         let slave = self.deformed(k, scratch, pair[k]);
         let master = self.deformed(m, scratch, pair[m]);
-        let (s_active, m_active) = (&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]);
+        let active = [&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]];
         heights.clear();
         heights.extend(slave.x.iter().map(|x| self.clearance(m, &master, x).1));
         let columns = slave.shape.columns;
@@ -263,23 +279,29 @@ impl FlankPoints {
                 return;
             }
             // The part of its length that is on the flank: points leave over the tip without a jump.
-            let on = if hit.row + 2 == master.shape.rows {
-                (0.5 + 0.5 * (1.0 - hit.a) / past).clamp(0.0, 1.0)
+            let (on, slope) = if hit.row + 2 == master.shape.rows {
+                let on = 0.5 + 0.5 * (1.0 - hit.a) / past;
+                let fades = (0.0..=1.0).contains(&on);
+                (on.clamp(0.0, 1.0), if fades { -0.5 / past } else { 0.0 })
             } else {
-                1.0
+                (1.0, 0.0)
             };
-            let p = FlankPoint {
+            if on == 0.0 {
+                return;
+            }
+            let point = FlankPoint {
                 area: on * p.area,
                 ..p
             };
-            out.push(self.candidate(
+            found(&Found {
                 k,
-                [&slave, &master],
-                [s_active, m_active],
-                (&p, x),
-                &hit,
-                parties,
-            ));
+                flanks: [&slave, &master],
+                active,
+                point,
+                x,
+                hit,
+                fading: slope / on,
+            });
         });
     }
 
@@ -303,23 +325,25 @@ impl FlankPoints {
         (begin, over - master.shape.stray[row])
     }
 
+    /// The points on both gears.
     #[inline]
-    fn candidate(
-        &self,
-        k: usize,
-        [slave, master]: [&Deformed<'_>; 2],
-        [s_active, m_active]: [&Active; 2],
-        (p, x): (&FlankPoint, Vec3),
-        hit: &Hit,
-        parties: [&Party<'_>; 2],
-    ) -> Candidate {
+    fn points(&self, found: &Found<'_>) -> [Point; 2] {
+        let Found {
+            k,
+            flanks: [slave, master],
+            active: [s_active, m_active],
+            point: p,
+            x,
+            hit,
+            ..
+        } = found;
         let number = |shape: &Shape, row, column| shape.face_number(row, column);
         let of_slave = self.point(
-            k,
+            *k,
             s_active,
             number(slave.shape, p.row, p.column),
             [p.a, p.b],
-            x,
+            *x,
         );
         let of_master = self.point(
             1 - k,
@@ -328,13 +352,26 @@ impl FlankPoints {
             [hit.a, hit.b],
             hit.x,
         );
+        if *k == 0 {
+            [of_slave, of_master]
+        } else {
+            [of_master, of_slave]
+        }
+    }
+
+    #[inline]
+    fn candidate(&self, found: &Found<'_>, parties: [&Party<'_>; 2]) -> Candidate {
+        let Found {
+            k,
+            flanks: [slave, _],
+            point: p,
+            hit,
+            ..
+        } = found;
         // The flank's normal points from the master to the slave, the candidate's from the first gear to
         // the second.
-        let (points, normal) = if k == 0 {
-            ([of_slave, of_master], -hit.normal)
-        } else {
-            ([of_master, of_slave], hit.normal)
-        };
+        let points = self.points(found);
+        let normal = if *k == 0 { -hit.normal } else { hit.normal };
         let [a, b] = parties;
         let gap_t =
             b.gear.drift(b.at, &points[1], &normal) - a.gear.drift(a.at, &points[0], &normal);
@@ -345,10 +382,86 @@ impl FlankPoints {
             scale: [1.0, 1.0],
             gap: hit.gap,
             gap_t,
-            stiffness: self.penalty[k] * p.area,
+            stiffness: self.penalty[*k] * p.area,
             stiffness_s: 0.0,
             s: 0.0,
+            share: p.area * self.penalty[*k] / (self.penalty[0] + self.penalty[1]),
+        }
+    }
+}
+
+impl FlankPoints {
+    /// Calls `found` for all points with a gap up to `limit`.
+    fn each_point(&self, parties: [&Party<'_>; 2], limit: f64, mut found: impl FnMut(&Found<'_>)) {
+        let mut scratch = self.scratch.borrow_mut();
+        self.find_pairs(parties, &mut scratch);
+        let mut work = SearchWork {
+            pairs: scratch.pairs.len(),
+            flanks: scratch.active.iter().map(Vec::len).sum(),
+            nodes: scratch.positions.iter().map(Vec::len).sum(),
+            ..SearchWork::default()
+        };
+        let mut heights = std::mem::take(&mut scratch.heights);
+        for pair in &scratch.pairs {
+            for k in 0..2 {
+                if self.penalty[k] > 0.0 {
+                    let buffers = (&*scratch, &mut heights, &mut work);
+                    self.hold_points(k, *pair, buffers, limit, &mut found);
+                }
+            }
+        }
+        scratch.heights = heights;
+        scratch.work = work;
+    }
+
+    /// A point with the nodes that it lies on, on gears with a field.
+    fn nodal_point(
+        &self,
+        found: &Found<'_>,
+        parties: &[Party<'_>; 2],
+        nodes: &mut [(Option<&dyn NormalField>, &mut GearNodes); 2],
+    ) -> NodalPoint {
+        let Found {
+            k,
+            flanks: [slave, master],
+            point: p,
+            x,
+            hit,
+            fading,
+            ..
+        } = found;
+        let (k, m) = (*k, 1 - k);
+        let (mut slots, mut weights) = ([[UNUSED; 4]; 2], [[0.0; 4]; 2]);
+        let mut gap0 = hit.gap;
+        let places = [
+            (k, slave.shape, p.row, p.column, [p.a, p.b]),
+            (m, master.shape, hit.row, hit.column, [hit.a, hit.b]),
+        ];
+        for (gear, shape, row, column, [a, b]) in places {
+            let (field, nodes) = &mut nodes[gear];
+            if let Some(field) = field {
+                let corners = shape.corners(row, column);
+                weights[gear] = Flanks::weights([2.0 * a - 1.0, 2.0 * b - 1.0]);
+                slots[gear] = nodes.meet(*field, parties[gear].at, &corners);
+                let a = GearNodes::at(&nodes.displacement, &slots[gear]);
+                gap0 -= weighted(&weights[gear], &a);
+            }
+        }
+        NodalPoint {
+            mesh: 0,
+            slot: usize::from(slave.shape.side == Side::Right),
+            slave: k,
+            points: self.points(found),
+            normal: hit.normal,
+            answer: master.answer(x, hit),
+            place: [hit.a, hit.b],
+            slots,
+            weights,
+            rigid_gap: hit.gap,
+            gap0,
+            stiffness: self.penalty[k] * p.area,
             share: p.area * self.penalty[k] / (self.penalty[0] + self.penalty[1]),
+            fading: *fading,
         }
     }
 }
@@ -386,25 +499,19 @@ impl ContactSearch for FlankPoints {
             Wanted::Touching(gap) => gap.min(self.reach),
         };
         let parties = [&a, &b];
-        let mut scratch = self.scratch.borrow_mut();
-        self.find_pairs(parties, &mut scratch);
-        let mut work = SearchWork {
-            pairs: scratch.pairs.len(),
-            flanks: scratch.active.iter().map(Vec::len).sum(),
-            nodes: scratch.positions.iter().map(Vec::len).sum(),
-            ..SearchWork::default()
-        };
-        let mut heights = std::mem::take(&mut scratch.heights);
-        for pair in &scratch.pairs {
-            for k in 0..2 {
-                if self.penalty[k] > 0.0 {
-                    let buffers = (&*scratch, &mut heights, &mut work);
-                    self.hold_points(k, *pair, parties, buffers, limit, out);
-                }
-            }
-        }
-        scratch.heights = heights;
-        scratch.work = work;
+        self.each_point(parties, limit, |found| {
+            out.push(self.candidate(found, parties));
+        });
+    }
+
+    fn nodal_points(&self, sides: [NodalParty<'_>; 2], out: &mut Vec<NodalPoint>) {
+        let [a, b] = sides;
+        let limit = (a.nodes.bound + b.nodes.bound).min(self.reach);
+        let parties = [a.party, b.party];
+        let mut nodes = [(a.field, a.nodes), (b.field, b.nodes)];
+        self.each_point(parties.each_ref(), limit, |found| {
+            out.push(self.nodal_point(found, &parties, &mut nodes));
+        });
     }
 
     fn gaps(&self, _a: Party<'_>, _b: Party<'_>, _memory: &[f64], _out: &mut [f64]) {}

@@ -273,6 +273,19 @@ impl Shape {
         self.first_face + (row * (self.columns - 1) + column) as u32
     }
 
+    /// The gear's node numbers at the corners of a face, as in [`Flanks::corners`].
+    #[inline]
+    pub fn corners(&self, row: usize, column: usize) -> [u32; 4] {
+        let i = row * self.columns + column;
+        let n = self.columns;
+        [
+            self.nodes[i],
+            self.nodes[i + n],
+            self.nodes[i + n + 1],
+            self.nodes[i + 1],
+        ]
+    }
+
     /// A face in the deformed state: `x` the positions of the flank's nodes, `pose` the gear's frame.
     #[inline]
     pub fn face<'a>(&self, x: &[Vec3], pose: &'a Pose, row: usize, column: usize) -> Face<'a> {

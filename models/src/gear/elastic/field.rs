@@ -23,6 +23,12 @@ pub trait NormalField {
     /// Displacement `r_k` by unit load on the hub.
     fn hub_compliance(&self, nodes: &[u32], out: &mut [f64]);
 
+    /// Largest displacement of a flank node by unit load on the hub.
+    fn largest_hub_compliance(&self) -> f64;
+
+    /// Turn (travel) of the hub by unit load on it that the residual compliance carries.
+    fn hub_give(&self) -> f64;
+
     /// A bound of `|B q|` at any flank node [m]: `sqrt(c) sqrt(2 U)` with the largest modal compliance `c` of a node
     /// and the strain energy `U` (Cauchy and Schwarz).
     fn bound(&self, at: At<'_>) -> f64;

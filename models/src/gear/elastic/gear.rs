@@ -30,6 +30,8 @@ pub struct Elastic {
     largest: Vec<f64>,
     /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
     softest: f64,
+    /// Largest residual displacement of a flank node by unit load on the hub.
+    hub_reach: f64,
 }
 
 impl Elastic {
@@ -79,6 +81,9 @@ impl Elastic {
             }
             softest = softest.max(compliance);
         }
+        let hub_reach = data.residual.as_ref().map_or(0.0, |r| {
+            r.hub.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+        });
         let mut positions = vec![Vec3::zeros(); data.nodes()];
         for grid in data.flanks.grids() {
             for (&node, x) in grid.nodes.iter().zip(&grid.positions) {
@@ -96,6 +101,7 @@ impl Elastic {
             data,
             largest,
             softest,
+            hub_reach,
         })
     }
 
@@ -166,12 +172,7 @@ impl NormalField for Elastic {
             out.fill(0.0);
             return;
         };
-        let all = self.data.nodes();
-        for (row, &i) in out.chunks_exact_mut(nodes.len()).zip(nodes) {
-            for (c, &j) in row.iter_mut().zip(nodes) {
-                *c = r.flanks.between(i, j, all);
-            }
-        }
+        r.flanks.gather(nodes, self.data.nodes(), out);
     }
 
     fn hub_compliance(&self, nodes: &[u32], out: &mut [f64]) {
@@ -182,6 +183,14 @@ impl NormalField for Elastic {
                 .as_ref()
                 .map_or(0.0, |r| r.hub[node as usize]);
         }
+    }
+
+    fn largest_hub_compliance(&self) -> f64 {
+        self.hub_reach
+    }
+
+    fn hub_give(&self) -> f64 {
+        self.data.residual.as_ref().map_or(0.0, |r| r.hub_hub)
     }
 
     fn bound(&self, at: At<'_>) -> f64 {

@@ -87,6 +87,44 @@ impl FlankCompliance {
     }
 }
 
+impl FlankCompliance {
+    /// Compliances between all of `nodes`, row-major into `out`; `all` is the number of flank nodes.
+    pub fn gather(&self, nodes: &[u32], all: usize, out: &mut [f64]) {
+        let rows = out.chunks_exact_mut(nodes.len().max(1)).zip(nodes);
+        match self {
+            FlankCompliance::Full(c) => {
+                for (row, &i) in rows {
+                    let of_node = &c[i as usize * all..][..all];
+                    for (x, &j) in row.iter_mut().zip(nodes) {
+                        *x = of_node[j as usize];
+                    }
+                }
+            }
+            FlankCompliance::Cyclic {
+                teeth,
+                per_tooth: m,
+                blocks,
+            } => {
+                for (row, &i) in rows {
+                    let (tooth, place) = (i as usize / m, i as usize % m);
+                    // Nodes come tooth by tooth: the block changes seldom.
+                    let (mut first, mut line) = (usize::MAX, &blocks[..0]);
+                    for (x, &j) in row.iter_mut().zip(nodes) {
+                        let j = j as usize;
+                        if !(first..first.saturating_add(*m)).contains(&j) {
+                            let of_j = j / m;
+                            first = of_j * m;
+                            let apart = (tooth + teeth - of_j) % teeth;
+                            line = &blocks[(apart * m + place) * m..][..*m];
+                        }
+                        *x = line[j - first];
+                    }
+                }
+            }
+        }
+    }
+}
+
 impl Reduced {
     /// Number of flank nodes.
     #[must_use]

@@ -1,0 +1,122 @@
+//! The nodes of a gear that take part in contact at a state.
+
+use super::UNUSED;
+use crate::gear::elastic::NormalField;
+use gearbench_integrators::system::At;
+
+/// Flank nodes of a gear near contact, with what is known of them. Buffers grow and stay.
+#[derive(Clone, Debug, Default)]
+pub struct GearNodes {
+    /// The gear's node numbers, in the order in which they were met.
+    pub nodes: Vec<u32>,
+    /// Outward displacement before residual compliance, `B q + r T` [m].
+    pub displacement: Vec<f64>,
+    /// Residual displacement `u` [m].
+    pub residual: Vec<f64>,
+    /// Force into the tooth [N].
+    pub force: Vec<f64>,
+    /// Index in the solve; [`UNUSED`] for nodes that no solved point lies on.
+    pub index: Vec<u32>,
+    /// Load `T` on the hub [N m] or [N].
+    pub load: f64,
+    /// A bound of the displacements before residual compliance [m].
+    pub bound: f64,
+    /// Slot of each of the gear's flank nodes, valid where its stamp is the present one.
+    slots: Vec<(u32, u32)>,
+    stamp: u32,
+    /// Residual displacements of the last evaluation by flank node: where an active set begins.
+    last: Vec<f64>,
+}
+
+impl GearNodes {
+    /// Begins an evaluation with a load on the hub.
+    pub fn begin(&mut self, field: &dyn NormalField, at: At<'_>, load: f64) {
+        for (&node, &u) in self.nodes.iter().zip(&self.residual) {
+            self.last[node as usize] = u;
+        }
+        self.nodes.clear();
+        self.displacement.clear();
+        self.residual.clear();
+        self.force.clear();
+        self.index.clear();
+        self.load = load;
+        self.bound = field.bound(at) + (field.largest_hub_compliance() * load).abs();
+        self.stamp = self.stamp.wrapping_add(1);
+        if self.stamp == 0 {
+            self.slots.fill((0, 0));
+            self.stamp = 1;
+        }
+    }
+
+    /// Slots of nodes; their displacements are found when they are met for the first time.
+    pub fn meet<const N: usize>(
+        &mut self,
+        field: &dyn NormalField,
+        at: At<'_>,
+        nodes: &[u32; N],
+    ) -> [u32; N] {
+        nodes.map(|node| self.slot(field, at, node))
+    }
+
+    fn slot(&mut self, field: &dyn NormalField, at: At<'_>, node: u32) -> u32 {
+        let i = node as usize;
+        if i >= self.slots.len() {
+            self.slots.resize(i + 1, (0, 0));
+            self.last.resize(i + 1, 0.0);
+        }
+        let (stamp, slot) = self.slots[i];
+        if stamp == self.stamp {
+            return slot;
+        }
+        let slot = self.nodes.len() as u32;
+        self.slots[i] = (self.stamp, slot);
+        let mut a = [0.0];
+        field.displacements(at.q, &[node], &mut a);
+        if self.load != 0.0 {
+            let mut r = [0.0];
+            field.hub_compliance(&[node], &mut r);
+            a[0] += r[0] * self.load;
+        }
+        self.nodes.push(node);
+        self.displacement.push(a[0]);
+        self.residual.push(0.0);
+        self.force.push(0.0);
+        self.index.push(UNUSED);
+        slot
+    }
+
+    /// Values at slots; zeros for those of a gear without a field.
+    #[inline]
+    #[must_use]
+    pub fn at(values: &[f64], slots: &[u32; 4]) -> [f64; 4] {
+        if slots[0] == UNUSED {
+            return [0.0; 4];
+        }
+        slots.map(|s| values[s as usize])
+    }
+
+    /// Total displacement at slots [m].
+    #[inline]
+    #[must_use]
+    pub fn total(&self, slots: &[u32; 4]) -> [f64; 4] {
+        let (a, u) = (
+            Self::at(&self.displacement, slots),
+            Self::at(&self.residual, slots),
+        );
+        [a[0] + u[0], a[1] + u[1], a[2] + u[2], a[3] + u[3]]
+    }
+
+    /// Residual displacement of the node at a slot in the last evaluation [m].
+    #[inline]
+    #[must_use]
+    pub fn before(&self, slot: u32) -> f64 {
+        self.last[self.nodes[slot as usize] as usize]
+    }
+}
+
+/// `w . a`.
+#[inline]
+#[must_use]
+pub fn weighted(w: &[f64; 4], a: &[f64; 4]) -> f64 {
+    w[0] * a[0] + w[1] * a[1] + w[2] * a[2] + w[3] * a[3]
+}

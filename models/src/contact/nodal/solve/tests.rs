@@ -1,0 +1,203 @@
+use super::*;
+use crate::contact::law::Damping;
+use crate::contact::solve::{CompliantSolve, SolvePoint};
+
+/// Numbers in [-1, 1), always the same.
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut x = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        x ^= x >> 12;
+        x ^= x << 25;
+        x ^= x >> 27;
+        (x.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Two gears with `n` nodes each, `m` points between them, compliance of `rank` per gear.
+fn problem(n: usize, m: usize, rank: usize, law: Law) -> (Vec<Block>, Vec<f64>, Vec<Spring>) {
+    let mut draw = numbers((n * m + rank) as u64);
+    let mut compliance = Vec::new();
+    for _ in 0..2 {
+        let root: Vec<f64> = (0..n * rank).map(|_| 4e-5 * draw()).collect();
+        for i in 0..n {
+            for j in 0..n {
+                let product = (0..rank).map(|k| root[i * rank + k] * root[j * rank + k]);
+                compliance.push(product.sum::<f64>());
+            }
+        }
+    }
+    let blocks = [0, n].map(|start| Block { start, len: n });
+    let springs = (0..m).map(|p| {
+        let mut nodes = [0; 8];
+        let mut weights = [0.0; 8];
+        for c in 0..4 {
+            (nodes[c], weights[c]) = (((p + c) % n) as u32, 0.5 + 0.4 * draw());
+            (nodes[4 + c], weights[4 + c]) = ((n + (p * p + c) % n) as u32, 0.5 + 0.4 * draw());
+        }
+        Spring {
+            nodes,
+            weights,
+            gap0: 1e-5 * (draw() - 0.5),
+            rate: 0.3 * draw(),
+            stiffness: 1e8 * (1.5 + draw()),
+            law,
+            gap: 0.0,
+            force: LawForce::default(),
+            elastic: (0.0, 0.0),
+        }
+    });
+    (blocks.to_vec(), compliance, springs.collect())
+}
+
+/// `u = -R W^T N` and the law hold at the solution.
+fn residual(blocks: &[Block], r: &[f64], springs: &[Spring], u: &[f64]) -> f64 {
+    let n = u.len();
+    let mut f = vec![0.0; n];
+    for s in springs {
+        s.add(s.force.n, &mut f);
+    }
+    let (mut worst, mut largest, mut begin) = (0.0_f64, 0.0_f64, 0);
+    for b in blocks {
+        for i in 0..b.len {
+            let row = &r[begin + i * b.len..][..b.len];
+            let way: f64 = row.iter().zip(&f[b.start..]).map(|(r, f)| r * f).sum();
+            worst = worst.max((u[b.start + i] + way).abs());
+            largest = largest.max(way.abs());
+        }
+        begin += b.len * b.len;
+    }
+    worst / largest.max(f64::MIN_POSITIVE)
+}
+
+#[test]
+fn the_linear_law_agrees_with_the_solve_on_points() {
+    for (n, m, rank) in [(6, 5, 6), (8, 20, 8), (8, 30, 3), (1, 2, 1)] {
+        let (blocks, r, mut springs) = problem(n, m, rank, Law::elastic());
+        let mut solve = NodalSolve::default();
+        solve.set_nodes(&blocks, &r);
+        let u = solve
+            .solve(&mut springs, &vec![0.0; 2 * n])
+            .unwrap()
+            .to_vec();
+        assert!(residual(&blocks, &r, &springs, &u) < 1e-9);
+        for s in &springs {
+            let want = s.stiffness * (-s.gap).max(0.0);
+            assert!((s.force.n - want).abs() <= 1e-12 * want);
+            assert!((s.gap - (s.gap0 - s.along(&u))).abs() < 1e-17);
+        }
+        assert!(springs.iter().any(|s| s.force.n > 0.0));
+        if m > 10 {
+            continue;
+        }
+        // C between points, and the solve there.
+        let mut c = vec![0.0; m * m];
+        for i in 0..m {
+            for j in 0..m {
+                for (x, &k) in springs[i].weights.iter().zip(&springs[i].nodes) {
+                    for (y, &l) in springs[j].weights.iter().zip(&springs[j].nodes) {
+                        let (k, l) = (k as usize, l as usize);
+                        if k / n == l / n {
+                            c[i * m + j] += x * y * r[(k / n) * n * n + (k % n) * n + l % n];
+                        }
+                    }
+                }
+            }
+        }
+        let mut points: Vec<SolvePoint> = (springs.iter())
+            .map(|s| SolvePoint {
+                gap0: s.gap0,
+                stiffness: s.stiffness,
+                ..SolvePoint::default()
+            })
+            .collect();
+        CompliantSolve::default().solve(&c, &mut points).unwrap();
+        let largest = points.iter().fold(0.0_f64, |m, p| m.max(p.force.n));
+        for (s, p) in springs.iter().zip(&points) {
+            assert!((s.force.n - p.force.n).abs() < 1e-8 * largest, "{n} {m}");
+        }
+    }
+}
+
+#[test]
+fn where_it_begins_does_not_show() {
+    for (n, m) in [(6, 12), (12, 50)] {
+        let (blocks, r, springs) = problem(n, m, n, Law::elastic());
+        let run = |guess: &[f64]| {
+            let mut solve = NodalSolve::default();
+            solve.set_nodes(&blocks, &r);
+            let mut springs = springs.clone();
+            let u = solve.solve(&mut springs, guess).unwrap().to_vec();
+            let forces: Vec<f64> = springs.iter().map(|s| s.force.n).collect();
+            (u, forces)
+        };
+        let cold = run(&vec![0.0; 2 * n]);
+        let mut draw = numbers(3);
+        for _ in 0..20 {
+            let guess: Vec<f64> = (0..2 * n).map(|_| 1e-5 * draw()).collect();
+            assert_eq!(cold, run(&guess));
+        }
+    }
+}
+
+#[test]
+fn other_exponents_and_dampers_hold_their_law() {
+    let damped = Damping::KelvinVoigt { c: 50.0 };
+    for (exponent, damping) in [(1.5, Damping::None), (1.0, damped), (1.2, damped)] {
+        let law = Law::new(exponent, damping).unwrap();
+        let (blocks, r, mut springs) = problem(8, 25, 8, law);
+        for s in &mut springs {
+            // Forces of the same size for all exponents.
+            s.stiffness *= (1e-5_f64).powf(1.0 - exponent);
+        }
+        let mut solve = NodalSolve::default();
+        solve.set_nodes(&blocks, &r);
+        let u = solve.solve(&mut springs, &[0.0; 16]).unwrap().to_vec();
+        assert!(residual(&blocks, &r, &springs, &u) < 1e-9, "{exponent}");
+        let mut closed = 0;
+        for s in &springs {
+            assert!((s.gap - (s.gap0 - s.along(&u))).abs() < 1e-15);
+            let pushes = law.smooth(s.gap, s.rate, 0.0, s.stiffness).n;
+            let want = if s.elastic.0 < 0.0 {
+                pushes.max(0.0)
+            } else {
+                0.0
+            };
+            assert!((s.force.n - want).abs() <= 1e-9 * want, "{exponent}");
+            closed += usize::from(s.force.n > 0.0);
+        }
+        assert!(closed > 5, "{closed}");
+    }
+}
+
+/// The derivative of the forces by the gaps before residual compliance, by differences.
+#[test]
+fn points_give_way_as_differences_say() {
+    let (blocks, r, springs) = problem(8, 20, 8, Law::new(1.5, Damping::None).unwrap());
+    let mut springs: Vec<Spring> = springs;
+    springs.iter_mut().for_each(|s| s.stiffness *= 300.0);
+    let run = |gaps: &dyn Fn(usize) -> f64| {
+        let mut solve = NodalSolve::default();
+        solve.set_nodes(&blocks, &r);
+        let mut moved = springs.clone();
+        (moved.iter_mut().enumerate()).for_each(|(i, s)| s.gap0 += gaps(i));
+        solve.solve(&mut moved, &[0.0; 16]).unwrap();
+        (solve, moved)
+    };
+    let direction = |i: usize| ((i * i) as f64).sin();
+    let h = 1e-10;
+    let (_, above) = run(&|i| h * direction(i));
+    let (_, below) = run(&|i| -h * direction(i));
+    let (mut solve, here) = run(&|_| 0.0);
+    solve.linearise(&here).unwrap();
+    let mut z = vec![0.0; solve.nodes()];
+    for (i, s) in here.iter().enumerate() {
+        s.add(s.force.dn_dg * direction(i), &mut z);
+    }
+    solve.give_way(&mut z);
+    let largest = here.iter().fold(0.0_f64, |m, s| m.max(s.force.dn_dg.abs()));
+    for (i, s) in here.iter().enumerate() {
+        let dn = s.force.dn_dg * (direction(i) + s.along(&z));
+        let slope = (above[i].force.n - below[i].force.n) / (2.0 * h);
+        assert!((dn - slope).abs() < 1e-4 * largest, "{dn:e} {slope:e}");
+    }
+}

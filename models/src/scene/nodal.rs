@@ -1,0 +1,461 @@
+//! Contacts of gears with displacement fields at a state: points, one solve per island, forces on nodes and hubs.
+//!
+//! An island holds the meshes that residual compliance couples: an idler that has some joins both of its meshes.
+
+use super::{Scene, SceneGear, SceneMesh, parties};
+use crate::Vec3;
+use crate::contact::law::LawForce;
+use crate::contact::nodal::{
+    Block, GearNodes, NodalParty, NodalPoint, NodalSolve, Spring, UNUSED, weighted,
+};
+use crate::contact::row::Row;
+use crate::load::Load;
+use gearbench_integrators::system::At;
+
+/// Points are looked at beyond those that touch without residual compliance up to this part of the deepest overlap:
+/// between loaded nodes the residual displacement may rise outwards.
+const BESIDE: f64 = 0.125;
+
+/// A point that carries (or may carry) a force.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodalActive {
+    pub point: NodalPoint,
+    /// Direction of the force on the slave; not quite of unit length.
+    pub direction: Vec3,
+    /// `dg/dtheta` for the hubs of gears with a field, free or not.
+    pub levers: [f64; 2],
+    /// Gap with residual compliance [m].
+    pub gap: f64,
+    /// Rate of the gap before it [m/s]; 0 where no damper asks.
+    pub rate: f64,
+    pub force: LawForce,
+    /// Gap [m] and force [N] of the elastic law alone.
+    pub elastic: (f64, f64),
+}
+
+/// Meshes that are solved together, and their gears with residual compliance.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Island {
+    pub meshes: Vec<usize>,
+    pub compliant: Vec<usize>,
+}
+
+/// What an island left behind for its tangent.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Solved {
+    /// Range of its points.
+    pub points: std::ops::Range<usize>,
+    pub solve: NodalSolve,
+    pub springs: Vec<Spring>,
+    pub blocks: Vec<Block>,
+}
+
+/// Buffers; they grow and stay.
+#[derive(Default)]
+pub(super) struct Nodal {
+    pub islands: Vec<Island>,
+    /// One per gear of the scene.
+    pub gears: Vec<GearNodes>,
+    /// Torque (force along the slide) of the points at hubs of gears with a field.
+    pub torque: Vec<f64>,
+    pub active: Vec<NodalActive>,
+    /// One per active point: entries of gears without a field.
+    pub rows: Vec<Row>,
+    /// One per island.
+    pub solved: Vec<Solved>,
+    found: Vec<NodalPoint>,
+    compliance: Vec<f64>,
+    numbers: Vec<u32>,
+    guess: Vec<f64>,
+    velocities: Vec<Vec<f64>>,
+    pub failed: bool,
+}
+
+impl SceneGear {
+    /// What loads apply to the hub whatever its speed [N m] or [N].
+    pub(super) fn applied(&self, t: f64) -> f64 {
+        let value = |l: &Load| match l {
+            Load::Applied(p) => p.value(t),
+            Load::Viscous(_) => 0.0,
+        };
+        self.loads.iter().map(value).sum()
+    }
+
+    /// Its rate.
+    pub(super) fn applied_rate(&self, t: f64) -> f64 {
+        let slope = |l: &Load| match l {
+            Load::Applied(p) => p.slope(t),
+            Load::Viscous(_) => 0.0,
+        };
+        self.loads.iter().map(slope).sum()
+    }
+}
+
+/// Islands of the meshes that have a gear with a field.
+pub(super) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Vec<Island> {
+    let compliant = |g: usize| gears[g].model.field().is_some_and(|f| f.is_compliant());
+    let mut islands: Vec<Island> = Vec::new();
+    for (m, mesh) in meshes.iter().enumerate().filter(|(_, m)| m.nodal) {
+        let mut own = Island {
+            meshes: vec![m],
+            compliant: mesh.gears.into_iter().filter(|&g| compliant(g)).collect(),
+        };
+        let (joined, apart) = islands
+            .into_iter()
+            .partition(|i| i.compliant.iter().any(|g| own.compliant.contains(g)));
+        islands = apart;
+        for other in joined {
+            let other: Island = other;
+            own.meshes.extend(other.meshes);
+            for g in other.compliant {
+                if !own.compliant.contains(&g) {
+                    own.compliant.push(g);
+                }
+            }
+        }
+        own.meshes.sort_unstable();
+        islands.push(own);
+    }
+    islands
+}
+
+impl Nodal {
+    pub(super) fn new(gears: &[SceneGear], meshes: &[SceneMesh]) -> Self {
+        let islands = islands(gears, meshes);
+        Nodal {
+            gears: vec![GearNodes::default(); gears.len()],
+            torque: vec![0.0; gears.len()],
+            velocities: vec![vec![]; gears.len()],
+            solved: vec![Solved::default(); islands.len()],
+            islands,
+            ..Nodal::default()
+        }
+    }
+
+    /// Finds points, solves each island and distributes the forces.
+    pub(super) fn evaluate(&mut self, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+        self.active.clear();
+        self.torque.fill(0.0);
+        self.failed = false;
+        for (g, nodes) in gears.iter().zip(&mut self.gears) {
+            if let Some(field) = g.model.field() {
+                let load = if g.model.hub().coordinates() > 0 {
+                    g.applied(at.t)
+                } else {
+                    0.0
+                };
+                nodes.begin(field, g.at(at), load);
+            }
+        }
+        for i in 0..self.islands.len() {
+            self.find(i, gears, meshes, at);
+            let start = self.active.len();
+            self.solve(i, gears, meshes, at);
+            self.distribute(start, gears, meshes, at);
+            self.solved[i].points = start..self.active.len();
+        }
+    }
+
+    /// Points of an island.
+    fn find(&mut self, island: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+        self.found.clear();
+        for &m in &self.islands[island].meshes {
+            let mesh = &meshes[m];
+            let (a, b) = parties(gears, mesh, at);
+            let first = self.found.len();
+            let Ok([of_a, of_b]) = self.gears.get_disjoint_mut(mesh.gears) else {
+                continue;
+            };
+            let side = |party, nodes, k: usize| NodalParty {
+                party,
+                field: gears[mesh.gears[k]].model.field(),
+                nodes,
+            };
+            let sides = [side(a, of_a, 0), side(b, of_b, 1)];
+            mesh.search.nodal_points(sides, &mut self.found);
+            for p in &mut self.found[first..] {
+                p.mesh = m;
+            }
+        }
+    }
+
+    /// Solves for the points that may touch; these become active.
+    fn solve(&mut self, island: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+        let depth = self.found.iter().fold(0.0_f64, |d, p| d.max(-p.gap0));
+        let mut solved = std::mem::take(&mut self.solved[island]);
+        solved.springs.clear();
+        solved.blocks.clear();
+        // A state that is no number has to show.
+        let lost = self.found.iter().any(|p| p.gap0.is_nan());
+        if depth > 0.0 || lost {
+            let start = self.active.len();
+            let mut beside = BESIDE * depth;
+            loop {
+                self.active.truncate(start);
+                let near = self.found.iter().filter(|p| p.gap0 <= beside || lost);
+                self.active.extend(near.map(|&point| NodalActive {
+                    point,
+                    direction: point.normal,
+                    levers: [0.0; 2],
+                    gap: point.gap0,
+                    rate: 0.0,
+                    force: LawForce::default(),
+                    elastic: (point.gap0, 0.0),
+                }));
+                let rise = self.solve_active(start, island, &mut solved, gears, meshes, at);
+                if rise <= beside || self.active.len() - start == self.found.len() || self.failed {
+                    break;
+                }
+                beside = 2.0 * rise;
+            }
+        }
+        self.solved[island] = solved;
+    }
+
+    /// Solves for the active points from `start` on; returns by how much nodes rise outwards at most, both flanks
+    /// together.
+    fn solve_active(
+        &mut self,
+        start: usize,
+        island: usize,
+        solved: &mut Solved,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: At<'_>,
+    ) -> f64 {
+        for &g in &self.islands[island].compliant {
+            self.gears[g].index.fill(UNUSED);
+        }
+        for a in &self.active[start..] {
+            for (k, &g) in meshes[a.point.mesh].gears.iter().enumerate() {
+                for &slot in a.point.slots[k].iter().filter(|s| **s != UNUSED) {
+                    self.gears[g].index[slot as usize] = 0;
+                }
+            }
+        }
+        solved.blocks.clear();
+        self.compliance.clear();
+        self.guess.clear();
+        let mut n = 0;
+        for &g in &self.islands[island].compliant {
+            let nodes = &mut self.gears[g];
+            self.numbers.clear();
+            let begin = n;
+            for slot in 0..nodes.nodes.len() {
+                if nodes.index[slot] != UNUSED {
+                    nodes.index[slot] = n as u32;
+                    self.numbers.push(nodes.nodes[slot]);
+                    self.guess.push(nodes.before(slot as u32));
+                    n += 1;
+                }
+            }
+            let len = n - begin;
+            let first = self.compliance.len();
+            self.compliance.resize(first + len * len, 0.0);
+            if let Some(field) = gears[g].model.field() {
+                field.compliance(&self.numbers, &mut self.compliance[first..]);
+            }
+            solved.blocks.push(Block { start: begin, len });
+        }
+        solved.solve.set_nodes(&solved.blocks, &self.compliance);
+        self.rates(start, gears, meshes, at);
+        solved.springs.clear();
+        for a in &self.active[start..] {
+            let mesh = &meshes[a.point.mesh];
+            let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
+            for k in 0..2 {
+                if !self.islands[island].compliant.contains(&mesh.gears[k]) {
+                    continue;
+                }
+                let index = &self.gears[mesh.gears[k]].index;
+                for c in 0..4 {
+                    nodes[4 * k + c] = index[a.point.slots[k][c] as usize];
+                    weights[4 * k + c] = a.point.weights[k][c];
+                }
+            }
+            solved.springs.push(Spring {
+                nodes,
+                weights,
+                gap0: a.point.gap0,
+                rate: a.rate,
+                stiffness: a.point.stiffness,
+                law: mesh.law.shared(a.point.share),
+                gap: a.point.gap0,
+                force: LawForce::default(),
+                elastic: (a.point.gap0, 0.0),
+            });
+        }
+        let result = solved.solve.solve(&mut solved.springs, &self.guess);
+        let mut rises = 0.0;
+        match result {
+            Ok(u) => {
+                for &g in &self.islands[island].compliant {
+                    let nodes = &mut self.gears[g];
+                    let mut rise = 0.0_f64;
+                    for (&i, out) in nodes.index.iter().zip(&mut nodes.residual) {
+                        *out = if i == UNUSED { 0.0 } else { u[i as usize] };
+                        rise = rise.max(*out);
+                    }
+                    rises += rise;
+                }
+            }
+            Err(_) => self.failed = true,
+        }
+        for (a, s) in self.active[start..].iter_mut().zip(&solved.springs) {
+            (a.gap, a.force, a.elastic) = (s.gap, s.force, s.elastic);
+            if self.failed {
+                a.force.n = f64::NAN;
+            }
+        }
+        rises
+    }
+
+    /// Gap rates before residual compliance, where a damper asks for them.
+    fn rates(&mut self, start: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+        let damped = |a: &NodalActive| meshes[a.point.mesh].law.is_dissipative();
+        if !self.active[start..].iter().any(damped) {
+            return;
+        }
+        for (i, g) in gears.iter().enumerate() {
+            if let Some(field) = g.model.field() {
+                let nodes = &self.gears[i].nodes;
+                self.velocities[i].resize(nodes.len(), 0.0);
+                field.displacements(g.at(at).v, nodes, &mut self.velocities[i]);
+            }
+        }
+        let mut row = Row::default();
+        for a in &mut self.active[start..] {
+            let mesh = &meshes[a.point.mesh];
+            if !mesh.law.is_dissipative() {
+                continue;
+            }
+            let master = 1 - a.point.slave;
+            let of_master = GearNodes::at(
+                &self.gears[mesh.gears[master]].displacement,
+                &a.point.slots[master],
+            );
+            a.direction = a.point.direction(of_master);
+            (a.levers, a.rate) = rows_of(gears, mesh, a, at, &mut row);
+            a.rate += row.dot(at.v);
+            for k in 0..2 {
+                let hub = gears[mesh.gears[k]].model.hub();
+                let own = gears[mesh.gears[k]].at(at);
+                a.rate += a.levers[k] * hub.speed(own.t, own.v);
+                let v = GearNodes::at(&self.velocities[mesh.gears[k]], &a.point.slots[k]);
+                a.rate -= weighted(&a.point.weights[k], &v);
+            }
+        }
+    }
+
+    /// Forces on nodes, directions, levers and rows of the active points from `start` on.
+    fn distribute(&mut self, start: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+        for a in &self.active[start..] {
+            if a.force.n == 0.0 {
+                continue;
+            }
+            for (k, &g) in meshes[a.point.mesh].gears.iter().enumerate() {
+                for (&slot, w) in a.point.slots[k].iter().zip(a.point.weights[k]) {
+                    if slot != UNUSED {
+                        self.gears[g].force[slot as usize] += w * a.force.n;
+                    }
+                }
+            }
+        }
+        for i in start..self.active.len() {
+            if i == self.rows.len() {
+                self.rows.push(Row::default());
+            }
+            let a = &mut self.active[i];
+            let row = &mut self.rows[i];
+            row.clear();
+            if a.force.n == 0.0 {
+                continue;
+            }
+            let mesh = &meshes[a.point.mesh];
+            let master = 1 - a.point.slave;
+            let of_master = self.gears[mesh.gears[master]].total(&a.point.slots[master]);
+            a.direction = a.point.direction(of_master);
+            if a.point.fading != 0.0 {
+                let energy = mesh.law.potential(a.elastic.0, a.point.stiffness);
+                a.direction -= energy / a.force.n * a.point.fading * a.point.answer[0];
+            }
+            (a.levers, _) = rows_of(gears, mesh, a, at, row);
+            for k in 0..2 {
+                self.torque[mesh.gears[k]] += a.levers[k] * a.force.n;
+            }
+        }
+    }
+
+    /// Adds the forces of all points.
+    pub(super) fn add_forces(&self, gears: &[SceneGear], f: &mut [f64]) {
+        for (a, row) in self.active.iter().zip(&self.rows) {
+            if !row.is_empty() {
+                row.add_to(a.force.n, f);
+            }
+        }
+        for ((g, nodes), torque) in gears.iter().zip(&self.gears).zip(&self.torque) {
+            if let Some(field) = g.model.field() {
+                let range = g.range();
+                if g.model.hub().coordinates() > 0 {
+                    f[range.start] += torque;
+                }
+                field.press(&nodes.nodes, &nodes.force, &mut f[range]);
+            }
+        }
+    }
+}
+
+/// Levers of hubs of gears with a field, and, in `row`, the entries of the others, whose prescribed part of the gap
+/// rate is returned.
+fn rows_of(
+    gears: &[SceneGear],
+    mesh: &SceneMesh,
+    a: &NodalActive,
+    at: At<'_>,
+    row: &mut Row,
+) -> ([f64; 2], f64) {
+    let p = &a.point;
+    let x = &p.points[p.slave].x;
+    let (mut levers, mut drift) = ([0.0; 2], 0.0);
+    row.clear();
+    for k in 0..2 {
+        let g = &gears[mesh.gears[k]];
+        let sign = if k == p.slave { 1.0 } else { -1.0 };
+        if g.model.field().is_some() {
+            levers[k] = sign * g.model.hub().lever(x, &a.direction);
+        } else {
+            let own = g.at(at);
+            row.target(g.offset, sign);
+            g.model.row(own, &p.points[k], &a.direction, row);
+            drift += sign * g.model.drift(own, &p.points[k], &a.direction);
+        }
+    }
+    (levers, drift)
+}
+
+impl Scene {
+    /// The contacts of a scene that has gears with fields.
+    pub(super) fn evaluate_with_fields(&mut self, at: At<'_>) {
+        self.work.active.clear();
+        self.work.candidates.clear();
+        for m in 0..self.meshes.len() {
+            if !self.meshes[m].nodal {
+                self.evaluate_mesh(at, m, false);
+            }
+        }
+        self.work.nodal.evaluate(&self.gears, &self.meshes, at);
+    }
+
+    /// Prescribed part of the gap rate of a point [m/s].
+    pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
+        let mesh = &self.meshes[a.point.mesh];
+        let (levers, mut drift) = rows_of(&self.gears, mesh, a, at, &mut Row::default());
+        for (lever, &g) in levers.iter().zip(&mesh.gears) {
+            let hub = self.gears[g].model.hub();
+            if hub.coordinates() == 0 {
+                drift += lever * hub.speed(at.t, &[]);
+            }
+        }
+        drift
+    }
+}

@@ -1,0 +1,156 @@
+//! An elastic gear from made-up data: smooth modes of the flanks and a residual compliance that is positive definite.
+//!
+//! Mode `i` moves the flanks of tooth `t` by `b cos(k t + phase)` times a polynomial of the height, with opposite signs
+//! on both flanks for even `i`: teeth bend, or swell. The residual compliance is a local kernel `exp(-d / l)` between
+//! the nodes of a flank, less of it between flanks of a tooth, of neighbouring and of other teeth.
+
+use crate::flank_test_gears::{flanks_of, number, takes};
+use gearbench_models::Vec3;
+use gearbench_models::gear::GearModel;
+use gearbench_models::gear::elastic::Elastic;
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, Reduced, Residual};
+use gearbench_models::gear::table::{GearContext, Model};
+use gearbench_models::geometry::Side;
+use gearbench_models::scene::spec::{Body, BuildError};
+use std::sync::Arc;
+
+/// The model.
+pub const ELASTIC_TOY: Model = Model {
+    id: "elastic-toy",
+    title: "elastic gear with made-up modes and residual compliance (test)",
+    parameters: &[
+        takes("rows", "nodes along the profile"),
+        takes("columns", "nodes over the width"),
+        takes("modes", "number of modes"),
+        takes("softness_m_per_n", "modal compliance of a flank node"),
+        takes("residual_m_per_n", "residual compliance of a node; 0: none"),
+        takes("damping_ratio", "of all modes"),
+        takes("spread_m", "length of the local kernel"),
+    ],
+    build: build_toy,
+};
+
+fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
+    let data = toy(context);
+    let model = Elastic::new(
+        context.hub.clone(),
+        context.lever,
+        context.placement,
+        Arc::new(data),
+    )
+    .map_err(|e| BuildError::gear(context.name, e))?;
+    Ok(Box::new(model))
+}
+
+/// The made-up reduction.
+pub fn toy(context: &GearContext<'_>) -> Reduced {
+    let flanks = flanks_of(context);
+    let modes = number(context, "modes", 6.0) as usize;
+    let softness = number(context, "softness_m_per_n", 3e-9);
+    let local = number(context, "residual_m_per_n", 2e-9);
+    let spread = number(context, "spread_m", 5e-4);
+    let free = context.hub.coordinates() > 0;
+    let teeth = flanks.grids().len() / 2;
+    let omega: Vec<f64> = (0..modes)
+        .map(|i| 1e5 * (1.0 + 19.0 * i as f64 / modes as f64))
+        .collect();
+    let mut normals = Vec::new();
+    let mut shapes = Vec::new();
+    let mut places = Vec::new();
+    for grid in flanks.grids() {
+        for (at, x) in grid.positions.iter().enumerate() {
+            normals.push(normal(context.body, grid.side, x));
+            let height = (at / grid.columns) as f64 / (grid.rows - 1) as f64;
+            places.push((grid.tooth, grid.side, *x));
+            for (i, w) in omega.iter().enumerate() {
+                let around = f64::from(grid.tooth) * (1 + i / 2) as f64 + 0.7 * i as f64;
+                let profile = match i % 3 {
+                    0 => 0.3 + 0.7 * height * height,
+                    1 => 0.5 - height * (1.0 - height),
+                    _ => (2.0 * height + 0.2 * i as f64).cos(),
+                };
+                let sign = if i % 2 == 0 { grid.side.sign() } else { 1.0 };
+                let b = w * (softness / modes as f64).sqrt();
+                shapes.push(sign * b * around.cos() * profile * (1.0 + 10.0 * x.z));
+            }
+        }
+    }
+    let per_tooth = places.len() / teeth;
+    let residual = (local > 0.0).then(|| {
+        let mut blocks = vec![0.0; teeth * per_tooth * per_tooth];
+        for apart in 0..teeth {
+            let between = match apart.min(teeth - apart) {
+                0 => 1.0,
+                1 => 0.1,
+                // All share a little, as over the rim.
+                _ => 0.02,
+            };
+            for i in 0..per_tooth {
+                for j in 0..per_tooth {
+                    // Between the same places of both flanks.
+                    let same = places[i].1 == places[j].1;
+                    let x = |k: usize| {
+                        let x = &places[k].2;
+                        let side = if matches!(context.body, Body::Rack(_)) {
+                            x.y.abs()
+                        } else {
+                            0.0
+                        };
+                        Vec3::new(x.x.hypot(x.y) - side, 0.0, x.z)
+                    };
+                    let kernel = local * (-(x(i) - x(j)).norm() / spread).exp();
+                    blocks[(apart * per_tooth + i) * per_tooth + j] =
+                        kernel * between * if same { 1.0 } else { 0.3 };
+                }
+            }
+        }
+        Residual {
+            flanks: FlankCompliance::Cyclic {
+                teeth,
+                per_tooth,
+                blocks,
+            },
+            hub: places
+                .iter()
+                .map(|p| {
+                    if free {
+                        1e-9 * p.1.sign() * (1.0 + 20.0 * p.2.z)
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+            hub_hub: if free { 1e-7 } else { 0.0 },
+        }
+    });
+    let per_mode = |x: f64| -> Vec<f64> { (0..modes).map(|i| x / (1.0 + i as f64)).collect() };
+    Reduced {
+        flanks,
+        normals,
+        free,
+        inertia: context.hub.inertia,
+        damping: vec![number(context, "damping_ratio", 0.0); modes],
+        shapes,
+        hub: per_mode(if free { 0.5 } else { 0.0 }),
+        participation: per_mode(if free { 0.0 } else { 1e-3 }),
+        omega,
+        residual,
+    }
+}
+
+/// Outward normal of an unmodified flank.
+fn normal(body: &Body, side: Side, x: &Vec3) -> Vec3 {
+    match body {
+        Body::Gear(gear) => {
+            let r = x.x.hypot(x.y);
+            let roll = (r * r - gear.r_base().powi(2)).max(0.0).sqrt();
+            let angle = x.y.atan2(x.x) - side.sign() * (roll / gear.r_base()).atan();
+            let (sin, cos) = angle.sin_cos();
+            side.sign() * Vec3::new(-sin, cos, 0.0)
+        }
+        Body::Rack(rack) => {
+            let (sin, cos) = rack.transverse_pressure_angle().sin_cos();
+            Vec3::new(-sin, -side.sign() * cos, 0.0)
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Contact of elastic gears on nodes: one potential behind all forces, tangents, the solve, partners.
+
+mod partners;
+mod potential;
+mod tangents;
+
+use gearbench_integrators::{Outputs, SecondOrderSystem, State};
+use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
+use gearbench_models::load::{Load, Profile};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::lever;
+use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, SceneSpec, Value};
+use gearbench_tests::*;
+
+fn toy(rows: usize, columns: usize, modes: usize, residual: f64) -> ModelSpec {
+    ModelSpec {
+        id: "elastic-toy".into(),
+        parameters: Parameters::from([
+            ("rows".to_string(), Value::Number(rows as f64)),
+            ("columns".to_string(), Value::Number(columns as f64)),
+            ("modes".to_string(), Value::Number(modes as f64)),
+            ("residual_m_per_n".to_string(), Value::Number(residual)),
+        ]),
+    }
+}
+
+fn with_points(points: PointContact) -> ContactSpec {
+    ContactSpec {
+        points: Some(points),
+        ..contact(1.5e10)
+    }
+}
+
+/// Rolls both hubs by an angle of the first.
+fn roll(spec: &SceneSpec, scene: &Scene, s: &mut State, angle: f64) {
+    let travel = angle * lever(&spec.gears[0].body);
+    for (k, g) in scene.gears().iter().enumerate() {
+        let rack = g.model.hub().slide.is_some();
+        let sign = if rack || k == 0 { 1.0 } else { -1.0 };
+        s.q[g.range().start] += sign * travel / lever(&spec.gears[k].body);
+    }
+}
+
+/// Modal coordinates that move flanks by some `size` [m], and modal speeds.
+fn deform(scene: &Scene, s: &mut State, size: f64, seed: u64) {
+    let (scale, _) = scales(scene);
+    let magnitude = scene.magnitudes().deflection;
+    let mut numbers = Numbers::new(seed);
+    for g in scene
+        .gears()
+        .iter()
+        .filter(|g| g.model.id() == "elastic-toy")
+    {
+        let n = g.range().len() - g.model.hub().coordinates();
+        for i in g.range().skip(g.model.hub().coordinates()) {
+            s.q[i] = scale[i] * size / magnitude * numbers.draw() / (n as f64).sqrt();
+            s.v[i] = 1e4 * s.q[i] * numbers.draw();
+        }
+    }
+}
+
+fn force(scene: &mut Scene, s: &State) -> Vec<f64> {
+    let mut f = vec![0.0; s.q.len()];
+    scene.force(s.at(), &mut f);
+    f
+}
+
+/// Energy that forces without dampers derive from, less the work of constant loads.
+fn potential(scene: &mut Scene, s: &State) -> f64 {
+    let mut out = Outputs::default();
+    scene.output(s.at(), &mut out);
+    let mut work = 0.0;
+    for g in scene.gears() {
+        let Some(Load::Applied(Profile::Constant(torque))) = g.loads.first() else {
+            continue;
+        };
+        // The hub turns with frame and modes: the load's generalised forces say how.
+        let mut f = vec![0.0; g.range().len()];
+        g.model.add_hub_load(*torque, &mut f);
+        work += f
+            .iter()
+            .zip(&s.q[g.range()])
+            .map(|(f, q)| f * q)
+            .sum::<f64>();
+    }
+    out.energy.strain + out.energy.contact - work
+}
+
+fn quadrature(along: usize, across: usize) -> PointRule {
+    PointRule::Quadrature { along, across }
+}
+
+fn nodes_on_springs(rows: usize) -> ModelSpec {
+    ModelSpec {
+        id: "nodal-test".into(),
+        parameters: Parameters::from([
+            ("rows".to_string(), Value::Number(rows as f64)),
+            ("columns".to_string(), Value::Number(2.0)),
+        ]),
+    }
+}
