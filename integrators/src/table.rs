@@ -9,7 +9,7 @@ use crate::explicit::velocity_verlet::{self, VelocityVerlet};
 use crate::implicit::diffsol_methods;
 use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
 use crate::method::{Integrator, MethodInfo};
-use crate::modal::trigonometric::{self, Trigonometric};
+use crate::modal::trigonometric::{self, Filter, Trigonometric};
 use crate::stepped::Stepped;
 
 /// A row: what the method declares and how it is made from its parameters (in declared order).
@@ -39,7 +39,14 @@ pub static METHODS: &[Method] = &[
     },
     Method {
         info: &trigonometric::INFO,
-        make: |p| Box::new(Stepped::new(Trigonometric::new(p[0] >= 0.5))),
+        make: |p| {
+            let filter = match p[0] {
+                x if x < 0.5 => Filter::None,
+                x if x < 1.5 => Filter::Fast,
+                _ => Filter::All,
+            };
+            Box::new(Stepped::new(Trigonometric::new(filter)))
+        },
     },
     Method {
         info: &tsit45::INFO,

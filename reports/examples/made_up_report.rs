@@ -13,5 +13,7 @@ fn main() -> Result<(), ReportError> {
     write_results(&dir.join("impact"), &support::impact_results())?;
     write_results(&dir.join("rotation"), &support::rotation_results())?;
     write_results(&dir.join("modes"), &support::mode_results())?;
+    write_results(&dir.join("penalty"), &support::penalty_results())?;
+    write_results(&dir.join("sweep"), &support::sweep_results())?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What a record must satisfy to be saved, and the form in which it is saved.
 
-use crate::record::{ContactSnapshot, Results, SCHEMA};
+use crate::record::{ContactSnapshot, Results, SCHEMA, Steady};
 use crate::series::TimeSeries;
 
 impl Results {
@@ -42,7 +42,18 @@ impl Results {
         for reference in &mut clean.references {
             reference.series = ten_digits(&reference.series);
         }
+        clean.statics.retain(|s| {
+            let all = s.position.iter().chain(&s.error_m);
+            all.chain([
+                &s.force_n,
+                &s.error_mean_m,
+                &s.error_peak_to_peak_m,
+                &s.tangent_n_per_m,
+            ])
+            .all(|x| x.is_finite())
+        });
         for run in &mut clean.runs {
+            run.steady = run.steady.take().filter(Steady::is_finite);
             run.wall_spread_s = (run.wall_spread_s).filter(|s| s.iter().all(|x| x.is_finite()));
             run.series = run.series.as_ref().map(ten_digits);
             run.contacts = run.contacts.take().and_then(finite_picture);

@@ -13,7 +13,9 @@ pub mod numbers;
 mod picture;
 pub mod record;
 pub mod series;
+mod steady;
 pub mod store;
+mod study_csv;
 mod view;
 
 pub use charts::{Chart, charts};

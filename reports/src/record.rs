@@ -7,6 +7,7 @@
 
 pub use crate::picture::{ContactPoint, ContactSnapshot, Outline};
 use crate::series::TimeSeries;
+pub use crate::steady::{Bearing, StaticCycle, Steady};
 use serde::{Deserialize, Serialize};
 
 /// The schema this crate writes, and the newest it reads.
@@ -58,6 +59,9 @@ pub struct Results {
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
+    /// Static limits (loaded running).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub statics: Vec<StaticCycle>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -76,6 +80,7 @@ impl Default for Results {
             settings: Vec::new(),
             tolerance: None,
             references: Vec::new(),
+            statics: Vec::new(),
             runs: Vec::new(),
         }
     }
@@ -285,6 +290,18 @@ pub struct Run {
     /// Highest frequency among its modes \[Hz\] (elastic model).
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub highest_hz: Option<f64>,
+    /// Penalty of its contact \[Pa/m\] (study of penalties).
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub penalty_pa_per_m: Option<f64>,
+    /// Its contact is hard, without a penalty (study of penalties).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hard: Option<bool>,
+    /// Mean static transmission error over one base pitch under the load of the study \[m\].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub static_error_m: Option<f64>,
+    /// What it settles to (loaded running).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steady: Option<Steady>,
     /// What charts call this run where it stands out among others of its variant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,

@@ -8,6 +8,7 @@ use crate::charts::{DrawError, FILES, charts};
 use crate::html::page;
 use crate::record::{Results, Run, SCHEMA, slug};
 use crate::series::TimeSeries;
+use crate::study_csv;
 use serde::Serialize;
 use std::fs;
 use std::io;
@@ -130,6 +131,7 @@ fn render(results: &Results) -> Result<Vec<(String, String)>, ReportError> {
     let mut files: Vec<(String, String)> = histories(results)
         .map(|(name, series)| (name, series_csv(series)))
         .collect();
+    files.extend(study_csv::tables(results));
     files.extend(charts.iter().map(|c| (c.file.to_owned(), c.svg.clone())));
     files.push((PAGE.to_owned(), page(results, &charts)));
     Ok(files)
@@ -155,7 +157,12 @@ fn histories(results: &Results) -> impl Iterator<Item = (String, &TimeSeries)> {
 fn file_names(results: &Results) -> Vec<String> {
     histories(results)
         .map(|(name, _)| name)
-        .chain(FILES.iter().map(ToString::to_string))
+        .chain(
+            FILES
+                .iter()
+                .chain(&study_csv::FILES)
+                .map(ToString::to_string),
+        )
         .collect()
 }
 

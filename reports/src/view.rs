@@ -54,7 +54,7 @@ impl<'a> View<'a> {
         let metric = match &results.tolerance {
             Some(t) => t.metric.clone(),
             // Reduced and full models share mesh and start: nothing is to be shifted.
-            None if results.study == "modes" => "force_l2".into(),
+            None if ["modes", "penalty"].contains(&results.study.as_str()) => "force_l2".into(),
             None => "force_l2_aligned".into(),
         };
         Self {

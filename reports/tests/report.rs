@@ -340,3 +340,59 @@ fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
     assert!(files["modes.svg"].contains(">\nfailed\n<") || files["modes.svg"].contains("failed"));
     assert!(page.contains("blow-up"));
 }
+
+#[test]
+fn a_sweep_names_its_resonances_and_shows_what_failed() {
+    let dir = Folder::new("sweep");
+    let mut results = support::sweep_results();
+    // A number that is none takes its run from the charts, not the report with it.
+    if let Some(s) = &mut results.runs[3].steady {
+        s.error_harmonics_m[2] = f64::NAN;
+    }
+    write_results(&dir.0, &results).unwrap();
+    let files = contents(&dir.0);
+    for name in [
+        "sweep.svg",
+        "sweep_spectra.svg",
+        "sweep_harmonics.svg",
+        "sweep_cycles.svg",
+        "sweep.csv",
+        "sweep_cycles.csv",
+        "statics.csv",
+    ] {
+        assert!(files.contains_key(name), "{name}");
+    }
+    let finding = files[PAGE].split("class=\"finding\"").nth(1).unwrap();
+    let finding = finding.split("</section>").next().unwrap();
+    // The speeds next to 6 and 5.5 kHz.
+    assert!(finding.contains("5.90\u{a0}kHz"), "{finding}");
+    assert!(finding.contains("5.60\u{a0}kHz"), "{finding}");
+    assert!(finding.contains("lift off"), "{finding}");
+    assert!(finding.contains("1 of 60 runs failed"), "{finding}");
+    assert!(files["sweep.svg"].contains("failed") && files["sweep.svg"].contains("fn/2"));
+    assert_eq!(files["sweep.csv"].lines().count(), 1 + 59);
+    let saved = load_results(&dir.0).unwrap();
+    assert!(saved.runs[3].steady.is_none());
+    let [now, then] = [&saved, &results].map(|r| r.runs[4].steady.clone().unwrap());
+    assert_eq!(now.error_harmonics_m.len(), then.error_harmonics_m.len());
+    assert!((now.error_rms_m / then.error_rms_m - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_study_of_penalties_comes_to_hard_contact() {
+    let dir = Folder::new("penalty");
+    write_results(&dir.0, &support::penalty_results()).unwrap();
+    let files = contents(&dir.0);
+    for name in ["penalty.svg", "penalty_distance.svg", "penalty.csv"] {
+        assert!(files.contains_key(name), "{name}");
+    }
+    let finding = files[PAGE].split("class=\"finding\"").nth(1).unwrap();
+    let finding = finding.split("</section>").next().unwrap();
+    // 0.3 / (1 + p / 1e13) is 0.01 % at 3e16, where the last run that did not fail stands; 1 % is at 2.9e14.
+    assert!(finding.contains("3e16 Pa/m"), "{finding}");
+    assert!(finding.contains("the force from 3e14 Pa/m on"), "{finding}");
+    assert!(
+        files["penalty.svg"].contains("failed") && files["penalty.svg"].contains("hard contact")
+    );
+    assert_eq!(files["penalty.csv"].lines().count(), 1 + 10);
+}

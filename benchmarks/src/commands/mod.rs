@@ -10,6 +10,7 @@ mod mesh;
 mod modes;
 mod reduce;
 mod stiffness;
+mod sweep;
 
 use crate::cli::{Cli, Command};
 use crate::scene_file::SceneError;
@@ -51,6 +52,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Identify(args)) => identify::run(&args, &told()),
         Some(Command::Stiffness(args)) => stiffness::run(&args),
         Some(Command::Modes(args)) => modes::run(&args, &told()),
+        Some(Command::Sweep(args)) => sweep::run(&args, &told()),
         Some(Command::Mesh(args)) => mesh::run(&args, &told()),
         Some(Command::Reduce(args)) => reduce::run(&args),
         Some(Command::List) => list::run(),

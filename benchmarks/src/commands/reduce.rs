@@ -15,9 +15,9 @@ use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape};
 use gearbench_reference::mesh::GearMesh;
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
-use gearbench_reference::reduction::store::{self, Meta, Motion, Request};
+use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
-    Basis, Mounting, ReductionError, Toothing, Wanted, cache, of_gear, pass1,
+    Basis, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
 };
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -63,7 +63,7 @@ pub fn run(args: &Arguments) -> Result<ExitCode, Refusal> {
         }
     }
     let files = files(args, &jobs)?;
-    let bar = progress_bar(2 * jobs.len());
+    let bar = progress_bar(jobs.len());
     for (job, file) in jobs.iter().zip(&files) {
         let done = reduce(args, job, &bar).inspect_err(|_| bar.finish_and_clear())?;
         bar.suspend(|| report::tell(job, &done));
@@ -293,20 +293,16 @@ fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<D
         material: job.material,
         mounting: job.mounting,
         wanted,
-        compliance: true,
     };
     let start = Instant::now();
-    let found = cache::in_use().basis(&request, &job.source, || {
-        pass1::compute(&request, &mut |stage| {
-            bar.set_message(format!("{}: {}", job.name, stage.text()));
-            bar.inc(1);
-        })
-    });
+    bar.set_message(job.name.clone());
+    let found = cache::in_use().basis(&request, &job.source, || request.compute());
+    bar.inc(1);
     let found = found.map_err(|e| match e {
         ReductionError::Modes(_) => Refusal::Failed(format!("{}: {e}", job.source)),
         e => Refusal::Input(miette::miette!("{}: {e}", job.source)),
     })?;
-    let mut meta = request.meta(&job.source);
+    let mut meta = Meta::new(&request, &job.source);
     let mut basis = found.basis;
     if let Some(count) = most.filter(|n| *n < basis.omega.len()) {
         let kept = choose::choose(
@@ -319,7 +315,7 @@ fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<D
                 even_over_width: Toothing::of(&basis, meta.motion, meta.teeth).straight,
             },
         );
-        meta.asked = format!("{count} of {} by {}", meta.asked, args.choose);
+        meta.asked = format!("at most {count} by {} of {}", args.choose, meta.asked);
         meta.key.text(&meta.asked);
         basis = Arc::new(basis.with_modes(&kept));
     }

@@ -32,7 +32,7 @@ pub use calibration::Calibration;
 pub use error::SceneError;
 pub use model::{CalibrationUse, ModelChoice};
 pub use shipped::SHIPPED;
-pub use study_plan::{QUANTITIES, Study};
+pub use study_plan::{QUANTITIES, Study, Sweep};
 
 use crate::models::models as model_table;
 use error::Source;

@@ -33,6 +33,7 @@ pub static SHIPPED: &[Shipped] = &[
     shipped!("spur_impact_large", calibrated),
     shipped!("rack_pinion"),
     shipped!("spur_rotation"),
+    shipped!("loaded_mesh"),
     shipped!("hammer"),
 ];
 

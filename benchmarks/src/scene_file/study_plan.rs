@@ -24,6 +24,20 @@ pub(super) static STUDY: &[Key] = &[
         "quantities",
         "metrics of interest, default all, for example [\"force_l2_aligned\", \"peak_force_n\"]",
     ),
+    key(
+        "sweep",
+        "speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, settle_s }",
+    ),
+];
+pub(super) static SWEEP: &[Key] = &[
+    key("from_hz", "lowest mesh frequency in hertz"),
+    key("to_hz", "highest mesh frequency in hertz"),
+    key("points", "number of speeds, default 40"),
+    key("cycles", "whole mesh cycles that are measured, default 8"),
+    key(
+        "settle_s",
+        "time in seconds that a run is given to settle, default 0.005; at least four mesh cycles",
+    ),
 ];
 pub(super) static INTEGRATOR: &[Key] = &[
     key(
@@ -81,6 +95,32 @@ pub struct Study {
     pub samples: usize,
     /// Metrics of interest; empty means all.
     pub quantities: Vec<String>,
+    /// Speeds of a sweep.
+    pub sweep: Sweep,
+}
+
+/// Speeds at which a sweep runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// Lowest and highest mesh frequency [Hz]; `None` takes them from the mesh resonance.
+    pub range: Option<[f64; 2]>,
+    /// Number of speeds.
+    pub points: usize,
+    /// Whole mesh cycles that are measured.
+    pub cycles: usize,
+    /// Time to settle [s].
+    pub settle: f64,
+}
+
+impl Default for Sweep {
+    fn default() -> Self {
+        Sweep {
+            range: None,
+            points: 40,
+            cycles: 8,
+            settle: 5e-3,
+        }
+    }
 }
 
 /// Reads `[study]`; `labels` are those of the models.
@@ -91,6 +131,7 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
         events: true,
         samples: DEFAULT_SAMPLES,
         quantities: Vec::new(),
+        sweep: Sweep::default(),
     };
     let Some(entry) = entry else { return Ok(study) };
     let s = entry.section("[study]", STUDY)?;
@@ -118,7 +159,53 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
     if let Some(e) = s.get("quantities") {
         study.quantities = words(&e, &QUANTITIES)?;
     }
+    if let Some(e) = s.get("sweep") {
+        study.sweep = sweep(&e)?;
+    }
     Ok(study)
+}
+
+/// Reads `sweep = { .. }`.
+fn sweep(entry: &Entry<'_>) -> Result<Sweep, SceneError> {
+    let s = entry.section("`sweep`", SWEEP)?;
+    let mut sweep = Sweep::default();
+    let positive = |e: &Entry<'_>| match e.number()? {
+        x if x > 0.0 => Ok(x),
+        x => Err(e.error(
+            format!("`{}` is {x}", e.name),
+            "expected more than 0",
+            "a mesh frequency is teeth times turns per second",
+        )),
+    };
+    if s.get("from_hz").is_some() || s.get("to_hz").is_some() {
+        let (from, to) = (s.need("from_hz")?, s.need("to_hz")?);
+        let range = [positive(&from)?, positive(&to)?];
+        if range[1] <= range[0] {
+            return Err(to.error(
+                format!("the sweep ends at {} Hz, where it has not begun", range[1]),
+                format!("expected more than {} Hz", range[0]),
+                "give the lower mesh frequency as `from_hz`",
+            ));
+        }
+        sweep.range = Some(range);
+    }
+    let count = |name: &str, least: u32, most: u32, default: usize| match s.get(name) {
+        None => Ok(default),
+        Some(e) => match e.whole()? {
+            n if (least..=most).contains(&n) => Ok(n as usize),
+            n => Err(e.error(
+                format!("`{name}` is {n}"),
+                format!("expected {least} to {most}"),
+                "40 speeds and 8 mesh cycles are usual",
+            )),
+        },
+    };
+    sweep.points = count("points", 2, 10_000, sweep.points)?;
+    sweep.cycles = count("cycles", 1, 1000, sweep.cycles)?;
+    if let Some(e) = s.get("settle_s") {
+        sweep.settle = positive(&e)?;
+    }
+    Ok(sweep)
 }
 
 /// A list of words, each known and none twice.

@@ -214,6 +214,7 @@ pub fn compare(
             t_end: plan.duration,
             grid: &grid,
             also_steps: true,
+            forces: false,
             events: plan.events,
             repeats: plan.repeats,
             timeout: plan.timeout,
@@ -303,7 +304,7 @@ fn converged<'a>(
 }
 
 /// What sets an entry apart from others of its model: its label, without the model's id in front.
-fn variant(entry: &Entry) -> Option<String> {
+pub(super) fn variant(entry: &Entry) -> Option<String> {
     (entry.label != entry.model).then(|| {
         let rest = entry
             .label
@@ -311,6 +312,16 @@ fn variant(entry: &Entry) -> Option<String> {
             .and_then(|r| r.strip_prefix('-'));
         rest.unwrap_or(&entry.label).to_string()
     })
+}
+
+/// What the report calls the runs of an entry.
+pub(super) fn model_label(entry: &Entry) -> String {
+    Run {
+        model: entry.model.clone(),
+        variant: variant(entry),
+        ..Run::default()
+    }
+    .model_label()
 }
 
 /// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.

@@ -6,6 +6,7 @@
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
 //! | [`modes`] | error of the elastic model over the number of modes, against full finite elements |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
+//! | [`sweep`] | running under load at speed after speed: transmission error, bearing forces, spectra |
 //! | [`stiffness`] | static mesh stiffness of the models beside the norm and the analytic compliance |
 
 pub mod compare;
@@ -15,3 +16,4 @@ pub mod machine;
 pub mod modes;
 pub mod run;
 pub mod stiffness;
+pub mod sweep;

@@ -176,6 +176,7 @@ impl Plan<'_> {
             t_end: self.duration,
             grid,
             also_steps: true,
+            forces: false,
             events: true,
             repeats: self.repeats,
             timeout: self.timeout,

@@ -79,6 +79,8 @@ pub struct Job<'a> {
     pub grid: &'a [f64],
     /// Record accepted steps in contact as well.
     pub also_steps: bool,
+    /// Record the components of contact and bearing forces.
+    pub forces: bool,
     /// Locate events.
     pub events: bool,
     /// Timed repeats.
@@ -410,6 +412,24 @@ fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
             name: format!("travel_{}_{unit}", g.name),
             values: column(format!("travel:{}", g.name)),
         });
+    }
+    let mut further = |channel: String, name: String| {
+        if let Some(c) = scene.channel(&channel) {
+            let values = history.column(c);
+            let column = gearbench_reports::Column { name, values };
+            series.columns.push(column);
+        }
+    };
+    if job.forces {
+        for d in ["x", "y"] {
+            further(format!("force_{d}:0"), format!("force_{d}_n"));
+            for g in &job.scene.gears {
+                further(
+                    format!("bearing_{d}:{}", g.name),
+                    format!("bearing_{}_{d}_n", g.name),
+                );
+            }
+        }
     }
     series.finite_prefix()
 }

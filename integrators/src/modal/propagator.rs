@@ -92,44 +92,47 @@ fn load_series(square: f64, delta: f64, h: f64) -> f64 {
     sum
 }
 
-/// The coefficients of all oscillators for one time, and the filter that goes with it.
+/// The coefficients of all oscillators for one time, and the filter that goes with it. Of `qq` and `vv` what differs
+/// from one: a cosine near one would round away the phase of slow oscillators, step after step alike.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Drift {
     /// The time [s].
     pub(crate) h: f64,
-    qq: Vec<f64>,
+    dq: Vec<f64>,
     qv: Vec<f64>,
     vq: Vec<f64>,
-    vv: Vec<f64>,
+    dv: Vec<f64>,
     qg: Vec<f64>,
-    /// `sin(omega h) / (omega h)`, where a filter is asked for.
+    /// What the rest sees of each coordinate, and kicks back; empty where it is all of all.
     pub(crate) filter: Vec<f64>,
 }
 
 impl Drift {
-    pub(crate) fn fill(&mut self, omega: &[f64], zeta: &[f64], h: f64, filtered: bool) {
+    /// The time `h` [s]; oscillators with `omega h` above `from` are filtered with `sin(omega h) / (omega h)`.
+    pub(crate) fn fill(&mut self, omega: &[f64], zeta: &[f64], h: f64, from: f64) {
         let n = omega.len();
         self.h = h;
         for x in [
-            &mut self.qq,
+            &mut self.dq,
             &mut self.qv,
             &mut self.vq,
-            &mut self.vv,
+            &mut self.dv,
             &mut self.qg,
         ] {
             x.resize(n, 0.0);
         }
         for (i, (&w, &z)) in omega.iter().zip(zeta).enumerate() {
             let c = coefficients(w, z, h);
-            self.qq[i] = c.qq;
+            self.dq[i] = -w * w * c.qg;
             self.qv[i] = c.qv;
             self.vq[i] = c.vq;
-            self.vv[i] = c.vv;
+            self.dv[i] = self.dq[i] - 2.0 * z * w * c.qv;
             self.qg[i] = c.qg;
         }
-        if filtered {
-            self.filter.clear();
-            self.filter.extend(omega.iter().map(|w| sinc(w * h)));
+        self.filter.clear();
+        if omega.iter().any(|w| w * h > from) {
+            let seen = |w: &f64| if w * h > from { sinc(w * h) } else { 1.0 };
+            self.filter.extend(omega.iter().map(seen));
         }
     }
 
@@ -145,12 +148,12 @@ impl Drift {
     ) {
         let n = q.len();
         let (q0, v0, k, g, v) = (&q0[..n], &v0[..n], &k[..n], &g[..n], &mut v[..n]);
-        let (qq, qv, vq) = (&self.qq[..n], &self.qv[..n], &self.vq[..n]);
-        let (vv, qg) = (&self.vv[..n], &self.qg[..n]);
+        let (dq, qv, vq) = (&self.dq[..n], &self.qv[..n], &self.vq[..n]);
+        let (dv, qg) = (&self.dv[..n], &self.qg[..n]);
         for i in 0..n {
             let u = v0[i] + kick * k[i];
-            q[i] = qq[i] * q0[i] + qv[i] * u + qg[i] * g[i];
-            v[i] = vq[i] * q0[i] + vv[i] * u + qv[i] * g[i];
+            q[i] = q0[i] + (dq[i] * q0[i] + qv[i] * u + qg[i] * g[i]);
+            v[i] = u + (vq[i] * q0[i] + dv[i] * u + qv[i] * g[i]);
         }
     }
 
@@ -164,8 +167,8 @@ impl Drift {
         (q, v): (&mut [f64], &mut [f64]),
     ) {
         for i in 0..q.len() {
-            q[i] = self.qq[i] * q0[i] + self.qv[i] * v0[i] + self.qg[i] * g(i);
-            v[i] = self.vq[i] * q0[i] + self.vv[i] * v0[i] + self.qv[i] * g(i);
+            q[i] = q0[i] + (self.dq[i] * q0[i] + self.qv[i] * v0[i] + self.qg[i] * g(i));
+            v[i] = v0[i] + (self.vq[i] * q0[i] + self.dv[i] * v0[i] + self.qv[i] * g(i));
         }
     }
 }
@@ -198,15 +201,8 @@ impl Tables {
         self.last = 0;
     }
 
-    /// Index of the table of a step that starts at `t`.
-    pub(crate) fn find(
-        &mut self,
-        omega: &[f64],
-        zeta: &[f64],
-        t: f64,
-        h: f64,
-        filtered: bool,
-    ) -> usize {
+    /// Index of the table of a step that starts at `t`, see [`Drift::fill`].
+    pub(crate) fn find(&mut self, omega: &[f64], zeta: &[f64], t: f64, h: f64, from: f64) -> usize {
         self.clock += 1;
         let slack = 4.0 * f64::EPSILON * (t.abs() + h);
         let same = |d: &Drift| (d.h - h).abs() <= slack && d.h > 0.0;
@@ -224,7 +220,7 @@ impl Tables {
                 let oldest = (0..KEPT).min_by_key(|&i| self.used[i]);
                 oldest.unwrap_or(0)
             };
-            self.kept[i].fill(omega, zeta, h, filtered);
+            self.kept[i].fill(omega, zeta, h, from);
             i
         });
         self.used[i] = self.clock;
@@ -284,12 +280,12 @@ mod tests {
     fn tables_survive_the_rounding_of_times() {
         let mut tables = Tables::default();
         let (omega, zeta) = ([1.0, 2.0], [0.0, 0.1]);
-        let i = tables.find(&omega, &zeta, 0.7, 1e-3, false);
+        let i = tables.find(&omega, &zeta, 0.7, 1e-3, 9.0);
         let h = (0.7 + 1e-3) - 0.7;
         assert_ne!(h, 1e-3);
-        assert_eq!(tables.find(&omega, &zeta, 0.7, h, false), i);
+        assert_eq!(tables.find(&omega, &zeta, 0.7, h, 9.0), i);
         for k in 1..20 {
-            tables.find(&omega, &zeta, 0.7, 1e-4 * f64::from(k), false);
+            tables.find(&omega, &zeta, 0.7, 1e-4 * f64::from(k), 9.0);
         }
         assert_eq!(tables.kept.len(), KEPT);
     }

@@ -5,6 +5,27 @@
 //! mode is not bounded by a modified one (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*,
 //! 2nd ed. 2006, XIII.1.5 and XIII.4; B. Garcia-Archilla, J. M. Sanz-Serna, R. D. Skeel, *SIAM J. Sci. Comput.* 20
 //! (1998) 930).
+//!
+//! A body with one elastic mode under a steady load, resting on a stop or bouncing on it, 40000 steps with
+//! `omega_c h = 0.13` (a contact of 24 steps) and 0.5 (six steps): the largest energy error over the energy of the
+//! motion, without a filter and with the default one, which takes modes beyond `0.64 pi/h = 2.01/h` by their mean over
+//! the step (`cargo test --release -p gearbench-integrators --test suite filtered_modes -- --nocapture`):
+//!
+//! | `omega h` | 0.1 | 1 | 2 | 2.5 | 3 | 4 | 5 | 6 | 6.28 | 6.5 | 10 |
+//! |---|---|---|---|---|---|---|---|---|---|---|---|
+//! | 0.13, resting, none | 5e-2 | 4e-2 | 3e-2 | 2e-2 | 5e-3 | 7e-2 | 0.4 | 8 | > 1e6 | 13 | 3e-2 |
+//! | 0.13, resting, default | 5e-2 | 4e-2 | 3e-2 | 7e-3 | 3e-3 | 5e-3 | 5e-3 | 4e-3 | 3e-3 | 4e-3 | 3e-3 |
+//! | 0.13, bouncing, none | 2e-2 | 9e-3 | 5e-3 | 4e-3 | 4e-3 | 4e-3 | 5e-3 | 0.3 | 5e4 | 1 | 4e-3 |
+//! | 0.13, bouncing, default | 2e-2 | 9e-3 | 5e-3 | 4e-3 | 4e-3 | 4e-3 | 4e-3 | 4e-3 | 4e-3 | 4e-3 | 4e-3 |
+//! | 0.5, resting, none | 0.8 | 0.6 | 0.5 | 0.3 | 9e-2 | 1 | 6 | 150 | > 1e6 | 160 | 0.4 |
+//! | 0.5, resting, default | 0.8 | 0.6 | 0.5 | 0.1 | 4e-2 | 7e-2 | 8e-2 | 0.1 | 4e-2 | 9e-2 | 4e-2 |
+//! | 0.5, bouncing, none | 0.2 | 0.2 | 0.2 | 0.2 | 3 | 1 | 0.1 | 3e3 | 5e4 | 30 | 4e-2 |
+//! | 0.5, bouncing, default | 0.2 | 0.2 | 0.2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 4e-2 | 0.2 | 4e-2 |
+//!
+//! Around even multiples of pi, where the kicks of a lasting force add up, nothing is left of a run; around odd ones
+//! a contact of few steps gains energy. The filter `phi = sinc(omega h)`, with kicks `phi r(phi q)`, is the symplectic
+//! and symmetric pair `psi = sinc phi` of that book (XIII.2.2). It weakens what it acts on: a mode that matters to the
+//! contact should not need it.
 
 use std::f64::consts::PI;
 

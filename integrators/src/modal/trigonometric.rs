@@ -23,7 +23,7 @@
 //! the error, which is of third order, elsewhere. The global error then follows the tolerance with slope one.
 
 use super::propagator::{Tables, coefficients};
-use super::resonance::safe_step;
+use super::resonance::{SAFE, safe_step};
 use crate::method::{MethodInfo, OneStep, Parameter, StepError, Stepping, Tolerance, Work};
 use crate::system::{At, ModalSplit, SecondOrderSystem, State};
 
@@ -39,15 +39,27 @@ pub static INFO: MethodInfo = MethodInfo {
     linear_part: true,
     parameters: &[Parameter {
         name: "filter",
-        default: 0.0,
-        range: (0.0, 1.0),
-        meaning: "from 0.5 on: the rest sees positions averaged over the step and kicks back alike (mollified), which takes out resonances",
+        default: 1.0,
+        range: (0.0, 2.0),
+        meaning: "0: none; 1: oscillators beyond 0.64 pi/h act on contact, and contact on them, by their mean over the step, which takes out resonances; 2: all oscillators do",
     }],
     citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
 };
 
 /// Attempts to fly that are left out after one that led no further than a step, at most.
 const PATIENCE: u32 = 8;
+
+/// Which oscillators the rest sees by their mean over the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// None.
+    None,
+    /// Those with `omega h` beyond `0.64 pi`.
+    #[default]
+    Fast,
+    /// All.
+    All,
+}
 
 /// The rest at one end of a step.
 #[derive(Clone, Debug, Default)]
@@ -56,14 +68,15 @@ struct Kick {
     a: Vec<f64>,
     /// Something but the steady loads acts.
     acts: bool,
-    /// Step [s] whose filter it has; 0 without.
-    h: f64,
+    /// Step [s] whose filter it has; 0 without a filter.
+    filter: f64,
 }
 
 /// The method.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Trigonometric {
-    filtered: bool,
+    /// Phase `omega h` [rad] above which oscillators are filtered.
+    filter_from: f64,
     omega: Vec<f64>,
     zeta: Vec<f64>,
     longest: f64,
@@ -87,32 +100,50 @@ pub struct Trigonometric {
 }
 
 impl Trigonometric {
-    /// With a filter, or as it is.
-    pub fn new(filtered: bool) -> Self {
+    /// With its filter: none, for oscillators beyond what is safe, for all.
+    pub fn new(filter: Filter) -> Self {
         Trigonometric {
-            filtered,
-            ..Default::default()
+            filter_from: match filter {
+                Filter::None => f64::INFINITY,
+                Filter::Fast => SAFE * std::f64::consts::PI,
+                Filter::All => 0.0,
+            },
+            omega: Vec::new(),
+            zeta: Vec::new(),
+            longest: f64::INFINITY,
+            tables: Tables::default(),
+            table: 0,
+            ends: Default::default(),
+            steady: Vec::new(),
+            steady_until: 0.0,
+            free_until: 0.0,
+            skip: 0,
+            patience: 1,
+            predicted: Vec::new(),
+            q: Vec::new(),
+            v: Vec::new(),
         }
     }
 
-    /// The rest at `at`, for a step with the table `table`, into end `end`.
+    /// The rest at `at`, for a step with a table or none, into end `end`.
     fn evaluate(
         &mut self,
         split: &mut dyn ModalSplit,
         at: At<'_>,
         end: usize,
-        table: usize,
+        table: Option<usize>,
         work: &mut Work,
     ) {
         let kick = &mut self.ends[end];
         let n = kick.a.len();
         work.force_evaluations += 1;
-        if !self.filtered {
+        let drift = table.map(|table| self.tables.get(table));
+        let Some(drift) = drift.filter(|d| !d.filter.is_empty()) else {
             split.rest(at, &mut kick.a);
             kick.acts = subtract(&mut kick.a, &self.steady);
+            kick.filter = 0.0;
             return;
-        }
-        let drift = self.tables.get(table);
+        };
         let (filter, q, v) = (&drift.filter[..n], &mut self.q[..n], &mut self.v[..n]);
         for i in 0..n {
             q[i] = filter[i] * at.q[i];
@@ -120,7 +151,7 @@ impl Trigonometric {
         }
         split.rest(At { q, v, ..at }, &mut kick.a);
         kick.acts = subtract(&mut kick.a, &self.steady);
-        kick.h = drift.h;
+        kick.filter = drift.h;
         if kick.acts {
             for (a, f) in kick.a.iter_mut().zip(filter) {
                 *a *= f;
@@ -192,13 +223,8 @@ impl OneStep for Trigonometric {
         if self.steady_until <= s.t {
             self.steady.fill(0.0);
         }
-        if self.filtered {
-            // The filter belongs to a step that is not known yet.
-            self.ends[0].h = 0.0;
-            self.ends[0].acts = true;
-        } else {
-            self.evaluate(split, s.at(), 0, 0, work);
-        }
+        // A filter belongs to a step, which is not known yet.
+        self.evaluate(split, s.at(), 0, None, work);
     }
 
     fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
@@ -246,12 +272,18 @@ impl OneStep for Trigonometric {
         let split = sys.modal().ok_or(NO_SPLIT)?;
         let table = self
             .tables
-            .find(&self.omega, &self.zeta, from.t, h, self.filtered);
+            .find(&self.omega, &self.zeta, from.t, h, self.filter_from);
         self.table = table;
         to.t = from.t + h;
         let flies = !self.ends[0].acts && to.t <= self.free_until;
-        if self.filtered && !flies && self.ends[0].h != self.tables.get(table).h {
-            self.evaluate(split, from.at(), 0, table, work);
+        let drift = self.tables.get(table);
+        let filter = if drift.filter.is_empty() {
+            0.0
+        } else {
+            drift.h
+        };
+        if !flies && self.ends[0].filter != filter {
+            self.evaluate(split, from.at(), 0, Some(table), work);
         }
         let half = 0.5 * h;
         let n = self.omega.len();
@@ -266,7 +298,7 @@ impl OneStep for Trigonometric {
             let end = &mut self.ends[1];
             end.a.fill(0.0);
             end.acts = false;
-            end.h = self.tables.get(table).h;
+            end.filter = filter;
             return Ok(0.0);
         }
         let mut predicted = std::mem::take(&mut self.predicted);
@@ -282,7 +314,7 @@ impl OneStep for Trigonometric {
             v: &predicted,
             memory: &from.memory,
         };
-        self.evaluate(split, at, 1, table, work);
+        self.evaluate(split, at, 1, Some(table), work);
         self.predicted = predicted;
         let [start, end] = &self.ends;
         if !end.acts && !start.acts {

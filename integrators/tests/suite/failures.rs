@@ -8,7 +8,7 @@ use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
 use gearbench_integrators::implicit::generalised_alpha::GeneralisedAlpha;
 use gearbench_integrators::method::Tolerance;
-use gearbench_integrators::modal::trigonometric::Trigonometric;
+use gearbench_integrators::modal::trigonometric::{Filter, Trigonometric};
 use gearbench_integrators::{
     At, Change, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
     StepError, Stepping, TimePlan, Work,
@@ -338,8 +338,8 @@ fn a_step_changes_nothing_but_its_end() {
     }
     check(SemiImplicitEuler::default());
     check(VelocityVerlet::default());
-    check(Trigonometric::new(false));
-    check(Trigonometric::new(true));
+    check(Trigonometric::new(Filter::None));
+    check(Trigonometric::new(Filter::All));
     check(RungeKutta::rk4());
     check(RungeKutta::dopri5());
     check(GeneralisedAlpha::newmark(0.25));

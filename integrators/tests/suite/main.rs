@@ -12,6 +12,7 @@ mod golden_work;
 mod hammer;
 mod linear_oscillator;
 mod micro_benchmark;
+mod modal;
 mod observers;
 mod problems;
 mod smooth_order;

@@ -1,4 +1,4 @@
-//! Pass 1, the modal part: modes of a gear at its flank nodes and its hub.
+//! Pass 1: modes of a gear at its flank nodes and its hub, and the static compliance there.
 //!
 //! Two routes to the same data. [`of_sector`] takes one tooth of a gear whose teeth are all alike: modes by
 //! cyclic symmetry, and at the flank node that is node `k` of tooth 0 turned by `t` pitches
@@ -15,12 +15,13 @@
 
 use super::error::ReductionError;
 use super::surface::Surface;
-use super::{Basis, Mounting, Wanted};
+use super::{Basis, Mounting, Wanted, compliance};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
 use crate::modes::{self, Options};
+use gearbench_models::gear::elastic::reduced::Residual;
 use gearbench_models::stiffness::Material;
 
 /// Modes whose squared frequencies differ by less than this fraction are one: rounding and the tolerance of the
@@ -78,6 +79,7 @@ pub fn of_mesh(
     let mut pull = vec![0.0; rigid.len()];
     assembly.mass.apply3(&rigid, &mut pull);
     let inertia = mounting.added_inertia + dot(&rigid, &pull);
+    let residual = compliance::of_assembly(mesh, &assembly, &nodes, mounting)?;
     drop(assembly);
 
     let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
@@ -105,7 +107,14 @@ pub fn of_mesh(
             }
         })
         .collect();
-    finish(nodes, mounting, inertia, tie.coordinates(), shapes)
+    finish(
+        nodes,
+        mounting,
+        inertia,
+        tie.coordinates(),
+        shapes,
+        residual,
+    )
 }
 
 /// Modes of a gear of equal teeth by the sector of tooth 0, with node sets `cut_low` and `cut_high`.
@@ -145,7 +154,15 @@ pub fn of_sector(
     let shapes = (0..found.modes.len())
         .map(|mode| cyclic_shape(&found, mode, &nodes, &rigid, &pull, bore))
         .collect();
-    finish(nodes, mounting, inertia, found.unknowns + own, shapes)
+    let residual = compliance::of_sector(sector, material, &nodes, mounting)?;
+    finish(
+        nodes,
+        mounting,
+        inertia,
+        found.unknowns + own,
+        shapes,
+        residual,
+    )
 }
 
 /// A mode of a cyclic gear at its flank nodes; `bore` is a node that the hub holds.
@@ -210,6 +227,7 @@ fn finish(
     inertia: f64,
     unknowns: usize,
     mut shapes: Vec<Shape>,
+    compliance: Residual,
 ) -> Result<Basis, ReductionError> {
     if mounting.free {
         let share = shapes.first().map_or(0.0, |s| {
@@ -259,7 +277,7 @@ fn finish(
         } else {
             of(|s| s.momentum)
         },
-        compliance: None,
+        compliance,
     })
 }
 

@@ -8,9 +8,9 @@
 //! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the files that were not used for
 //! longest go. A cache that cannot be read or written costs time, never a result.
 
-use super::Basis;
 use super::hash::Hash;
-use super::store::{self, Request};
+use super::store::{self, Meta};
+use super::{Basis, Request};
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -92,7 +92,7 @@ impl Cache {
                 hit: false,
             });
         };
-        let meta = request.meta(source);
+        let meta = Meta::new(request, source);
         let path = file(folder, meta.key);
         if let Ok(stored) = store::read(&path)
             && stored.meta.key == meta.key

@@ -1,6 +1,9 @@
 //! Pass 2: which modes are kept, and with what damping.
 //!
-//! Modes of a family are kept or cut together. They are ranked by frequency, lowest first, or by flank compliance,
+//! Modes of a family are kept or cut together: the two of a pair of equal frequency, without which teeth that are
+//! alike would yield differently. Larger families are not needed for that, and ranking pairs by the mean over all
+//! teeth keeps what one kind of shape makes over the harmonics together by itself where it is alike. Families are
+//! ranked by frequency, lowest first, or by flank compliance,
 //! largest first: the mean over the family of
 //!
 //! ```text
@@ -83,33 +86,49 @@ pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
     sums
 }
 
-/// The modes of a choice, ascending. A family that has no room any more is passed over for smaller ones.
+/// Modes that are kept or cut together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// Its modes.
+    pub modes: std::ops::Range<usize>,
+    /// By what it is ranked, the best have most: minus the frequency [rad/s], or the compliance per mode [m/N].
+    pub rank: f64,
+}
+
+/// The families among the candidates of a choice, best first; its number of modes does not count here.
 #[must_use]
-pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
-    let mut families: Vec<(f64, std::ops::Range<usize>)> = Vec::new();
+pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
     let compliances = match choice.by {
         Criterion::Frequency => Vec::new(),
         Criterion::FlankCompliance => flank_compliances(basis, choice.even_over_width),
     };
+    let mut families = Vec::new();
     let mut first = 0;
     for same in basis.family.chunk_by(|a, b| a == b) {
-        let range = first..first + same.len();
-        first = range.end;
+        let modes = first..first + same.len();
+        first = modes.end;
         let rank = match choice.by {
-            Criterion::Frequency => -basis.omega[range.start],
+            Criterion::Frequency => -basis.omega[modes.start],
             Criterion::FlankCompliance => {
-                compliances[range.clone()].iter().sum::<f64>() / same.len() as f64
+                compliances[modes.clone()].iter().sum::<f64>() / same.len() as f64
             }
         };
-        if range.end <= choice.candidates && basis.omega[range.end - 1] <= choice.highest {
-            families.push((rank, range));
+        if modes.end <= choice.candidates && basis.omega[modes.end - 1] <= choice.highest {
+            families.push(Family { modes, rank });
         }
     }
-    families.sort_by(|a, b| b.0.total_cmp(&a.0));
+    families.sort_by(|a, b| b.rank.total_cmp(&a.rank));
+    families
+}
+
+/// The modes of a choice, ascending. A family that has no room any more is passed over for smaller ones, but not
+/// where all modes below some frequency are meant.
+#[must_use]
+pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
     let mut kept = Vec::new();
-    for (_, range) in families {
-        if range.len() <= choice.count.saturating_sub(kept.len()) {
-            kept.extend(range);
+    for family in ranked(basis, choice) {
+        if family.modes.len() <= choice.count.saturating_sub(kept.len()) {
+            kept.extend(family.modes);
         } else if choice.by == Criterion::Frequency {
             break;
         }
@@ -140,7 +159,7 @@ impl ModalDamping {
 /// The kept modes of a basis as the elastic gear takes them; `residual`: with the compliance of all others.
 ///
 /// # Errors
-/// A damping ratio of one or more, a basis without the compliance that is asked for.
+/// A damping ratio of one or more, what [`without_modes`] declines.
 pub fn reduced(
     basis: &Basis,
     kept: &[usize],
@@ -168,20 +187,15 @@ pub fn reduced(
         shapes.extend(kept.iter().map(|&i| row[i]));
     }
     let hub = pick(&basis.hub);
-    let kept_modes = Kept {
-        omega: &omega,
-        shapes: &shapes,
-        hub: &hub,
-    };
-    let cut = match (&basis.compliance, residual) {
-        (_, false) => None,
-        (Some(total), true) => Some(without_modes(total, kept_modes)?),
-        (None, true) => {
-            return Err(ReductionError::Mismatch(
-                "the basis holds no static compliance: compute it, or truncate with `residual = false`"
-                    .into(),
-            ));
-        }
+    let residual = if residual {
+        let kept = Kept {
+            omega: &omega,
+            shapes: &shapes,
+            hub: &hub,
+        };
+        Some(without_modes(&basis.compliance, kept)?)
+    } else {
+        None
     };
     Ok(Reduced {
         flanks: basis.flanks.clone(),
@@ -193,6 +207,27 @@ pub fn reduced(
         shapes,
         hub,
         participation: pick(&basis.participation),
-        residual: cut,
+        residual,
     })
 }
+
+impl Basis {
+    /// The basis with some of its modes only, ascending; the compliance is that of the whole mesh as before.
+    #[must_use]
+    pub fn with_modes(&self, kept: &[usize]) -> Basis {
+        let modes = self.omega.len();
+        let pick = |x: &[f64]| kept.iter().map(|&i| x[i]).collect();
+        let rows = self.shapes.chunks_exact(modes.max(1));
+        Basis {
+            omega: pick(&self.omega),
+            family: kept.iter().map(|&i| self.family[i]).collect(),
+            shapes: rows.flat_map(|row| kept.iter().map(|&i| row[i])).collect(),
+            hub: pick(&self.hub),
+            participation: pick(&self.participation),
+            ..self.clone()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

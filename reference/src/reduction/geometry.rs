@@ -119,15 +119,20 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Distance of two flanks of one side over the teeth between them.
+/// Least distance along the travel of two flanks of one side.
 fn rack_pitch(basis: &Basis) -> f64 {
     let of = |side: Side| {
-        let mut own = basis.flanks.grids().iter().filter(|g| g.side == side);
-        let (first, last) = (own.next()?, own.next_back()?);
-        let (a, b) = (first.positions.first()?, last.positions.first()?);
-        Some((b.y - a.y) / (f64::from(last.tooth) - f64::from(first.tooth)))
+        let own = basis.flanks.grids().iter().filter(|g| g.side == side);
+        let mut places: Vec<f64> = own
+            .filter_map(|g| g.positions.first().map(|x| x.y))
+            .collect();
+        places.sort_by(f64::total_cmp);
+        let steps = places.windows(2).map(|w| w[1] - w[0]);
+        steps.fold(f64::INFINITY, f64::min)
     };
-    of(Side::Left)
-        .or_else(|| of(Side::Right))
-        .unwrap_or(f64::NAN)
+    let pitch = of(Side::Left).min(of(Side::Right));
+    if pitch.is_finite() { pitch } else { f64::NAN }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

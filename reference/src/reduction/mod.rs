@@ -14,13 +14,14 @@
 //! |---|---|
 //! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
 //! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
-//! | [`compliance`] | static compliance between these nodes and towards the hub |
-//! | [`pass1`] | modes and compliance together |
+//! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
 //! | [`choose`] | which modes are kept, and with what damping |
+//! | [`estimate`] | what a choice costs in accuracy, before any scene is run |
+//! | [`of_gear`], [`Request`] | what a gear of a scene needs, and all that its basis depends on |
 //! | [`shared`] | one basis for all that need the same |
 //! | [`store`] | a basis in a file that numpy opens |
 //! | [`cache`] | files of bases from run to run |
-//! | [`open`], [`Toothing`] | stored bases in a scene, held against its gears |
+//! | [`open`](mod@open), [`Toothing`] | stored bases in a scene, held against its gears |
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
@@ -30,12 +31,13 @@ pub mod choose;
 pub mod compliance;
 mod cutting;
 mod error;
+pub mod estimate;
 mod geometry;
 pub mod hash;
 mod mounting;
 mod of_gear;
 pub mod open;
-pub mod pass1;
+mod request;
 pub mod shared;
 pub mod store;
 pub mod surface;
@@ -45,15 +47,13 @@ pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
 pub use geometry::Toothing;
 pub use mounting::Mounting;
-pub use of_gear::{OfGear, mounting, of_gear};
+pub use of_gear::{OfGear, of_gear};
+pub use request::Request;
 pub use surface::Surface;
 
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::elastic::reduced::Residual;
-
-/// Hash of the sources of this crate: which way a basis was computed.
-pub(crate) const SOURCE_FINGERPRINT: &str = env!("GEARBENCH_REFERENCE_SOURCES");
 
 /// Pass 1: modes and static compliance of a gear at its flank nodes and its hub.
 #[derive(Clone, Debug)]
@@ -72,8 +72,7 @@ pub struct Basis {
     pub unknowns: usize,
     /// Angular frequencies of all modes found, ascending, rigid motion left out [rad/s].
     pub omega: Vec<f64>,
-    /// Modes that must be kept or cut together have the same number: pairs of equal frequency, and the harmonic
-    /// families of a cyclic gear.
+    /// Modes that must be kept or cut together have the same number: those of equal frequency.
     pub family: Vec<u32>,
     /// Shapes at the flank nodes along the normals, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: Vec<f64>,
@@ -81,8 +80,8 @@ pub struct Basis {
     pub hub: Vec<f64>,
     /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
     pub participation: Vec<f64>,
-    /// Compliance of the whole mesh: nothing is cut from it yet. `None` where only truncation is asked for.
-    pub compliance: Option<Residual>,
+    /// Compliance of the whole mesh: nothing is cut from it yet.
+    pub compliance: Residual,
 }
 
 /// Which modes are wanted, rigid motion not counted.

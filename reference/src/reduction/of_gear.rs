@@ -28,19 +28,13 @@ pub fn of_gear(model: &'static str, context: &GearContext<'_>) -> Result<OfGear,
         Some(sector) => (sector, true),
         None => (source.whole(&reader)?, false),
     };
+    let free = context.hub.coordinates() > 0;
     Ok(OfGear {
         mesh,
         sector,
-        mounting: mounting(context),
+        mounting: match context.body {
+            Body::Gear(_) => Mounting::gear(free, context.added_inertia),
+            Body::Rack(_) => Mounting::rack(free, context.added_inertia),
+        },
     })
-}
-
-/// How the hub of a gear is mounted.
-#[must_use]
-pub fn mounting(context: &GearContext<'_>) -> Mounting {
-    let free = context.hub.coordinates() > 0;
-    match context.body {
-        Body::Gear(_) => Mounting::gear(free, context.added_inertia),
-        Body::Rack(_) => Mounting::rack(free, context.added_inertia),
-    }
 }

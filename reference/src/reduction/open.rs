@@ -128,3 +128,6 @@ pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests;

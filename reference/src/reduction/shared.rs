@@ -4,8 +4,7 @@
 //! Who comes second waits for the first. A basis with more modes serves those who want fewer; they take the lowest
 //! of it, so a result does not depend on who came before.
 
-use super::store::Request;
-use super::{Basis, Mounting, ReductionError, Wanted, cache, pass1};
+use super::{Basis, Mounting, ReductionError, Request, Wanted, cache};
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -73,18 +72,17 @@ impl Wanted {
     }
 }
 
-/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once; `compliance`:
-/// with the static compliance.
+/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once, and not at all
+/// where the cache has it.
 ///
 /// # Errors
-/// As [`pass1::compute`].
+/// As [`Request::compute`].
 pub fn basis_of(
     mesh: &GearMesh,
     sector: bool,
     material: &Material,
     mounting: &Mounting,
     wanted: Wanted,
-    compliance: bool,
 ) -> Result<Arc<Basis>, ReductionError> {
     let key = Key::new(mesh, sector, material, mounting);
     // A basis that was not finished leaves an empty slot: nothing is lost with a poisoned lock.
@@ -95,7 +93,6 @@ pub fn basis_of(
     let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((held, found)) = &*slot
         && held.holds(wanted, found)
-        && (found.compliance.is_some() || !compliance)
     {
         return Ok(found.clone());
     }
@@ -105,12 +102,9 @@ pub fn basis_of(
         material: *material,
         mounting: *mounting,
         wanted,
-        compliance,
     };
-    let found = cache::in_use().basis(&request, "a scene", || {
-        pass1::compute(&request, &mut |_| {})
-    })?;
-    let found = found.basis;
+    let cached = cache::in_use().basis(&request, "a scene", || request.compute())?;
+    let found = cached.basis;
     *slot = Some((wanted, found.clone()));
     Ok(found)
 }

@@ -1,6 +1,7 @@
 //! The line of `elastic` in the table of gear models.
 
 use super::choose::{self, Choice, Criterion, ModalDamping};
+use super::estimate::Impacts;
 use super::{Basis, Wanted, open, shared};
 use crate::mesh_source::{self, Reader};
 use gearbench_models::gear::GearModel;
@@ -21,7 +22,7 @@ const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
 }
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 15] = mesh_source::with_own(&[
+static PARAMETERS: [ParameterInfo; 16] = mesh_source::with_own(&[
     optional(
         "reduction",
         "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",
@@ -38,6 +39,10 @@ static PARAMETERS: [ParameterInfo; 15] = mesh_source::with_own(&[
     optional(
         "residual",
         "true (default): modes that are cut stay as static compliance; false: plain truncation",
+    ),
+    optional(
+        "target_error",
+        "keeps the fewest modes whose estimated error of the force history, relative L2, is this or less",
     ),
     optional("damping_ratio", "damping ratio of all modes; default 0"),
     optional(
@@ -98,18 +103,41 @@ fn even_over_width(body: &Toothing) -> bool {
     }
 }
 
-/// The basis of a stored reduction, held against the gear and what is asked of it.
-fn stored(
-    reader: &Reader<'_>,
-    path: &str,
+/// How many modes are asked for.
+struct Asked {
     count: Option<usize>,
+    /// [Hz].
     max_frequency: Option<f64>,
-) -> Result<Arc<Basis>, BuildError> {
-    let own = mesh_source::PARAMETERS.iter().map(|p| p.key);
-    if let Some(key) = own
-        .into_iter()
-        .find(|k| reader.context.parameters.contains_key(*k))
-    {
+    /// An error says how many.
+    target: bool,
+}
+
+/// A basis, how many of its modes may be kept, and among how many of the lowest.
+type Found = (Arc<Basis>, usize, usize);
+
+/// The basis of the mesh that the parameters name.
+fn computed(reader: &Reader<'_>, asked: &Asked) -> Result<Found, BuildError> {
+    // A frequency alone keeps all modes below it; a target may take any number.
+    let (count, wanted) = match (asked.count, asked.max_frequency) {
+        (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
+        (None, None) if asked.target => (usize::MAX, Wanted::Count(LEAST_CANDIDATES)),
+        (count, _) => {
+            let count = count.unwrap_or(MODES);
+            (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
+        }
+    };
+    let of = super::of_gear(MODEL, reader.context)?;
+    let material = &reader.context.material;
+    let basis = shared::basis_of(&of.mesh, of.sector, material, &of.mounting, wanted)
+        .map_err(|e| reader.error("mesh", e.to_string()))?;
+    let candidates = shared::lowest(&basis, wanted);
+    Ok((basis, count, candidates))
+}
+
+/// The basis of a stored reduction, held against the gear and what is asked of it.
+fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, BuildError> {
+    let mut own = mesh_source::PARAMETERS.iter().map(|p| p.key);
+    if let Some(key) = own.find(|k| reader.context.parameters.contains_key(*k)) {
         return Err(reader.error(
             key,
             "stands beside `reduction`, which brings its own mesh; leave one of them out",
@@ -121,7 +149,7 @@ fn stored(
         return Err(error(format!("{path}: {misfit}")));
     }
     let modes = stored.basis.omega.len();
-    if let Some(n) = count.filter(|n| *n > modes) {
+    if let Some(n) = asked.count.filter(|n| *n > modes) {
         return Err(reader.error(
             "modes",
             format!(
@@ -130,15 +158,15 @@ fn stored(
         ));
     }
     let highest = stored.basis.omega.last().copied().unwrap_or(0.0) / std::f64::consts::TAU;
-    match max_frequency {
-        Some(f) if f > highest && count.is_none() => Err(reader.error(
+    match asked.max_frequency {
+        Some(f) if f > highest && asked.count.is_none() => Err(reader.error(
             "max_frequency_hz",
             format!(
                 "modes up to {f} Hz are asked for, but those of {path} end at {highest:.0} Hz; reduce the gear with \
                  `--max-frequency {f}`"
             ),
         )),
-        _ => Ok(stored.basis.clone()),
+        _ => Ok((stored.basis.clone(), asked.count.unwrap_or(modes), modes)),
     }
 }
 
@@ -161,51 +189,41 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let residual = reader.flag("residual")?.unwrap_or(true);
     let step = reader.number("step_s", None)?.unwrap_or(STEP);
     let max_frequency = reader.number("max_frequency_hz", None)?;
+    let target = reader.number("target_error", None)?;
+    if target.is_some() && !residual {
+        return Err(reader.error(
+            "target_error",
+            "is estimated for modes with the static compliance of the others; leave out `residual = false`",
+        ));
+    }
     let damping = damping(&reader)?;
 
+    let asked = Asked {
+        count,
+        max_frequency,
+        target: target.is_some(),
+    };
     let (basis, count, candidates) = match reader.text("reduction")? {
-        Some(path) => {
-            let basis = stored(&reader, path, count, max_frequency)?;
-            let all = basis.omega.len();
-            (basis, count.unwrap_or(all), all)
-        }
-        None => {
-            // A frequency alone keeps all modes below it.
-            let (count, wanted) = match (count, max_frequency) {
-                (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
-                (count, _) => {
-                    let count = count.unwrap_or(MODES);
-                    (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
-                }
-            };
-            let of = super::of_gear(MODEL, context)?;
-            let basis = shared::basis_of(
-                &of.mesh,
-                of.sector,
-                &context.material,
-                &of.mounting,
-                wanted,
-                residual,
-            )
-            .map_err(|e| reader.error("mesh", e.to_string()))?;
-            let candidates = shared::lowest(&basis, wanted);
-            (basis, count, candidates)
-        }
+        Some(path) => stored(&reader, path, &asked)?,
+        None => computed(&reader, &asked)?,
     };
     let highest = choose::highest_for_step(step)
         .min(max_frequency.map_or(f64::INFINITY, |f| std::f64::consts::TAU * f));
-    let kept = choose::choose(
-        &basis,
-        &Choice {
-            by,
-            count,
-            highest,
-            candidates,
-            even_over_width: even_over_width(context.body),
-        },
-    );
+    let choice = Choice {
+        by,
+        count,
+        highest,
+        candidates,
+        even_over_width: even_over_width(context.body),
+    };
+    let kept = match target {
+        None => choose::choose(&basis, &choice),
+        Some(target) => Impacts::new(&basis, context.lever, choice.even_over_width)
+            .fewest(&choice, target)
+            .map_err(|e| reader.error("target_error", e.to_string()))?,
+    };
     let reduced = choose::reduced(&basis, &kept, &damping, residual)
-        .map_err(|e| reader.error("residual", e.to_string()))?;
+        .map_err(|e| reader.error("modes", e.to_string()))?;
     let gear = Elastic::new(
         context.hub.clone(),
         context.lever,
@@ -213,4 +231,102 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Arc::new(reduced),
     );
     Ok(Box::new(gear.map_err(|e| reader.error("mesh", e))?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_models::Vec3;
+    use gearbench_models::gear::placement::Placement;
+    use gearbench_models::geometry::{Gear, GearParams};
+    use gearbench_models::mount::{Hub, Mount};
+    use gearbench_models::scene::spec::Parameters;
+    use gearbench_models::stiffness::Material;
+
+    fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {
+        let gear = Gear::new(GearParams {
+            teeth: 18,
+            module: 2e-3,
+            face_width: 5e-3,
+            bore_radius: 6e-3,
+            ..GearParams::default()
+        });
+        let gear = gear.unwrap();
+        let lever = gear.r_base();
+        let hub = Hub {
+            mount,
+            centre: Vec3::zeros(),
+            slide: None,
+            inertia: 1.0,
+        };
+        let mut all: Parameters = [
+            ("flank_elements", 3.0),
+            ("fillet_elements", 2.0),
+            ("across_elements", 6.0),
+            ("rim_elements", 2.0),
+            ("width_elements", 1.0),
+        ]
+        .into_iter()
+        .map(|(key, x)| (key.to_string(), Value::Number(x)))
+        .collect();
+        all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
+        let context = GearContext {
+            name: "pinion",
+            body: &Toothing::Gear(gear),
+            material: Material::STEEL,
+            hub: &hub,
+            added_inertia: 0.0,
+            placement: Placement::new(&hub, 0.1),
+            lever,
+            parameters: &all,
+        };
+        ROW.build(&context)
+            .map(|g| g.coordinates().n - hub.coordinates())
+    }
+
+    #[test]
+    fn parameters_say_which_modes() {
+        let number = |x: f64| Value::Number(x);
+        let word = |x: &str| Value::Text(x.into());
+        let modes = built(Mount::Revolute, &[("modes", number(30.0))]).unwrap();
+        assert!((29..=30).contains(&modes));
+        let held = built(Mount::Fixed, &[("modes", number(0.0))]).unwrap();
+        assert_eq!(held, 0);
+        let below = [
+            ("max_frequency_hz", number(2e5)),
+            ("residual", Value::Flag(false)),
+        ];
+        let below = built(Mount::Revolute, &below).unwrap();
+        assert!(below > 20);
+        // A longer step carries fewer.
+        let slow = [("max_frequency_hz", number(2e5)), ("step_s", number(8e-6))];
+        assert!(built(Mount::Revolute, &slow).unwrap() < below);
+        let coarse = built(Mount::Revolute, &[("target_error", number(0.03))]).unwrap();
+        let fine = built(
+            Mount::Revolute,
+            &[("target_error", number(0.01)), ("step_s", number(4e-7))],
+        )
+        .unwrap();
+        assert!(0 < coarse && coarse < fine);
+        for (parameters, message) in [
+            (vec![("choose", word("best"))], "\"best\" is not known"),
+            (vec![("rayleigh", number(1.0))], "[alpha, beta]"),
+            (
+                vec![("target_error", number(1e-9)), ("modes", number(20.0))],
+                "allow more modes",
+            ),
+            (
+                vec![
+                    ("target_error", number(0.1)),
+                    ("residual", Value::Flag(false)),
+                ],
+                "leave out",
+            ),
+            (vec![("damping_ratio", number(1.5))], "damp less"),
+            (vec![("modes", number(1.5))], "whole number"),
+        ] {
+            let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
+            assert!(e.contains(message), "{e}");
+        }
+    }
 }

@@ -11,8 +11,10 @@ mod histories;
 mod lines;
 mod mesh;
 mod modes;
+pub(crate) mod penalty;
 mod stiffness;
 mod style;
+pub(crate) mod sweep;
 
 pub use canvas::DrawError;
 pub use stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
@@ -34,7 +36,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 9] = [
+pub(crate) const FILES: [&str; 15] = [
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -44,6 +46,12 @@ pub(crate) const FILES: [&str; 9] = [
     "frequencies.svg",
     "modes_peak.svg",
     "modes_cost.svg",
+    "sweep.svg",
+    "sweep_spectra.svg",
+    "sweep_harmonics.svg",
+    "sweep_cycles.svg",
+    "penalty.svg",
+    "penalty_distance.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -56,6 +64,14 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
         let mut all = modes::modes(&view)?;
         all.extend(histories::force(&view)?);
         return Ok(all);
+    }
+    if penalty::applies(&view) {
+        let mut all = penalty::penalty(&view)?;
+        all.extend(histories::force(&view)?);
+        return Ok(all);
+    }
+    if sweep::applies(&view) {
+        return sweep::sweep(&view);
     }
     let all = [
         histories::force(&view)?,

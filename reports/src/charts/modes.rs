@@ -191,7 +191,8 @@ pub fn modes(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     charts.extend(frequencies(view, &shown, &legend, &against)?);
 
     // Peak and impulse.
-    let metrics: [(&str, fn(&Metrics) -> Option<f64>); 2] = [
+    type Get = fn(&Metrics) -> Option<f64>;
+    let metrics: [(&str, Get); 2] = [
         ("peak-force error [%]", |m| m.peak_force_rel),
         ("impulse error [%]", |m| m.impulse_rel),
     ];
@@ -234,7 +235,7 @@ fn frequencies(
         .collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
     let high = all.iter().copied().fold(0.0, f64::max);
-    if !(low < high) {
+    if low >= high {
         return Ok(None);
     }
     let y = |r: &Run| percent_of(r, against, |m| m.force_l2);

@@ -5,7 +5,9 @@
 
 mod finding;
 mod modes;
+mod penalty;
 mod sections;
+mod sweep;
 mod table;
 
 use crate::charts::Chart;
@@ -57,11 +59,15 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
         match results.study.as_str() {
             "modes" => modes::finding(&view),
+            "sweep" => sweep::finding(&view),
+            "penalty" => penalty::finding(&view),
             _ => finding::finding(&view),
         }
     ));
     out.push_str(&match results.study.as_str() {
         "modes" => modes::tables(&view),
+        "sweep" => sweep::tables(&view),
+        "penalty" => penalty::tables(&view),
         _ => sections::glance(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -74,9 +80,13 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             escape(&chart.caption),
         ));
     }
-    out.push_str(&sections::metrics(&view));
-    out.push_str(&sections::work(&view));
-    out.push_str(&sections::ledger(&view));
+    if results.study == "sweep" {
+        out.push_str(&sweep::speeds(&view));
+    } else {
+        out.push_str(&sections::metrics(&view));
+        out.push_str(&sections::work(&view));
+        out.push_str(&sections::ledger(&view));
+    }
     out.push_str(&sections::failures(&view));
     out.push_str(&sections::setting(&view));
     out.push_str("</main>\n</body>\n</html>\n");

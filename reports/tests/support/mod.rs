@@ -3,6 +3,7 @@
 //! The numbers look like a study and are none: the force of a run is a half-sine with the errors
 //! that are asked for, the outlines are involutes with straight roots.
 
+use gearbench_reports::record::{Bearing, StaticCycle, Steady};
 use gearbench_reports::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Outline, ReferenceSeries, Results, Run, Status,
     TimeSeries, Tolerance, compare,
@@ -400,6 +401,140 @@ pub fn mode_results() -> Results {
             },
             calculix,
         ],
+        runs,
+        ..base
+    }
+}
+
+/// A sweep of two models over their mesh resonance, one run failed.
+pub fn sweep_results() -> Results {
+    let base = impact_results();
+    let (mut runs, mut statics) = (Vec::new(), Vec::new());
+    let position: Vec<f64> = (0..64).map(|i| (f64::from(i) + 0.5) / 64.0 - 0.5).collect();
+    for (model, resonance) in [("rigid", 6000.0), ("elastic", 5500.0)] {
+        let amplitude = |k: usize, f: f64| {
+            let r = f * k as f64 / resonance;
+            2e-6 / (k * k) as f64 / ((1.0 - r * r).powi(2) + (0.1 * r).powi(2)).sqrt()
+        };
+        let cycle = |f: f64| -> Vec<f64> {
+            (position.iter())
+                .map(|p| {
+                    let of = |k: usize| amplitude(k, f) * (2.0 * PI * k as f64 * p).cos();
+                    10e-6 + (1..=12).map(of).sum::<f64>()
+                })
+                .collect()
+        };
+        let spread = |x: &[f64]| {
+            x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
+        };
+        let still = cycle(0.0);
+        statics.push(StaticCycle {
+            label: model.into(),
+            force_n: 2700.0,
+            position: position.clone(),
+            error_peak_to_peak_m: spread(&still),
+            error_m: still,
+            error_mean_m: 10e-6,
+            tangent_n_per_m: 2.7e8,
+            resonance_hz: Some(resonance),
+        });
+        for i in 0..30 {
+            let f = 500.0 + 300.0 * f64::from(i);
+            let error = cycle(f);
+            let harmonics: Vec<f64> = (1..=12).map(|k| amplitude(k, f)).collect();
+            let peak = 2700.0 * (1.0 + 0.05e6 * spread(&error));
+            let bearing = |gear: &str| Bearing {
+                gear: gear.into(),
+                own_inertia: model == "elastic",
+                mean_n: 2700.0,
+                rms_n: 1e8 * harmonics[0],
+                harmonics_n: harmonics.iter().map(|a| 2e8 * a).collect(),
+            };
+            let mut run = Run {
+                model: model.into(),
+                integrator: "velocity-verlet".into(),
+                step: Some(2e-7),
+                wall_s: 0.1,
+                simulated_s: 0.01,
+                steps: 50_000,
+                steady: Some(Steady {
+                    mesh_frequency_hz: f,
+                    speed_rad_s: f / 16.0 * 2.0 * PI,
+                    cycles: 8,
+                    error_mean_m: 10e-6,
+                    error_rms_m: (harmonics.iter().map(|a| 0.5 * a * a).sum::<f64>()).sqrt(),
+                    error_peak_to_peak_m: spread(&error),
+                    error_harmonics_m: harmonics.clone(),
+                    force_mean_n: 2700.0,
+                    force_peak_n: peak,
+                    separated: if spread(&error) > 30e-6 { 0.2 } else { 0.0 },
+                    irregular: 1e-4,
+                    bearings: vec![bearing("pinion"), bearing("wheel")],
+                    position: position.clone(),
+                    force_cycle_n: vec![2700.0; position.len()],
+                    error_cycle_m: error,
+                }),
+                ..Run::default()
+            };
+            if model == "elastic" && i == 21 {
+                run.status = Status::EnergyGrowth;
+                run.message = Some("made up".into());
+            }
+            runs.push(run);
+        }
+    }
+    Results {
+        scene: "loaded_mesh".into(),
+        study: "sweep".into(),
+        command: "gearbench sweep loaded_mesh".into(),
+        tolerance: None,
+        references: Vec::new(),
+        statics,
+        runs,
+        ..base
+    }
+}
+
+/// A study of penalties that come to hard contact, the stiffest failed.
+pub fn penalty_results() -> Results {
+    let base = impact_results();
+    let hard = impact(1.9e-5, 3610.0, 0.05, 1e-6);
+    let mut runs = Vec::new();
+    for i in 0..=9 {
+        let penalty = (i < 9).then(|| 1e13 * 10f64.powf(0.5 * f64::from(i)));
+        let off = penalty.map_or(0.0, |p| 0.3 / (1.0 + p / 1e13));
+        let series = impact(1.9e-5, 3610.0 * (1.0 - off), 0.05, 1e-6);
+        let mut run = Run {
+            model: "elastic".into(),
+            integrator: "trigonometric".into(),
+            step: Some(1e-6),
+            wall_s: 1e-3,
+            simulated_s: 1.34e-4,
+            steps: 134,
+            penalty_pa_per_m: penalty,
+            hard: penalty.is_none().then_some(true),
+            static_error_m: Some(1e-5 * (1.0 + off)),
+            metrics: vec![compare(&series, &Ledger::default(), &hard, "hard")],
+            series: (i % 3 == 0).then_some(series),
+            ..Run::default()
+        };
+        if i == 8 {
+            run.status = Status::BlowUp;
+            run.message = Some("made up".into());
+        }
+        runs.push(run);
+    }
+    Results {
+        study: "penalty".into(),
+        command: "gearbench penalty spur_impact".into(),
+        tolerance: None,
+        references: vec![ReferenceSeries {
+            id: "hard".into(),
+            title: "hard contact".into(),
+            source: "the last run of this record".into(),
+            series: hard,
+            ..ReferenceSeries::default()
+        }],
         runs,
         ..base
     }

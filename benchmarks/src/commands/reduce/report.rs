@@ -197,7 +197,7 @@ fn of_modes(basis: &Basis, asked: &str) -> String {
 
 /// The compliance in the middle of the first flank, and how much of it the modes have.
 fn of_compliance(basis: &Basis) -> Option<String> {
-    let c = basis.compliance.as_ref()?;
+    let c = &basis.compliance;
     let g = basis.flanks.grids().first()?;
     let node = g.nodes[(g.rows / 2) * g.columns + g.columns / 2];
     let own = c.flanks.between(node, node, basis.normals.len());

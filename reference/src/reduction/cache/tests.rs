@@ -37,7 +37,6 @@ fn request(mesh: &GearMesh) -> Request<'_> {
         mounting: Mounting::gear(true, 0.0),
         wanted: Wanted::Count(20),
         sector: false,
-        compliance: true,
     }
 }
 
@@ -178,10 +177,6 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
         },
         Request {
             sector: true,
-            ..base
-        },
-        Request {
-            compliance: false,
             ..base
         },
         mounted(Mounting::gear(false, 0.0)),

@@ -133,10 +133,6 @@ impl<'a> Reader<'a> {
         Ok(Reader { archive, entries })
     }
 
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.entries.contains_key(name)
-    }
-
     fn missing(&self, name: &str) -> StoreError {
         let there: Vec<&str> = self.entries.keys().map(String::as_str).take(40).collect();
         StoreError::new(

@@ -59,11 +59,7 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         (SHAPES, b.shapes.len(), nodes.saturating_mul(modes)),
         (HUB, b.hub.len(), modes),
         (PARTICIPATION, b.participation.len(), modes),
-        (
-            HUB_FLANK,
-            b.compliance.as_ref().map_or(nodes, |c| c.hub.len()),
-            nodes,
-        ),
+        (HUB_FLANK, b.compliance.hub.len(), nodes),
     ];
     for (array, found, expected) in lengths {
         if found != expected {
@@ -126,17 +122,16 @@ fn flanks_problem(flanks: &Flanks, nodes: usize, teeth: u32) -> Option<StoreErro
 
 fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     let nodes = b.normals.len();
-    let c = match b.compliance.as_ref().map(|c| &c.flanks) {
-        None => None,
-        Some(FlankCompliance::Full(c)) => {
+    let c = match &b.compliance.flanks {
+        FlankCompliance::Full(c) => {
             let expected = nodes.checked_mul(nodes);
             (expected != Some(c.len())).then(|| format!("({nodes}, {nodes})"))
         }
-        Some(FlankCompliance::Cyclic {
+        FlankCompliance::Cyclic {
             teeth,
             per_tooth,
             blocks,
-        }) => {
+        } => {
             let fits = *teeth == meta.teeth as usize
                 && teeth.checked_mul(*per_tooth) == Some(nodes)
                 && nodes.checked_mul(*per_tooth) == Some(blocks.len());
@@ -158,13 +153,8 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
             MAKE_AGAIN,
         ));
     }
-    let (blocks, hub_flank, hub_hub): (&[f64], &[f64], f64) = match &b.compliance {
-        None => (&[], &[], 0.0),
-        Some(c) => match &c.flanks {
-            FlankCompliance::Full(x) | FlankCompliance::Cyclic { blocks: x, .. } => {
-                (x, &c.hub, c.hub_hub)
-            }
-        },
+    let blocks = match &b.compliance.flanks {
+        FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c,
     };
     let finite: [(&str, &[f64]); 9] = [
         (OMEGA, &b.omega),
@@ -172,8 +162,8 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         (HUB, &b.hub),
         (PARTICIPATION, &b.participation),
         (COMPLIANCE, blocks),
-        (HUB_FLANK, hub_flank),
-        (HUB_HUB, &[hub_hub]),
+        (HUB_FLANK, &b.compliance.hub),
+        (HUB_HUB, &[b.compliance.hub_hub]),
         (INERTIA, &[b.inertia]),
         (ADDED, &[b.added_inertia]),
     ];
@@ -237,20 +227,18 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     w.f64s(SHAPES, &[nodes, modes], b.shapes.iter().copied())?;
     w.f64s(HUB, &[modes], b.hub.iter().copied())?;
     w.f64s(PARTICIPATION, &[modes], b.participation.iter().copied())?;
-    if let Some(c) = &b.compliance {
-        let (shape, blocks) = match &c.flanks {
-            FlankCompliance::Full(c) => (vec![nodes, nodes], c),
-            FlankCompliance::Cyclic {
-                teeth,
-                per_tooth,
-                blocks,
-            } => (vec![*teeth, *per_tooth, *per_tooth], blocks),
-        };
-        w.f64s(COMPLIANCE, &shape, blocks.iter().copied())?;
-        w.f64s(HUB_FLANK, &[nodes], c.hub.iter().copied())?;
-        w.f64s(HUB_HUB, &[], std::iter::once(c.hub_hub))?;
-    }
+    let (shape, blocks) = match &b.compliance.flanks {
+        FlankCompliance::Full(c) => (vec![nodes, nodes], c),
+        FlankCompliance::Cyclic {
+            teeth,
+            per_tooth,
+            blocks,
+        } => (vec![*teeth, *per_tooth, *per_tooth], blocks),
+    };
+    w.f64s(COMPLIANCE, &shape, blocks.iter().copied())?;
+    w.f64s(HUB_FLANK, &[nodes], b.compliance.hub.iter().copied())?;
     for (name, x) in [
+        (HUB_HUB, b.compliance.hub_hub),
         (INERTIA, b.inertia),
         (ADDED, b.added_inertia),
         (YOUNG, meta.material.young),
@@ -377,11 +365,6 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     if let Some(f) = family.iter().find(|f| **f < 0) {
         return Err(value(FAMILY, "numbers of families from 0", f.to_string()));
     }
-    let compliance = [COMPLIANCE, HUB_FLANK, HUB_HUB]
-        .iter()
-        .any(|name| r.has(name))
-        .then(|| read_compliance(r, nodes, teeth))
-        .transpose()?;
     let basis = Basis {
         flanks,
         normals: vectors(&normals),
@@ -394,7 +377,7 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
         shapes: r.f64s(SHAPES, &[Axis::Is(nodes), Axis::Is(modes)])?.1,
         hub: r.f64s(HUB, &[Axis::Is(modes)])?.1,
         participation: r.f64s(PARTICIPATION, &[Axis::Is(modes)])?.1,
-        compliance,
+        compliance: read_compliance(r, nodes, teeth)?,
     };
     let elements = ElementKind::ALL.map(|k| (k.name(), k));
     let meta = Meta {

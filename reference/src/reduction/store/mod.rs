@@ -17,9 +17,9 @@ pub(super) mod tests;
 pub use error::{StoreError, StoreErrorKind};
 
 use super::hash::Hash;
-use super::{Basis, Mounting, Wanted};
+use super::{Basis, Request, Wanted};
 use crate::assembly::tie::HubMotion;
-use crate::mesh::{ElementKind, GearMesh};
+use crate::mesh::ElementKind;
 use archive::Reader;
 use gearbench_models::stiffness::Material;
 use std::fs::{self, File};
@@ -79,108 +79,24 @@ pub struct Meta {
     pub asked: String,
 }
 
-/// What a basis is computed from.
-#[derive(Clone, Copy, Debug)]
-pub struct Request<'a> {
-    /// The mesh.
-    pub mesh: &'a GearMesh,
-    /// The mesh is the sector of tooth 0 of a gear whose teeth are all alike.
-    pub sector: bool,
-    /// Material.
-    pub material: Material,
-    /// How the hub is mounted.
-    pub mounting: Mounting,
-    /// Modes to find.
-    pub wanted: Wanted,
-    /// With the static compliance of the mesh.
-    pub compliance: bool,
-}
-
-impl Request<'_> {
-    /// Hash of the mesh.
+impl Meta {
+    /// What a file says of a basis that was computed from this request; `source` tells in words where the mesh is
+    /// from.
     #[must_use]
-    pub fn mesh_hash(&self) -> Hash {
-        let gear = self.mesh;
-        let mut h = Hash::START;
-        h.text(gear.mesh.kind.name());
-        h.count(gear.mesh.nodes.len());
-        gear.mesh.nodes.iter().for_each(|x| h.vector(x));
-        h.numbers(&gear.mesh.connectivity);
-        h.count(gear.teeth as usize);
-        h.numbers(&gear.bore);
-        h.count(gear.flanks.len());
-        for g in &gear.flanks {
-            h.count(g.tooth as usize);
-            h.count(g.side as usize);
-            h.count(g.rows);
-            h.count(g.columns);
-            h.numbers(&g.nodes);
-            g.positions.iter().for_each(|x| h.vector(x));
-        }
-        // The cuts of a sector join it to its copies.
-        for name in ["cut_low", "cut_high"] {
-            match gear.mesh.node_sets.get(name) {
-                Some(nodes) => h.numbers(nodes),
-                None => h.count(0),
-            }
-        }
-        h
-    }
-
-    /// Hash of everything that the basis depends on, the program's way to compute it included.
-    #[must_use]
-    pub fn key(&self) -> Hash {
-        let mut h = Hash::START;
-        h.text(super::SOURCE_FINGERPRINT);
-        h.count(SCHEMA as usize);
-        h.hash(self.mesh_hash());
-        let m = &self.material;
-        [m.young, m.poisson, m.density]
-            .iter()
-            .for_each(|x| h.number(*x));
-        h.count(usize::from(self.mounting.free));
-        match self.mounting.motion {
-            HubMotion::Turn => h.text("turn"),
-            HubMotion::TurnAbout(axis) => {
-                h.text("turn about");
-                h.vector(&axis);
-            }
-            HubMotion::Slide(direction) => {
-                h.text("slide");
-                h.vector(&direction);
-            }
-        }
-        h.number(self.mounting.added_inertia);
-        match self.wanted {
-            Wanted::Count(n) => {
-                h.text("count");
-                h.count(n);
-            }
-            Wanted::UpTo(f) => {
-                h.text("up to");
-                h.number(f);
-            }
-        }
-        h.count(usize::from(self.sector));
-        h.count(usize::from(self.compliance));
-        h
-    }
-
-    /// What a file says of a basis that was computed from this; `source` tells in words where the mesh is from.
-    #[must_use]
-    pub fn meta(&self, source: &str) -> Meta {
+    pub fn new(request: &Request<'_>, source: &str) -> Self {
+        let mesh = &request.mesh.mesh;
         Meta {
             program: concat!("gearbench ", env!("CARGO_PKG_VERSION")).to_owned(),
             source: source.to_owned(),
-            mesh: self.mesh_hash(),
-            key: self.key(),
-            motion: self.mounting.motion.into(),
-            material: self.material,
-            element: self.mesh.mesh.kind,
-            teeth: self.mesh.teeth,
-            nodes: self.mesh.mesh.nodes.len(),
-            elements: self.mesh.mesh.element_count(),
-            asked: match self.wanted {
+            mesh: request.mesh_hash(),
+            key: request.key(),
+            motion: request.mounting.motion.into(),
+            material: request.material,
+            element: mesh.kind,
+            teeth: request.mesh.teeth,
+            nodes: mesh.nodes.len(),
+            elements: mesh.element_count(),
+            asked: match request.wanted {
                 Wanted::Count(n) => format!("{n} modes"),
                 Wanted::UpTo(f) => format!("modes up to {f} Hz"),
             },

@@ -1,0 +1,172 @@
+use super::*;
+use crate::mesh::{self, ElementKind, GearMeshParams, RackMeshParams, Tooth};
+use crate::reduction::{Mounting, Wanted, basis};
+use gearbench_models::gear::elastic::reduced::FlankCompliance;
+use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+use gearbench_models::stiffness::Material;
+
+/// All modes of a small rack.
+fn rack() -> Basis {
+    let rack = Rack::new(RackParams {
+        module: 2e-3,
+        teeth: 3,
+        face_width: 4e-3,
+        ..RackParams::default()
+    })
+    .unwrap();
+    let params = RackMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        body: 2,
+        width: 1,
+        ..RackMeshParams::default()
+    };
+    let mesh = mesh::rack(&rack, &params).unwrap();
+    let wanted = Wanted::Count(usize::MAX / 2);
+    basis::of_mesh(&mesh, &Material::STEEL, &Mounting::rack(true, 0.01), wanted).unwrap()
+}
+
+fn gear() -> Basis {
+    let gear = Gear::new(GearParams {
+        teeth: 18,
+        module: 2e-3,
+        face_width: 5e-3,
+        bore_radius: 6e-3,
+        ..GearParams::default()
+    })
+    .unwrap();
+    let params = GearMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        rim: 2,
+        width: 2,
+        ..GearMeshParams::default()
+    };
+    let sector = mesh::sector(&gear, &params).unwrap();
+    let mounting = Mounting::gear(true, 1e-6);
+    basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(120)).unwrap()
+}
+
+fn choice(count: usize, by: Criterion) -> Choice {
+    Choice {
+        by,
+        count,
+        candidates: usize::MAX,
+        highest: f64::INFINITY,
+        even_over_width: false,
+    }
+}
+
+/// Together all modes yield what the mesh yields in statics.
+#[test]
+fn compliances_of_all_modes_add_up_to_the_static_one() {
+    let b = rack();
+    let FlankCompliance::Full(c) = &b.compliance.flanks else {
+        panic!("a rack is not cyclic")
+    };
+    let n = b.normals.len();
+    for even in [false, true] {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (g, grid) in b.flanks.grids().iter().enumerate() {
+            let areas = reference_areas(&b.flanks, g, PointRule::Nodes);
+            let together = if even { grid.columns } else { 1 };
+            for (nodes, areas) in grid.nodes.chunks(together).zip(areas.chunks(together)) {
+                let area: f64 = areas.iter().sum();
+                for (i, a) in nodes.iter().zip(areas) {
+                    for (j, b) in nodes.iter().zip(areas) {
+                        sum += a * b / area * c[*i as usize * n + *j as usize];
+                    }
+                }
+                total += area;
+            }
+        }
+        let of_modes: f64 = flank_compliances(&b, even).iter().sum();
+        let exact = sum / total;
+        assert!((of_modes / exact - 1.0).abs() < 1e-7, "{of_modes} {exact}");
+    }
+}
+
+#[test]
+fn choices_grow_and_keep_families_whole() {
+    let b = gear();
+    for by in [Criterion::Frequency, Criterion::FlankCompliance] {
+        let mut share = 0.0;
+        for count in [0, 7, 20, 41, 80, 1000] {
+            let kept = choose(&b, &choice(count, by));
+            assert!(kept.len() <= count && kept.len() + 2 > count.min(b.omega.len()));
+            assert!(kept.is_sorted_by(|a, b| a < b));
+            for &i in &kept {
+                let mut family = (0..b.family.len()).filter(|j| b.family[*j] == b.family[i]);
+                assert!(family.all(|j| kept.contains(&j)), "half of a family");
+            }
+            let compliances = flank_compliances(&b, false);
+            let of_kept: f64 = kept.iter().map(|&i| compliances[i]).sum();
+            assert!(of_kept >= share);
+            share = of_kept;
+            if by == Criterion::FlankCompliance && kept.len() == count {
+                // No other families of as many modes yield more.
+                let lowest = choose(&b, &choice(count, Criterion::Frequency));
+                assert!(of_kept >= lowest.iter().map(|&i| compliances[i]).sum::<f64>());
+            }
+        }
+    }
+    let half = 0.5 * (b.omega[50] + b.omega[51]);
+    let low = choose(
+        &b,
+        &Choice {
+            highest: half,
+            candidates: 45,
+            ..choice(1000, Criterion::FlankCompliance)
+        },
+    );
+    assert!(low.iter().all(|&i| b.omega[i] < half && i < 45));
+}
+
+/// On a spur gear shapes are even or odd over the width; odd ones do not yield to an even load.
+#[test]
+fn shapes_odd_over_the_width_do_not_count_where_contact_is_even() {
+    let b = gear();
+    let (all, even) = (flank_compliances(&b, false), flank_compliances(&b, true));
+    let odd = all
+        .iter()
+        .zip(&even)
+        .filter(|(a, e)| **e < 1e-9 * **a)
+        .count();
+    assert!(odd > 20 && odd < b.omega.len() - 20, "{odd}");
+    let kept = choose(
+        &b,
+        &Choice {
+            even_over_width: true,
+            ..choice(30, Criterion::FlankCompliance)
+        },
+    );
+    assert!(kept.iter().all(|&i| even[i] > 1e-3 * all[i]));
+}
+
+#[test]
+fn reduced_gears_are_sound_and_damping_is_what_was_asked() {
+    let b = gear();
+    let kept = choose(&b, &choice(30, Criterion::FlankCompliance));
+    let damping = ModalDamping {
+        ratio: 0.01,
+        alpha: 100.0,
+        beta: 1e-8,
+    };
+    let with = reduced(&b, &kept, &damping, true).unwrap();
+    let without = reduced(&b, &kept, &damping, false).unwrap();
+    assert_eq!(with.problem(), None);
+    assert_eq!(without.problem(), None);
+    assert!(with.residual.is_some() && without.residual.is_none());
+    let none = reduced(&b, &[], &damping, true).unwrap();
+    assert_eq!(none.problem(), None);
+    let w = with.omega[3];
+    assert_eq!(with.damping[3], 0.01 + 0.5 * (100.0 / w + 1e-8 * w));
+    let strong = ModalDamping {
+        beta: 1e-5,
+        ..ModalDamping::default()
+    };
+    let message = reduced(&b, &kept, &strong, true).unwrap_err().to_string();
+    assert!(message.contains("damp less"), "{message}");
+}

@@ -1,0 +1,115 @@
+use super::*;
+use crate::mesh::{self, ElementKind, GearMeshParams, Tooth};
+use crate::reduction::choose::{Criterion, choose};
+use crate::reduction::{Mounting, Wanted, basis};
+use gearbench_models::geometry::{Gear, GearParams};
+use gearbench_models::stiffness::Material;
+
+const LEVER: f64 = 0.0188;
+
+fn pinion() -> Basis {
+    let gear = Gear::new(GearParams {
+        teeth: 20,
+        module: 2e-3,
+        face_width: 5e-3,
+        bore_radius: 8e-3,
+        ..GearParams::default()
+    })
+    .unwrap();
+    let params = GearMeshParams {
+        kind: ElementKind::C3D8,
+        tooth: Tooth::coarse(),
+        layers: 1,
+        rim: 2,
+        width: 1,
+        ..GearMeshParams::default()
+    };
+    let sector = mesh::sector(&gear, &params).unwrap();
+    let mounting = Mounting::gear(true, 0.0);
+    basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(300)).unwrap()
+}
+
+fn choice(count: usize, by: Criterion) -> Choice {
+    Choice {
+        by,
+        count,
+        candidates: usize::MAX,
+        highest: f64::INFINITY,
+        even_over_width: true,
+    }
+}
+
+/// Without modes it is a mass on a spring: half a sine.
+#[test]
+fn without_modes_the_impact_is_half_a_sine() {
+    let basis = pinion();
+    let impacts = Impacts::new(&basis, LEVER, true);
+    for probe in &impacts.probes {
+        let compliance = (1.0 + LAW) * probe.compliance;
+        let force = impacts.force(probe, &[]);
+        let peak = (impacts.mass / compliance).sqrt();
+        let end = HALF_PERIODS * std::f64::consts::PI;
+        for (i, f) in force.iter().enumerate() {
+            let angle = end * (i + 1) as f64 / SAMPLES as f64;
+            let exact = if angle < std::f64::consts::PI {
+                peak * angle.sin()
+            } else {
+                0.0
+            };
+            assert!((f - exact).abs() < 0.01 * peak, "{i}: {f} {exact}");
+        }
+    }
+}
+
+#[test]
+fn more_modes_are_nearer_and_all_modes_are_the_reference() {
+    let basis = pinion();
+    let impacts = Impacts::new(&basis, LEVER, true);
+    let error = |count: usize, by: Criterion| impacts.error(&choose(&basis, &choice(count, by)));
+    let by = Criterion::FlankCompliance;
+    assert_eq!(error(usize::MAX, by), 0.0);
+    // A few modes without their likes may be worse than none.
+    let errors = [0, 80, 110, 140].map(|count| error(count, by));
+    for pair in errors.windows(2) {
+        assert!(pair[1] < pair[0], "{errors:?}");
+    }
+    assert!(errors[0] > 0.02 && errors[3] < 0.01, "{errors:?}");
+    // Of equally many, those that yield most at the flanks are nearer than the lowest.
+    assert!(error(80, by) < error(80, Criterion::Frequency));
+}
+
+#[test]
+fn the_fewest_modes_meet_the_target_and_one_family_less_does_not() {
+    let basis = pinion();
+    let impacts = Impacts::new(&basis, LEVER, true);
+    let all = choice(usize::MAX, Criterion::FlankCompliance);
+    let mut before = 0;
+    for target in [0.02, 0.01, 0.005] {
+        let kept = impacts.fewest(&all, target).unwrap();
+        assert!(impacts.error(&kept) <= target && kept.len() >= before);
+        before = kept.len();
+        let fewer = choose(
+            &basis,
+            &Choice {
+                count: kept.len() - 1,
+                ..all
+            },
+        );
+        let families = ranked(&basis, &all);
+        let mut count = 0;
+        let place = families.iter().position(|f| {
+            count += f.modes.len();
+            count == kept.len()
+        });
+        // The last family taken is the one that made it.
+        let last = &families[place.unwrap()].modes;
+        let without: Vec<usize> = kept.iter().copied().filter(|i| !last.contains(i)).collect();
+        assert!(impacts.error(&without) > target);
+        assert!(fewer.len() < kept.len());
+    }
+    let message = impacts
+        .fewest(&Choice { count: 10, ..all }, 1e-4)
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("allow more modes"), "{message}");
+}

@@ -1,0 +1,123 @@
+//! Records of loaded running: what a run settles to over whole mesh cycles, and the static limit beside it.
+//!
+//! Transmission error is how far the first gear has turned ahead of rigid, unmodified flanks in touch, on the line of
+//! action \[m\]: positive under load. Positions in a cycle are path coordinates of the reference pair from the pitch
+//! point over the base pitch, as the second gear has it. Harmonics are amplitudes (half of peak to peak) at one, two,
+//! ... times the mesh frequency.
+
+use serde::{Deserialize, Serialize};
+
+/// Steady running at one speed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Steady {
+    /// Mesh frequency \[Hz\], of the mean speed in the window.
+    pub mesh_frequency_hz: f64,
+    /// Mean speed of the first gear [rad/s].
+    pub speed_rad_s: f64,
+    /// Whole mesh cycles that were measured.
+    pub cycles: usize,
+    /// Mean transmission error \[m\].
+    pub error_mean_m: f64,
+    /// Root mean square about the mean \[m\].
+    pub error_rms_m: f64,
+    /// Greatest less least \[m\].
+    pub error_peak_to_peak_m: f64,
+    /// Harmonics \[m\].
+    pub error_harmonics_m: Vec<f64>,
+    /// Mean contact force \[N\].
+    pub force_mean_n: f64,
+    /// Greatest contact force \[N\].
+    pub force_peak_n: f64,
+    /// Part of the time without any contact force [-].
+    pub separated: f64,
+    /// What does not repeat from cycle to cycle, over what does: root mean squares [-].
+    pub irregular: f64,
+    /// Bearing forces by gear.
+    pub bearings: Vec<Bearing>,
+    /// Positions in one cycle, -0.5 to 0.5.
+    pub position: Vec<f64>,
+    /// Transmission error there, mean of the cycles \[m\].
+    pub error_cycle_m: Vec<f64>,
+    /// Contact force there, mean of the cycles \[N\].
+    pub force_cycle_n: Vec<f64>,
+}
+
+/// Force of a gear on its bearing over whole mesh cycles.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Bearing {
+    /// Name of the gear.
+    pub gear: String,
+    /// The force contains the inertia of the gear's own vibration; otherwise it is the contact force handed on.
+    pub own_inertia: bool,
+    /// Magnitude of the mean force \[N\].
+    pub mean_n: f64,
+    /// Root mean square of the force about its mean \[N\].
+    pub rms_n: f64,
+    /// Harmonics, of both directions together \[N\].
+    pub harmonics_n: Vec<f64>,
+}
+
+/// A model at rest under the same load, over one mesh cycle: the limit of slow running.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct StaticCycle {
+    /// The model, as its runs call it.
+    pub label: String,
+    /// Force along the line of action \[N\].
+    pub force_n: f64,
+    /// Positions in the cycle.
+    pub position: Vec<f64>,
+    /// Static transmission error there \[m\].
+    pub error_m: Vec<f64>,
+    /// Mean \[m\].
+    pub error_mean_m: f64,
+    /// Greatest less least \[m\].
+    pub error_peak_to_peak_m: f64,
+    /// Mean tangent stiffness along the line of action \[N/m\].
+    pub tangent_n_per_m: f64,
+    /// Frequency of the gears against each other on that stiffness \[Hz\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resonance_hz: Option<f64>,
+}
+
+impl Steady {
+    /// Whether every number is one.
+    pub fn is_finite(&self) -> bool {
+        let single = [
+            self.mesh_frequency_hz,
+            self.speed_rad_s,
+            self.error_mean_m,
+            self.error_rms_m,
+            self.error_peak_to_peak_m,
+            self.force_mean_n,
+            self.force_peak_n,
+            self.separated,
+            self.irregular,
+        ];
+        let lists = [
+            &self.error_harmonics_m,
+            &self.position,
+            &self.error_cycle_m,
+            &self.force_cycle_n,
+        ];
+        let bearings = self.bearings.iter().flat_map(|b| {
+            let of = [b.mean_n, b.rms_n];
+            of.into_iter().chain(b.harmonics_n.iter().copied())
+        });
+        (single.into_iter())
+            .chain(lists.into_iter().flatten().copied())
+            .chain(bearings)
+            .all(f64::is_finite)
+    }
+}
+
+impl StaticCycle {
+    /// Root mean square of the error about its mean \[m\].
+    pub fn rms(&self) -> f64 {
+        let n = self.error_m.len().max(1) as f64;
+        let of = |e: &f64| (e - self.error_mean_m).powi(2);
+        (self.error_m.iter().map(of).sum::<f64>() / n).sqrt()
+    }
+}

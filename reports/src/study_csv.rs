@@ -1,0 +1,236 @@
+//! Tables of studies as CSV, SI units in the header.
+
+use crate::record::{Results, Run};
+use crate::steady::Steady;
+
+/// Names that the tables of a record can have.
+pub(crate) const FILES: [&str; 5] = [
+    "modes.csv",
+    "sweep.csv",
+    "sweep_cycles.csv",
+    "statics.csv",
+    "penalty.csv",
+];
+
+/// The tables of a record: name, text.
+pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    if results.study == "modes" {
+        all.push((FILES[0].to_owned(), modes(results)));
+    }
+    let steady: Vec<(&Run, &Steady)> = (results.runs.iter())
+        .filter_map(|r| Some((r, r.steady.as_ref()?)))
+        .collect();
+    if !steady.is_empty() {
+        all.push((FILES[1].to_owned(), sweep(&steady)));
+        all.push((FILES[2].to_owned(), cycles(&steady)));
+    }
+    if results.study == "penalty" {
+        all.push((FILES[4].to_owned(), penalty(results)));
+    }
+    if !results.statics.is_empty() {
+        all.push((FILES[3].to_owned(), statics(results)));
+    }
+    all
+}
+
+fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // Writing to memory cannot fail.
+    let _ = writer.write_record(header);
+    for row in rows {
+        let _ = writer.write_record(row);
+    }
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+/// A number, or nothing where there is none.
+fn number(x: Option<f64>) -> String {
+    x.filter(|x| x.is_finite())
+        .map_or(String::new(), |x| format!("{x:.9e}"))
+}
+
+fn modes(results: &Results) -> String {
+    let header = [
+        "model",
+        "variant",
+        "modes",
+        "highest_hz",
+        "residual",
+        "choose",
+        "integrator",
+        "step_s",
+        "status",
+        "against",
+        "force_l2",
+        "peak_force_rel",
+        "impulse_rel",
+        "wall_s",
+        "steps",
+        "setup_s",
+    ];
+    let rows = (results.runs.iter()).flat_map(|r| {
+        r.metrics.iter().map(move |m| {
+            vec![
+                r.model.clone(),
+                r.variant.clone().unwrap_or_default(),
+                r.modes.map_or(String::new(), |n| n.to_string()),
+                number(r.highest_hz),
+                r.residual.map_or(String::new(), |b| b.to_string()),
+                r.choose.clone().unwrap_or_default(),
+                r.integrator.clone(),
+                number(r.step),
+                r.status.to_string(),
+                m.against.clone(),
+                number(m.force_l2),
+                number(m.peak_force_rel),
+                number(m.impulse_rel),
+                number(Some(r.wall_s)),
+                r.steps.to_string(),
+                number(Some(r.setup_s)),
+            ]
+        })
+    });
+    write(&header, rows)
+}
+
+fn penalty(results: &Results) -> String {
+    let header = [
+        "model",
+        "penalty_pa_per_m",
+        "hard",
+        "status",
+        "peak_force_n",
+        "impulse_ns",
+        "static_transmission_error_m",
+        "force_l2_to_hard",
+        "peak_force_rel_to_hard",
+        "impulse_rel_to_hard",
+        "integrator",
+        "step_s",
+        "wall_s",
+    ];
+    let rows = results.runs.iter().map(|r| {
+        let (own, hard) = (r.metrics.first(), r.against("hard"));
+        vec![
+            r.model_label(),
+            number(r.penalty_pa_per_m),
+            r.hard.unwrap_or(false).to_string(),
+            r.status.to_string(),
+            number(own.and_then(|m| m.peak_force_n)),
+            number(own.and_then(|m| m.impulse_ns)),
+            number(r.static_error_m),
+            number(hard.and_then(|m| m.force_l2)),
+            number(hard.and_then(|m| m.peak_force_rel)),
+            number(hard.and_then(|m| m.impulse_rel)),
+            r.integrator.clone(),
+            number(r.step),
+            number(Some(r.wall_s)),
+        ]
+    });
+    write(&header, rows)
+}
+
+fn sweep(runs: &[(&Run, &Steady)]) -> String {
+    let harmonics = (runs.iter())
+        .map(|(_, s)| s.error_harmonics_m.len())
+        .max()
+        .unwrap_or(0);
+    let gears: Vec<&str> = (runs[0].1.bearings.iter())
+        .map(|b| b.gear.as_str())
+        .collect();
+    let mut header: Vec<String> = [
+        "model",
+        "status",
+        "mesh_frequency_hz",
+        "speed_rad_s",
+        "cycles",
+        "transmission_error_mean_m",
+        "transmission_error_rms_m",
+        "transmission_error_peak_to_peak_m",
+        "force_mean_n",
+        "force_peak_n",
+        "separated",
+        "irregular",
+    ]
+    .map(String::from)
+    .to_vec();
+    header.extend((1..=harmonics).map(|k| format!("transmission_error_{k}_m")));
+    for g in &gears {
+        header.push(format!("bearing_{g}_mean_n"));
+        header.push(format!("bearing_{g}_rms_n"));
+        header.extend((1..=harmonics).map(|k| format!("bearing_{g}_{k}_n")));
+    }
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let rows = runs.iter().map(|(r, s)| {
+        let mut row = vec![r.model_label(), r.status.to_string()];
+        row.extend(
+            [
+                s.mesh_frequency_hz,
+                s.speed_rad_s,
+                s.cycles as f64,
+                s.error_mean_m,
+                s.error_rms_m,
+                s.error_peak_to_peak_m,
+                s.force_mean_n,
+                s.force_peak_n,
+                s.separated,
+                s.irregular,
+            ]
+            .map(|x| number(Some(x))),
+        );
+        row.extend((0..harmonics).map(|k| number(s.error_harmonics_m.get(k).copied())));
+        for g in &gears {
+            let b = s.bearings.iter().find(|b| b.gear == *g);
+            row.push(number(b.map(|b| b.mean_n)));
+            row.push(number(b.map(|b| b.rms_n)));
+            row.extend(
+                (0..harmonics).map(|k| number(b.and_then(|b| b.harmonics_n.get(k).copied()))),
+            );
+        }
+        row
+    });
+    write(&header, rows)
+}
+
+fn cycles(runs: &[(&Run, &Steady)]) -> String {
+    let header = [
+        "model",
+        "mesh_frequency_hz",
+        "position_base_pitches",
+        "transmission_error_m",
+        "contact_force_n",
+    ];
+    let rows = runs.iter().flat_map(|(r, s)| {
+        (0..s.position.len()).map(move |i| {
+            vec![
+                r.model_label(),
+                number(Some(s.mesh_frequency_hz)),
+                number(Some(s.position[i])),
+                number(s.error_cycle_m.get(i).copied()),
+                number(s.force_cycle_n.get(i).copied()),
+            ]
+        })
+    });
+    write(&header, rows)
+}
+
+fn statics(results: &Results) -> String {
+    let header = [
+        "model",
+        "force_n",
+        "position_base_pitches",
+        "transmission_error_m",
+    ];
+    let rows = results.statics.iter().flat_map(|s| {
+        (s.position.iter().zip(&s.error_m)).map(move |(p, e)| {
+            vec![
+                s.label.clone(),
+                number(Some(s.force_n)),
+                number(Some(*p)),
+                number(Some(*e)),
+            ]
+        })
+    });
+    write(&header, rows)
+}
