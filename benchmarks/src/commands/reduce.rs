@@ -271,6 +271,9 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
         }
         files.push(path);
     }
+    if folder {
+        std::fs::create_dir_all(out).map_err(|e| fail(out, &e.to_string()))?;
+    }
     Ok(files.into_iter().map(Some).collect())
 }
 

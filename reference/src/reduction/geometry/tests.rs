@@ -55,6 +55,7 @@ fn a_gear_is_found_again_from_its_flank_nodes() {
             profile_shift: shift,
             helix_angle: f64::to_radians(helix),
             face_width: 5.0 * module,
+            tip_radius: 0.3,
             bore_radius: 4.0 * module,
             ..GearParams::default()
         })

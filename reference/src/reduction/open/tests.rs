@@ -17,6 +17,7 @@ fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {
         teeth,
         module: 3e-3,
         face_width: 1e-2,
+        tip_radius: 0.3,
         bore_radius: 8e-3,
         ..GearParams::default()
     };
