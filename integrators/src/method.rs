@@ -315,8 +315,8 @@ pub trait OneStep {
         work: &mut Work,
     ) -> Result<f64, StepError>;
 
-    /// A time up to which the method goes from `s` in one step, whatever step `h` is asked for; at most `s.t + h`
-    /// where it does not.
+    /// A time up to which the method goes from `s` in one step, whatever step `h` is asked for, because nothing
+    /// touches until then; at most `s.t + h` where it does not.
     fn reach(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
         s.t
     }

@@ -15,7 +15,7 @@
 //! **Fixed steps** lie on the grid `t0 + i h`. A knot or an event cuts a step short and the next one ends on
 //! the grid again, whatever the rounding of sums. A method that knows how far nothing happens
 //! ([`OneStep::reach`]) goes there in one step, to the last point of the grid before it; that step says nothing about
-//! the next.
+//! the next, and guards that fall in it (which pairs of teeth face each other) are set afresh at its end.
 
 use crate::bounds::Bounds;
 use crate::events::{Root, Watch};
@@ -235,7 +235,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
                 }
 
                 let mut stretch = 1.0;
-                if events {
+                if events && !leaps {
                     sys.guards(r.end.at(), &mut r.watch.after);
                     if r.watch.any_fell() {
                         located = true;
@@ -286,6 +286,19 @@ impl<M: OneStep> Integrator for Stepped<M> {
                 r.event.copy_from(s);
             }
             let mut change = Change::None;
+            if events && leaps && progressed {
+                // Nothing touched on the way, so no branch ended; the next one starts from here.
+                r.event.memory.copy_from_slice(&s.memory);
+                sys.begin(s, true);
+                sys.guards(s.at(), &mut r.watch.after);
+                if r.event.memory != s.memory {
+                    work.restarts += 1;
+                    if keep {
+                        sink.restarted(sys, &r.event, s);
+                        r.event.copy_from(s);
+                    }
+                }
+            }
             if located {
                 // The method's end values belong to another time by a hair, so it starts afresh even when
                 // the branch stays.

@@ -42,6 +42,26 @@ pub struct SearchWork {
     pub projections: usize,
 }
 
+/// A lower bound of the gaps between rigid flanks, linear in the travels of both hubs for as long as it is positive:
+/// no point has a smaller gap at any travels on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// Of left and of right flanks [m]; they touch, or may, where it is not positive.
+    pub gaps: [f64; 2],
+    /// How that of left flanks changes by the travel of the first and of the second gear [m/rad or -]; that of right
+    /// flanks changes by the opposite.
+    pub per_travel: [f64; 2],
+}
+
+impl Clearance {
+    /// The smaller of both sides after further travels [m].
+    #[must_use]
+    pub fn after(&self, travels: [f64; 2]) -> f64 {
+        let change = self.per_travel[0] * travels[0] + self.per_travel[1] * travels[1];
+        (self.gaps[0] + change).min(self.gaps[1] - change)
+    }
+}
+
 /// Which candidates are wanted.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
@@ -86,6 +106,12 @@ pub trait ContactSearch {
     /// Appends the points of a mesh with a gear that has a [field](crate::gear::elastic::NormalField), of rigid gap up
     /// to what their displacements can close, and the nodes that they lie on. Only searches of flank points have any.
     fn nodal_points(&self, _sides: [NodalParty<'_>; 2], _out: &mut Vec<NodalPoint>) {}
+
+    /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
+    /// otherwise or the search does not know.
+    fn clearance(&self, _travels: [f64; 2]) -> Option<Clearance> {
+        None
+    }
 
     /// Gaps [m] of all pairs in the search's memory by slot; other entries of `out` stay as they are.
     fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]);

@@ -328,6 +328,10 @@ pub trait GearModel {
         None
     }
 
+    /// Adds what of [`Self::internal_force`] is not its [`Self::oscillators`]: the inertia of its own coordinates where
+    /// the hub's motion is prescribed.
+    fn add_inertia_force(&self, _t: f64, _f: &mut [f64]) {}
+
     /// Hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState;
 

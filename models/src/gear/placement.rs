@@ -63,6 +63,13 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// The own frame itself.
+    pub const STILL: Pose = Pose {
+        cos: 1.0,
+        sin: 0.0,
+        origin: Vec3::new(0.0, 0.0, 0.0),
+    };
+
     /// Turns a direction of the own frame into space.
     #[inline]
     #[must_use]

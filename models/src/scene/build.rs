@@ -1,6 +1,7 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
 use super::contacts::Workspace;
+use super::modal::Split;
 use super::nodal::Nodal;
 use super::outputs::channel_names;
 use super::points::flank_points;
@@ -23,6 +24,11 @@ use gearbench_integrators::system::State;
 const DEFAULT_SLICES: usize = 16;
 /// Samples of a flank modification along the path.
 const DEVIATION_SAMPLES: usize = 257;
+
+/// How far the points of a flank may stand off the involute and its modifications, over the base pitch; and what
+/// rounding leaves.
+const FLANK_MARGIN: f64 = 1e-5;
+const ROUNDING: f64 = 1e-9;
 
 /// Quantities of a pair that do not depend on the model.
 #[derive(Clone, Debug)]
@@ -480,6 +486,7 @@ impl Scene {
             }
             let k_max = search.stiffness.maximum().1;
             scales.add(spec, mesh, &gears, k_max);
+            let clearances = search.clearances();
             let with_flanks = mesh
                 .gears
                 .iter()
@@ -500,6 +507,8 @@ impl Scene {
                 law,
                 friction: contact.friction,
                 nodal: mesh.gears.iter().any(has_field),
+                clearances,
+                margin: (if with_flanks { FLANK_MARGIN } else { ROUNDING }) * l.base_pitch,
                 memory: 0,
                 guards: 0,
                 cells: 0,
@@ -578,9 +587,11 @@ impl Scene {
         {
             mass.clear();
         }
+        let split = Split::of(&gears, n);
         Scene {
             gears,
             meshes,
+            split,
             channels,
             magnitudes: scales.magnitudes(),
             pace,

@@ -15,6 +15,7 @@ pub mod spec;
 
 mod condensed;
 mod contacts;
+mod modal;
 mod nodal;
 mod nodal_tangent;
 mod outputs;
@@ -24,12 +25,14 @@ mod system;
 pub use contacts::ContactForce;
 
 use crate::contact::law::{Friction, Law};
+use crate::contact::lines_of_action::Clearance;
 use crate::contact::search::{ContactSearch, Party};
 use crate::gear::{GearModel, Magnitudes};
 use crate::load::{Load, Profile};
 use crate::mount::Mount;
 use contacts::Workspace;
 use gearbench_integrators::system::{At, State};
+use modal::Split;
 
 /// A gear in the scene.
 pub struct SceneGear {
@@ -71,6 +74,15 @@ impl SceneGear {
             .sum()
     }
 
+    /// Adds the load on a hub that is free to move to the scene's forces.
+    #[inline]
+    fn add_load(&self, at: At<'_>, f: &mut [f64]) {
+        if !self.loads.is_empty() && self.model.hub().coordinates() > 0 {
+            let load = self.load(at.t, self.model.hub_speed(self.at(at)));
+            self.model.add_hub_load(load, &mut f[self.range()]);
+        }
+    }
+
     fn viscous(&self) -> f64 {
         self.loads
             .iter()
@@ -97,6 +109,10 @@ pub struct SceneMesh {
     pub friction: Option<Friction>,
     /// One of its gears has a displacement field.
     nodal: bool,
+    /// What facing flanks are apart at least, were the gears rigid.
+    clearances: Vec<Clearance>,
+    /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
+    margin: f64,
     /// Offset of its memory, and of its guards.
     memory: usize,
     guards: usize,
@@ -157,6 +173,8 @@ pub struct Scene {
     mass: Vec<f64>,
     inverse_mass: Vec<f64>,
     work: Workspace,
+    /// What the split into oscillators and a rest needs; `None` where a gear is no oscillators.
+    split: Option<Split>,
     initial: State,
     phases: Vec<f64>,
 }

@@ -8,7 +8,7 @@ use crate::contact::row::Row;
 use crate::contact::search::Wanted;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{
-    At, Change, Coeffs, Layout, Outputs, SecondOrderSystem, Singular, State,
+    At, Change, Coeffs, Layout, ModalSplit, Outputs, SecondOrderSystem, Singular, State,
 };
 
 /// Guard of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
@@ -61,11 +61,7 @@ impl SecondOrderSystem for Scene {
                 let range = g.range();
                 g.model.internal_force(own, &mut f[range]);
             }
-            if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
-                let load = g.load(at.t, g.model.hub_speed(g.at(at)));
-                let range = g.range();
-                g.model.add_hub_load(load, &mut f[range]);
-            }
+            g.add_load(at, f);
         }
         self.evaluate_contacts(at);
         self.add_contact_forces(f);
@@ -232,6 +228,14 @@ impl SecondOrderSystem for Scene {
         }
         if self.fields {
             self.add_nodal_tangent([dq, dv], df);
+        }
+    }
+
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        if self.split.is_some() {
+            Some(self)
+        } else {
+            None
         }
     }
 

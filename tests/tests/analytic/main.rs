@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout)]
 
 mod flank_points;
+mod flight;
 mod force;
 mod friction;
 mod kinematics;

@@ -5,13 +5,21 @@
 //! through its outermost node, which is linear in the gear's travel, so both steps look up sorted lists.
 
 use super::generated;
+use super::search::MOST_PAST;
 use super::settings::SurfaceKind;
 use super::surface::{Rule, Shape};
+use crate::Vec3;
 use crate::contact::flank_points::Flanks;
 use crate::gear::placement::Placement;
 use crate::gear::{GearModel, MeshView};
 use crate::geometry::{Side, inv};
 use crate::scene::spec::Body;
+use std::f64::consts::TAU;
+
+/// Places along a face at which a surface is compared with its involute.
+const SAMPLES: u32 = 8;
+/// Part of the largest deviation by which it may be larger between these.
+const BETWEEN_SAMPLES: f64 = 0.05;
 
 /// What a point search needs to know of a gear.
 #[derive(Clone, Copy)]
@@ -56,6 +64,9 @@ pub(super) struct Flanked {
     turn: f64,
     /// Flanks of both sides by their path coordinate.
     sorted: [Vec<Entry>; 2],
+    /// Flanks that move with the hub alone: the largest path coordinate at zero travel of any surface of either
+    /// side, in one base pitch.
+    foremost: Option<[f64; 2]>,
 }
 
 /// A flank that may touch.
@@ -98,13 +109,29 @@ impl Flanked {
             Body::Rack(r) => i64::from(r.teeth()),
         };
         let turn = match o.view.base_radius {
-            Some(rb) => std::f64::consts::TAU * rb,
+            Some(rb) => TAU * rb,
             None => f64::INFINITY,
         };
+        let moves_as_one = o.gear.field().is_some() || (!own && o.gear.moves_as_one());
+        let pitch = turn / teeth as f64;
+        let pitch = if rack {
+            o.view.pitch * o.view.working_pressure_angle.cos()
+        } else {
+            pitch
+        };
+        // The first flank of a side stands for all, with what others stand before their place by its pitch.
+        let mut foremost: [Option<(f64, f64)>; 2] = [None; 2];
         let mut sorted = [vec![], vec![]];
         for (shape, g) in grids.grids().iter().enumerate() {
             let outermost = outermost(o.body, &o.view, g);
             let (s, tooth) = path_at_zero(&o, g.side, outermost);
+            if moves_as_one {
+                let s = s + proud(&o, &shapes[shape], outermost, MOST_PAST);
+                let of_side = &mut foremost[side_index(g.side)];
+                let (first, ahead) = of_side.get_or_insert((s, 0.0));
+                let off = s - *first;
+                *ahead = ahead.max(off - pitch * (off / pitch).round());
+            }
             sorted[side_index(g.side)].push(Entry {
                 s: if rack { s } else { s.rem_euclid(turn) },
                 shape,
@@ -129,7 +156,25 @@ impl Flanked {
             per_travel: o.view.path_per_travel(),
             turn,
             sorted,
+            foremost: match foremost {
+                [Some(left), Some(right)] => Some([left.0 + left.1, right.0 + right.1]),
+                _ => None,
+            },
         })
+    }
+
+    /// The largest path coordinate of the flanks of a side at a travel, whole base pitches aside; none for flanks
+    /// that do not move with the hub alone.
+    #[inline]
+    pub fn foremost(&self, side: Side, travel: f64) -> Option<f64> {
+        let at_zero = self.foremost?[side_index(side)];
+        Some(at_zero + side.sign() * self.per_travel * travel)
+    }
+
+    /// Path coordinate per travel of left flanks; right ones have the opposite.
+    #[inline]
+    pub fn per_travel(&self) -> f64 {
+        self.per_travel
     }
 
     /// Calls `f` for the flanks of a side with a path coordinate from `low` to `high` at a travel.
@@ -216,21 +261,7 @@ fn check(flanks: &Flanks) -> Result<(), String> {
 /// node, carried there along the involute and to the middle of the width.
 fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
     let sign = g.side.sign();
-    let own = |x: &crate::Vec3| match body {
-        Body::Gear(gear) => {
-            let rb = view.base_radius.unwrap_or_else(|| gear.r_base());
-            let r = x.x.hypot(x.y);
-            let angle = x.y.atan2(x.x) - x.z * gear.base_helix_angle().tan() / rb;
-            let roll = (r * r - rb * rb).max(0.0).sqrt();
-            (r >= gear.r_form() * (1.0 - 1e-6)).then(|| angle + sign * inv((roll / rb).atan()))
-        }
-        Body::Rack(rack) => {
-            let tan = rack.transverse_pressure_angle().tan();
-            let height = -x.x;
-            (height >= -rack.form_depth() - 1e-6 * rack.pitch())
-                .then(|| x.y + x.z * rack.params().helix_angle.tan() - sign * height * tan)
-        }
-    };
+    let own = |x: &Vec3| place_of(body, view, g.side, x);
     // A left flank looks counter-clockwise, on a rack to the own -y.
     let out = if matches!(body, Body::Gear(_)) {
         sign
@@ -242,7 +273,7 @@ fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
         let Some(mut p) = own(x) else { continue };
         if let (Some(b), Body::Gear(_)) = (best, body) {
             // Angles of one flank stand together.
-            p -= std::f64::consts::TAU * ((p - b) / std::f64::consts::TAU).round();
+            p -= TAU * ((p - b) / TAU).round();
         }
         best = Some(best.map_or(p, |b| if out * p > out * b { p } else { b }));
     }
@@ -257,6 +288,65 @@ fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
         })
     })
     .unwrap_or(0.0)
+}
+
+/// Where [`outermost`] would see a flank through a point of the own frame; `None` below the form circle.
+fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
+    let sign = side.sign();
+    match body {
+        Body::Gear(gear) => {
+            let rb = view.base_radius.unwrap_or_else(|| gear.r_base());
+            let r = x.x.hypot(x.y);
+            let angle = x.y.atan2(x.x) - x.z * gear.base_helix_angle().tan() / rb;
+            let roll = (r * r - rb * rb).max(0.0).sqrt();
+            (r >= gear.r_form() * (1.0 - 1e-6)).then(|| angle + sign * inv((roll / rb).atan()))
+        }
+        Body::Rack(rack) => {
+            let tan = rack.transverse_pressure_angle().tan();
+            let height = -x.x;
+            (height >= -rack.form_depth() - 1e-6 * rack.pitch())
+                .then(|| x.y + x.z * rack.params().helix_angle.tan() - sign * height * tan)
+        }
+    }
+}
+
+/// How far the surface of a flank, continued beyond the tip by `past` of its last face, stands outward of the
+/// involute through its outermost node, on the path coordinate [m].
+fn proud(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
+    let sign = shape.side.sign();
+    let per_place = match o.view.base_radius {
+        Some(rb) => sign * rb,
+        None => -sign * o.view.working_pressure_angle.cos(),
+    };
+    let along = |row: usize, i: usize| {
+        let last = if row + 2 == shape.rows {
+            1.0 + past
+        } else {
+            1.0
+        };
+        last * i as f64 / f64::from(SAMPLES)
+    };
+    let (mut most, mut least) = (0.0_f64, 0.0_f64);
+    for row in 0..shape.rows - 1 {
+        for column in 0..shape.columns - 1 {
+            for i in 0..=SAMPLES as usize {
+                for b in [0.0, 0.5, 1.0] {
+                    let x = shape.undeformed(row, column, [along(row, i), b]);
+                    let Some(mut place) = place_of(o.body, &o.view, shape.side, &x) else {
+                        continue;
+                    };
+                    place -= outermost;
+                    if o.view.base_radius.is_some() {
+                        place -= TAU * (place / TAU).round();
+                    }
+                    most = most.max(per_place * place);
+                    least = least.min(per_place * place);
+                }
+            }
+        }
+    }
+    // Between samples a surface that is smooth within a face rises by a small part of what it varies.
+    most + BETWEEN_SAMPLES * (most - least)
 }
 
 /// Path coordinate [m] of a flank at zero travel and its tooth, from its [`outermost`] place.

@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
 use crate::contact::lines_of_action::MeshGeometry;
 use crate::contact::nodal::{GearNodes, NodalParty, NodalPoint, UNUSED, weighted};
-use crate::contact::search::{ContactSearch, Party, SearchWork, Wanted, ZoneChange};
+use crate::contact::search::{Clearance, ContactSearch, Party, SearchWork, Wanted, ZoneChange};
 use crate::gear::elastic::NormalField;
 use crate::gear::placement::Pose;
 use crate::geometry::Side;
@@ -20,7 +20,7 @@ const REACH: f64 = 0.02;
 /// Part of the base pitch by which teeth may touch before and after the path of contact.
 const BEFORE_AND_AFTER: f64 = 0.5;
 /// Part of the last face by which a point may at most lie beyond the tip and still count.
-const MOST_PAST: f64 = 0.5;
+pub(super) const MOST_PAST: f64 = 0.5;
 
 /// Flank points of one gear against the flank surfaces of the other.
 ///
@@ -502,6 +502,20 @@ impl ContactSearch for FlankPoints {
         self.each_point(parties, limit, |found| {
             out.push(self.candidate(found, parties));
         });
+    }
+
+    fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
+        let mut gaps = [0.0; 2];
+        for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
+            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, travels[k]));
+            let along = self.length - a? - b?;
+            let nearest = along - self.base_pitch * (along / self.base_pitch).round();
+            *gap = nearest * self.helix_cos;
+        }
+        Some(Clearance {
+            gaps,
+            per_travel: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_travel()),
+        })
     }
 
     fn nodal_points(&self, sides: [NodalParty<'_>; 2], out: &mut Vec<NodalPoint>) {

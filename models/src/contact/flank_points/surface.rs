@@ -142,11 +142,7 @@ impl Shape {
 
     /// Areas of all points.
     fn measure(&mut self, rule: &Rule) {
-        let still = Pose {
-            cos: 1.0,
-            sin: 0.0,
-            origin: Vec3::zeros(),
-        };
+        let still = Pose::STILL;
         let element = |row: usize, column: usize, a: f64, b: f64| {
             let s = self
                 .face(&self.positions, &still, row, column)
@@ -301,6 +297,12 @@ impl Shape {
             across: x01 - x00,
             twist: x11 - x10 - x01 + x00,
         }
+    }
+
+    /// A point of the undeformed surface in the own frame.
+    pub fn undeformed(&self, row: usize, column: usize, [a, b]: [f64; 2]) -> Vec3 {
+        let still = Pose::STILL;
+        (self.face(&self.positions, &still, row, column)).position(self, a, b)
     }
 
     /// Column whose strip holds a `z`, and where in it, from 0 to 1 (beyond, outside the flank).

@@ -1,6 +1,6 @@
 //! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
 
-use super::{Line, LinesOfAction, PathMap, Slice, side_index};
+use super::{Clearance, Deviation, Line, LinesOfAction, PathMap, Slice, side_index};
 use crate::Vec3;
 use crate::gear::MeshView;
 use crate::geometry::Side;
@@ -117,6 +117,19 @@ impl LinesOfAction {
                 loa.length - loa.lines[l].map[0].at_zero - loa.lines[l].map[1].at_zero;
         }
         loa
+    }
+
+    /// The clearances of the mesh, one per line.
+    pub fn clearances(&self) -> Vec<Clearance> {
+        let of = |line: &Line| {
+            let lowest = |d: &Option<Deviation>| d.as_ref().map_or(0.0, Deviation::lowest);
+            let modified: f64 = self.slices[line.slice].deviation.iter().map(lowest).sum();
+            Clearance {
+                assembled: self.helix_cos * line.slack + modified,
+                per_travel: line.map.map(|m| -self.helix_cos * m.per_travel),
+            }
+        };
+        self.lines.iter().map(of).collect()
     }
 
     /// Gap of pair 0 of a flank at the assembled position [m], without modifications.

@@ -22,6 +22,21 @@ impl Deviation {
         }
     }
 
+    /// A value that the deviation does not fall below, on its path and a tenth of it beyond both ends.
+    pub fn lowest(&self) -> f64 {
+        let n = self.value.len();
+        let span = self.step * (n - 1) as f64;
+        let beyond = [-0.1, 1.1].map(|x| self.eval(self.start + x * span).0);
+        let all = || self.value.iter().chain(&beyond).copied();
+        let (low, high) = (
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(0.0, f64::max),
+        );
+        // What a cubic swings below its samples is a part of the largest step between them.
+        let step = (self.value.windows(2).map(|w| (w[1] - w[0]).abs())).fold(0.0, f64::max);
+        (low - 0.5 * step).max(low - (high - low))
+    }
+
     /// Value and slope at `s`; cubic between samples (Catmull-Rom) and straight on outside, so the slope is
     /// continuous: a flank that is short of the other's tip by the gap reaches a little beyond its path.
     #[inline]

@@ -114,6 +114,17 @@ impl PathMap {
     }
 }
 
+/// What facing flanks of two gears whose teeth move with their hubs are apart at least, by the travels of the hubs:
+/// `assembled + per_travel . travel`. An involute that turns moves parallel to itself, so this holds for all points of
+/// the flanks, not only on the line of action.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// At the assembled position [m].
+    pub assembled: f64,
+    /// Its change by the travel of each hub [m/rad], [-] for a rack.
+    pub per_travel: [f64; 2],
+}
+
 /// A gear at a state, as the lines of action see it.
 struct Mover<'a> {
     party: &'a Party<'a>,

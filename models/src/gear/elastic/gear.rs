@@ -306,11 +306,20 @@ impl GearModel for Elastic {
     }
 
     fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
-        let acceleration = self.prescribed_acceleration(at.t);
         for i in self.own..self.omega.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
-            f[i] -= w * (w * at.q[i] + 2.0 * z * at.v[i])
-                + acceleration * self.data.participation[i - self.own];
+            f[i] -= w * (w * at.q[i] + 2.0 * z * at.v[i]);
+        }
+        self.add_inertia_force(at.t, f);
+    }
+
+    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
+        let acceleration = self.prescribed_acceleration(t);
+        if acceleration == 0.0 {
+            return;
+        }
+        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
+            *f -= acceleration * l;
         }
     }
 

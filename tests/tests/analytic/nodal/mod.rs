@@ -1,5 +1,6 @@
 //! Contact of elastic gears on nodes: one potential behind all forces, tangents, the solve, partners.
 
+mod clearance;
 mod partners;
 mod potential;
 mod tangents;
