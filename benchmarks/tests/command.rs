@@ -29,6 +29,7 @@ fn gearbench(dir: &Path, arguments: &[&str]) -> Output {
         .args(arguments)
         .current_dir(dir)
         .env("NO_COLOR", "1")
+        .env("GEARBENCH_CACHE", "off")
         .output()
         .unwrap()
 }

@@ -53,13 +53,13 @@ pub fn run(args: &Arguments, command: &str) -> Result<ExitCode, Refusal> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn is_deck(input: &str) -> bool {
+pub(super) fn is_deck(input: &str) -> bool {
     let name = input.to_ascii_lowercase();
     name.ends_with(".inp") || name.ends_with(".inp.gz")
 }
 
 /// `F.inp` of one gear among several is `F-NAME.inp`.
-fn named(path: &Path, gear: Option<&str>) -> PathBuf {
+pub(super) fn named(path: &Path, gear: Option<&str>) -> PathBuf {
     let Some(gear) = gear else {
         return path.to_owned();
     };
@@ -72,21 +72,21 @@ fn named(path: &Path, gear: Option<&str>) -> PathBuf {
 }
 
 /// Those with the name that was asked for.
-fn chosen<T>(
+pub(super) fn chosen<T>(
     all: Vec<T>,
-    args: &Arguments,
+    wanted: Option<&str>,
+    input: &str,
     name: impl Fn(&T) -> String,
 ) -> Result<Vec<T>, Refusal> {
-    let Some(wanted) = &args.gear else {
+    let Some(wanted) = wanted else {
         return Ok(all);
     };
     let names: Vec<String> = all.iter().map(&name).collect();
-    let found: Vec<T> = all.into_iter().filter(|g| name(g) == *wanted).collect();
+    let found: Vec<T> = all.into_iter().filter(|g| name(g) == wanted).collect();
     if found.is_empty() {
         return Err(Refusal::Input(miette::miette!(
             help = format!("its gears are {}", names.join(", ")),
-            "there is no gear `{wanted}` in {}",
-            args.input
+            "there is no gear `{wanted}` in {input}"
         )));
     }
     Ok(found)
@@ -116,7 +116,7 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
     let deck = deck::read(&args.input).map_err(refuse)?;
     let gears = deck::gears(&deck).map_err(refuse)?;
     let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
-    let gears = chosen(gears, args, |g| g.name.clone())?;
+    let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
     Ok(gears
         .into_iter()
         .map(|g| Meshed {
@@ -129,9 +129,11 @@ fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
 }
 
 fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
-    let scene = scene_file::load_uncalibrated(&args.input)?;
+    let scene = scene_file::load_unbuilt(&args.input)?;
     let params = params(args)?;
-    let gears = chosen(scene.spec.gears, args, |g| g.name.clone())?;
+    let gears = chosen(scene.spec.gears, args.gear.as_deref(), &args.input, |g| {
+        g.name.clone()
+    })?;
     gears
         .into_iter()
         .map(|g| {

@@ -8,6 +8,7 @@ mod identify;
 mod list;
 mod mesh;
 mod modes;
+mod reduce;
 mod stiffness;
 mod sweep;
 
@@ -53,6 +54,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Modes(args)) => modes::run(&args, &told()),
         Some(Command::Sweep(args)) => sweep::run(&args, &told()),
         Some(Command::Mesh(args)) => mesh::run(&args, &told()),
+        Some(Command::Reduce(args)) => reduce::run(&args),
         Some(Command::List) => list::run(),
         Some(Command::Report(args)) => report(&args.dir),
     };

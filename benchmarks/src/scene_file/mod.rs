@@ -118,7 +118,9 @@ pub struct SceneFile {
 /// # Errors
 /// [`SceneError`] with file, line and a way out.
 pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    read(path_or_name, true)
+    let file = read(path_or_name, true)?;
+    file.check(true)?;
+    Ok(file)
 }
 
 /// Loads a scene without applying calibrations: models keep the constants that the scene gives, which is
@@ -127,12 +129,23 @@ pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
 /// # Errors
 /// [`SceneError`] with file, line and a way out.
 pub fn load_uncalibrated(path_or_name: &str) -> Result<SceneFile, SceneError> {
+    let file = read(path_or_name, false)?;
+    file.check(false)?;
+    Ok(file)
+}
+
+/// Loads a scene without calibrations and without building its models, for those who want its gears: what a model
+/// takes may not be there yet.
+///
+/// # Errors
+/// [`SceneError`] with file, line and a way out.
+pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
     read(path_or_name, false)
 }
 
 fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     if let Some(s) = shipped::shipped(path_or_name) {
-        return SceneFile::parse(
+        return SceneFile::unbuilt(
             &format!("{}.toml", s.name),
             s.text,
             Origin::Shipped,
@@ -159,7 +172,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
             "expected a readable TOML file in UTF-8; `gearbench list` names the shipped scenes",
         )
     })?;
-    SceneFile::parse(
+    SceneFile::unbuilt(
         path_or_name,
         &text,
         Origin::File(path.to_owned()),
@@ -189,6 +202,17 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] with line and a way out.
     pub fn parse(
+        name: &str,
+        text: &str,
+        origin: Origin,
+        calibrated: bool,
+    ) -> Result<Self, SceneError> {
+        let file = Self::unbuilt(name, text, origin, calibrated)?;
+        file.check(calibrated)?;
+        Ok(file)
+    }
+
+    fn unbuilt(
         name: &str,
         text: &str,
         origin: Origin,
@@ -244,6 +268,10 @@ impl SceneFile {
             gears: &drafts,
             meshes: meshes.len(),
             models: model_table(),
+            folder: match &origin {
+                Origin::File(path) => path.parent(),
+                Origin::Shipped => None,
+            },
             calibrations: if calibrated { Some(&find) } else { None },
         };
         let (models, model_places): (Vec<_>, Vec<_>) =
@@ -274,7 +302,7 @@ impl SceneFile {
             gears: specs,
             meshes: meshes.iter().map(|m| m.spec.clone()).collect(),
         };
-        let file = SceneFile {
+        Ok(SceneFile {
             name: scene_name,
             title,
             description,
@@ -289,9 +317,7 @@ impl SceneFile {
             gears,
             meshes,
             model_places,
-        };
-        file.check(calibrated)?;
-        Ok(file)
+        })
     }
 
     /// Builds every model once. Without calibrations a model that asks for one may lack its constants.

@@ -13,6 +13,7 @@ use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, Parameter
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 
 pub(super) static MODEL: &[Key] = &[
     key(
@@ -127,6 +128,8 @@ pub(super) struct Context<'a> {
     pub(super) gears: &'a [GearDraft],
     pub(super) meshes: usize,
     pub(super) models: &'a [Model],
+    /// Folder of the scene file, from which paths of meshes count.
+    pub(super) folder: Option<&'a Path>,
     /// Finds the calibration of a scene; `None` when the scene is loaded without.
     pub(super) calibrations: Option<&'a FindCalibration<'a>>,
 }
@@ -171,7 +174,7 @@ fn model(
         None => row.id.to_owned(),
     };
     let parameters = match s.get("parameters") {
-        Some(e) => parameters(&e, row, &mut place)?,
+        Some(e) => parameters(&e, row, context, &mut place)?,
         None => Parameters::new(),
     };
     let mut gears = vec![
@@ -241,10 +244,24 @@ fn label(entry: &Entry<'_>) -> Result<String, SceneError> {
     ))
 }
 
+/// The path of a deck or a reduction that lies beside the scene file; other texts as they are.
+fn from_folder(text: &str, folder: Option<&Path>) -> String {
+    let name = text.to_ascii_lowercase();
+    let is_path = [".inp", ".inp.gz", ".npz"]
+        .iter()
+        .any(|e| name.ends_with(e));
+    let beside = folder.filter(|_| is_path).map(|f| f.join(text));
+    match beside.filter(|p| p.is_file()) {
+        Some(path) => path.to_string_lossy().into_owned(),
+        None => text.to_owned(),
+    }
+}
+
 /// Parameters of a model; a key it does not have is refused.
 fn parameters(
     entry: &Entry<'_>,
     row: &Model,
+    context: &Context<'_>,
     place: &mut ModelPlace,
 ) -> Result<Parameters, SceneError> {
     let names: Vec<&str> = row.parameters.iter().map(|p| p.key).collect();
@@ -270,7 +287,7 @@ fn parameters(
         let value = if e.is_list() {
             Value::List(e.numbers()?)
         } else if let Some(text) = e.as_text() {
-            Value::Text(text.to_owned())
+            Value::Text(from_folder(text, context.folder))
         } else if let Some(flag) = e.as_boolean() {
             Value::Flag(flag)
         } else {
@@ -303,9 +320,9 @@ fn override_gears(
         gears[i] = if e.is_table() {
             let s = e.section(format!("`gears.{}`", e.name), OF_GEAR)?;
             let row = known(&s.need("model")?, context.models)?;
-            let parameters = s
-                .get("parameters")
-                .map_or(Ok(Parameters::new()), |p| parameters(&p, row, place))?;
+            let parameters = s.get("parameters").map_or(Ok(Parameters::new()), |p| {
+                parameters(&p, row, context, place)
+            })?;
             ModelSpec {
                 id: row.id.to_owned(),
                 parameters,

@@ -24,7 +24,7 @@ pub use data::{
     Interaction, Labels, Procedure, RigidBody, Section, Step, Target,
 };
 pub use error::{DeckError, DeckErrorKind, Place};
-pub use gears::{BodyShape, DeckGear, gears};
+pub use gears::{BodyShape, DeckGear, gears, gears_with};
 pub use gtm::{Finding, GtmRequirement, check_gtm};
 pub use lexer::{MAX_DECK_BYTES, MAX_INCLUDE_DEPTH, Resolver};
 

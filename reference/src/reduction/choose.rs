@@ -213,5 +213,23 @@ pub fn reduced(
     })
 }
 
+impl Basis {
+    /// The basis with some of its modes only, ascending; the compliance is that of the whole mesh as before.
+    #[must_use]
+    pub fn with_modes(&self, kept: &[usize]) -> Basis {
+        let modes = self.omega.len();
+        let pick = |x: &[f64]| kept.iter().map(|&i| x[i]).collect();
+        let rows = self.shapes.chunks_exact(modes.max(1));
+        Basis {
+            omega: pick(&self.omega),
+            family: kept.iter().map(|&i| self.family[i]).collect(),
+            shapes: rows.flat_map(|row| kept.iter().map(|&i| row[i])).collect(),
+            hub: pick(&self.hub),
+            participation: pick(&self.participation),
+            ..self.clone()
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -17,26 +17,40 @@
 //! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
 //! | [`choose`] | which modes are kept, and with what damping |
 //! | [`estimate`] | what a choice costs in accuracy, before any scene is run |
+//! | [`of_gear`], [`Request`] | what a gear of a scene needs, and all that its basis depends on |
 //! | [`shared`] | one basis for all that need the same |
+//! | [`store`] | a basis in a file that numpy opens |
+//! | [`cache`] | files of bases from run to run |
+//! | [`open`](mod@open), [`Toothing`] | stored bases in a scene, held against its gears |
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
 pub mod basis;
+pub mod cache;
 pub mod choose;
 pub mod compliance;
 mod cutting;
 mod error;
 pub mod estimate;
+mod geometry;
+pub mod hash;
 mod mounting;
+mod of_gear;
+pub mod open;
 #[cfg(test)]
 mod reaction_tests;
+mod request;
 pub mod shared;
+pub mod store;
 pub mod surface;
 pub(crate) mod table;
 
 pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
+pub use geometry::Toothing;
 pub use mounting::Mounting;
+pub use of_gear::{OfGear, of_gear};
+pub use request::Request;
 pub use surface::Surface;
 
 use gearbench_models::Vec3;

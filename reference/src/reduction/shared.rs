@@ -4,7 +4,7 @@
 //! Who comes second waits for the first. A basis with more modes serves those who want fewer; they take the lowest
 //! of it, so a result does not depend on who came before.
 
-use super::{Basis, Mounting, ReductionError, Wanted, basis};
+use super::{Basis, Mounting, ReductionError, Request, Wanted, cache};
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -72,10 +72,11 @@ impl Wanted {
     }
 }
 
-/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once.
+/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once, and not at all
+/// where the cache has it.
 ///
 /// # Errors
-/// As [`basis::of_mesh`].
+/// As [`Request::compute`].
 pub fn basis_of(
     mesh: &GearMesh,
     sector: bool,
@@ -95,11 +96,15 @@ pub fn basis_of(
     {
         return Ok(found.clone());
     }
-    let found = Arc::new(if sector {
-        basis::of_sector(mesh, material, mounting, wanted)?
-    } else {
-        basis::of_mesh(mesh, material, mounting, wanted)?
-    });
+    let request = Request {
+        mesh,
+        sector,
+        material: *material,
+        mounting: *mounting,
+        wanted,
+    };
+    let cached = cache::in_use().basis(&request, "a scene", || request.compute())?;
+    let found = cached.basis;
     *slot = Some((wanted, found.clone()));
     Ok(found)
 }

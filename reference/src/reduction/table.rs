@@ -2,12 +2,13 @@
 
 use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
-use super::{Mounting, Wanted, shared};
-use crate::mesh_source::{self, Reader, Source};
+use super::{Basis, Wanted, open, shared};
+use crate::mesh_source::{self, Reader};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::scene::spec::{Body as Toothing, BuildError, Value};
+use std::path::Path;
 use std::sync::Arc;
 
 const MODEL: &str = "elastic";
@@ -21,10 +22,14 @@ const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
 }
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 15] = mesh_source::with_own(&[
+static PARAMETERS: [ParameterInfo; 16] = mesh_source::with_own(&[
+    optional(
+        "reduction",
+        "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",
+    ),
     optional(
         "modes",
-        "most modes to keep; default 100 (all where `max_frequency_hz` is given), 0 is quasi-static",
+        "most modes to keep; default 100 (all of a stored reduction, or where `max_frequency_hz` is given), 0 is quasi-static",
     ),
     optional("max_frequency_hz", "highest frequency of a mode to keep"),
     optional(
@@ -98,6 +103,73 @@ fn even_over_width(body: &Toothing) -> bool {
     }
 }
 
+/// How many modes are asked for.
+struct Asked {
+    count: Option<usize>,
+    /// [Hz].
+    max_frequency: Option<f64>,
+    /// An error says how many.
+    target: bool,
+}
+
+/// A basis, how many of its modes may be kept, and among how many of the lowest.
+type Found = (Arc<Basis>, usize, usize);
+
+/// The basis of the mesh that the parameters name.
+fn computed(reader: &Reader<'_>, asked: &Asked) -> Result<Found, BuildError> {
+    // A frequency alone keeps all modes below it; a target may take any number.
+    let (count, wanted) = match (asked.count, asked.max_frequency) {
+        (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
+        (None, None) if asked.target => (usize::MAX, Wanted::Count(LEAST_CANDIDATES)),
+        (count, _) => {
+            let count = count.unwrap_or(MODES);
+            (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
+        }
+    };
+    let of = super::of_gear(MODEL, reader.context)?;
+    let material = &reader.context.material;
+    let basis = shared::basis_of(&of.mesh, of.sector, material, &of.mounting, wanted)
+        .map_err(|e| reader.error("mesh", e.to_string()))?;
+    let candidates = shared::lowest(&basis, wanted);
+    Ok((basis, count, candidates))
+}
+
+/// The basis of a stored reduction, held against the gear and what is asked of it.
+fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, BuildError> {
+    let mut own = mesh_source::PARAMETERS.iter().map(|p| p.key);
+    if let Some(key) = own.find(|k| reader.context.parameters.contains_key(*k)) {
+        return Err(reader.error(
+            key,
+            "stands beside `reduction`, which brings its own mesh; leave one of them out",
+        ));
+    }
+    let error = |message: String| reader.error("reduction", message);
+    let stored = open::open(Path::new(path)).map_err(|e| error(e.to_string()))?;
+    if let Some(misfit) = open::misfit(&stored, reader.context) {
+        return Err(error(format!("{path}: {misfit}")));
+    }
+    let modes = stored.basis.omega.len();
+    if let Some(n) = asked.count.filter(|n| *n > modes) {
+        return Err(reader.error(
+            "modes",
+            format!(
+                "{n} modes are asked for, but {path} holds {modes}; ask for fewer, or reduce the gear with `--modes {n}`"
+            ),
+        ));
+    }
+    let highest = stored.basis.omega.last().copied().unwrap_or(0.0) / std::f64::consts::TAU;
+    match asked.max_frequency {
+        Some(f) if f > highest && asked.count.is_none() => Err(reader.error(
+            "max_frequency_hz",
+            format!(
+                "modes up to {f} Hz are asked for, but those of {path} end at {highest:.0} Hz; reduce the gear with \
+                 `--max-frequency {f}`"
+            ),
+        )),
+        _ => Ok((stored.basis.clone(), asked.count.unwrap_or(modes), modes)),
+    }
+}
+
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let reader = Reader {
         model: MODEL,
@@ -126,34 +198,22 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     }
     let damping = damping(&reader)?;
 
-    let source = Source::read(&reader)?;
-    let free = context.hub.coordinates() > 0;
-    let mounting = match context.body {
-        Toothing::Gear(_) => Mounting::gear(free, context.added_inertia),
-        Toothing::Rack(_) => Mounting::rack(free, context.added_inertia),
+    let asked = Asked {
+        count,
+        max_frequency,
+        target: target.is_some(),
     };
-    // A frequency alone keeps all modes below it; a target may take any number.
-    let (count, wanted) = match (count, max_frequency) {
-        (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
-        (None, None) if target.is_some() => (usize::MAX, Wanted::Count(LEAST_CANDIDATES)),
-        (count, _) => {
-            let count = count.unwrap_or(MODES);
-            (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
-        }
+    let (basis, count, candidates) = match reader.text("reduction")? {
+        Some(path) => stored(&reader, path, &asked)?,
+        None => computed(&reader, &asked)?,
     };
-    let (mesh, sector) = match source.sector(&reader)? {
-        Some(sector) => (sector, true),
-        None => (source.whole(&reader)?, false),
-    };
-    let basis = shared::basis_of(&mesh, sector, &context.material, &mounting, wanted)
-        .map_err(|e| reader.error("mesh", e.to_string()))?;
     let highest = choose::highest_for_step(step)
         .min(max_frequency.map_or(f64::INFINITY, |f| std::f64::consts::TAU * f));
     let choice = Choice {
         by,
         count,
         highest,
-        candidates: shared::lowest(&basis, wanted),
+        candidates,
         even_over_width: even_over_width(context.body),
     };
     let kept = match target {

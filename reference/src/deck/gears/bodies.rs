@@ -62,8 +62,8 @@ pub(super) struct Body {
     pub(super) rigid_body: Option<usize>,
 }
 
-/// Splits a deck into bodies.
-pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
+/// Splits a deck into bodies; `other` stands in for what the deck does not say of a material.
+pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, DeckError> {
     for block in &deck.blocks {
         let far = |n: &&u32| deck.nodes[**n as usize].amax() > GREATEST;
         if let Some(&n) = block.connectivity.iter().find(far) {
@@ -212,7 +212,7 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
                 .clone()
                 .unwrap_or_else(|| format!("gear{}", i + 1)),
             kind,
-            material: full_material(deck, bore_set, material)?,
+            material: full_material(deck, bore_set, material, other)?,
             bore_set: bore_set.to_owned(),
             bore: deck.node_sets[bore_set]
                 .iter()
@@ -288,7 +288,22 @@ pub(super) fn split(deck: &Deck) -> Result<Vec<Body>, DeckError> {
     Ok(bodies)
 }
 
-fn full_material(deck: &Deck, bore: &str, name: Option<&str>) -> Result<Material, DeckError> {
+fn full_material(
+    deck: &Deck,
+    bore: &str,
+    name: Option<&str>,
+    other: Option<Material>,
+) -> Result<Material, DeckError> {
+    let found = name.and_then(|name| deck.materials.get(name));
+    if let Some(other) = other {
+        let said = found.map_or((None, None), |m| (m.elastic, m.density));
+        let (young, poisson) = said.0.unwrap_or((other.young, other.poisson));
+        return Ok(Material {
+            young,
+            poisson,
+            density: said.1.unwrap_or(other.density),
+        });
+    }
     let Some(name) = name else {
         return Err(decline(
             deck,

@@ -131,7 +131,15 @@ pub(super) fn bore_axis(deck: &Deck, set: &str) -> Option<char> {
 /// # Errors
 /// [`DeckError`] names the set or element that a gear cannot be made of.
 pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
-    let bodies = bodies::split(deck)?;
+    gears_with(deck, None)
+}
+
+/// As [`gears`]; what the deck does not say of a material is taken from `other`.
+///
+/// # Errors
+/// As [`gears`].
+pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>, DeckError> {
+    let bodies = bodies::split(deck, other)?;
     if bodies.is_empty() {
         return Err(decline(
             deck,

@@ -243,3 +243,35 @@ fn one_embedded_reference_reads_too() {
     let none = read_str("empty.inp", "", &mut |_| unreachable!()).unwrap();
     assert!(gears(&none).is_err());
 }
+
+/// What a deck does not say of the material is taken from elsewhere, and only that.
+#[test]
+fn materials_are_completed() {
+    let bytes = include_bytes!("../../../calculix/modal/impA_g1_C3D8.inp.gz");
+    let whole = crate::deck::decode(bytes).unwrap();
+    let other = Material {
+        young: 7e10,
+        poisson: 0.33,
+        density: 2700.0,
+    };
+    let of = |text: &str, other| {
+        let deck = crate::deck::read_str("g.inp", text, &mut |_| unreachable!()).unwrap();
+        gears_with(&deck, other).map(|g| g[0].material)
+    };
+    assert_eq!(of(&whole, Some(other)).unwrap(), Material::STEEL);
+    let keyword = |name: &str| {
+        let start = whole.find(name).unwrap();
+        let end = start + whole[start + 1..].find('*').unwrap() + 1;
+        whole[..start].to_owned() + &whole[end..]
+    };
+    let light = keyword("*DENSITY");
+    assert!(of(&light, None).is_err());
+    let completed = Material {
+        density: 2700.0,
+        ..Material::STEEL
+    };
+    assert_eq!(of(&light, Some(other)).unwrap(), completed);
+    let none = keyword("*SOLID SECTION");
+    assert!(of(&none, None).is_err());
+    assert_eq!(of(&none, Some(other)).unwrap(), other);
+}

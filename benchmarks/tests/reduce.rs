@@ -1,0 +1,313 @@
+//! `gearbench reduce` as a user meets it, and `compare` with what it stored: gears from decks of another program.
+
+use gearbench_reference::reduction::store::{self, Motion};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of its own for a test, with a cache of its own, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("gearbench-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn gearbench(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_gearbench"))
+            .args(arguments)
+            .current_dir(&self.0)
+            .env("NO_COLOR", "1")
+            .env("GEARBENCH_CACHE", self.at("cache"))
+            .output()
+            .unwrap()
+    }
+
+    /// What a command says that has to succeed.
+    fn says(&self, arguments: &[&str]) -> String {
+        let out = self.gearbench(arguments);
+        assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+        String::from_utf8_lossy(&out.stdout).into_owned()
+    }
+
+    /// The refusal of a command that has bad input.
+    fn refuses(&self, arguments: &[&str]) -> String {
+        let out = self.gearbench(arguments);
+        assert_eq!(
+            out.status.code(),
+            Some(2),
+            "{arguments:?}: {}",
+            text(&out.stderr)
+        );
+        text(&out.stderr)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Text of a diagnostic, which wraps at the width of the terminal.
+fn text(bytes: &[u8]) -> String {
+    let all = String::from_utf8_lossy(bytes);
+    let words = all.split_whitespace().filter(|w| *w != "│");
+    words.collect::<Vec<_>>().join(" ")
+}
+
+fn repository(path: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    root.join(path).to_string_lossy().into_owned()
+}
+
+fn deck(name: &str) -> String {
+    repository(&format!("reference/calculix/modal/{name}.inp.gz"))
+}
+
+/// Frequencies [Hz] that CalculiX printed, column `C3D8_hz`.
+fn calculix(table: &str) -> Vec<f64> {
+    let path = repository(&format!("reference/calculix/modal/{table}.csv"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let lines = text.lines().skip(1);
+    lines
+        .map(|l| l.split(',').nth(1).unwrap().parse().unwrap())
+        .collect()
+}
+
+#[test]
+fn foreign_decks_are_reduced_and_compared() {
+    let folder = Folder::new("foreign");
+    let decks = [deck("impA_g1_C3D8"), deck("impA_g2_C3D8")];
+    let reduce = [
+        "reduce", &decks[0], &decks[1], "--modes", "60", "--out", "reduced/",
+    ];
+    let said = folder.says(&reduce);
+    for words in [
+        "gear with 20 teeth, tip radius 44.000 mm",
+        "module 4.000 mm at 20.0 degrees",
+        "40 flanks with 524 nodes and 222 faces",
+        "gear with 30 teeth, tip radius 64.000 mm",
+        "208 nodes at 15.000 mm tied to the hub, which is free to turn",
+        "impA_g2_C3D8.npz",
+    ] {
+        assert!(said.contains(words), "{words}\n{said}");
+    }
+    let reduced = |name: &str| folder.at(&format!("reduced/{name}.npz"));
+    let before = std::fs::read(reduced("impA_g2_C3D8")).unwrap();
+    let stored = store::read(&reduced("impA_g1_C3D8")).unwrap();
+    assert_eq!((stored.meta.teeth, stored.meta.motion), (20, Motion::Turn));
+    // Mass matrix of the mesh, as the reference tells it.
+    assert!((stored.basis.inertia / 3.102056e-4 - 1.0).abs() < 1e-6);
+    assert!((59..=60).contains(&stored.basis.omega.len()));
+
+    // Again from the cache: the same file.
+    let again = folder.says(&reduce);
+    assert_eq!(again.matches("from the cache").count(), 2, "{again}");
+    assert_eq!(std::fs::read(reduced("impA_g2_C3D8")).unwrap(), before);
+
+    // The example of the README, its reductions beside it.
+    let scene = repository("benchmarks/examples/foreign_gears.toml");
+    std::fs::copy(scene, folder.at("foreign_gears.toml")).unwrap();
+    let elsewhere = folder.at("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+    folder.says(&[
+        "compare",
+        folder.at("foreign_gears.toml").to_str().unwrap(),
+        "--models",
+        "elastic",
+        "--integrators",
+        "velocity-verlet@5e-7",
+        "--repeats",
+        "1",
+        "--out",
+        "cmp",
+    ]);
+    let record = std::fs::read_to_string(folder.at("cmp/results.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    let run = &record["runs"][0];
+    assert_eq!(run["status"], "converged", "{run}");
+    let metrics = run["metrics"].as_array().unwrap();
+    let against = metrics.iter().find(|m| m["against"] == "calculix").unwrap();
+    let error = against["force_l2_aligned"].as_f64().unwrap();
+    assert!(error < 0.03, "{error}");
+}
+
+#[test]
+fn held_modes_are_those_of_calculix() {
+    let folder = Folder::new("held");
+    let input = deck("impA_g1_C3D8");
+    let out = ["--modes", "21", "--mount", "held", "--out", "held.npz"];
+    folder.says(&[&["reduce", &input][..], &out].concat());
+    let basis = store::read(&folder.at("held.npz")).unwrap().basis;
+    assert!(!basis.free && basis.omega.len() >= 20);
+    for (w, f) in basis.omega.iter().zip(calculix("eig_impA_g1")) {
+        let found = w / TAU;
+        assert!((found / f - 1.0).abs() < 1e-6, "{found} Hz for {f} Hz");
+    }
+    // A scene whose gear is free to turn does not take it.
+    let scene = repository("benchmarks/examples/foreign_gears.toml");
+    let scene = std::fs::read_to_string(scene).unwrap();
+    let wrong = scene.replace("reduced/impA_g1_C3D8.npz", "held.npz");
+    std::fs::write(folder.at("wrong.toml"), wrong).unwrap();
+    let said = folder.refuses(&["compare", "wrong.toml"]);
+    for words in [
+        "wrong.toml",
+        "held.npz: its hub is held, but the mount of `pinion` leaves it free",
+        "`--mount free`",
+    ] {
+        assert!(said.contains(words), "{words}\n{said}");
+    }
+    let swapped = scene.replace("reduced/impA_g2_C3D8.npz", "held.npz").replace(
+        "gears.pinion = { model = \"elastic\", parameters = { reduction = \"reduced/impA_g1_C3D8.npz\" } }",
+        "",
+    );
+    std::fs::write(folder.at("swapped.toml"), swapped).unwrap();
+    let said = folder.refuses(&["compare", "swapped.toml", "--models", "rigid-iso6336"]);
+    assert!(
+        said.contains("gear with 20 teeth, but `wheel` is a gear with 30"),
+        "{said}"
+    );
+    // Nor one that is not there.
+    std::fs::copy(
+        repository("benchmarks/examples/foreign_gears.toml"),
+        folder.at("missing.toml"),
+    )
+    .unwrap();
+    let said = folder.refuses(&["compare", "missing.toml"]);
+    assert!(
+        said.contains("impA_g1_C3D8.npz") && said.contains("gearbench reduce"),
+        "{said}"
+    );
+    assert!(!folder.at("out").exists(), "nothing is written");
+}
+
+#[test]
+fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
+    let folder = Folder::new("irreducible");
+    let (gear, beam) = (deck("impA_g1_C3D8"), deck("beam_C3D8"));
+    std::fs::write(folder.at("no.inp"), "*NODE\n1, 0., 0.\n").unwrap();
+    let cases: [(&[&str], &[&str]); 11] = [
+        (
+            &[&beam],
+            &["beam_C3D8.inp.gz", "expected a node set `bore`"],
+        ),
+        (&["no.inp"], &["no.inp", "expected"]),
+        (&["missing.inp"], &["missing.inp", "readable deck"]),
+        (&["no_scene"], &["there is no scene `no_scene`"]),
+        (
+            &["spur_impact", "--gear", "sun"],
+            &["there is no gear `sun`", "pinion, wheel"],
+        ),
+        (
+            &[&gear, "--gear", "b"],
+            &["there is no gear `b`", "its gears are gear"],
+        ),
+        (
+            &[&gear, "--model", "a"],
+            &["--model does not go with a deck"],
+        ),
+        (
+            &["spur_impact", "--model", "nothing"],
+            &["no elastic model `nothing`"],
+        ),
+        (&[&gear, "--poisson", "0.5"], &["Poisson", "--poisson"]),
+        (&[&gear, "--out", "gear.txt"], &["gear.txt", "ends in .npz"]),
+        (
+            &[&gear, &gear, "--out", "reduced/"],
+            &["asked for twice", "one by one"],
+        ),
+    ];
+    for (arguments, words) in cases {
+        let said = folder.refuses(&[&["reduce"], arguments].concat());
+        for words in words {
+            assert!(said.contains(words), "{words}\n{said}");
+        }
+    }
+    let left: Vec<_> = std::fs::read_dir(&folder.0).unwrap().flatten().collect();
+    let names: Vec<_> = left.iter().map(|e| e.file_name()).collect();
+    assert_eq!(names, ["no.inp"]);
+}
+
+#[test]
+fn gears_of_a_scene_are_reduced_as_its_elastic_model_has_them() {
+    let folder = Folder::new("scene");
+    let scene = r#"
+schema = 1
+name = "small"
+duration_s = 1e-4
+
+[gears.pinion]
+teeth = 18
+module_m = 0.002
+face_width_m = 0.005
+bore_radius_m = 0.006
+added_inertia_kgm2 = 1e-6
+
+[gears.rack]
+kind = "rack"
+teeth = 5
+module_m = 0.002
+face_width_m = 0.005
+mount = "fixed"
+
+[[meshes]]
+gears = ["pinion", "rack"]
+backlash_m = 50e-6
+
+[[models]]
+model = "elastic"
+contact = { penalty_pa_per_m = 1e14 }
+parameters = { flank_elements = 3, fillet_elements = 2, across_elements = 4, rim_elements = 1, width_elements = 1 }
+"#;
+    std::fs::write(folder.at("small.toml"), scene).unwrap();
+    let said = folder.says(&[
+        "reduce",
+        "small.toml",
+        "--modes",
+        "12",
+        "--choose",
+        "flank-compliance",
+        "--out",
+        "small.npz",
+    ]);
+    for words in [
+        "one sector of 18",
+        "scene small, gear rack, generated mesh",
+        "of it 1e-6 kg m^2 added at the hub",
+        "rack with 5 teeth, tips 2.000 mm above its reference line; module 2.000 mm at 20.0 degrees",
+        "of one tooth on all",
+    ] {
+        assert!(said.contains(words), "{words}\n{said}");
+    }
+    let pinion = store::read(&folder.at("small-pinion.npz")).unwrap();
+    let rack = store::read(&folder.at("small-rack.npz")).unwrap();
+    assert!(pinion.basis.free && !rack.basis.free);
+    assert_eq!(pinion.basis.added_inertia, 1e-6);
+    assert_eq!(rack.meta.motion, Motion::Slide);
+    for stored in [&pinion, &rack] {
+        // Chosen among many: not the lowest.
+        assert!((10..=12).contains(&stored.basis.omega.len()));
+        assert!(stored.meta.asked.contains("flank-compliance of 400 modes"));
+    }
+    // Modes up to a frequency: all of them, and the same ones.
+    folder.says(&[
+        "reduce",
+        "small.toml",
+        "--gear",
+        "pinion",
+        "--max-frequency",
+        "150e3",
+        "--out",
+        "low.npz",
+    ]);
+    let low = store::read(&folder.at("low.npz")).unwrap().basis;
+    let highest = low.omega.last().unwrap() / TAU;
+    assert!((100e3..150e3).contains(&highest), "{highest}");
+}

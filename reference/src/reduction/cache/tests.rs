@@ -1,0 +1,281 @@
+//! Hits, misses, keys, and the bound of the folder.
+
+use super::*;
+use crate::assembly::tie::HubMotion;
+use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams};
+use crate::reduction::store::tests::{all_bits, example};
+use crate::reduction::{Mounting, Wanted};
+use gearbench_models::Vec3;
+use gearbench_models::geometry::{Gear, GearParams};
+use gearbench_models::stiffness::Material;
+use std::collections::HashSet;
+use std::convert::Infallible;
+
+fn small() -> GearMesh {
+    let gear = Gear::new(GearParams {
+        teeth: 12,
+        module: 2e-3,
+        profile_shift: 0.3,
+        face_width: 5e-3,
+        bore_radius: 4e-3,
+        ..GearParams::default()
+    })
+    .unwrap();
+    let mut params = GearMeshParams {
+        width: 1,
+        rim: 1,
+        ..GearMeshParams::default()
+    };
+    params.tooth.flank = 2;
+    mesh::gear(&gear, &params).unwrap()
+}
+
+fn request(mesh: &GearMesh) -> Request<'_> {
+    Request {
+        mesh,
+        material: Material::STEEL,
+        mounting: Mounting::gear(true, 0.0),
+        wanted: Wanted::Count(20),
+        sector: false,
+    }
+}
+
+/// A folder that goes when the test ends.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("gearbench-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        Folder(path)
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+        files.sort();
+        files
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn computed_once_and_again_when_the_file_is_spoilt() {
+    let folder = Folder::new("cache");
+    let cache = Cache::at(&folder.0, LIMIT);
+    let mesh = small();
+    let (basis, _) = example(3, 5, true);
+    let ask = |mesh: &GearMesh, computes: bool| {
+        let mut computed = false;
+        let Ok(found) = cache.basis(&request(mesh), "a test", || {
+            computed = true;
+            Ok::<_, Infallible>(basis.clone())
+        });
+        assert_eq!((found.hit, computed), (!computes, computes));
+        assert_eq!(all_bits(&found.basis), all_bits(&basis));
+    };
+    // The example has the teeth of another gear than this mesh: it is not stored.
+    ask(&mesh, true);
+    assert!(folder.files().is_empty());
+    let mesh = GearMesh { teeth: 3, ..mesh };
+    let ask = |computes| ask(&mesh, computes);
+    ask(true);
+    ask(false);
+    let [path] = &folder.files()[..] else {
+        panic!("one file")
+    };
+    // Cut short; another's file under this name; no file at all.
+    let whole = fs::read(path).unwrap();
+    fs::write(path, &whole[..whole.len() / 2]).unwrap();
+    ask(true);
+    ask(false);
+    assert_eq!(fs::read(path).unwrap(), whole);
+    let (other, meta) = example(3, 4, true);
+    store::write(path, &other, &meta).unwrap();
+    ask(true);
+    ask(false);
+    fs::remove_file(path).unwrap();
+    ask(true);
+    assert_eq!(folder.files().len(), 1);
+    // Errors of the computation come through, and leave nothing behind.
+    let held = Request {
+        wanted: Wanted::Count(21),
+        ..request(&mesh)
+    };
+    let failed = cache.basis(&held, "a test", || Err::<Basis, _>("no modes"));
+    assert_eq!(failed.unwrap_err(), "no modes");
+    assert_eq!(folder.files().len(), 1);
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_no_error() {
+    let folder = Folder::new("cache-file");
+    fs::create_dir_all(&folder.0).unwrap();
+    let file = folder.0.join("a file");
+    fs::write(&file, "no folder").unwrap();
+    let mesh = GearMesh {
+        teeth: 3,
+        ..small()
+    };
+    let (basis, _) = example(3, 5, true);
+    for cache in [Cache::at(&file, LIMIT), Cache::off()] {
+        for _ in 0..2 {
+            let Ok(found) = cache.basis(&request(&mesh), "a test", || {
+                Ok::<_, Infallible>(basis.clone())
+            });
+            assert!(!found.hit);
+        }
+    }
+    assert_eq!(folder.files(), [file]);
+}
+
+#[test]
+fn the_key_tells_all_apart_that_the_basis_depends_on() {
+    let mesh = small();
+    let base = request(&mesh);
+    assert_eq!(base.key(), request(&small()).key());
+    let mut moved = mesh.clone();
+    moved.mesh.nodes[17].x += f64::EPSILON;
+    let mut other_element = mesh.clone();
+    other_element.mesh.kind = ElementKind::C3D8;
+    let mut joined = mesh.clone();
+    joined.mesh.connectivity.swap(0, 1);
+    let mut bore = mesh.clone();
+    bore.bore.pop();
+    let mut flanks = mesh.clone();
+    flanks.flanks.pop();
+    let mut keys = HashSet::from([base.key()]);
+    for mesh in [&moved, &other_element, &joined, &bore, &flanks] {
+        let r = request(mesh);
+        assert_ne!(r.mesh_hash(), base.mesh_hash());
+        assert!(keys.insert(r.key()));
+    }
+    let mounted = |mounting| Request { mounting, ..base };
+    let mut stiffer = base;
+    stiffer.material.young *= 1.0 + 1e-15;
+    let mut denser = base;
+    denser.material.density += 1.0;
+    let mut harder = base;
+    harder.material.poisson = 0.29;
+    let slide = HubMotion::Slide(Vec3::x());
+    let others = [
+        stiffer,
+        denser,
+        harder,
+        Request {
+            wanted: Wanted::Count(21),
+            ..base
+        },
+        Request {
+            wanted: Wanted::UpTo(20.0),
+            ..base
+        },
+        Request {
+            sector: true,
+            ..base
+        },
+        mounted(Mounting::gear(false, 0.0)),
+        mounted(Mounting::gear(true, 1e-9)),
+        mounted(Mounting::rack(true, 0.0)),
+        mounted(Mounting {
+            motion: slide,
+            ..Mounting::rack(true, 0.0)
+        }),
+    ];
+    for r in others {
+        assert_eq!(r.mesh_hash(), base.mesh_hash());
+        assert!(keys.insert(r.key()));
+    }
+}
+
+#[test]
+fn what_was_not_used_for_longest_goes() {
+    let folder = Folder::new("cache-bound");
+    let mesh = GearMesh {
+        teeth: 3,
+        ..small()
+    };
+    let (basis, meta) = example(3, 5, true);
+    let size = store::to_bytes(&basis, &meta).unwrap().len() as u64;
+    let cache = Cache::at(&folder.0, 3 * size + size / 2);
+    let ask = |modes: usize| {
+        let r = Request {
+            wanted: Wanted::Count(modes),
+            ..request(&mesh)
+        };
+        let Ok(found) = cache.basis(&r, &meta.source, || Ok::<_, Infallible>(basis.clone()));
+        let path = file(&folder.0, r.key());
+        let aged = move |seconds: u64| {
+            let time = SystemTime::now() - Duration::from_secs(seconds);
+            let opened = fs::File::options().append(true).open(&path).unwrap();
+            opened.set_modified(time).unwrap();
+        };
+        (found.hit, aged)
+    };
+    let foreign = folder.0.join("notes.npz");
+    fs::create_dir_all(&folder.0).unwrap();
+    fs::write(&foreign, vec![0; 10 * size as usize]).unwrap();
+    for (modes, age) in [(20, 300), (21, 200), (22, 100)] {
+        let (hit, aged) = ask(modes);
+        assert!(!hit);
+        aged(age);
+    }
+    assert!(ask(20).0, "used again: now the newest");
+    assert!(!ask(23).0);
+    assert!(ask(20).0 && ask(22).0 && ask(23).0);
+    assert!(!ask(21).0, "the oldest had to go");
+    assert!(foreign.is_file(), "what is not ours stays");
+    // Half written long ago, and just now.
+    let part = |name: &str, seconds: u64| {
+        let path = folder.0.join(format!("{}.npz.{name}.part", Hash::START));
+        let file = fs::File::create(&path).unwrap();
+        file.set_modified(SystemTime::now() - Duration::from_secs(seconds))
+            .unwrap();
+        path
+    };
+    let (old, new) = (part("1-0", 2 * 24 * 3600), part("2-0", 10));
+    assert!(!ask(24).0);
+    assert!(!old.exists() && new.exists());
+}
+
+#[test]
+fn folders_of_the_platforms() {
+    let of = |system: &str, variables: &[(&str, &str)]| {
+        folder(system, |name| {
+            let found = variables.iter().find(|v| v.0 == name);
+            found.map(|v| OsString::from(v.1))
+        })
+    };
+    let path = |p: &str| Some(PathBuf::from(p));
+    let home = ("HOME", "/home/a");
+    assert_eq!(of("linux", &[home]), path("/home/a/.cache/gearbench"));
+    let xdg = ("XDG_CACHE_HOME", "/c");
+    assert_eq!(of("linux", &[home, xdg]), path("/c/gearbench"));
+    // Not absolute: not valid.
+    let relative = ("XDG_CACHE_HOME", "c");
+    assert_eq!(
+        of("linux", &[home, relative]),
+        path("/home/a/.cache/gearbench")
+    );
+    assert_eq!(
+        of("macos", &[home, xdg]),
+        path("/home/a/Library/Caches/gearbench")
+    );
+    let local = ("LOCALAPPDATA", "/local");
+    assert_eq!(of("windows", &[home, local]), path("/local/gearbench"));
+    assert_eq!(of("linux", &[]), None);
+    let own = |value| (VARIABLE, value);
+    assert_eq!(of("linux", &[home, own("/x/y")]), path("/x/y"));
+    assert_eq!(
+        of("linux", &[home, own("")]),
+        path("/home/a/.cache/gearbench")
+    );
+    for off in ["off", "OFF"] {
+        assert_eq!(of("linux", &[home, own(off)]), None);
+    }
+}

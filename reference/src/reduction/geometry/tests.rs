@@ -1,0 +1,106 @@
+//! Toothings found again from their meshes.
+
+use super::*;
+use crate::mesh::{self, GearMesh, GearMeshParams, RackMeshParams};
+use crate::reduction::Surface;
+use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
+use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+
+/// A basis of the flanks alone: no modes, no compliance.
+pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
+    let surface = Surface::new(mesh).unwrap();
+    let n = surface.nodes();
+    Basis {
+        flanks: surface.flanks,
+        normals: surface.normals,
+        free: true,
+        inertia: 1e-3,
+        added_inertia: 0.0,
+        unknowns: 3 * mesh.mesh.nodes.len(),
+        omega: Vec::new(),
+        family: Vec::new(),
+        shapes: Vec::new(),
+        hub: Vec::new(),
+        participation: Vec::new(),
+        compliance: Residual {
+            flanks: FlankCompliance::Full(vec![0.0; n * n]),
+            hub: vec![0.0; n],
+            hub_hub: 0.0,
+        },
+    }
+}
+
+fn close(found: f64, expected: f64, near: f64) {
+    assert!(
+        (found / expected - 1.0).abs() < near,
+        "{found} for {expected}"
+    );
+}
+
+#[test]
+fn a_gear_is_found_again_from_its_flank_nodes() {
+    for (teeth, module, angle, shift, helix, standard) in [
+        (20, 4e-3, 20.0, 0.0, 0.0, true),
+        (17, 2e-3, 20.0, 0.3, 0.0, true),
+        (34, 3e-3, 14.5, 0.0, 0.0, true),
+        (25, 2.5e-3, 25.0, 0.1, 0.0, true),
+        (23, 2.1e-3, 20.0, 0.0, 0.0, false),
+        // The transverse module of a helical gear is none of the standard, and its angle is not 20 degrees.
+        (24, 3e-3, 20.0, 0.0, 20.0, false),
+    ] {
+        let gear = Gear::new(GearParams {
+            teeth,
+            module,
+            pressure_angle: f64::to_radians(angle),
+            profile_shift: shift,
+            helix_angle: f64::to_radians(helix),
+            face_width: 5.0 * module,
+            tip_radius: 0.3,
+            bore_radius: 4.0 * module,
+            ..GearParams::default()
+        })
+        .unwrap();
+        let mut params = GearMeshParams {
+            width: 2,
+            rim: 1,
+            ..GearMeshParams::default()
+        };
+        params.tooth.flank = 6;
+        let basis = bare(&mesh::gear(&gear, &params).unwrap());
+        let found = Toothing::of(&basis, Motion::Turn, teeth);
+        close(found.tip, gear.r_tip(), 1e-9);
+        close(found.base, gear.r_base(), 1e-3);
+        close(found.width, gear.face_width(), 1e-9);
+        assert_eq!(found.straight, helix == 0.0);
+        assert_eq!(found.standard, standard, "{found:?}");
+        if standard {
+            close(found.module, module, 1e-3);
+            close(found.pressure_angle, f64::to_radians(angle), 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_rack_is_found_again_from_its_flank_nodes() {
+    for (module, angle) in [(2e-3, 20.0), (3e-3, 14.5)] {
+        let rack = Rack::new(RackParams {
+            teeth: 5,
+            module,
+            pressure_angle: f64::to_radians(angle),
+            face_width: 8e-3,
+            ..RackParams::default()
+        })
+        .unwrap();
+        let mut params = RackMeshParams {
+            width: 1,
+            ..RackMeshParams::default()
+        };
+        params.tooth.flank = 4;
+        let basis = bare(&mesh::rack(&rack, &params).unwrap());
+        let found = Toothing::of(&basis, Motion::Slide, 5);
+        close(found.module, module, 1e-9);
+        close(found.pressure_angle, f64::to_radians(angle), 1e-9);
+        close(found.tip, rack.tip_height(), 1e-9);
+        assert!(found.straight && found.standard);
+    }
+}

@@ -1,0 +1,40 @@
+//! Which reduction a gear of a scene needs: its mesh and its mount.
+
+use super::Mounting;
+use crate::mesh::GearMesh;
+use crate::mesh_source::{Reader, Source};
+use gearbench_models::gear::table::GearContext;
+use gearbench_models::scene::spec::{Body, BuildError};
+
+/// The mesh of a gear, how its hub is mounted.
+#[derive(Clone, Debug)]
+pub struct OfGear {
+    /// The mesh.
+    pub mesh: GearMesh,
+    /// The mesh is one sector of a gear whose teeth are all alike.
+    pub sector: bool,
+    /// The mount.
+    pub mounting: Mounting,
+}
+
+/// The mesh and mount of a gear, by the parameters of its model.
+///
+/// # Errors
+/// What of the parameters is wrong, or of the deck.
+pub fn of_gear(model: &'static str, context: &GearContext<'_>) -> Result<OfGear, BuildError> {
+    let reader = Reader { model, context };
+    let source = Source::read(&reader)?;
+    let (mesh, sector) = match source.sector(&reader)? {
+        Some(sector) => (sector, true),
+        None => (source.whole(&reader)?, false),
+    };
+    let free = context.hub.coordinates() > 0;
+    Ok(OfGear {
+        mesh,
+        sector,
+        mounting: match context.body {
+            Body::Gear(_) => Mounting::gear(free, context.added_inertia),
+            Body::Rack(_) => Mounting::rack(free, context.added_inertia),
+        },
+    })
+}

@@ -1,0 +1,133 @@
+//! Stored reductions in a scene: opened once, and held against the gear that takes them.
+
+use super::Toothing;
+use super::store::{self, Motion, StoreError, Stored};
+use gearbench_models::gear::table::GearContext;
+use gearbench_models::scene::spec::Body;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+/// A file as it was when it was opened.
+type Version = (PathBuf, Option<SystemTime>, u64);
+
+static OPEN: Mutex<Option<HashMap<Version, Arc<Stored>>>> = Mutex::new(None);
+
+/// Reads a file, or takes what was read of it before when it has not changed since.
+///
+/// # Errors
+/// As [`store::read`].
+pub fn open(path: &Path) -> Result<Arc<Stored>, StoreError> {
+    let data = std::fs::metadata(path).ok();
+    let version = (
+        path.to_owned(),
+        data.as_ref().and_then(|d| d.modified().ok()),
+        data.map_or(0, |d| d.len()),
+    );
+    let mut all = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let all = all.get_or_insert_default();
+    if let Some(stored) = all.get(&version) {
+        return Ok(stored.clone());
+    }
+    let stored = Arc::new(store::read(path)?);
+    all.insert(version, stored.clone());
+    Ok(stored)
+}
+
+/// Radii and widths of mesh and gear may differ by this part of the module.
+const NEAR: f64 = 0.1;
+/// Base radii may differ by this fraction: the normals of a coarse mesh are no better.
+const NEAR_BASE: f64 = 0.01;
+
+/// What of a stored reduction does not suit a gear, with a way out behind a semicolon.
+#[must_use]
+pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
+    let (meta, basis) = (&stored.meta, &stored.basis);
+    let (motion, teeth, tip, base, width, module) = match context.body {
+        Body::Gear(g) => (
+            Motion::Turn,
+            g.teeth(),
+            g.r_tip(),
+            g.r_base(),
+            g.face_width(),
+            g.transverse_module(),
+        ),
+        Body::Rack(r) => (
+            Motion::Slide,
+            r.teeth(),
+            r.tip_height(),
+            0.5 * r.base_pitch() / std::f64::consts::PI,
+            r.face_width(),
+            r.pitch() / std::f64::consts::PI,
+        ),
+    };
+    let kind = |m: Motion| match m {
+        Motion::Turn => "gear",
+        Motion::Slide => "rack",
+    };
+    let name = context.name;
+    if (motion, teeth) != (meta.motion, meta.teeth) {
+        return Some(format!(
+            "it is of a {} with {} teeth, but `{name}` is a {} with {teeth}; reduce the mesh of this gear",
+            kind(meta.motion),
+            meta.teeth,
+            kind(motion)
+        ));
+    }
+    let shown = Toothing::of(basis, motion, teeth);
+    let lengths = [
+        ("tip radius", shown.tip, tip, NEAR * module),
+        ("base radius", shown.base, base, NEAR_BASE * base),
+        ("face width", shown.width, width, NEAR * module),
+    ];
+    for (what, found, expected, near) in lengths {
+        let off = (found - expected).abs();
+        if off.is_nan() || off > near {
+            return Some(format!(
+                "its {what} is {:.4} mm, that of `{name}` {:.4} mm; reduce the mesh of this gear, or give the scene the \
+                 data of the mesh",
+                1e3 * found,
+                1e3 * expected
+            ));
+        }
+    }
+    let free = context.hub.coordinates() > 0;
+    if free != basis.free {
+        let word = |free| if free { "free" } else { "held" };
+        return Some(format!(
+            "its hub is {}, but the mount of `{name}` leaves it {}; reduce the gear with `--mount {}`",
+            word(basis.free),
+            word(free),
+            word(free)
+        ));
+    }
+    let off = (basis.added_inertia - context.added_inertia).abs();
+    if off > 1e-6 * basis.inertia {
+        return Some(format!(
+            "{:e} is added to its hub, but {:e} to that of `{name}`; reduce the gear with `--added-inertia {:e}`",
+            basis.added_inertia, context.added_inertia, context.added_inertia
+        ));
+    }
+    let (a, b) = (&meta.material, &context.material);
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * a.abs().max(b.abs());
+    if !(near(a.young, b.young) && near(a.poisson, b.poisson) && near(a.density, b.density)) {
+        return Some(format!(
+            "its material has E = {:e} Pa, nu = {}, {} kg/m^3, that of `{name}` {:e} Pa, {}, {} kg/m^3; give the gear \
+             `material = {{ young_pa = {:e}, poisson = {}, density_kg_m3 = {} }}`",
+            a.young,
+            a.poisson,
+            a.density,
+            b.young,
+            b.poisson,
+            b.density,
+            a.young,
+            a.poisson,
+            a.density
+        ));
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests;

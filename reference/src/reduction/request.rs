@@ -1,0 +1,108 @@
+//! All that a basis depends on.
+
+use super::hash::Hash;
+use super::store::SCHEMA;
+use super::{Basis, Mounting, ReductionError, Wanted, basis};
+use crate::assembly::tie::HubMotion;
+use crate::mesh::GearMesh;
+use gearbench_models::stiffness::Material;
+
+/// Hash of the sources of the program: which way a basis is computed.
+const SOURCES: &str = env!("GEARBENCH_REFERENCE_SOURCES");
+
+/// What a basis is computed from.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// The mesh.
+    pub mesh: &'a GearMesh,
+    /// The mesh is the sector of tooth 0 of a gear whose teeth are all alike.
+    pub sector: bool,
+    /// Material.
+    pub material: Material,
+    /// How the hub is mounted.
+    pub mounting: Mounting,
+    /// Modes to find.
+    pub wanted: Wanted,
+}
+
+impl Request<'_> {
+    /// Hash of the mesh.
+    #[must_use]
+    pub fn mesh_hash(&self) -> Hash {
+        let gear = self.mesh;
+        let mut h = Hash::START;
+        h.text(gear.mesh.kind.name());
+        h.count(gear.mesh.nodes.len());
+        gear.mesh.nodes.iter().for_each(|x| h.vector(x));
+        h.numbers(&gear.mesh.connectivity);
+        h.count(gear.teeth as usize);
+        h.numbers(&gear.bore);
+        h.count(gear.flanks.len());
+        for g in &gear.flanks {
+            h.count(g.tooth as usize);
+            h.count(g.side as usize);
+            h.count(g.rows);
+            h.count(g.columns);
+            h.numbers(&g.nodes);
+            g.positions.iter().for_each(|x| h.vector(x));
+        }
+        // The cuts of a sector join it to its copies.
+        for name in ["cut_low", "cut_high"] {
+            match gear.mesh.node_sets.get(name) {
+                Some(nodes) => h.numbers(nodes),
+                None => h.count(0),
+            }
+        }
+        h
+    }
+
+    /// Hash of everything that the basis depends on, the program's way to compute it included.
+    #[must_use]
+    pub fn key(&self) -> Hash {
+        let mut h = Hash::START;
+        h.text(SOURCES);
+        h.count(SCHEMA as usize);
+        h.hash(self.mesh_hash());
+        let m = &self.material;
+        [m.young, m.poisson, m.density]
+            .iter()
+            .for_each(|x| h.number(*x));
+        h.count(usize::from(self.mounting.free));
+        match self.mounting.motion {
+            HubMotion::Turn => h.text("turn"),
+            HubMotion::TurnAbout(axis) => {
+                h.text("turn about");
+                h.vector(&axis);
+            }
+            HubMotion::Slide(direction) => {
+                h.text("slide");
+                h.vector(&direction);
+            }
+        }
+        h.number(self.mounting.added_inertia);
+        match self.wanted {
+            Wanted::Count(n) => {
+                h.text("count");
+                h.count(n);
+            }
+            Wanted::UpTo(f) => {
+                h.text("up to");
+                h.number(f);
+            }
+        }
+        h.count(usize::from(self.sector));
+        h
+    }
+
+    /// Computes the basis.
+    ///
+    /// # Errors
+    /// [`ReductionError`]: no flanks, bad elements, a body in pieces, modes that cannot be found.
+    pub fn compute(&self) -> Result<Basis, ReductionError> {
+        let route = match self.sector {
+            true => basis::of_sector,
+            false => basis::of_mesh,
+        };
+        route(self.mesh, &self.material, &self.mounting, self.wanted)
+    }
+}

@@ -1,0 +1,210 @@
+//! A [`Basis`] on disk: one `.npz` file, a zip archive of `.npy` arrays that numpy opens by itself.
+//!
+//! The format is described in `docs/reduction-format.md`, names, shapes, units and signs: [`SCHEMA`] is its version.
+//! Numbers are 8 bytes wide, little endian, the last axis fastest, and come back bit by bit. Newer versions are
+//! refused; arrays that this version does not know are passed over.
+//!
+//! What is read is not trusted: shapes are compared with each other before memory is taken, checksums are compared,
+//! and numbers that cannot be right are refused with the array they stand in ([`StoreError`]).
+
+mod archive;
+mod error;
+mod fields;
+mod npy;
+#[cfg(test)]
+pub(super) mod tests;
+
+pub use error::{StoreError, StoreErrorKind};
+
+use super::hash::Hash;
+use super::{Basis, Request, Wanted};
+use crate::assembly::tie::HubMotion;
+use crate::mesh::ElementKind;
+use archive::Reader;
+use gearbench_models::stiffness::Material;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Version of the format that is written, and the newest that is read.
+pub const SCHEMA: u64 = 1;
+
+/// Largest file that is read [bytes].
+pub const MAX_FILE_BYTES: u64 = 1 << 34;
+
+/// Which way the hub moves, or would move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Motion {
+    /// A gear turns about z.
+    Turn,
+    /// A rack slides.
+    Slide,
+}
+
+impl From<HubMotion> for Motion {
+    fn from(m: HubMotion) -> Self {
+        match m {
+            HubMotion::Turn | HubMotion::TurnAbout(_) => Motion::Turn,
+            HubMotion::Slide(_) => Motion::Slide,
+        }
+    }
+}
+
+/// Where a basis comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meta {
+    /// Program and version that wrote it.
+    pub program: String,
+    /// What the mesh was read from or generated for, in words.
+    pub source: String,
+    /// Hash of the mesh: nodes, elements, bore and flanks.
+    pub mesh: Hash,
+    /// Hash of everything that the basis depends on.
+    pub key: Hash,
+    /// Which way the hub moves.
+    pub motion: Motion,
+    /// Material.
+    pub material: Material,
+    /// Kind of the elements.
+    pub element: ElementKind,
+    /// Teeth of the whole gear.
+    pub teeth: u32,
+    /// Nodes of the mesh.
+    pub nodes: usize,
+    /// Elements of the mesh.
+    pub elements: usize,
+    /// Modes that were asked for, in words.
+    pub asked: String,
+}
+
+impl Meta {
+    /// What a file says of a basis that was computed from this request; `source` tells in words where the mesh is
+    /// from.
+    #[must_use]
+    pub fn new(request: &Request<'_>, source: &str) -> Self {
+        let mesh = &request.mesh.mesh;
+        Meta {
+            program: concat!("gearbench ", env!("CARGO_PKG_VERSION")).to_owned(),
+            source: source.to_owned(),
+            mesh: request.mesh_hash(),
+            key: request.key(),
+            motion: request.mounting.motion.into(),
+            material: request.material,
+            element: mesh.kind,
+            teeth: request.mesh.teeth,
+            nodes: mesh.nodes.len(),
+            elements: mesh.element_count(),
+            asked: match request.wanted {
+                Wanted::Count(n) => format!("{n} modes"),
+                Wanted::UpTo(f) => format!("modes up to {f} Hz"),
+            },
+        }
+    }
+}
+
+/// A basis as a file has it.
+#[derive(Clone, Debug)]
+pub struct Stored {
+    /// The basis.
+    pub basis: Arc<Basis>,
+    /// Where it comes from.
+    pub meta: Meta,
+}
+
+/// Writes a basis to a file, which is whole or not there; returns its size in bytes.
+///
+/// # Errors
+/// [`StoreError`] when the file cannot be written, or the basis does not fit together.
+pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError> {
+    let name = path.to_string_lossy();
+    if let Some(problem) = fields::problem(basis, meta) {
+        return Err(problem.of(&name));
+    }
+    let fail = |e: io::Error| {
+        StoreError::new(
+            StoreErrorKind::Io,
+            "",
+            "a place to write to",
+            e.to_string(),
+            "choose another name for the output",
+        )
+        .of(&name)
+    };
+    let part = part_of(path);
+    let whole = File::create(&part).and_then(|file| {
+        let mut out = fields::write(BufWriter::new(file), basis, meta)?;
+        out.flush()?;
+        out.get_ref().metadata()
+    });
+    let kept = whole.and_then(|m| fs::rename(&part, path).map(|()| m.len()));
+    kept.map_err(|e| {
+        let _ = fs::remove_file(&part);
+        fail(e)
+    })
+}
+
+/// A name beside a file that nobody else writes to.
+fn part_of(path: &Path) -> PathBuf {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let mut name = path.as_os_str().to_owned();
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    name.push(format!(".{}-{number}.part", std::process::id()));
+    PathBuf::from(name)
+}
+
+/// Reads a basis from a file.
+///
+/// # Errors
+/// [`StoreError`] says what is wrong with the file.
+pub fn read(path: &Path) -> Result<Stored, StoreError> {
+    let name = path.to_string_lossy();
+    let fail = |found: String| {
+        StoreError::new(
+            StoreErrorKind::Io,
+            "",
+            "a readable reduction (.npz)",
+            found,
+            "`gearbench reduce DECK --out F.npz` makes one",
+        )
+        .of(&name)
+    };
+    let size = fs::metadata(path).map_err(|e| fail(e.to_string()))?.len();
+    if size > MAX_FILE_BYTES {
+        return Err(fail(format!(
+            "{size} bytes, more than {MAX_FILE_BYTES} that are read"
+        )));
+    }
+    let bytes = fs::read(path).map_err(|e| fail(e.to_string()))?;
+    read_bytes(&name, &bytes)
+}
+
+/// Reads a basis from the bytes of a file; `name` stands in refusals.
+///
+/// # Errors
+/// [`StoreError`] says what is wrong.
+pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Stored, StoreError> {
+    Reader::new(bytes)
+        .and_then(|reader| fields::read(&reader))
+        .map_err(|e| e.of(name))
+}
+
+/// The bytes of a file; for tests and for writing elsewhere than to a file.
+///
+/// # Errors
+/// [`StoreError`] when the basis does not fit together.
+pub fn to_bytes(basis: &Basis, meta: &Meta) -> Result<Vec<u8>, StoreError> {
+    if let Some(problem) = fields::problem(basis, meta) {
+        return Err(problem);
+    }
+    fields::write(Vec::new(), basis, meta).map_err(|e| {
+        StoreError::new(
+            StoreErrorKind::Io,
+            "",
+            "an archive in memory",
+            e.to_string(),
+            "",
+        )
+    })
+}
