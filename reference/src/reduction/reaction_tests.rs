@@ -26,10 +26,14 @@ fn noise(n: usize, size: f64) -> Vec<f64> {
 
 fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
     let gear = Gear::new(GearParams {
-        teeth: 9,
+        teeth: 6,
         module: 4e-3,
-        profile_shift: 0.48,
-        bore_radius: 5e-3,
+        pressure_angle: 0.5,
+        profile_shift: 0.35,
+        addendum: 0.7,
+        dedendum: 1.0,
+        tip_radius: 0.15,
+        bore_radius: 6e-3,
         ..GearParams::default()
     })
     .unwrap();
