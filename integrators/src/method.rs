@@ -234,6 +234,8 @@ pub struct AcceptedStep<'a> {
     pub to: &'a State,
     /// The solution in between.
     pub dense: &'a dyn Dense,
+    /// Nothing touched on the way and all loads were steady: the solution in between is exact.
+    pub flight: bool,
 }
 
 /// What the sink wants next.

@@ -257,6 +257,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
                         from: s,
                         to,
                         dense: &dense,
+                        flight: leaps,
                     };
                     let control = sink.accepted(sys, &step);
                     work.steps += 1;

@@ -242,7 +242,7 @@ pub struct Run {
     pub rtol: Option<f64>,
     /// How it ended.
     pub status: Status,
-    /// Why it did not converge: when, and how much.
+    /// Why it did not converge: when, and how much; or what to know of a run that did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
     /// Wall time, the median of the repeats \[s\].

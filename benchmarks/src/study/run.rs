@@ -1,6 +1,7 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
+use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{
@@ -170,6 +171,10 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         (status, message) = (s, Some(m));
     }
 
+    if message.is_none() {
+        message = resonance_note(job, &mut scene, row.info.linear_part);
+    }
+
     // Timings come from runs without observers, but for long ones. A failed run is not repeated: its time is no
     // cost.
     let repeats = if status.is_failure() || observed > LONG {
@@ -299,6 +304,26 @@ pub fn force_on_grid(
     let sink: &mut dyn Sink = &mut history;
     method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
     Ok(history.column(force))
+}
+
+/// What a reader must know of modes that resonate with a fixed step of a method that is exact for them.
+fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option<String> {
+    let Resolution::Step(h) = job.method.resolution else {
+        return None;
+    };
+    let n = scene.layout().n;
+    let (mut omega, mut zeta) = (vec![0.0; n], vec![0.0; n]);
+    scene
+        .modal()
+        .filter(|_| linear_part)?
+        .oscillators(&mut omega, &mut zeta);
+    let number = resonances(&omega, h).len();
+    (number > 0).then(|| {
+        format!(
+            "{number} of {n} modes resonate with the step (omega h near a multiple of pi); a step below {:.2e} s has none",
+            safe_step(&omega)
+        )
+    })
 }
 
 fn status_of(e: &StepError) -> Status {

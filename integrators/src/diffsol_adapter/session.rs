@@ -175,6 +175,7 @@ impl<'x, 'a> Session<'x, 'a> {
                     to: &self.to,
                     y: &self.y,
                 },
+                flight: false,
             };
             let control = self.sink.accepted(&mut **shared.sys.borrow_mut(), &step);
             self.work.steps += 1;
