@@ -23,6 +23,15 @@ pub enum Mount {
     Driven(Profile),
 }
 
+/// Force and torque on a gear.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// Force [N], in space.
+    pub force: Vec3,
+    /// Torque about the axis [N m]; of a body that slides the force along the slide [N].
+    pub torque: f64,
+}
+
 /// Where a hub is and how it moves; shared by all gear models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hub {
@@ -73,6 +82,27 @@ impl Hub {
                 r.x * n.y - r.y * n.x
             }
             Some(direction) => direction.dot(n),
+        }
+    }
+
+    /// What the mount exerts on a body that moves as its hub does and whose centre of mass lies on the axis, while
+    /// contacts exert `contact` on it. The torque of a mount that is free is zero, and so is the force along a free
+    /// slide, whatever loads the hub.
+    #[must_use]
+    pub fn reaction(&self, t: f64, contact: &Wrench) -> Wrench {
+        let pull = match &self.mount {
+            Mount::Driven(speed) => self.inertia * speed.slope(t),
+            _ => 0.0,
+        };
+        let free = self.coordinates() > 0;
+        let mut force = -contact.force;
+        if let Some(direction) = &self.slide {
+            let along = if free { force.dot(direction) } else { -pull };
+            force -= along * direction;
+        }
+        Wrench {
+            force,
+            torque: if free { 0.0 } else { pull - contact.torque },
         }
     }
 

@@ -133,6 +133,8 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
         shapes,
         hub: per_mode(if free { 0.5 } else { 0.0 }),
         participation: per_mode(if free { 0.0 } else { 1e-3 }),
+        momentum: vec![[0.0; 2]; modes],
+        unbalance: [0.0; 2],
         omega,
         residual,
     }

@@ -4,7 +4,7 @@
 //! changes only at its guards, so inside a step the set of candidates is fixed.
 
 use super::candidate::{Candidate, Tooth};
-use super::nodal::{NodalParty, NodalPoint};
+use super::nodal::{Margin, NodalParty, NodalPoints};
 use crate::gear::GearModel;
 use crate::geometry::Side;
 use gearbench_integrators::system::At;
@@ -103,9 +103,15 @@ pub trait ContactSearch {
         out: &mut Vec<Candidate>,
     );
 
-    /// Appends the points of a mesh with a gear that has a [field](crate::gear::elastic::NormalField), of rigid gap up
-    /// to what their displacements can close, and the nodes that they lie on. Only searches of flank points have any.
-    fn nodal_points(&self, _sides: [NodalParty<'_>; 2], _out: &mut Vec<NodalPoint>) {}
+    /// Appends the points of a mesh with a gear that has a [field](crate::gear::elastic::NormalField), of a gap within
+    /// the margin before residual compliance, and the nodes that they lie on. Only searches of flank points have any.
+    fn nodal_points(
+        &self,
+        _sides: [NodalParty<'_>; 2],
+        _margin: &mut Margin,
+        _out: &mut NodalPoints,
+    ) {
+    }
 
     /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
     /// otherwise or the search does not know.

@@ -17,7 +17,7 @@ use crate::contact::flank_points::Flanks;
 use crate::contact::row::Row;
 use crate::gear::elastic::NormalField;
 use crate::geometry::Side;
-use crate::mount::Hub;
+use crate::mount::{Hub, Wrench};
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
 
 /// How a mesh sees a gear: enough to know the path coordinate and contact radius of a tooth.
@@ -334,6 +334,12 @@ pub trait GearModel {
 
     /// Hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState;
+
+    /// What the mount exerts on the gear: by Newton's law the rate of its momentum less the `contact` forces. `forces`
+    /// are those of contacts and loads on its coordinates. The default is that of a body that moves as its hub does.
+    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], contact: &Wrench) -> Wrench {
+        self.hub().reaction(at.t, contact)
+    }
 
     /// False lets the scene skip [`Self::engage`].
     fn uses_engagement(&self) -> bool {

@@ -358,10 +358,10 @@ impl Scene {
             let p = &a.point;
             let normal = a.direction / a.direction.norm();
             ContactForce {
-                mesh: p.mesh,
-                teeth: p.points.map(|x| x.tooth),
+                mesh: p.mesh as usize,
+                teeth: p.teeth,
                 side: if p.slot == 0 { Side::Left } else { Side::Right },
-                x: p.points[0].x,
+                x: p.x,
                 force: if p.slave == 0 { -a.force.n } else { a.force.n } * normal,
                 normal_force: a.force.n,
                 gap: a.gap,

@@ -4,17 +4,15 @@
 
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
+use crate::contact::candidate::Point;
 use crate::contact::law::LawForce;
 use crate::contact::nodal::{
-    Block, GearNodes, NodalParty, NodalPoint, NodalSolve, Spring, UNUSED, weighted,
+    Block, GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, NodalSolve, Spring, UNUSED,
+    weighted,
 };
 use crate::contact::row::Row;
 use crate::load::Load;
 use gearbench_integrators::system::At;
-
-/// Points are looked at beyond those that touch without residual compliance up to this part of the deepest overlap:
-/// between loaded nodes the residual displacement may rise outwards.
-const BESIDE: f64 = 0.125;
 
 /// A point that carries (or may carry) a force.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +20,7 @@ pub(super) struct NodalActive {
     pub point: NodalPoint,
     /// Direction of the force on the slave; not quite of unit length.
     pub direction: Vec3,
-    /// `dg/dtheta` for the hubs of gears with a field, free or not.
+    /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
     pub levers: [f64; 2],
     /// Gap with residual compliance [m].
     pub gap: f64,
@@ -56,14 +54,14 @@ pub(super) struct Nodal {
     pub islands: Vec<Island>,
     /// One per gear of the scene.
     pub gears: Vec<GearNodes>,
-    /// Torque (force along the slide) of the points at hubs of gears with a field.
+    /// Torque (force along the slide) of the points at hubs of gears that move as one but for a field.
     pub torque: Vec<f64>,
     pub active: Vec<NodalActive>,
     /// One per active point: entries of gears without a field.
     pub rows: Vec<Row>,
     /// One per island.
     pub solved: Vec<Solved>,
-    found: Vec<NodalPoint>,
+    found: NodalPoints,
     compliance: Vec<f64>,
     numbers: Vec<u32>,
     guess: Vec<f64>,
@@ -137,18 +135,18 @@ impl Nodal {
         self.active.clear();
         self.torque.fill(0.0);
         self.failed = false;
+        self.found.partners.clear();
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
-            if let Some(field) = g.model.field() {
+            if g.model.field().is_some() {
                 let load = if g.model.hub().coordinates() > 0 {
                     g.applied(at.t)
                 } else {
                     0.0
                 };
-                nodes.begin(field, g.at(at), load);
+                nodes.begin(load);
             }
         }
         for i in 0..self.islands.len() {
-            self.find(i, gears, meshes, at);
             let start = self.active.len();
             self.solve(i, gears, meshes, at);
             self.distribute(start, gears, meshes, at);
@@ -157,12 +155,19 @@ impl Nodal {
     }
 
     /// Points of an island.
-    fn find(&mut self, island: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
-        self.found.clear();
+    fn find(
+        &mut self,
+        island: usize,
+        margin: &mut Margin,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: At<'_>,
+    ) {
+        self.found.points.clear();
         for &m in &self.islands[island].meshes {
             let mesh = &meshes[m];
             let (a, b) = parties(gears, mesh, at);
-            let first = self.found.len();
+            let first = self.found.points.len();
             let Ok([of_a, of_b]) = self.gears.get_disjoint_mut(mesh.gears) else {
                 continue;
             };
@@ -172,42 +177,45 @@ impl Nodal {
                 nodes,
             };
             let sides = [side(a, of_a, 0), side(b, of_b, 1)];
-            mesh.search.nodal_points(sides, &mut self.found);
-            for p in &mut self.found[first..] {
-                p.mesh = m;
+            mesh.search.nodal_points(sides, margin, &mut self.found);
+            for p in &mut self.found.points[first..] {
+                p.mesh = m as u32;
             }
         }
     }
 
     /// Solves for the points that may touch; these become active.
     fn solve(&mut self, island: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
-        let depth = self.found.iter().fold(0.0_f64, |d, p| d.max(-p.gap0));
         let mut solved = std::mem::take(&mut self.solved[island]);
         solved.springs.clear();
         solved.blocks.clear();
-        // A state that is no number has to show.
-        let lost = self.found.iter().any(|p| p.gap0.is_nan());
-        if depth > 0.0 || lost {
-            let start = self.active.len();
-            let mut beside = BESIDE * depth;
-            loop {
-                self.active.truncate(start);
-                let near = self.found.iter().filter(|p| p.gap0 <= beside || lost);
-                self.active.extend(near.map(|&point| NodalActive {
-                    point,
-                    direction: point.normal,
-                    levers: [0.0; 2],
-                    gap: point.gap0,
-                    rate: 0.0,
-                    force: LawForce::default(),
-                    elastic: (point.gap0, 0.0),
-                }));
-                let rise = self.solve_active(start, island, &mut solved, gears, meshes, at);
-                if rise <= beside || self.active.len() - start == self.found.len() || self.failed {
-                    break;
-                }
-                beside = 2.0 * rise;
+        let start = self.active.len();
+        let mut margin = Margin {
+            depth: 0.0,
+            least: 0.0,
+        };
+        loop {
+            self.active.truncate(start);
+            self.find(island, &mut margin, gears, meshes, at);
+            if margin.depth <= 0.0 {
+                break;
             }
+            let beside = margin.gap();
+            let near = self.found.points.iter().filter(|p| p.gap0 <= beside);
+            self.active.extend(near.map(|&point| NodalActive {
+                point,
+                direction: point.normal,
+                levers: [0.0; 2],
+                gap: point.gap0,
+                rate: 0.0,
+                force: LawForce::default(),
+                elastic: (point.gap0, 0.0),
+            }));
+            let rise = self.solve_active(start, island, &mut solved, gears, meshes, at);
+            if rise <= beside || self.failed {
+                break;
+            }
+            margin.least = 2.0 * rise;
         }
         self.solved[island] = solved;
     }
@@ -227,7 +235,7 @@ impl Nodal {
             self.gears[g].index.fill(UNUSED);
         }
         for a in &self.active[start..] {
-            for (k, &g) in meshes[a.point.mesh].gears.iter().enumerate() {
+            for (k, &g) in meshes[a.point.mesh as usize].gears.iter().enumerate() {
                 for &slot in a.point.slots[k].iter().filter(|s| **s != UNUSED) {
                     self.gears[g].index[slot as usize] = 0;
                 }
@@ -261,7 +269,7 @@ impl Nodal {
         self.rates(start, gears, meshes, at);
         solved.springs.clear();
         for a in &self.active[start..] {
-            let mesh = &meshes[a.point.mesh];
+            let mesh = &meshes[a.point.mesh as usize];
             let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
             for k in 0..2 {
                 if !self.islands[island].compliant.contains(&mesh.gears[k]) {
@@ -312,7 +320,7 @@ impl Nodal {
 
     /// Gap rates before residual compliance, where a damper asks for them.
     fn rates(&mut self, start: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
-        let damped = |a: &NodalActive| meshes[a.point.mesh].law.is_dissipative();
+        let damped = |a: &NodalActive| meshes[a.point.mesh as usize].law.is_dissipative();
         if !self.active[start..].iter().any(damped) {
             return;
         }
@@ -325,17 +333,17 @@ impl Nodal {
         }
         let mut row = Row::default();
         for a in &mut self.active[start..] {
-            let mesh = &meshes[a.point.mesh];
+            let mesh = &meshes[a.point.mesh as usize];
             if !mesh.law.is_dissipative() {
                 continue;
             }
-            let master = 1 - a.point.slave;
+            let [_, master] = a.point.sides();
             let of_master = GearNodes::at(
                 &self.gears[mesh.gears[master]].displacement,
                 &a.point.slots[master],
             );
             a.direction = a.point.direction(of_master);
-            (a.levers, a.rate) = rows_of(gears, mesh, a, at, &mut row);
+            (a.levers, a.rate) = rows_of(gears, mesh, a, &self.found.partners, at, &mut row);
             a.rate += row.dot(at.v);
             for k in 0..2 {
                 let hub = gears[mesh.gears[k]].model.hub();
@@ -353,7 +361,7 @@ impl Nodal {
             if a.force.n == 0.0 {
                 continue;
             }
-            for (k, &g) in meshes[a.point.mesh].gears.iter().enumerate() {
+            for (k, &g) in meshes[a.point.mesh as usize].gears.iter().enumerate() {
                 for (&slot, w) in a.point.slots[k].iter().zip(a.point.weights[k]) {
                     if slot != UNUSED {
                         self.gears[g].force[slot as usize] += w * a.force.n;
@@ -371,15 +379,15 @@ impl Nodal {
             if a.force.n == 0.0 {
                 continue;
             }
-            let mesh = &meshes[a.point.mesh];
-            let master = 1 - a.point.slave;
+            let mesh = &meshes[a.point.mesh as usize];
+            let [_, master] = a.point.sides();
             let of_master = self.gears[mesh.gears[master]].total(&a.point.slots[master]);
             a.direction = a.point.direction(of_master);
             if a.point.fading != 0.0 {
                 let energy = mesh.law.potential(a.elastic.0, a.point.stiffness);
                 a.direction -= energy / a.force.n * a.point.fading * a.point.answer[0];
             }
-            (a.levers, _) = rows_of(gears, mesh, a, at, row);
+            (a.levers, _) = rows_of(gears, mesh, a, &self.found.partners, at, row);
             for k in 0..2 {
                 self.torque[mesh.gears[k]] += a.levers[k] * a.force.n;
             }
@@ -394,11 +402,11 @@ impl Nodal {
             }
         }
         for ((g, nodes), torque) in gears.iter().zip(&self.gears).zip(&self.torque) {
+            let range = g.range();
+            if *torque != 0.0 && g.model.hub().coordinates() > 0 {
+                f[range.start] += torque;
+            }
             if let Some(field) = g.model.field() {
-                let range = g.range();
-                if g.model.hub().coordinates() > 0 {
-                    f[range.start] += torque;
-                }
                 field.press(&nodes.nodes, &nodes.force, &mut f[range]);
             }
         }
@@ -411,23 +419,25 @@ fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     a: &NodalActive,
+    partners: &[Point],
     at: At<'_>,
     row: &mut Row,
 ) -> ([f64; 2], f64) {
     let p = &a.point;
-    let x = &p.points[p.slave].x;
     let (mut levers, mut drift) = ([0.0; 2], 0.0);
     row.clear();
+    let [slave, _] = p.sides();
     for k in 0..2 {
         let g = &gears[mesh.gears[k]];
-        let sign = if k == p.slave { 1.0 } else { -1.0 };
-        if g.model.field().is_some() {
-            levers[k] = sign * g.model.hub().lever(x, &a.direction);
-        } else {
-            let own = g.at(at);
-            row.target(g.offset, sign);
-            g.model.row(own, &p.points[k], &a.direction, row);
-            drift += sign * g.model.drift(own, &p.points[k], &a.direction);
+        let sign = if k == slave { 1.0 } else { -1.0 };
+        match p.partner {
+            Some(partner) if g.model.field().is_none() => {
+                let (own, point) = (g.at(at), &partners[partner as usize]);
+                row.target(g.offset, sign);
+                g.model.row(own, point, &a.direction, row);
+                drift += sign * g.model.drift(own, point, &a.direction);
+            }
+            _ => levers[k] = sign * g.model.hub().lever(&p.x, &a.direction),
         }
     }
     (levers, drift)
@@ -448,8 +458,15 @@ impl Scene {
 
     /// Prescribed part of the gap rate of a point [m/s].
     pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
-        let mesh = &self.meshes[a.point.mesh];
-        let (levers, mut drift) = rows_of(&self.gears, mesh, a, at, &mut Row::default());
+        let mesh = &self.meshes[a.point.mesh as usize];
+        let (levers, mut drift) = rows_of(
+            &self.gears,
+            mesh,
+            a,
+            &self.work.nodal.found.partners,
+            at,
+            &mut Row::default(),
+        );
         for (lever, &g) in levers.iter().zip(&mesh.gears) {
             let hub = self.gears[g].model.hub();
             if hub.coordinates() == 0 {

@@ -19,7 +19,8 @@
 
 use super::contacts::Active;
 use super::nodal::Nodal;
-use super::{Scene, SceneGear};
+use super::{Scene, SceneGear, SceneMesh};
+use crate::contact::nodal::UNUSED;
 use crate::contact::row::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};
@@ -88,8 +89,9 @@ impl Reduced {
         for row in rows.iter().flatten() {
             row.for_each(|i, _| touch(i));
         }
-        for g in gears.iter().filter(|g| g.model.field().is_some()) {
-            if g.model.hub().coordinates() > 0 {
+        for (g, torque) in gears.iter().zip(&nodal.torque) {
+            let turns = g.model.field().is_some() || *torque != 0.0;
+            if turns && g.model.hub().coordinates() > 0 {
                 touch(g.range().start);
             }
         }
@@ -121,20 +123,19 @@ impl Reduced {
     }
 
     /// Rows `V` of the nodal points.
-    fn rows(&mut self, scene_meshes: &[super::SceneMesh], nodal: &Nodal) {
+    fn rows(&mut self, gears: &[SceneGear], scene_meshes: &[SceneMesh], nodal: &Nodal) {
         self.entries.clear();
         self.begins.clear();
         self.begins.push(0);
         for (a, row) in nodal.active.iter().zip(&nodal.rows) {
             if a.force.n != 0.0 {
                 row.for_each(|i, value| self.entries.push((self.mark[i], value)));
-                for (k, &g) in scene_meshes[a.point.mesh].gears.iter().enumerate() {
-                    if nodal.gears[g].nodes.is_empty() {
-                        continue;
+                for (k, &g) in scene_meshes[a.point.mesh as usize].gears.iter().enumerate() {
+                    if a.levers[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
+                        self.entries.push((self.mark[gears[g].offset], a.levers[k]));
                     }
-                    let (touched, start, _) = &self.touched[g];
-                    if !touched.is_empty() {
-                        self.entries.push((*start as u32, a.levers[k]));
+                    if a.point.slots[k][0] == UNUSED {
+                        continue;
                     }
                     for (&slot, w) in a.point.slots[k].iter().zip(a.point.weights[k]) {
                         let place = self.places[g][slot as usize];
@@ -256,7 +257,7 @@ impl Scene {
         } = self;
         let contacts = work.active.len();
         b.collect(gears, &work.nodal, &work.rows[..contacts], x.len());
-        b.rows(meshes, &work.nodal);
+        b.rows(gears, meshes, &work.nodal);
         b.answers(&mut work.nodal, c)?;
         for (a, rows) in work.active.iter().zip(&work.rows) {
             let candidate = &work.candidates[a.candidate];
@@ -371,7 +372,7 @@ impl Scene {
         } = self;
         let nodal = &mut work.nodal;
         b.collect(gears, nodal, &[], df.len());
-        b.rows(meshes, nodal);
+        b.rows(gears, meshes, nodal);
         let along = |b: &mut Reduced, x: &[f64]| -> Vec<f64> {
             let mut y = vec![0.0; b.size];
             for (i, g) in gears.iter().enumerate() {

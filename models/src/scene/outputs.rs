@@ -3,14 +3,32 @@
 //! Channels, in order: per mesh `force:I` (magnitude of the vector sum over its contacts on the second gear),
 //! `force_x:I`, `force_y:I`, `normal_min:I` (least normal force of its contacts, 0 without any); per gear `speed:NAME` (momentum over inertia, the momentum mean),
 //! `hub_speed:NAME`, `travel:NAME`, `contact_torque:NAME` (torque of its contact forces about its axis, or
-//! force along its slide).
+//! force along its slide), `bearing_x:NAME`, `bearing_y:NAME` (what its mount exerts on it) and `mount_torque:NAME`
+//! (torque about the axis, or force along the slide, of a mount that is held or driven).
 
 use super::contacts::sliding_direction;
 use super::{Scene, SceneGear};
+use crate::Vec3;
+use crate::mount::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
 
 /// Channels of a mesh.
 const PER_MESH: usize = 4;
+
+/// Places in [`OF_GEAR`].
+const TRAVEL: usize = 2;
+const CONTACT_TORQUE: usize = 3;
+
+/// Channels of a gear.
+const OF_GEAR: [&str; 7] = [
+    "speed",
+    "hub_speed",
+    "travel",
+    "contact_torque",
+    "bearing_x",
+    "bearing_y",
+    "mount_torque",
+];
 
 /// Names of the channels of a scene.
 pub(super) fn channel_names(gears: &[SceneGear], meshes: usize) -> Vec<String> {
@@ -21,7 +39,7 @@ pub(super) fn channel_names(gears: &[SceneGear], meshes: usize) -> Vec<String> {
         }
     }
     for g in gears {
-        for what in ["speed", "hub_speed", "travel", "contact_torque"] {
+        for what in OF_GEAR {
             names.push(format!("{what}:{}", g.name));
         }
     }
@@ -49,7 +67,7 @@ impl Scene {
             if g.model.hub().coordinates() > 0 {
                 power.external += g.load(at.t, hub.speed) * hub.speed;
             }
-            let c = &mut out.channels[per_gear + 4 * i..][..4];
+            let c = &mut out.channels[per_gear + OF_GEAR.len() * i..][..OF_GEAR.len()];
             c[0] = hub.momentum / g.model.hub().inertia;
             c[1] = hub.speed;
             c[2] = hub.travel;
@@ -107,7 +125,7 @@ impl Scene {
                 let hub = self.gears[i].model.hub();
                 let lever = hub.lever(&c.points[k].x, &(sign * c.normal));
                 let along = hub.lever(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
-                out.channels[per_gear + 4 * i + 3] +=
+                out.channels[per_gear + OF_GEAR.len() * i + CONTACT_TORQUE] +=
                     a.force.n * c.scale[k] * lever + a.friction.f * along;
             }
         }
@@ -118,6 +136,7 @@ impl Scene {
             let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
             of_mesh[0] = of_mesh[1].hypot(of_mesh[2]);
         }
+        self.fill_reactions(at, &mut out.channels);
         out.energy = energy;
         out.power = power;
     }
@@ -139,7 +158,7 @@ impl Scene {
             }
         }
         for a in &nodal.active {
-            let (p, mesh) = (&a.point, &self.meshes[a.point.mesh]);
+            let (p, mesh) = (&a.point, &self.meshes[a.point.mesh as usize]);
             energy.contact += mesh.law.potential(a.elastic.0, p.stiffness);
             power.dissipated -= (a.force.n - a.elastic.1) * a.rate;
             if a.force.n == 0.0 {
@@ -148,17 +167,18 @@ impl Scene {
             power.external -= a.force.n * self.nodal_drift(a, at);
             let on_slave = a.force.n * a.direction;
             let on_second = if p.slave == 0 { -on_slave } else { on_slave };
-            let of_mesh = &mut out.channels[PER_MESH * p.mesh..][..PER_MESH];
+            let of_mesh = &mut out.channels[PER_MESH * p.mesh as usize..][..PER_MESH];
             of_mesh[1] += on_second.x;
             of_mesh[2] += on_second.y;
             of_mesh[3] = of_mesh[3].min(a.force.n);
             for (k, &i) in mesh.gears.iter().enumerate() {
-                let force = if k == p.slave { on_slave } else { -on_slave };
-                let lever = self.gears[i]
-                    .model
-                    .hub()
-                    .lever(&p.points[p.slave].x, &force);
-                out.channels[per_gear + 4 * i + 3] += lever;
+                let force = if k == p.sides()[0] {
+                    on_slave
+                } else {
+                    -on_slave
+                };
+                let lever = self.gears[i].model.hub().lever(&p.x, &force);
+                out.channels[per_gear + OF_GEAR.len() * i + CONTACT_TORQUE] += lever;
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {
@@ -171,10 +191,45 @@ impl Scene {
                 field.hub_compliance(&[node], &mut r);
                 pressed += r[0] * force;
             }
-            out.channels[per_gear + 4 * i + 2] += field.hub_give() * nodes.load - pressed;
+            out.channels[per_gear + OF_GEAR.len() * i + TRAVEL] +=
+                field.hub_give() * nodes.load - pressed;
             if g.model.hub().coordinates() > 0 {
                 power.external += pressed * g.applied_rate(at.t);
             }
         }
+    }
+
+    /// Reactions of the mounts, from the channels of contact forces and torques.
+    fn fill_reactions(&mut self, at: At<'_>, channels: &mut [f64]) {
+        let mut forces = std::mem::take(&mut self.work.rhs);
+        forces.clear();
+        forces.resize(self.n, 0.0);
+        for g in &self.gears {
+            if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
+                let load = g.load(at.t, g.model.hub_speed(g.at(at)));
+                g.model.add_hub_load(load, &mut forces[g.range()]);
+            }
+        }
+        self.add_contact_forces(&mut forces);
+        let (of_meshes, of_gears) = channels.split_at_mut(PER_MESH * self.meshes.len());
+        let of_gears = of_gears.chunks_exact_mut(OF_GEAR.len());
+        for (i, (g, c)) in self.gears.iter().zip(of_gears).enumerate() {
+            let mut contact = Wrench {
+                torque: c[CONTACT_TORQUE],
+                ..Wrench::default()
+            };
+            for (mesh, f) in self.meshes.iter().zip(of_meshes.chunks_exact(PER_MESH)) {
+                for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                    if mesh.gears[k] == i {
+                        contact.force += sign * Vec3::new(f[1], f[2], 0.0);
+                    }
+                }
+            }
+            let r = g
+                .model
+                .mount_reaction(g.at(at), &forces[g.range()], &contact);
+            c[CONTACT_TORQUE + 1..].copy_from_slice(&[r.force.x, r.force.y, r.torque]);
+        }
+        self.work.rhs = forces;
     }
 }

@@ -39,6 +39,13 @@ pub struct Body {
     pub added_inertia: f64,
     /// Nodal masses times the places of held nodes, `M_fb X_b`, per place in `free` that has any [kg m].
     pub pull: Vec<(u32, [f64; 3])>,
+    /// Stiffness between held and free nodes summed over the held ones, row by row, per place in `free` that has any:
+    /// the force of the elements on the hub is that of these nodes alone [N/m].
+    pub grip: Vec<(u32, [f64; 9])>,
+    /// Mass of the held nodes, coupling included, as if the nodes beside them moved rigidly [kg].
+    pub held_mass: f64,
+    /// The same times the place [kg m].
+    pub held_moment: Vec3,
 }
 
 impl Body {
@@ -124,6 +131,15 @@ impl Body {
         let inertia = added_inertia + dot(&motion_of, &times_mass(&motion_of));
         let hub_inertia = added_inertia + dot(&held_motion, &times_mass(&held_motion));
         let pull = of_free(&times_mass(&held_place));
+        let (mut held_mass, mut held_moment) = (0.0, Vec3::zeros());
+        let everywhere: Vec<f64> = position.iter().flat_map(|x| [x.x, x.y, 1.0]).collect();
+        let image = times_mass(&everywhere);
+        for &node in &bore {
+            let m = &image[3 * node as usize..][..3];
+            held_moment += Vec3::new(m[0], m[1], 0.0);
+            held_mass += m[2];
+        }
+        let grip = grip(&assembly, &place, free.len());
         let lumped = match mass {
             MassKind::Lumped => assembly.lumped.clone(),
             MassKind::Consistent => Vec::new(),
@@ -141,6 +157,9 @@ impl Body {
             hub_inertia,
             added_inertia,
             pull,
+            grip,
+            held_mass,
+            held_moment,
         })
     }
 
@@ -161,4 +180,25 @@ impl Body {
             }
         }
     }
+}
+
+/// [`Body::grip`].
+fn grip(assembly: &Assembly, place: &[u32], free: usize) -> Vec<(u32, [f64; 9])> {
+    let mut sums = vec![[0.0; 9]; free];
+    let blocks = assembly.stiffness.blocks();
+    for (row, column, at) in assembly.stiffness.pattern().iter() {
+        // Stored once: the block of (row, column), its transposed of (column, row).
+        let (to, transposed) = match (place[row], place[column]) {
+            (Tie::HELD, other) if other != Tie::HELD => (other, false),
+            (other, Tie::HELD) if other != Tie::HELD => (other, true),
+            _ => continue,
+        };
+        for (i, sum) in sums[to as usize].iter_mut().enumerate() {
+            *sum += blocks[at][if transposed { 3 * (i % 3) + i / 3 } else { i }];
+        }
+    }
+    (0..)
+        .zip(sums)
+        .filter(|(_, sum)| sum.iter().any(|x| *x != 0.0))
+        .collect()
 }

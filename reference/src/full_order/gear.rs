@@ -25,7 +25,7 @@ use gearbench_models::contact::candidate::{Point, Tooth};
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::contact::row::Row;
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
-use gearbench_models::mount::{Hub, Mount};
+use gearbench_models::mount::{Hub, Mount, Wrench};
 use std::cell::RefCell;
 
 /// Buffers over all nodes, three components each.
@@ -411,6 +411,43 @@ impl GearModel for FullOrder {
 
     fn has_powers(&self) -> bool {
         matches!(self.hub.mount, Mount::Driven(_))
+    }
+
+    /// What the elements pull at the nodes that the hub holds, and the inertia of these. Where their mass is coupled to
+    /// that of the nodes beside them (consistent mass, no drive), those are taken to move rigidly in this: the share
+    /// of one layer of elements in the acceleration of the rest is left out.
+    fn mount_reaction(&self, at: At<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
+        let frame = self.frame(at);
+        let speed = self.hub.speed(at.t, at.v);
+        let prescribed = self.prescribed_acceleration(at.t);
+        let d = &at.q[self.own..];
+        let mut pull = [0.0; 3];
+        for (place, k) in &self.body.grip {
+            let node = self.body.free[*place as usize] as usize;
+            let u = frame.elastic(&self.body.position[node], &d[3 * *place as usize..][..3]);
+            for (i, pull) in pull.iter_mut().enumerate() {
+                *pull += dot3(u, &k[3 * i..3 * i + 3]);
+            }
+        }
+        let mut force = Vec3::from(frame.to_space(pull));
+        match self.slide() {
+            None => {
+                let x = self.body.held_moment;
+                let inertia = prescribed * Vec3::new(-x.y, x.x, 0.0) - speed * speed * x;
+                force += Vec3::from(frame.to_space(inertia.into()));
+            }
+            Some(e) if self.own > 0 => force -= force.dot(e) * e,
+            Some(e) => force += prescribed * self.body.held_mass * e,
+        }
+        let mut torque = 0.0;
+        if self.own == 0 {
+            let mut nodal = self.scratch.borrow_mut();
+            let Nodal { u, g, .. } = &mut *nodal;
+            self.elastic(frame, at.q, u);
+            self.body.assembly.stiffness.apply(u, g);
+            torque = self.body.hub_inertia * prescribed - self.torque(u, g);
+        }
+        Wrench { force, torque }
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {

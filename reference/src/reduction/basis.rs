@@ -16,8 +16,8 @@
 use super::error::ReductionError;
 use super::surface::Surface;
 use super::{Basis, Mounting, Wanted, compliance};
-use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
+use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
 use crate::modes::{self, Options};
@@ -57,6 +57,8 @@ struct Shape {
     hub: f64,
     /// `phi^T M e` over the nodes, without what is added at the hub.
     momentum: f64,
+    /// `phi^T M e_x` and `phi^T M e_y`, likewise.
+    linear: [f64; 2],
 }
 
 /// Modes of a gear by its whole mesh.
@@ -80,6 +82,12 @@ pub fn of_mesh(
     assembly.mass.apply3(&rigid, &mut pull);
     let inertia = mounting.added_inertia + dot(&rigid, &pull);
     let residual = compliance::of_assembly(mesh, &assembly, &nodes, mounting)?;
+    let masses = nodal_masses(&assembly);
+    let mut unbalance = [0.0; 2];
+    for (x, m) in mesh.mesh.nodes.iter().zip(&masses) {
+        unbalance[0] += m * x.x;
+        unbalance[1] += m * x.y;
+    }
     drop(assembly);
 
     let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
@@ -104,17 +112,19 @@ pub fn of_mesh(
                     0.0
                 },
                 momentum: dot(&full, &pull),
+                linear: [0, 1].map(|axis| {
+                    let along = masses.iter().zip(full[axis..].iter().step_by(3));
+                    along.map(|(m, u)| m * u).sum()
+                }),
             }
         })
         .collect();
-    finish(
-        nodes,
-        mounting,
+    let body = Body {
         inertia,
-        tie.coordinates(),
-        shapes,
-        residual,
-    )
+        unbalance,
+        unknowns: tie.coordinates(),
+    };
+    finish(nodes, mounting, body, shapes, residual)
 }
 
 /// Modes of a gear of equal teeth by the sector of tooth 0, with node sets `cut_low` and `cut_high`.
@@ -131,9 +141,10 @@ pub fn of_sector(
     let teeth = f64::from(sector.teeth);
     let rigid = mounting.rigid(&sector.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
-    assemble(&sector.mesh, material)?
-        .mass
-        .apply3(&rigid, &mut pull);
+    let assembly = assemble(&sector.mesh, material)?;
+    assembly.mass.apply3(&rigid, &mut pull);
+    let masses = nodal_masses(&assembly);
+    drop(assembly);
     let inertia = mounting.added_inertia + teeth * dot(&rigid, &pull);
     let hub = if mounting.free {
         cyclic::Hub::turning(mounting.added_inertia)
@@ -152,17 +163,60 @@ pub fn of_sector(
     };
     let bore = sector.bore.first().copied().unwrap_or(0) as usize;
     let shapes = (0..found.modes.len())
-        .map(|mode| cyclic_shape(&found, mode, &nodes, &rigid, &pull, bore))
+        .map(|mode| Shape {
+            linear: cyclic_momentum(&found, mode, &masses),
+            ..cyclic_shape(&found, mode, &nodes, &rigid, &pull, bore)
+        })
         .collect();
     let residual = compliance::of_sector(sector, material, &nodes, mounting)?;
-    finish(
-        nodes,
-        mounting,
+    // Equal teeth are balanced.
+    let body = Body {
         inertia,
-        found.unknowns + own,
-        shapes,
-        residual,
-    )
+        unbalance: [0.0; 2],
+        unknowns: found.unknowns + own,
+    };
+    finish(nodes, mounting, body, shapes, residual)
+}
+
+/// What of a gear does not depend on its modes.
+struct Body {
+    inertia: f64,
+    unbalance: [f64; 2],
+    unknowns: usize,
+}
+
+/// `M e_x`, one entry per node: the mass matrix is the same along all axes.
+fn nodal_masses(assembly: &Assembly) -> Vec<f64> {
+    let n = assembly.lumped.len();
+    let mut image = vec![0.0; 3 * n];
+    assembly.mass.apply3(&vec![1.0; 3 * n], &mut image);
+    image.iter().step_by(3).copied().collect()
+}
+
+/// Momentum of a mode of a cyclic gear along x and y. With the momentum `s` of the sector the teeth add up to
+///
+/// ```text
+/// sum_t R^t Re(s exp(i t mu_n)) = z/2 (Re s_x + Im s_y, Re s_y - Im s_x)   for n = 1, else 0
+/// ```
+///
+/// and `s` becomes `-i s` for the sine part.
+fn cyclic_momentum(found: &CyclicModes, mode: usize, masses: &[f64]) -> [f64; 2] {
+    let m = &found.modes[mode];
+    if m.harmonic != 1 {
+        return [0.0; 2];
+    }
+    let u = found.shapes[1].col(m.column);
+    let [x, y] = [0, 1].map(|axis| {
+        (masses.iter().enumerate()).fold((0.0, 0.0), |(re, im), (node, m)| {
+            let c = u[3 * node + axis];
+            (re + m * c.re, im + m * c.im)
+        })
+    });
+    let half = 0.5 * f64::from(found.teeth);
+    match m.part {
+        Part::Single | Part::Cosine => [half * (x.0 + y.1), half * (y.0 - x.1)],
+        Part::Sine => [half * (x.1 - y.0), half * (y.1 + x.0)],
+    }
 }
 
 /// A mode of a cyclic gear at its flank nodes; `bore` is a node that the hub holds.
@@ -217,6 +271,7 @@ fn cyclic_shape(
         flanks,
         hub,
         momentum,
+        linear: [0.0; 2],
     }
 }
 
@@ -224,11 +279,15 @@ fn cyclic_shape(
 fn finish(
     nodes: Surface,
     mounting: &Mounting,
-    inertia: f64,
-    unknowns: usize,
+    body: Body,
     mut shapes: Vec<Shape>,
     compliance: Residual,
 ) -> Result<Basis, ReductionError> {
+    let Body {
+        inertia,
+        unbalance,
+        unknowns,
+    } = body;
     if mounting.free {
         let share = shapes.first().map_or(0.0, |s| {
             (s.momentum + mounting.added_inertia * s.hub).powi(2) / inertia
@@ -277,6 +336,8 @@ fn finish(
         } else {
             of(|s| s.momentum)
         },
+        momentum: shapes.iter().map(|s| s.linear).collect(),
+        unbalance,
         compliance,
     })
 }

@@ -207,6 +207,8 @@ pub fn reduced(
         shapes,
         hub,
         participation: pick(&basis.participation),
+        momentum: kept.iter().map(|&i| basis.momentum[i]).collect(),
+        unbalance: basis.unbalance,
         residual,
     })
 }

@@ -37,6 +37,8 @@ pub mod hash;
 mod mounting;
 mod of_gear;
 pub mod open;
+#[cfg(test)]
+mod reaction_tests;
 mod request;
 pub mod shared;
 pub mod store;
@@ -80,6 +82,10 @@ pub struct Basis {
     pub hub: Vec<f64>,
     /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
     pub participation: Vec<f64>,
+    /// Momentum of each mode by unit velocity of its coordinate, along the own x and y [sqrt(kg)].
+    pub momentum: Vec<[f64; 2]>,
+    /// Mass of the mesh times the place of its centre of mass, own x and y [kg m].
+    pub unbalance: [f64; 2],
     /// Compliance of the whole mesh: nothing is cut from it yet.
     pub compliance: Residual,
 }

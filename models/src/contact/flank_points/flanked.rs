@@ -67,6 +67,12 @@ pub(super) struct Flanked {
     /// Flanks that move with the hub alone: the largest path coordinate at zero travel of any surface of either
     /// side, in one base pitch.
     foremost: Option<[f64; 2]>,
+    /// Flanks move with the hub alone.
+    pub rigid: bool,
+    /// How far a flank stands outward of its involute at most, on the path coordinate [m]; for such flanks.
+    pub proud: f64,
+    /// Base radius [m]; `None` for a rack.
+    pub base_radius: Option<f64>,
 }
 
 /// A flank that may touch.
@@ -120,13 +126,16 @@ impl Flanked {
             pitch
         };
         // The first flank of a side stands for all, with what others stand before their place by its pitch.
+        let mut most_proud = 0.0_f64;
         let mut foremost: [Option<(f64, f64)>; 2] = [None; 2];
         let mut sorted = [vec![], vec![]];
         for (shape, g) in grids.grids().iter().enumerate() {
             let outermost = outermost(o.body, &o.view, g);
             let (s, tooth) = path_at_zero(&o, g.side, outermost);
             if moves_as_one {
-                let s = s + proud(&o, &shapes[shape], outermost, MOST_PAST);
+                let stands = proud(&o, &shapes[shape], outermost, MOST_PAST);
+                most_proud = most_proud.max(stands);
+                let s = s + stands;
                 let of_side = &mut foremost[side_index(g.side)];
                 let (first, ahead) = of_side.get_or_insert((s, 0.0));
                 let off = s - *first;
@@ -156,6 +165,9 @@ impl Flanked {
             per_travel: o.view.path_per_travel(),
             turn,
             sorted,
+            rigid: moves_as_one,
+            proud: most_proud,
+            base_radius: o.view.base_radius,
             foremost: match foremost {
                 [Some(left), Some(right)] => Some([left.0 + left.1, right.0 + right.1]),
                 _ => None,

@@ -14,10 +14,12 @@
 
 mod flanked;
 mod generated;
+mod profile;
 mod projection;
 mod search;
 mod settings;
 mod spline;
+mod spur;
 mod surface;
 
 pub use flanked::Owner;

@@ -48,12 +48,12 @@ pub(super) struct Deformed<'a> {
 }
 
 /// Overlap of neighbouring faces: rounding only.
-const OVERLAP: f64 = 1e-9;
+pub(super) const OVERLAP: f64 = 1e-9;
 /// Part of a face by which a point may lie beyond the outer edges of the flank: elastic displacements along
 /// the edge would else lose points that stand on it.
-const RIM: f64 = 0.01;
+pub(super) const RIM: f64 = 0.01;
 /// Near an edge both faces are looked at, so that the gap over facets has no jump.
-const NEAR_EDGE: f64 = 0.1;
+pub(super) const NEAR_EDGE: f64 = 0.1;
 /// Newton step on a face [1] after which the closest point is found.
 const CLOSE: f64 = 1e-7;
 /// Newton iterations on a face.

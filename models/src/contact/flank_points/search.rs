@@ -4,11 +4,14 @@ use super::Flanks;
 use super::flanked::{Flanked, Near, Owner};
 use super::projection::{Begin, Deformed, Hit};
 use super::settings::{Passes, PointContact};
+use super::spur::{Spur, SpurScratch};
 use super::surface::{FlankPoint, Rule, Shape};
 use crate::Vec3;
 use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
 use crate::contact::lines_of_action::MeshGeometry;
-use crate::contact::nodal::{GearNodes, NodalParty, NodalPoint, UNUSED, weighted};
+use crate::contact::nodal::{
+    GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+};
 use crate::contact::search::{Clearance, ContactSearch, Party, SearchWork, Wanted, ZoneChange};
 use crate::gear::elastic::NormalField;
 use crate::gear::placement::Pose;
@@ -28,18 +31,20 @@ pub(super) const MOST_PAST: f64 = 0.5;
 /// clipped and runs with it do not locate events.
 #[derive(Debug)]
 pub struct FlankPoints {
-    gears: [Flanked; 2],
+    pub(super) gears: [Flanked; 2],
     rule: Rule,
     /// Penalty for the points of each gear [Pa/m]; 0 where they are not looked at.
-    penalty: [f64; 2],
-    reach: f64,
-    length: f64,
+    pub(super) penalty: [f64; 2],
+    pub(super) reach: f64,
+    pub(super) length: f64,
     helix_cos: f64,
-    base_pitch: f64,
+    pub(super) base_pitch: f64,
     /// Path coordinates of the first gear at which its flanks are looked at [m].
-    zone: [f64; 2],
+    pub(super) zone: [f64; 2],
     lines: [Option<[Vec3; 2]>; 2],
-    scratch: RefCell<Scratch>,
+    /// The search in the transverse plane, where flanks allow it.
+    spur: Option<Spur>,
+    pub(super) scratch: RefCell<Scratch>,
 }
 
 /// A flank at a state.
@@ -53,14 +58,16 @@ struct Active {
 
 /// Buffers; they grow to the most that was ever active and stay.
 #[derive(Debug, Default)]
-struct Scratch {
-    first: Vec<Near>,
+pub(super) struct Scratch {
+    pub first: Vec<Near>,
     active: [Vec<Active>; 2],
     positions: [Vec<Vec3>; 2],
     pairs: Vec<[usize; 2]>,
     /// Clearance of each node of a flank [m].
     heights: Vec<f64>,
-    work: SearchWork,
+    /// Of the search in the transverse plane.
+    pub spur: SpurScratch,
+    pub work: SearchWork,
 }
 
 /// A point of gear `k`, the slave, that is projected on the other gear, the master.
@@ -106,6 +113,7 @@ impl FlankPoints {
         let beside =
             BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * geometry.base_helix.tan().abs();
         Ok(FlankPoints {
+            spur: Spur::new(&gears, &rule),
             gears,
             rule,
             penalty,
@@ -183,7 +191,7 @@ impl FlankPoints {
         active.len() - 1
     }
 
-    fn tooth(&self, k: usize, near: &Near) -> Tooth {
+    pub(super) fn tooth(&self, k: usize, near: &Near) -> Tooth {
         Tooth {
             index: near.tooth,
             mesh: self.gears[k].mesh,
@@ -249,7 +257,7 @@ impl FlankPoints {
         let master = self.deformed(m, scratch, pair[m]);
         let active = [&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]];
         heights.clear();
-        heights.extend(slave.x.iter().map(|x| self.clearance(m, &master, x).1));
+        heights.extend(slave.x.iter().map(|x| self.stands_off(m, &master, x).1));
         let columns = slave.shape.columns;
         let keep = |row: usize, column: usize| {
             let i = row * columns + column;
@@ -266,7 +274,7 @@ impl FlankPoints {
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let (begin, clearance) = self.clearance(m, &master, &x);
+            let (begin, clearance) = self.stands_off(m, &master, &x);
             if clearance > limit {
                 return;
             }
@@ -308,7 +316,7 @@ impl FlankPoints {
     /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
     /// than a face beyond root, tip or sides.
     #[inline]
-    fn clearance(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+    fn stands_off(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
         let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
         let (column, b) = master.shape.column_at(x.z);
         let begin = Begin {
@@ -420,7 +428,9 @@ impl FlankPoints {
         found: &Found<'_>,
         parties: &[Party<'_>; 2],
         nodes: &mut [(Option<&dyn NormalField>, &mut GearNodes); 2],
-    ) -> NodalPoint {
+        margin: &mut Margin,
+        out: &mut NodalPoints,
+    ) {
         let Found {
             k,
             flanks: [slave, master],
@@ -447,22 +457,32 @@ impl FlankPoints {
                 gap0 -= weighted(&weights[gear], &a);
             }
         }
-        NodalPoint {
+        if !margin.takes(gap0) {
+            return;
+        }
+        let points = self.points(found);
+        let other = (0..2).find(|&i| nodes[i].0.is_none() && !self.gears[i].rigid);
+        let partner = other.map(|i| {
+            out.partners.push(points[i]);
+            out.partners.len() as u32 - 1
+        });
+        out.points.push(NodalPoint {
             mesh: 0,
-            slot: usize::from(slave.shape.side == Side::Right),
-            slave: k,
-            points: self.points(found),
+            slot: u8::from(slave.shape.side == Side::Right),
+            slave: k as u8,
+            partner,
+            teeth: points.map(|p| p.tooth),
+            x: *x,
             normal: hit.normal,
             answer: master.answer(x, hit),
             place: [hit.a, hit.b],
             slots,
             weights,
-            rigid_gap: hit.gap,
             gap0,
             stiffness: self.penalty[k] * p.area,
             share: p.area * self.penalty[k] / (self.penalty[0] + self.penalty[1]),
             fading: *fading,
-        }
+        });
     }
 }
 
@@ -518,13 +538,38 @@ impl ContactSearch for FlankPoints {
         })
     }
 
-    fn nodal_points(&self, sides: [NodalParty<'_>; 2], out: &mut Vec<NodalPoint>) {
+    fn nodal_points(
+        &self,
+        mut sides: [NodalParty<'_>; 2],
+        margin: &mut Margin,
+        out: &mut NodalPoints,
+    ) {
+        let travels = [0, 1].map(|k| {
+            let p = &sides[k].party;
+            p.gear.hub().travel(p.at.t, p.at.q)
+        });
+        let apart = self
+            .clearance(travels)
+            .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]));
+        if apart > self.reach {
+            self.scratch.borrow_mut().work = SearchWork::default();
+            return;
+        }
+        let [a, b] = &mut sides;
+        let limit = (a.bound() + b.bound()).min(self.reach);
+        if apart > limit {
+            self.scratch.borrow_mut().work = SearchWork::default();
+            return;
+        }
+        if let Some(spur) = &self.spur {
+            spur.points(self, sides, travels, limit, margin, out);
+            return;
+        }
         let [a, b] = sides;
-        let limit = (a.nodes.bound + b.nodes.bound).min(self.reach);
         let parties = [a.party, b.party];
         let mut nodes = [(a.field, a.nodes), (b.field, b.nodes)];
         self.each_point(parties.each_ref(), limit, |found| {
-            out.push(self.nodal_point(found, &parties, &mut nodes));
+            self.nodal_point(found, &parties, &mut nodes, margin, out);
         });
     }
 

@@ -33,13 +33,13 @@ pub(super) struct Shape {
     /// Squared radius [m^2] (height [m] of a rack) of each row, ascending to the tip.
     pub heights: Vec<f64>,
     /// z of each column [m].
-    z: Vec<f64>,
+    pub z: Vec<f64>,
     /// Length of the faces along the profile of each row [m].
     pub lengths: Vec<f64>,
     /// How far the flank may leave the plane of a face of each row within the neighbouring rows [m].
     pub stray: Vec<f64>,
     /// Reference area of each point [m^2], in the order of [`Shape::points`].
-    areas: Vec<f64>,
+    pub areas: Vec<f64>,
     first_face: u32,
 }
 
@@ -81,8 +81,20 @@ impl Rule {
         }
     }
 
-    fn is_nodes(&self) -> bool {
+    pub fn is_nodes(&self) -> bool {
         self.along.is_empty()
+    }
+}
+
+impl Rule {
+    /// Points and weights along the profile of a face.
+    pub fn along(&self) -> &[(f64, f64)] {
+        &self.along
+    }
+
+    /// The same over the width.
+    pub fn across(&self) -> &[(f64, f64)] {
+        &self.across
     }
 }
 

@@ -19,8 +19,8 @@ pub struct GearNodes {
     pub index: Vec<u32>,
     /// Load `T` on the hub [N m] or [N].
     pub load: f64,
-    /// A bound of the displacements before residual compliance [m].
-    pub bound: f64,
+    /// A bound of the displacements before residual compliance [m], once asked for.
+    bound: Option<f64>,
     /// Slot of each of the gear's flank nodes, valid where its stamp is the present one.
     slots: Vec<(u32, u32)>,
     stamp: u32,
@@ -30,7 +30,7 @@ pub struct GearNodes {
 
 impl GearNodes {
     /// Begins an evaluation with a load on the hub.
-    pub fn begin(&mut self, field: &dyn NormalField, at: At<'_>, load: f64) {
+    pub fn begin(&mut self, load: f64) {
         for (&node, &u) in self.nodes.iter().zip(&self.residual) {
             self.last[node as usize] = u;
         }
@@ -40,12 +40,49 @@ impl GearNodes {
         self.force.clear();
         self.index.clear();
         self.load = load;
-        self.bound = field.bound(at) + (field.largest_hub_compliance() * load).abs();
+        self.bound = None;
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
             self.slots.fill((0, 0));
             self.stamp = 1;
         }
+    }
+
+    /// A bound of the displacements of flank nodes before residual compliance [m].
+    #[inline]
+    pub fn bound(&mut self, field: &dyn NormalField, at: At<'_>) -> f64 {
+        *self.bound.get_or_insert_with(|| {
+            field.bound(at) + (field.largest_hub_compliance() * self.load).abs()
+        })
+    }
+
+    /// Slots of consecutive nodes that were not met before; the first of them.
+    pub fn meet_new(&mut self, field: &dyn NormalField, at: At<'_>, nodes: &[u32]) -> u32 {
+        let first = self.nodes.len();
+        let all = first + nodes.len();
+        self.nodes.extend_from_slice(nodes);
+        self.displacement.resize(all, 0.0);
+        let new = &mut self.displacement[first..];
+        field.displacements(at.q, nodes, new);
+        if self.load != 0.0 {
+            // The residual displacements are zero yet: room for the compliances.
+            self.residual.resize(all, 0.0);
+            let by_load = &mut self.residual[first..];
+            field.hub_compliance(nodes, by_load);
+            for (a, r) in new.iter_mut().zip(by_load) {
+                *a += *r * self.load;
+                *r = 0.0;
+            }
+        }
+        self.residual.resize(all, 0.0);
+        self.force.resize(all, 0.0);
+        self.index.resize(all, UNUSED);
+        if let Some(&most) = nodes.iter().max()
+            && most as usize >= self.last.len()
+        {
+            self.last.resize(most as usize + 1, 0.0);
+        }
+        first as u32
     }
 
     /// Slots of nodes; their displacements are found when they are met for the first time.
@@ -62,26 +99,13 @@ impl GearNodes {
         let i = node as usize;
         if i >= self.slots.len() {
             self.slots.resize(i + 1, (0, 0));
-            self.last.resize(i + 1, 0.0);
         }
         let (stamp, slot) = self.slots[i];
         if stamp == self.stamp {
             return slot;
         }
-        let slot = self.nodes.len() as u32;
+        let slot = self.meet_new(field, at, &[node]);
         self.slots[i] = (self.stamp, slot);
-        let mut a = [0.0];
-        field.displacements(at.q, &[node], &mut a);
-        if self.load != 0.0 {
-            let mut r = [0.0];
-            field.hub_compliance(&[node], &mut r);
-            a[0] += r[0] * self.load;
-        }
-        self.nodes.push(node);
-        self.displacement.push(a[0]);
-        self.residual.push(0.0);
-        self.force.push(0.0);
-        self.index.push(UNUSED);
         slot
     }
 

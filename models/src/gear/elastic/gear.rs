@@ -8,7 +8,7 @@ use crate::contact::flank_points::Flanks;
 use crate::contact::row::Row;
 use crate::gear::placement::Placement;
 use crate::gear::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
-use crate::mount::{Hub, Mount};
+use crate::mount::{Hub, Mount, Wrench};
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use std::sync::Arc;
 
@@ -434,6 +434,54 @@ impl GearModel for Elastic {
             speed: speed + self.over_modes(&self.data.hub, at.v),
             momentum: self.hub.inertia * speed + self.over_modes(&self.data.participation, at.v),
         }
+    }
+
+    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`. Modes
+    /// that were cut follow their loads without inertia.
+    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+        let d = &*self.data;
+        let mut reaction = self.hub.reaction(at.t, contact);
+        let prescribed = self.prescribed_acceleration(at.t);
+        let speed = self.hub.speed(at.t, at.v);
+        // Place, momentum and its rate in the own frame, as sums over the modes; torque of held hubs.
+        let mut own = [d.unbalance, [0.0; 2], [0.0; 2]];
+        let mut turning = 0.0;
+        for (i, (p, along)) in d.momentum.iter().zip(&d.participation).enumerate() {
+            let k = self.own + i;
+            let (w, z, q, v) = (self.omega[k], self.zeta[k], at.q[k], at.v[k]);
+            let a = forces[k] - w * (w * q + 2.0 * z * v) - prescribed * along;
+            for (sum, x) in own.iter_mut().zip([q, v, a]) {
+                sum[0] += x * p[0];
+                sum[1] += x * p[1];
+            }
+            turning += a * along;
+        }
+        let [place, momentum, rate] = own.map(|x| Vec3::new(x[0], x[1], 0.0));
+        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let Some(slide) = &self.hub.slide else {
+            let acceleration = if self.own > 0 {
+                forces[0] / self.hub.inertia
+            } else {
+                prescribed
+            };
+            let across = |x: Vec3| Vec3::new(-x.y, x.x, 0.0);
+            let total = rate + across(2.0 * speed * momentum + acceleration * place)
+                - speed * speed * place;
+            reaction.force += pose.turn(&total);
+            if self.own == 0 {
+                reaction.torque += turning;
+            }
+            return reaction;
+        };
+        let mut force = pose.turn(&rate);
+        if self.own > 0 {
+            // Its modes hold no momentum along a free slide, up to rounding.
+            force -= force.dot(slide) * slide;
+        } else {
+            reaction.torque += turning;
+        }
+        reaction.force += force;
+        reaction
     }
 
     fn hub_speed(&self, at: At<'_>) -> f64 {

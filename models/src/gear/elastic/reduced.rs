@@ -34,6 +34,11 @@ pub struct Reduced {
     pub hub: Vec<f64>,
     /// Held hubs: inertia coupling `phi_i^T M e` with the prescribed motion `e`; zeros for a free hub.
     pub participation: Vec<f64>,
+    /// Momentum of each mode by unit velocity of its coordinate, `phi_i^T M e_x` and `phi_i^T M e_y` with the unit
+    /// translations of the whole gear along its own x and y [sqrt(kg)]: its accelerations load the bearing.
+    pub momentum: Vec<[f64; 2]>,
+    /// Mass of the gear times the place of its centre of mass, own x and y [kg m].
+    pub unbalance: [f64; 2],
     /// Static compliance of the modes that were cut; `None` for plain truncation.
     pub residual: Option<Residual>,
 }
@@ -157,6 +162,7 @@ impl Reduced {
             ("shapes", self.shapes.len(), nodes * modes),
             ("hub shapes", self.hub.len(), modes),
             ("participations", self.participation.len(), modes),
+            ("momenta", self.momentum.len(), modes),
         ];
         for (what, found, expected) in lengths {
             if found != expected {
@@ -218,7 +224,9 @@ impl Reduced {
             && inertia
             && finite(&self.shapes)
             && finite(&self.hub)
-            && finite(&self.participation)))
+            && finite(&self.participation)
+            && finite(self.momentum.as_flattened())
+            && finite(&self.unbalance)))
         .then(|| "a number is not finite".into())
     }
 }

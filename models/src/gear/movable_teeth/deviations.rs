@@ -74,6 +74,26 @@ impl Deviations {
         m[0] * memory[i] + m[1] * memory[i + 1]
     }
 
+    /// Calls `f` with `[d, d', d'']` at time `t` of every tooth that deviates.
+    pub fn each(
+        &self,
+        p: &ToothSprings,
+        t: f64,
+        memory: &[f64],
+        mut f: impl FnMut(usize, [f64; 3]),
+    ) {
+        if memory[1] == 0.0 && memory[3] == 0.0 {
+            return;
+        }
+        let m = propagator(p, t - memory[0]);
+        let (k, c) = (p.stiffness[0] / p.mass[0], p.damping[0] / p.mass[0]);
+        for (i, cell) in memory[HEAD..].chunks_exact(2).enumerate() {
+            let d = m[0] * cell[0] + m[1] * cell[1];
+            let v = m[2] * cell[0] + m[3] * cell[1];
+            f(i, [d, v, -k * d - c * v]);
+        }
+    }
+
     /// `(sum d^2, sum d'^2)` at time `t`.
     pub fn squares(&self, p: &ToothSprings, t: f64, memory: &[f64]) -> (f64, f64) {
         let [dd, dv, vv] = [memory[1], memory[2], memory[3]];

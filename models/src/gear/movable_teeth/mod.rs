@@ -28,6 +28,7 @@
 
 mod deviations;
 mod parameters;
+mod reaction;
 mod springs;
 
 pub use parameters::{PARAMETERS, build};
@@ -37,7 +38,7 @@ use crate::Vec3;
 use crate::contact::candidate::{Point, Tooth};
 use crate::contact::row::Row;
 use crate::geometry::Side;
-use crate::mount::Hub;
+use crate::mount::{Hub, Wrench};
 use deviations::{Deviations, Exchange};
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
 use springs::{RadiusStiffness, ToothSprings};
@@ -628,6 +629,10 @@ impl GearModel for MovableTeeth {
             speed,
             momentum: self.body * speed + teeth,
         }
+    }
+
+    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+        self.reaction(at, forces, contact)
     }
 
     fn engage(&mut self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {

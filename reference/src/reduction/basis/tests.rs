@@ -94,6 +94,26 @@ fn sector_and_whole_mesh_agree() {
                 let scale = x.iter().map(|x| x * x).fold(0.0, f64::max);
                 assert!((squares(x) - squares(y)).abs() <= 1e-6 * scale);
             }
+            // And the momentum across the axis, by itself and towards the flanks.
+            let taken = |b: &Basis, node: usize, axis: usize| -> f64 {
+                let n = b.omega.len();
+                let modes = range.clone();
+                modes
+                    .map(|m| b.momentum[m][axis] * b.shapes[node * n + m])
+                    .sum()
+            };
+            for (node, axis) in (0..nodes).map(|k| (k, k % 2)) {
+                let (x, y) = (taken(&a, node, axis), taken(&b, node, axis));
+                assert!((x - y).abs() < 1e-6, "modes {range:?}: {x} {y}");
+            }
+            let tensor = |b: &Basis| {
+                b.momentum[range.clone()].iter().fold([0.0; 3], |t, p| {
+                    [t[0] + p[0] * p[0], t[1] + p[0] * p[1], t[2] + p[1] * p[1]]
+                })
+            };
+            for (x, y) in tensor(&a).iter().zip(tensor(&b)) {
+                assert!((x - y).abs() < 1e-6 * a.momentum.iter().map(|p| p[0] * p[0]).sum::<f64>());
+            }
         }
         assert_eq!(mounting.free, a.hub.iter().any(|h| *h != 0.0));
         assert_eq!(!mounting.free, a.participation.iter().any(|h| *h != 0.0));

@@ -22,6 +22,8 @@ pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
         shapes: Vec::new(),
         hub: Vec::new(),
         participation: Vec::new(),
+        momentum: Vec::new(),
+        unbalance: [0.0; 2],
         compliance: Residual {
             flanks: FlankCompliance::Full(vec![0.0; n * n]),
             hub: vec![0.0; n],

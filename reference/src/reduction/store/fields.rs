@@ -27,6 +27,8 @@ const FAMILY: &str = "mode_family";
 const SHAPES: &str = "shapes_per_sqrt_kg";
 const HUB: &str = "hub_shapes";
 const PARTICIPATION: &str = "participation";
+const MOMENTUM: &str = "modal_momentum_sqrt_kg";
+const UNBALANCE: &str = "unbalance_kg_m";
 const COMPLIANCE: &str = "flank_compliance_m_per_n";
 const HUB_FLANK: &str = "hub_flank_compliance";
 const HUB_HUB: &str = "hub_compliance";
@@ -58,6 +60,7 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         (FAMILY, b.family.len(), modes),
         (SHAPES, b.shapes.len(), nodes.saturating_mul(modes)),
         (HUB, b.hub.len(), modes),
+        (MOMENTUM, b.momentum.len(), modes),
         (PARTICIPATION, b.participation.len(), modes),
         (HUB_FLANK, b.compliance.hub.len(), nodes),
     ];
@@ -156,11 +159,13 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     let blocks = match &b.compliance.flanks {
         FlankCompliance::Full(c) | FlankCompliance::Cyclic { blocks: c, .. } => c,
     };
-    let finite: [(&str, &[f64]); 9] = [
+    let finite: [(&str, &[f64]); 11] = [
         (OMEGA, &b.omega),
         (SHAPES, &b.shapes),
         (HUB, &b.hub),
         (PARTICIPATION, &b.participation),
+        (MOMENTUM, b.momentum.as_flattened()),
+        (UNBALANCE, &b.unbalance),
         (COMPLIANCE, blocks),
         (HUB_FLANK, &b.compliance.hub),
         (HUB_HUB, &[b.compliance.hub_hub]),
@@ -227,6 +232,9 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     w.f64s(SHAPES, &[nodes, modes], b.shapes.iter().copied())?;
     w.f64s(HUB, &[modes], b.hub.iter().copied())?;
     w.f64s(PARTICIPATION, &[modes], b.participation.iter().copied())?;
+    let momentum = b.momentum.iter().flatten().copied();
+    w.f64s(MOMENTUM, &[modes, 2], momentum)?;
+    w.f64s(UNBALANCE, &[2], b.unbalance.iter().copied())?;
     let (shape, blocks) = match &b.compliance.flanks {
         FlankCompliance::Full(c) => (vec![nodes, nodes], c),
         FlankCompliance::Cyclic {
@@ -345,6 +353,10 @@ impl Entries {
     }
 }
 
+fn pairs(x: &[f64]) -> Vec<[f64; 2]> {
+    x.chunks_exact(2).map(|x| [x[0], x[1]]).collect()
+}
+
 fn vectors(x: &[f64]) -> Vec<Vec3> {
     x.chunks_exact(3)
         .map(|x| Vec3::new(x[0], x[1], x[2]))
@@ -377,6 +389,11 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
         shapes: r.f64s(SHAPES, &[Axis::Is(nodes), Axis::Is(modes)])?.1,
         hub: r.f64s(HUB, &[Axis::Is(modes)])?.1,
         participation: r.f64s(PARTICIPATION, &[Axis::Is(modes)])?.1,
+        momentum: pairs(&r.f64s(MOMENTUM, &[Axis::Is(modes), Axis::Is(2)])?.1),
+        unbalance: {
+            let x = r.f64s(UNBALANCE, &[Axis::Is(2)])?.1;
+            [x[0], x[1]]
+        },
         compliance: read_compliance(r, nodes, teeth)?,
     };
     let elements = ElementKind::ALL.map(|k| (k.name(), k));

@@ -58,6 +58,11 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
         shapes: some(n * modes),
         hub: some(modes),
         participation: vec![-0.0; modes],
+        momentum: some(2 * modes)
+            .chunks_exact(2)
+            .map(|x| [x[0], x[1]])
+            .collect(),
+        unbalance: [-1e-9, 0.7],
         compliance: Residual {
             flanks,
             hub: some(n),

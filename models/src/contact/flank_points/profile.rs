@@ -1,0 +1,303 @@
+//! Flanks that are the same in every transverse plane: a profile in two dimensions, and projections on it.
+//!
+//! The profile is a chain of cubics `p(a) = c_0 + c_1 a + c_2 a^2 + c_3 a^3` from row to row, in the gear's own frame;
+//! facets are the linear case. The closest point solves `p' . (x - p) = 0`. What holds of
+//! [projections on surfaces](super::projection) holds here: beyond an edge the neighbour is asked, between two facets
+//! that both send a point to the other the closest point is their common edge.
+
+use super::projection::{NEAR_EDGE, OVERLAP, RIM};
+use super::surface::{Rule, Shape};
+use crate::geometry::Side;
+
+/// A point or direction in the transverse plane.
+pub(super) type Vec2 = nalgebra::Vector2<f64>;
+
+/// Transverse distance [m] within which the nodes of a row are one.
+const ONE: f64 = 1e-12;
+/// Newton step on a face [1] after which the closest point is found: what is left is of the size of its square.
+const CLOSE: f64 = 1e-4;
+/// Newton iterations on a face.
+const ITERATIONS: usize = 20;
+
+/// A profile, from the root to the tip.
+#[derive(Clone, Debug)]
+pub(super) struct Profile {
+    side: Side,
+    rack: bool,
+    faceted: bool,
+    /// Coefficients of each face.
+    curves: Vec<[Vec2; 4]>,
+    /// Outward unit normal of each chord, its distance from the origin [m], and how far the profile may leave it
+    /// within the neighbouring rows.
+    chords: Vec<(Vec2, f64, f64)>,
+    /// Squared radius [m^2] (height [m] of a rack) of each node.
+    heights: Vec<f64>,
+    /// Reciprocal differences of these.
+    per_height: Vec<f64>,
+    /// Nodes.
+    pub knots: Vec<Vec2>,
+    /// Points of each face along the profile; of the rule at nodes, the nodes.
+    pub points: Vec<Vec2>,
+}
+
+/// A projection on a profile.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    pub row: usize,
+    /// Place on the face, 0 to 1 within it.
+    pub a: f64,
+    /// Unit normal, out of the tooth.
+    pub normal: Vec2,
+    /// Distance along it [m], positive outside.
+    pub gap: f64,
+    /// How the place answers to a displacement of the point [1/m].
+    pub answer: Vec2,
+}
+
+impl Profile {
+    /// The profile of a shape, if all its transverse planes show the same.
+    pub fn new(shape: &Shape, rule: &Rule, rack: bool) -> Option<Self> {
+        let flat = |row: usize, column: usize, place| {
+            let x = shape.undeformed(row, column, place);
+            Vec2::new(x.x, x.y)
+        };
+        let same = |a: Vec2, b: Vec2| (a - b).norm() < ONE;
+        for row in 0..shape.rows - 1 {
+            for a in [0.0, 0.5, 1.0] {
+                let first = flat(row, 0, [a, 0.0]);
+                for column in 0..shape.columns - 1 {
+                    let others = [0.0, 0.5, 1.0].map(|b| flat(row, column, [a, b]));
+                    if !others.into_iter().all(|x| same(x, first)) {
+                        return None;
+                    }
+                }
+            }
+        }
+        let mut knots: Vec<Vec2> = (0..shape.rows - 1).map(|r| flat(r, 0, [0.0; 2])).collect();
+        knots.push(flat(shape.rows - 2, 0, [1.0, 0.0]));
+        let faceted = shape.is_faceted();
+        let curves: Vec<[Vec2; 4]> = (0..shape.rows - 1)
+            .map(|row| {
+                // A cubic through four places is that of the spline.
+                let x = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|a| flat(row, 0, [a, 0.0]));
+                if faceted {
+                    return [x[0], x[3] - x[0], Vec2::zeros(), Vec2::zeros()];
+                }
+                [
+                    x[0],
+                    -5.5 * x[0] + 9.0 * x[1] - 4.5 * x[2] + x[3],
+                    9.0 * x[0] - 22.5 * x[1] + 18.0 * x[2] - 4.5 * x[3],
+                    -4.5 * x[0] + 13.5 * x[1] - 13.5 * x[2] + 4.5 * x[3],
+                ]
+            })
+            .collect();
+        let chords = (0..shape.rows - 1)
+            .map(|row| {
+                let along = knots[row + 1] - knots[row];
+                let n = outward(shape.side, &along) / along.norm();
+                (
+                    n,
+                    n.dot(&(0.5 * (knots[row] + knots[row + 1]))),
+                    shape.stray[row],
+                )
+            })
+            .collect();
+        let points = if rule.is_nodes() {
+            knots.clone()
+        } else {
+            let faces = 0..shape.rows - 1;
+            let of_face = |row| rule.along().iter().map(move |&(a, _)| (row, a));
+            faces
+                .flat_map(of_face)
+                .map(|(row, a)| flat(row, 0, [a, 0.0]))
+                .collect()
+        };
+        Some(Profile {
+            side: shape.side,
+            rack,
+            faceted,
+            per_height: shape
+                .heights
+                .windows(2)
+                .map(|h| (h[1] - h[0]).recip())
+                .collect(),
+            heights: shape.heights.clone(),
+            curves,
+            chords,
+            knots,
+            points,
+        })
+    }
+
+    /// Number of faces.
+    #[inline]
+    pub fn faces(&self) -> usize {
+        self.curves.len()
+    }
+
+    /// Height of a point, as those of the rows.
+    #[inline]
+    pub fn height(&self, x: &Vec2) -> f64 {
+        if self.rack { -x.x } else { x.dot(x) }
+    }
+
+    /// Face whose strip holds a height, looked for from a face on, and where in it, from 0 to 1 (beyond, outside the
+    /// profile).
+    #[inline]
+    pub fn row_at(&self, height: f64, mut row: usize) -> (usize, f64) {
+        while row + 1 < self.faces() && height >= self.heights[row + 1] {
+            row += 1;
+        }
+        while row > 0 && height < self.heights[row] {
+            row -= 1;
+        }
+        (row, (height - self.heights[row]) * self.per_height[row])
+    }
+
+    /// The point of the profile at a height, at most at its ends.
+    pub fn at_height(&self, height: f64) -> Vec2 {
+        let (row, a) = self.row_at(height, 0);
+        self.place(row, a.clamp(0.0, 1.0))
+    }
+
+    /// A gap [m] that a point surely has, more than a face beyond root or tip infinite, and the face it was held
+    /// against.
+    #[inline]
+    pub fn clearance(&self, x: &Vec2, from: usize) -> (f64, usize) {
+        let (row, a) = self.row_at(self.height(x), from);
+        if !(-1.0..=2.0).contains(&a) {
+            return (f64::INFINITY, row);
+        }
+        let (n, d, stray) = &self.chords[row];
+        (n.dot(x) - d - stray, row)
+    }
+
+    #[inline]
+    fn place(&self, row: usize, a: f64) -> Vec2 {
+        let [c0, c1, c2, c3] = &self.curves[row];
+        c0 + a * (c1 + a * (c2 + a * c3))
+    }
+
+    /// Closest point of a face's curve, continued beyond its ends.
+    #[inline]
+    fn on_face(&self, x: &Vec2, row: usize, mut a: f64) -> Foot {
+        let [c0, c1, c2, c3] = &self.curves[row];
+        if self.faceted {
+            let per = c1.dot(c1).recip();
+            a = (c1.dot(&(x - c0)) * per).clamp(-2.0, 3.0);
+            let normal = self.chords[row].0;
+            return Foot {
+                row,
+                a,
+                normal,
+                gap: normal.dot(&(x - c0)),
+                answer: per * c1,
+            };
+        }
+        let mut left = ITERATIONS;
+        loop {
+            let p = c0 + a * (c1 + a * (c2 + a * c3));
+            let tangent = c1 + a * (2.0 * c2 + (3.0 * a) * c3);
+            let bend = 2.0 * c2 + (6.0 * a) * c3;
+            let r = x - p;
+            let per = (tangent.dot(&tangent) - bend.dot(&r)).recip();
+            let step = tangent.dot(&r) * per;
+            left -= 1;
+            if step.abs() < CLOSE || left == 0 {
+                // What is left of the step: its third order is below rounding.
+                let r = r - step * (tangent + (0.5 * step) * bend);
+                let tangent = tangent + step * bend;
+                let n = outward(self.side, &tangent);
+                let normal = n / n.norm();
+                return Foot {
+                    row,
+                    a: a + step,
+                    normal,
+                    gap: normal.dot(&r),
+                    answer: per * tangent,
+                };
+            }
+            a = (a + step).clamp(-2.0, 3.0);
+        }
+    }
+
+    /// The edge between two faces as the closest point; the normal is the direction of the distance.
+    fn on_edge(&self, x: &Vec2, feet: [Foot; 2]) -> Foot {
+        let foot = feet[0];
+        let a = foot.a.clamp(0.0, 1.0);
+        let r = x - self.place(foot.row, a);
+        let mean = feet[0].normal + feet[1].normal;
+        let (distance, side) = (r.norm(), mean.dot(&r).signum());
+        let normal = if distance > 1e-14 {
+            side / distance * r
+        } else {
+            mean / mean.norm()
+        };
+        Foot {
+            a,
+            normal,
+            gap: normal.dot(&r),
+            answer: Vec2::zeros(),
+            ..foot
+        }
+    }
+
+    /// The closest point, looked for from a place on a face on; `None` beyond the ends, at the tip by more than
+    /// `past` parts of the last face.
+    #[inline]
+    pub fn project(&self, x: &Vec2, row: usize, a: f64, past: f64) -> Option<Foot> {
+        let mut foot = self.on_face(x, row, a);
+        let mut last: Option<Foot> = None;
+        for _ in 0..self.faces() {
+            let row = if foot.a > 1.0 + OVERLAP && foot.row + 1 < self.faces() {
+                foot.row + 1
+            } else if foot.a < -OVERLAP && foot.row > 0 {
+                foot.row - 1
+            } else {
+                break;
+            };
+            if let Some(last) = last.filter(|l| l.row == row) {
+                return Some(self.on_edge(x, [foot, last]));
+            }
+            last = Some(foot);
+            let place = if row > foot.row {
+                foot.a - 1.0
+            } else {
+                foot.a + 1.0
+            };
+            foot = self.on_face(x, row, place);
+        }
+        if !(-RIM..=1.0 + past.max(RIM)).contains(&foot.a) {
+            return None;
+        }
+        Some(self.nearer(x, foot))
+    }
+
+    /// Inside a convex flank a point near an edge may have a closest point on both facets: the nearer counts.
+    #[inline]
+    fn nearer(&self, x: &Vec2, foot: Foot) -> Foot {
+        if foot.gap >= 0.0 || !self.faceted {
+            return foot;
+        }
+        let row = if foot.a > 1.0 - NEAR_EDGE && foot.row + 1 < self.faces() {
+            foot.row + 1
+        } else if foot.a < NEAR_EDGE && foot.row > 0 {
+            foot.row - 1
+        } else {
+            return foot;
+        };
+        let other = self.on_face(x, row, 0.5);
+        let valid = (-OVERLAP..=1.0 + OVERLAP).contains(&other.a);
+        if valid && other.gap < 0.0 && other.gap > foot.gap {
+            other
+        } else {
+            foot
+        }
+    }
+}
+
+/// A tangent towards the tip turned outwards of the tooth.
+#[inline]
+fn outward(side: Side, along: &Vec2) -> Vec2 {
+    side.sign() * Vec2::new(-along.y, along.x)
+}

@@ -1,0 +1,128 @@
+//! What a search hands over: points with the nodes that they lie on.
+
+use super::GearNodes;
+use crate::Vec3;
+use crate::contact::candidate::{Point, Tooth};
+use crate::contact::search::Party;
+use crate::gear::elastic::NormalField;
+
+/// A gear of a mesh in the search for nodal points.
+pub struct NodalParty<'a> {
+    /// The gear and its state.
+    pub party: Party<'a>,
+    /// Its field, where it has one.
+    pub field: Option<&'a dyn NormalField>,
+    /// Its active nodes; empty without a field.
+    pub nodes: &'a mut GearNodes,
+}
+
+impl NodalParty<'_> {
+    /// A bound of the displacements of its flank nodes before residual compliance [m].
+    #[inline]
+    pub fn bound(&mut self) -> f64 {
+        self.field
+            .map_or(0.0, |field| self.nodes.bound(field, self.party.at))
+    }
+}
+
+/// Which points are wanted beyond those that touch without residual compliance: between loaded nodes the residual
+/// displacement may rise outwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// Deepest overlap found so far [m].
+    pub depth: f64,
+    /// Gap [m] up to which points are wanted whatever the overlap.
+    pub least: f64,
+}
+
+impl Margin {
+    /// Part of the deepest overlap.
+    const BESIDE: f64 = 0.125;
+
+    /// Largest gap before residual compliance that is wanted [m].
+    #[inline]
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        self.least.max(Self::BESIDE * self.depth)
+    }
+
+    /// Whether a point of that gap is wanted; it may deepen the overlap.
+    #[inline]
+    pub fn takes(&mut self, gap0: f64) -> bool {
+        self.depth = self.depth.max(-gap0);
+        gap0 <= self.gap()
+    }
+}
+
+/// Points of a scene's meshes.
+#[derive(Clone, Debug, Default)]
+pub struct NodalPoints {
+    /// The points.
+    pub points: Vec<NodalPoint>,
+    /// Points on partners that neither have a field nor move as one with their hub.
+    pub partners: Vec<Point>,
+}
+
+/// A point of one flank held against the other, with the nodes that both lie on.
+#[derive(Clone, Copy, Debug)]
+pub struct NodalPoint {
+    /// Mesh of the scene.
+    pub mesh: u32,
+    /// A mark of its flank side, as [`Candidate::slot`](crate::contact::candidate::Candidate).
+    pub slot: u8,
+    /// Which gear of the mesh the point belongs to; the other is the master.
+    pub slave: u8,
+    /// Its place among [`NodalPoints::partners`], if it has one.
+    pub partner: Option<u32>,
+    /// Teeth of the first and second gear of the mesh.
+    pub teeth: [Tooth; 2],
+    /// Position [m], undeformed where its gear has a field.
+    pub x: Vec3,
+    /// Unit normal of the rigid master, out of its tooth.
+    pub normal: Vec3,
+    /// How the place on the master's face answers to the point's motion [1/m].
+    pub answer: [Vec3; 2],
+    /// Place on the master's face, 0 to 1.
+    pub place: [f64; 2],
+    /// Corners of the faces among the [`GearNodes`] of both gears; [`UNUSED`](super::UNUSED) without a field.
+    pub slots: [[u32; 4]; 2],
+    /// Their weights.
+    pub weights: [[f64; 4]; 2],
+    /// Gap before residual compliance [m].
+    pub gap0: f64,
+    /// Stiffness of the law, [N/m] for a linear law.
+    pub stiffness: f64,
+    /// What the law's damper per area is multiplied by [m^2].
+    pub share: f64,
+    /// `A' / A`: relative change of the area with the first place on the master.
+    pub fading: f64,
+}
+
+impl NodalPoint {
+    /// Index of the slave in the mesh, then of the master.
+    #[inline]
+    #[must_use]
+    pub fn sides(&self) -> [usize; 2] {
+        let slave = usize::from(self.slave);
+        [slave, 1 - slave]
+    }
+
+    /// Slope of the master's outward displacements `a` at the corners of the face, by the place on it [m].
+    #[inline]
+    #[must_use]
+    pub fn slope(&self, a: [f64; 4]) -> [f64; 2] {
+        let [s, t] = self.place;
+        [
+            (1.0 - t) * (a[1] - a[0]) + t * (a[2] - a[3]),
+            (1.0 - s) * (a[3] - a[0]) + s * (a[2] - a[1]),
+        ]
+    }
+
+    /// Direction `d` of the force on the slave, for displacements `a` of the master's corners.
+    #[inline]
+    #[must_use]
+    pub fn direction(&self, a: [f64; 4]) -> Vec3 {
+        let [s, t] = self.slope(a);
+        self.normal - s * self.answer[0] - t * self.answer[1]
+    }
+}
