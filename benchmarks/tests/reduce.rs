@@ -20,9 +20,13 @@ impl Folder {
     }
 
     fn gearbench(&self, arguments: &[&str]) -> Output {
+        self.gearbench_in(&self.0, arguments)
+    }
+
+    fn gearbench_in(&self, folder: &Path, arguments: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_gearbench"))
             .args(arguments)
-            .current_dir(&self.0)
+            .current_dir(folder)
             .env("NO_COLOR", "1")
             .env("GEARBENCH_CACHE", self.at("cache"))
             .output()
@@ -86,7 +90,7 @@ fn foreign_decks_are_reduced_and_compared() {
     let folder = Folder::new("foreign");
     let decks = [deck("impA_g1_C3D8"), deck("impA_g2_C3D8")];
     let reduce = [
-        "reduce", &decks[0], &decks[1], "--modes", "60", "--out", "reduced/",
+        "reduce", &decks[0], &decks[1], "--modes", "200", "--out", "reduced/",
     ];
     let said = folder.says(&reduce);
     for words in [
@@ -105,21 +109,21 @@ fn foreign_decks_are_reduced_and_compared() {
     assert_eq!((stored.meta.teeth, stored.meta.motion), (20, Motion::Turn));
     // Mass matrix of the mesh, as the reference tells it.
     assert!((stored.basis.inertia / 3.102056e-4 - 1.0).abs() < 1e-6);
-    assert!((59..=60).contains(&stored.basis.omega.len()));
+    assert!((199..=200).contains(&stored.basis.omega.len()));
 
     // Again from the cache: the same file.
     let again = folder.says(&reduce);
     assert_eq!(again.matches("from the cache").count(), 2, "{again}");
     assert_eq!(std::fs::read(reduced("impA_g2_C3D8")).unwrap(), before);
 
-    // The example of the README, its reductions beside it.
+    // The example of the README, its reductions beside it, from another folder.
     let scene = repository("benchmarks/examples/foreign_gears.toml");
     std::fs::copy(scene, folder.at("foreign_gears.toml")).unwrap();
     let elsewhere = folder.at("elsewhere");
     std::fs::create_dir(&elsewhere).unwrap();
-    folder.says(&[
+    let arguments = [
         "compare",
-        folder.at("foreign_gears.toml").to_str().unwrap(),
+        "../foreign_gears.toml",
         "--models",
         "elastic",
         "--integrators",
@@ -128,15 +132,17 @@ fn foreign_decks_are_reduced_and_compared() {
         "1",
         "--out",
         "cmp",
-    ]);
-    let record = std::fs::read_to_string(folder.at("cmp/results.json")).unwrap();
+    ];
+    let out = folder.gearbench_in(&elsewhere, &arguments);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    let record = std::fs::read_to_string(elsewhere.join("cmp/results.json")).unwrap();
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     let run = &record["runs"][0];
-    assert_eq!(run["status"], "converged", "{run}");
+    assert_eq!(run["status"], "converged");
     let metrics = run["metrics"].as_array().unwrap();
     let against = metrics.iter().find(|m| m["against"] == "calculix").unwrap();
     let error = against["force_l2_aligned"].as_f64().unwrap();
-    assert!(error < 0.03, "{error}");
+    assert!(error < 0.02, "{error}");
 }
 
 #[test]

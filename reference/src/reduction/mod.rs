@@ -17,7 +17,7 @@
 //! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
 //! | [`choose`] | which modes are kept, and with what damping |
 //! | [`estimate`] | what a choice costs in accuracy, before any scene is run |
-//! | [`of_gear`], [`Request`] | what a gear of a scene needs, and all that its basis depends on |
+//! | [`of_gear()`], [`Request`] | what a gear of a scene needs, and all that its basis depends on |
 //! | [`shared`] | one basis for all that need the same |
 //! | [`store`] | a basis in a file that numpy opens |
 //! | [`cache`] | files of bases from run to run |

@@ -125,7 +125,7 @@ fn what_does_not_suit_a_gear_is_told_with_a_way_out() {
         (another(&|p| p.module = 3.1e-3), "tip radius"),
         (
             another(&|p| p.pressure_angle = 0.4363),
-            "its base radius is 25.37",
+            "its base radius is 25.3",
         ),
         (
             another(&|p| p.face_width = 1.1e-2),
