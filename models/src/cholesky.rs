@@ -55,6 +55,65 @@ pub(crate) fn backward(l: &[f64], x: &mut [f64]) {
     }
 }
 
+/// Length of a chunk of a padded row.
+const WIDE: usize = 8;
+
+/// Length of the rows of a padded matrix with `n` columns.
+pub(crate) fn padded(n: usize) -> usize {
+    n.next_multiple_of(WIDE)
+}
+
+/// Upper triangle `U` of `A = U^T U` in place, rows [`padded`]; only the upper triangle of `a` is read, what stands below
+/// is lost.
+pub(crate) fn cholesky_padded(a: &mut [f64], n: usize) -> Result<(), Singular> {
+    let stride = padded(n);
+    for k in 0..n {
+        let (above, row) = a.split_at_mut(k * stride);
+        let (row, _) = row[..stride].as_chunks_mut::<WIDE>();
+        let first = k / WIDE;
+        for (c, row) in (first..).zip(&mut row[first..]) {
+            let mut sum = *row;
+            for line in above.chunks_exact(stride) {
+                let x = line[k];
+                let (line, _) = line.as_chunks::<WIDE>();
+                for (s, y) in sum.iter_mut().zip(&line[c]) {
+                    *s -= x * y;
+                }
+            }
+            *row = sum;
+        }
+        let pivot = row[first][k % WIDE];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return Err(Singular);
+        }
+        let per = pivot.sqrt().recip();
+        for row in &mut row[first..] {
+            for x in row {
+                *x *= per;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `x <- (U^T U)^-1 x` for a factor of [`cholesky_padded`].
+pub(crate) fn solve_padded(u: &[f64], x: &mut [f64]) {
+    let n = x.len();
+    let stride = padded(n);
+    for k in 0..n {
+        let row = &u[k * stride..][..n];
+        let y = x[k] / row[k];
+        x[k] = y;
+        for (x, u) in x[k + 1..].iter_mut().zip(&row[k + 1..]) {
+            *x -= y * u;
+        }
+    }
+    for k in (0..n).rev() {
+        let row = &u[k * stride..][..n];
+        x[k] = (x[k] - dot(&row[k + 1..], &x[k + 1..])) / row[k];
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +140,30 @@ mod tests {
         }
         let mut indefinite = [1.0, 0.0, 2.0, 1.0];
         assert_eq!(cholesky(&mut indefinite, 2), Err(Singular));
+    }
+
+    #[test]
+    fn a_padded_factorisation_solves() {
+        for n in [1, 7, 8, 9, 19, 24] {
+            let m: Vec<f64> = (0..n * n).map(|i| ((i * i + 3) as f64).sin()).collect();
+            let stride = padded(n);
+            let mut a = vec![0.0; n * stride];
+            for i in 0..n {
+                for j in 0..n {
+                    a[i * stride + j] = dot(&m[i * n..][..n], &m[j * n..][..n]);
+                }
+                a[i * stride + i] += 1.0;
+            }
+            let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+            let mut b: Vec<f64> = (0..n).map(|i| dot(&a[i * stride..][..n], &x)).collect();
+            cholesky_padded(&mut a, n).unwrap();
+            solve_padded(&a, &mut b);
+            for (b, x) in b.iter().zip(&x) {
+                assert!((b - x).abs() < 1e-12, "{n}: {b} {x}");
+            }
+        }
+        let mut indefinite = [0.0; 16];
+        (indefinite[0], indefinite[1], indefinite[9]) = (1.0, 2.0, 1.0);
+        assert_eq!(cholesky_padded(&mut indefinite, 2), Err(Singular));
     }
 }

@@ -62,7 +62,6 @@ pub(super) struct Nodal {
     /// One per island.
     pub solved: Vec<Solved>,
     found: NodalPoints,
-    compliance: Vec<f64>,
     numbers: Vec<u32>,
     guess: Vec<f64>,
     velocities: Vec<Vec<f64>>,
@@ -242,30 +241,32 @@ impl Nodal {
             }
         }
         solved.blocks.clear();
-        self.compliance.clear();
+        self.numbers.clear();
         self.guess.clear();
-        let mut n = 0;
         for &g in &self.islands[island].compliant {
             let nodes = &mut self.gears[g];
-            self.numbers.clear();
-            let begin = n;
+            let begin = self.numbers.len();
             for slot in 0..nodes.nodes.len() {
                 if nodes.index[slot] != UNUSED {
-                    nodes.index[slot] = n as u32;
+                    nodes.index[slot] = self.numbers.len() as u32;
                     self.numbers.push(nodes.nodes[slot]);
                     self.guess.push(nodes.before(slot as u32));
-                    n += 1;
                 }
             }
-            let len = n - begin;
-            let first = self.compliance.len();
-            self.compliance.resize(first + len * len, 0.0);
-            if let Some(field) = gears[g].model.field() {
-                field.compliance(&self.numbers, &mut self.compliance[first..]);
-            }
+            let len = self.numbers.len() - begin;
             solved.blocks.push(Block { start: begin, len });
         }
-        solved.solve.set_nodes(&solved.blocks, &self.compliance);
+        let compliant = &self.islands[island].compliant;
+        let (blocks, numbers) = (&solved.blocks, &self.numbers);
+        solved.solve.set_nodes(blocks, numbers, |mut out| {
+            for (&g, b) in compliant.iter().zip(blocks) {
+                let (block, rest) = out.split_at_mut(b.len * b.len);
+                if let Some(field) = gears[g].model.field() {
+                    field.compliance(&numbers[b.start..][..b.len], block);
+                }
+                out = rest;
+            }
+        });
         self.rates(start, gears, meshes, at);
         solved.springs.clear();
         for a in &self.active[start..] {

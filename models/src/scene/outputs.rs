@@ -152,14 +152,11 @@ impl Scene {
     ) {
         let nodal = &self.work.nodal;
         let per_gear = PER_MESH * self.meshes.len();
-        for solved in &nodal.solved {
-            if !solved.points.is_empty() {
-                energy.contact += solved.solve.energy();
-            }
-        }
         for a in &nodal.active {
             let (p, mesh) = (&a.point, &self.meshes[a.point.mesh as usize]);
-            energy.contact += mesh.law.potential(a.elastic.0, p.stiffness);
+            // Of the law, and of the residual compliance that gave way under it.
+            energy.contact += mesh.law.potential(a.elastic.0, p.stiffness)
+                + 0.5 * a.elastic.1 * (a.elastic.0 - p.gap0);
             power.dissipated -= (a.force.n - a.elastic.1) * a.rate;
             if a.force.n == 0.0 {
                 continue;

@@ -1,15 +1,16 @@
 //! Contact with residual compliance, solved for on the nodes.
 //!
-//! With `R = C C^T` of the active nodes and `u = C y` the potential is `|y|^2 / 2 + sum_p phi(g_p)`, `g_p = g0_p -
-//! w_p . u`: strictly convex, whatever the rank of `R`. For a linear law and a set of closed points its minimum is
-//! that of one small linear system,
+//! The potential `u^T R^-1 u / 2 + sum_p phi(g_p)`, `g_p = g0_p - w_p . u`, is strictly convex. For a linear law and a
+//! set of closed points its minimum is that of one small linear system,
 //!
 //! ```text
-//! (I + C^T S C) y = -C^T f0,    S = sum k_p w_p w_p^T,    f0 = -sum k_p g0_p w_p
+//! (R^-1 + S) u = -f0,    S = sum k_p w_p w_p^T,    f0 = -sum k_p g0_p w_p
 //! ```
 //!
-//! and the closed points are found by iteration: a point is closed where its gap is negative. Other laws take Newton's
-//! method with a line search on the norm of the gradient `y + C^T F`.
+//! and the closed points are found by iteration: a point is closed where its gap is negative. The inverse of `R` is
+//! kept while the nodes stay the same. Where `R` is all but singular, `R = C C^T`, `u = C y` and
+//! `(I + C^T S C) y = -C^T f0` take its place. Other laws take Newton's method on `y` with a line search on the norm of
+//! the gradient `y + C^T F`.
 //!
 //! Dampers use the rate of the gap before residual compliance and act on the points that the elastic law alone
 //! closes; a damped point does not pull. The elastic part is kept: energies belong to it.
@@ -17,7 +18,7 @@
 //! Where the iteration begins does not show in the result: that is of the final set alone, and where rounding could
 //! decide on that set the search for it begins afresh.
 
-use crate::cholesky::{backward, cholesky, dot, forward};
+use crate::cholesky::{backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded};
 use crate::contact::law::{Law, LawForce};
 use gearbench_integrators::system::Singular;
 
@@ -32,6 +33,8 @@ const MOST_ITERATIONS: usize = 100;
 const DOUBT: f64 = 1e-12;
 /// Relative pivot below which a direction of the compliance is none.
 const RANK: f64 = 1e-13;
+/// Relative pivot of the compliance from which on its inverse serves.
+const REGULAR: f64 = 1e-8;
 
 /// A point of the solve.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +80,7 @@ impl Spring {
 }
 
 /// Nodes of one gear in the solve.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
     /// Its first node.
     pub start: usize,
@@ -96,7 +99,15 @@ enum Stage {
 #[derive(Clone, Debug, Default)]
 pub struct NodalSolve {
     blocks: Vec<Block>,
+    numbers: Vec<u32>,
     n: usize,
+    /// `R` of the blocks, one `len x len` matrix after the other.
+    compliance: Vec<f64>,
+    /// Their inverses, where all are regular.
+    inverse: Vec<f64>,
+    regular: bool,
+    /// Whether `root` is that of the present nodes.
+    rooted: bool,
     /// Lower triangles `C` of the blocks, one `len x len` matrix after the other.
     root: Vec<f64>,
     /// `S`, then `S C`; full rows.
@@ -109,24 +120,52 @@ pub struct NodalSolve {
     nodal: Vec<f64>,
     /// Residual displacements [m].
     u: Vec<f64>,
-    /// Energy in the residual compliance under the elastic law [J].
-    energy: f64,
 }
 
 impl NodalSolve {
-    /// Takes the nodes: `compliance` holds `R` of each block, one row-major matrix after the other.
-    pub fn set_nodes(&mut self, blocks: &[Block], compliance: &[f64]) {
+    /// Takes the nodes: their `numbers`, by which they are known again, block by block. `fill` writes `R` of each block,
+    /// one row-major matrix after the other.
+    pub fn set_nodes(&mut self, blocks: &[Block], numbers: &[u32], fill: impl FnOnce(&mut [f64])) {
+        if self.n > 0 && self.blocks == blocks && self.numbers == numbers {
+            return;
+        }
         self.blocks.clear();
         self.blocks.extend_from_slice(blocks);
-        self.n = blocks.iter().map(|b| b.len).sum();
-        self.root.clear();
-        self.root.extend_from_slice(compliance);
+        self.numbers.clear();
+        self.numbers.extend_from_slice(numbers);
+        self.n = numbers.len();
+        self.compliance.clear();
+        let size = blocks.iter().map(|b| b.len * b.len).sum();
+        self.compliance.resize(size, 0.0);
+        fill(&mut self.compliance);
         if self.n == 0 {
             // One node that does not give way: points without weights need no case of their own.
             self.blocks.push(Block { start: 0, len: 1 });
-            self.root.push(0.0);
+            self.compliance.push(0.0);
             self.n = 1;
         }
+        self.rooted = false;
+        self.regular = true;
+        self.inverse.clear();
+        let mut begin = 0;
+        for b in &self.blocks {
+            let r = &self.compliance[begin..][..b.len * b.len];
+            begin += b.len * b.len;
+            self.regular &= append_inverse(r, b.len, &mut self.inverse);
+            if !self.regular {
+                break;
+            }
+        }
+    }
+
+    /// `C`, where it is not there yet.
+    fn take_root(&mut self) {
+        if self.rooted {
+            return;
+        }
+        self.rooted = true;
+        self.root.clear();
+        self.root.extend_from_slice(&self.compliance);
         let mut begin = 0;
         for b in &self.blocks {
             root_of(&mut self.root[begin..][..b.len * b.len], b.len);
@@ -140,8 +179,6 @@ impl NodalSolve {
     /// # Errors
     /// [`Singular`] where numbers are not finite or Newton's method stalls.
     pub fn solve(&mut self, springs: &mut [Spring], guess: &[f64]) -> Result<&[f64], Singular> {
-        self.y.clear();
-        self.y.resize(self.n, 0.0);
         self.u.clear();
         self.u.extend_from_slice(guess);
         self.u.resize(self.n, 0.0);
@@ -149,7 +186,6 @@ impl NodalSolve {
         for s in springs.iter_mut() {
             s.elastic = (s.gap, s.force.n);
         }
-        self.energy = 0.5 * dot(&self.y, &self.y);
         if springs.iter().any(|s| s.law.is_dissipative()) {
             self.stage(springs, Stage::Damped)?;
         }
@@ -162,19 +198,14 @@ impl NodalSolve {
         self.n
     }
 
-    /// Energy in the residual compliance under the elastic part of the laws, after a solve [J].
-    #[must_use]
-    pub fn energy(&self) -> f64 {
-        self.energy
-    }
-
     fn stage(&mut self, springs: &mut [Spring], stage: Stage) -> Result<(), Singular> {
         let linear = springs.iter().all(|s| s.law.exponent() == 1.0);
         if linear {
             for attempt in 0..2 {
                 self.closed.clear();
+                let mut here = Gathered::default();
                 for s in springs.iter() {
-                    let gap = s.gap0 - s.along(&self.u);
+                    let gap = s.gap0 - here.along(s, &self.u);
                     self.closed.push(force_at(s, gap, stage).n > 0.0);
                 }
                 if !self.closed_points(springs, stage)? {
@@ -208,27 +239,24 @@ impl NodalSolve {
         for _ in 0..MOST_CHANGES {
             let closed = std::mem::take(&mut self.closed);
             let pushing = springs.iter().zip(&closed).filter(|(_, closed)| **closed);
-            self.assemble(pushing.map(|(s, _)| {
+            let pushing = pushing.map(|(s, _)| {
                 let push = match stage {
                     Stage::Elastic => 0.0,
                     Stage::Damped => law_push(s),
                 };
                 (s, s.stiffness, push - s.stiffness * s.gap0)
-            }));
+            });
+            let solved = if self.regular {
+                self.solve_regular(pushing)
+            } else {
+                self.solve_rooted(pushing)
+            };
             self.closed = closed;
-            self.factorise()?;
-            self.y.clear();
-            self.y.resize(self.n, 0.0);
-            self.times_root_transposed();
-            for y in &mut self.y {
-                *y = -*y;
-            }
-            forward(&self.small, &mut self.y);
-            backward(&self.small, &mut self.y);
-            self.displace();
+            solved?;
+            let mut here = Gathered::default();
             let mut settled = true;
             for (s, closed) in springs.iter_mut().zip(&mut self.closed) {
-                s.gap = s.gap0 - s.along(&self.u);
+                s.gap = s.gap0 - here.along(s, &self.u);
                 s.force = force_at(s, s.gap, stage);
                 let now = s.force.n > 0.0;
                 settled &= now == *closed;
@@ -241,8 +269,56 @@ impl NodalSolve {
         Ok(false)
     }
 
+    /// Displacements of closed points by the inverse of the compliance.
+    fn solve_regular<'a>(
+        &mut self,
+        points: impl Iterator<Item = (&'a Spring, f64, f64)>,
+    ) -> Result<(), Singular> {
+        let stride = padded(self.n);
+        self.small.clear();
+        self.small.resize(self.n * stride, 0.0);
+        let mut lines = self.inverse.as_slice();
+        for b in &self.blocks {
+            for i in b.start..b.start + b.len {
+                let (line, rest) = lines.split_at(b.len);
+                self.small[i * stride + b.start..][..b.len].copy_from_slice(line);
+                lines = rest;
+            }
+        }
+        self.u.clear();
+        self.u.resize(self.n, 0.0);
+        add_points(points, stride, &mut self.small, &mut self.u);
+        for u in &mut self.u {
+            *u = -*u;
+        }
+        cholesky_padded(&mut self.small, self.n)?;
+        solve_padded(&self.small, &mut self.u);
+        Ok(())
+    }
+
+    /// The same by its root.
+    fn solve_rooted<'a>(
+        &mut self,
+        points: impl Iterator<Item = (&'a Spring, f64, f64)>,
+    ) -> Result<(), Singular> {
+        self.take_root();
+        self.assemble(points);
+        self.factorise()?;
+        self.y.clear();
+        self.y.resize(self.n, 0.0);
+        self.times_root_transposed();
+        for y in &mut self.y {
+            *y = -*y;
+        }
+        forward(&self.small, &mut self.y);
+        backward(&self.small, &mut self.y);
+        self.displace();
+        Ok(())
+    }
+
     /// Newton's method from `y = 0`.
     fn newton(&mut self, springs: &mut [Spring], stage: Stage) -> Result<(), Singular> {
+        self.take_root();
         self.y.clear();
         self.y.resize(self.n, 0.0);
         let mut norm = self.gradient(springs, stage);
@@ -314,6 +390,7 @@ impl NodalSolve {
     /// # Errors
     /// [`Singular`] where numbers are not finite.
     pub fn linearise(&mut self, springs: &[Spring]) -> Result<(), Singular> {
+        self.take_root();
         let closed = springs.iter().filter(|s| s.force.dn_dg != 0.0);
         self.assemble(closed.map(|s| (s, -s.force.dn_dg, 0.0)));
         self.factorise()
@@ -339,16 +416,7 @@ impl NodalSolve {
         self.stiffness.resize(n * n, 0.0);
         self.nodal.clear();
         self.nodal.resize(n, 0.0);
-        for (s, k, f0) in points {
-            s.add(f0, &mut self.nodal);
-            for (&i, w) in s.nodes.iter().zip(&s.weights) {
-                let kw = k * w;
-                let row = &mut self.stiffness[i as usize * n..][..n];
-                for (&j, w) in s.nodes.iter().zip(&s.weights) {
-                    row[j as usize] += kw * w;
-                }
-            }
-        }
+        add_points(points, n, &mut self.stiffness, &mut self.nodal);
     }
 
     /// `small = I + C^T S C`, factorised.
@@ -422,6 +490,101 @@ impl NodalSolve {
             begin += b.len * b.len;
         }
     }
+}
+
+/// Displacements at the nodes of a point, kept for its neighbours on the same faces.
+#[derive(Default)]
+struct Gathered {
+    nodes: [u32; 8],
+    u: [f64; 8],
+    filled: bool,
+}
+
+impl Gathered {
+    /// `w . u` of a point.
+    #[inline]
+    fn along(&mut self, s: &Spring, u: &[f64]) -> f64 {
+        if !self.filled || self.nodes != s.nodes {
+            self.nodes = s.nodes;
+            self.u = s.nodes.map(|i| u[i as usize]);
+            self.filled = true;
+        }
+        let mut pairs = [0.0; 4];
+        for j in 0..4 {
+            pairs[j] = s.weights[j] * self.u[j] + s.weights[4 + j] * self.u[4 + j];
+        }
+        (pairs[0] + pairs[2]) + (pairs[1] + pairs[3])
+    }
+}
+
+/// Adds stiffness `k w w^T` and force `f w` of points to a matrix and a vector, face by face.
+#[inline]
+fn add_points<'a>(
+    points: impl Iterator<Item = (&'a Spring, f64, f64)>,
+    stride: usize,
+    matrix: &mut [f64],
+    vector: &mut [f64],
+) {
+    let (mut nodes, mut filled) = ([0; 8], false);
+    let (mut s, mut f) = ([[0.0; 8]; 8], [0.0; 8]);
+    let mut flush = |nodes: &[u32; 8], s: &mut [[f64; 8]; 8], f: &mut [f64; 8]| {
+        for i in 0..8 {
+            let at = nodes[i] as usize;
+            let row = &mut matrix[at * stride..][..stride];
+            for j in 0..8 {
+                row[nodes[j] as usize] += s[i][j];
+            }
+            vector[at] += f[i];
+        }
+        *s = [[0.0; 8]; 8];
+        *f = [0.0; 8];
+    };
+    for (spring, k, force) in points {
+        if nodes != spring.nodes {
+            if filled {
+                flush(&nodes, &mut s, &mut f);
+            }
+            nodes = spring.nodes;
+        }
+        filled = true;
+        let w = &spring.weights;
+        for i in 0..8 {
+            let kw = k * w[i];
+            for j in 0..8 {
+                s[i][j] += kw * w[j];
+            }
+            f[i] += force * w[i];
+        }
+    }
+    if filled {
+        flush(&nodes, &mut s, &mut f);
+    }
+}
+
+/// Appends the inverse of `R`; false where it is all but singular.
+fn append_inverse(r: &[f64], n: usize, out: &mut Vec<f64>) -> bool {
+    let stride = padded(n);
+    let mut factor = vec![0.0; n * stride];
+    for (line, r) in factor
+        .chunks_exact_mut(stride.max(1))
+        .zip(r.chunks_exact(n.max(1)))
+    {
+        line[..n].copy_from_slice(r);
+    }
+    let largest = (0..n).fold(0.0_f64, |m, i| m.max(r[i * n + i]));
+    if cholesky_padded(&mut factor, n).is_err() {
+        return false;
+    }
+    if (0..n).any(|i| factor[i * stride + i].powi(2) < REGULAR * largest) {
+        return false;
+    }
+    for i in 0..n {
+        let begin = out.len();
+        out.resize(begin + n, 0.0);
+        out[begin + i] = 1.0;
+        solve_padded(&factor, &mut out[begin..]);
+    }
+    true
 }
 
 /// What the damper of a point pushes.

@@ -1,6 +1,7 @@
 //! The elastic gear as a gear model.
 
 use super::field::NormalField;
+use super::kernels;
 use super::reduced::Reduced;
 use crate::Vec3;
 use crate::contact::candidate::{Locus, Point, Tooth};
@@ -124,43 +125,14 @@ impl Elastic {
     }
 }
 
-/// `sum w_i x_i` in eight parts, which the compiler can vectorise.
-#[inline]
-pub(crate) fn dot(w: &[f64], x: &[f64]) -> f64 {
-    let mut parts = [0.0; 8];
-    let (w8, x8) = (w.chunks_exact(8), x.chunks_exact(8));
-    let rest: f64 = w8
-        .remainder()
-        .iter()
-        .zip(x8.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (a, b) in w8.zip(x8) {
-        for k in 0..8 {
-            parts[k] += a[k] * b[k];
-        }
-    }
-    parts.iter().sum::<f64>() + rest
-}
-
 impl NormalField for Elastic {
     fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]) {
-        let q = &x[self.own..];
-        for (a, &node) in out.iter_mut().zip(nodes) {
-            *a = dot(self.data.shapes_at(node), q);
-        }
+        kernels::gather(nodes, |k| self.data.shapes_at(k), &x[self.own..], out);
     }
 
     fn press(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]) {
         let f = &mut f[self.own..];
-        for (&node, &force) in nodes.iter().zip(forces) {
-            if force == 0.0 {
-                continue;
-            }
-            for (f, b) in f.iter_mut().zip(self.data.shapes_at(node)) {
-                *f -= force * b;
-            }
-        }
+        kernels::scatter(nodes, forces, |k| self.data.shapes_at(k), f);
     }
 
     fn is_compliant(&self) -> bool {
@@ -194,12 +166,7 @@ impl NormalField for Elastic {
     }
 
     fn bound(&self, at: At<'_>) -> f64 {
-        let twice_strain: f64 =
-            at.q.iter()
-                .zip(&self.omega)
-                .map(|(q, w)| (w * q).powi(2))
-                .sum();
-        (self.softest * twice_strain).sqrt()
+        (self.softest * kernels::squares(&self.omega, at.q)).sqrt()
     }
 }
 
@@ -306,9 +273,11 @@ impl GearModel for Elastic {
     }
 
     fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
-        for i in self.own..self.omega.len() {
-            let (w, z) = (self.omega[i], self.zeta[i]);
-            f[i] -= w * (w * at.q[i] + 2.0 * z * at.v[i]);
+        let own = self.own..self.omega.len();
+        let omega = self.omega[own.clone()].iter().zip(&self.zeta[own.clone()]);
+        let state = at.q[own.clone()].iter().zip(&at.v[own.clone()]);
+        for ((f, (w, z)), (q, v)) in f[own].iter_mut().zip(omega).zip(state) {
+            *f -= w * (w * q + 2.0 * z * v);
         }
         self.add_inertia_force(at.t, f);
     }

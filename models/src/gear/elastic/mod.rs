@@ -20,6 +20,7 @@
 
 mod field;
 mod gear;
+mod kernels;
 pub mod reduced;
 
 pub use field::NormalField;
