@@ -59,6 +59,9 @@ pub struct Results {
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
+    /// Where times of other programs were published, for [`Run::published_s`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published: Option<String>,
     /// Static limits (loaded running).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
@@ -80,6 +83,7 @@ impl Default for Results {
             settings: Vec::new(),
             tolerance: None,
             references: Vec::new(),
+            published: None,
             statics: Vec::new(),
             runs: Vec::new(),
         }
@@ -302,6 +306,9 @@ pub struct Run {
     /// What it settles to (loaded running).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,
+    /// Time that others publish for such a model \[s\]; see [`Results::published`].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub published_s: Option<f64>,
     /// What charts call this run where it stands out among others of its variant.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,

@@ -39,6 +39,10 @@ pub(super) static CONTACT: &[Key] = &[
         "models with flank points: pressure over penetration, for steel for example 1e15",
     ),
     key(
+        "penalty_n_per_m",
+        "in place of penalty_pa_per_m: force of a node over its penetration, with points = \"nodes\", for example 3.5e7",
+    ),
+    key(
         "points",
         "\"quadrature\" (default), \"nodes\", or { along, across }",
     ),

@@ -23,7 +23,19 @@ pub(super) static POINTS: &[Key] = &[
 
 /// The contact of flank points; none without a penalty.
 pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError> {
-    let Some(penalty) = s.get("penalty_pa_per_m") else {
+    let per_node = s.get("penalty_n_per_m");
+    if let (Some(a), Some(b)) = (s.get("penalty_pa_per_m"), &per_node) {
+        return Err(s
+            .source
+            .error(
+                b.key_range(),
+                "two penalties are given",
+                "and this",
+                "give one: `penalty_pa_per_m` per area, or `penalty_n_per_m` per node",
+            )
+            .and(a.key_range(), "this"));
+    }
+    let Some(penalty) = s.get("penalty_pa_per_m").or(per_node) else {
         return match OF_POINTS.iter().find_map(|k| s.get(k)) {
             None => Ok(None),
             Some(e) => Err(e.error(
@@ -59,6 +71,17 @@ pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError
                 along: count("along")?,
                 across: count("across")?,
             }
+        }
+    };
+    let rule = match (per_node.is_some(), rule) {
+        (false, rule) => rule,
+        (true, PointRule::Nodes) => PointRule::EachNode,
+        (true, _) => {
+            return Err(penalty.error(
+                "`penalty_n_per_m` is the penalty of a node",
+                "but the points are not nodes",
+                "add points = \"nodes\", or give `penalty_pa_per_m`",
+            ));
         }
     };
     let settings = PointContact {

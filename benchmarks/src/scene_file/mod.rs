@@ -283,6 +283,20 @@ impl SceneFile {
             .map(|m: &ModelChoice| m.label.as_str())
             .collect();
         let study = study_plan::study(s.get("study"), &labels)?;
+        let tolerance = match (tolerance, &study.reference_model) {
+            (Some(t), Some(label)) if t.against == study_plan::AGAINST_MODEL => Some(Tolerance {
+                against: label.clone(),
+                ..t
+            }),
+            (Some(t), None) if t.against == study_plan::AGAINST_MODEL => {
+                return Err(s.need("tolerance")?.error(
+                    "the tolerance is against a model, but the study names none",
+                    "against nothing",
+                    "add `reference_model = \"LABEL\"` to [study]",
+                ));
+            }
+            (t, _) => t,
+        };
 
         let text = |key: &str| {
             s.get(key)

@@ -45,6 +45,10 @@ pub(super) static MODEL: &[Key] = &[
         "integrators of this model, in place of the study's",
     ),
     key(
+        "published_s",
+        "time in seconds that others publish for such a model, for the timing table",
+    ),
+    key(
         "calibration",
         "\"impact\" or \"static\", or { name, scene, label } to take another one's",
     ),
@@ -93,6 +97,8 @@ pub struct ModelChoice {
     pub own_gap: Option<f64>,
     /// Its integrators, where they are not those of the study.
     pub integrators: Option<Vec<Method>>,
+    /// Time that others publish for such a model [s].
+    pub published: Option<f64>,
 }
 
 impl ModelChoice {
@@ -212,6 +218,7 @@ fn model(
             calibration,
             own_gap,
             integrators,
+            published: s.maybe_number("published_s")?,
         },
         place,
     ))

@@ -25,6 +25,14 @@ pub(super) static STUDY: &[Key] = &[
         "metrics of interest, default all, for example [\"force_l2_aligned\", \"peak_force_n\"]",
     ),
     key(
+        "reference_model",
+        "label of a model whose run the others are held against, beside the scene's reference",
+    ),
+    key(
+        "published",
+        "where the times `published_s` of the models were published",
+    ),
+    key(
         "sweep",
         "speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, settle_s }",
     ),
@@ -58,9 +66,12 @@ pub(super) static TOLERANCE: &[Key] = &[
     ),
     key(
         "against",
-        "\"reference\" or \"self\", the model's own converged solution",
+        "\"reference\", \"model\" (the study's `reference_model`) or \"self\", the model's own converged solution",
     ),
 ];
+
+/// Tolerance against the model that `reference_model` names.
+pub(super) const AGAINST_MODEL: &str = "model";
 
 /// Samples of the histories when a scene does not say.
 const DEFAULT_SAMPLES: usize = 2000;
@@ -95,6 +106,10 @@ pub struct Study {
     pub samples: usize,
     /// Metrics of interest; empty means all.
     pub quantities: Vec<String>,
+    /// Label of a model that is a reference for the others.
+    pub reference_model: Option<String>,
+    /// Source of published times.
+    pub published: Option<String>,
     /// Speeds of a sweep.
     pub sweep: Sweep,
 }
@@ -131,6 +146,8 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
         events: true,
         samples: DEFAULT_SAMPLES,
         quantities: Vec::new(),
+        reference_model: None,
+        published: None,
         sweep: Sweep::default(),
     };
     let Some(entry) = entry else { return Ok(study) };
@@ -158,6 +175,13 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
     }
     if let Some(e) = s.get("quantities") {
         study.quantities = words(&e, &QUANTITIES)?;
+    }
+    if let Some(e) = s.get("reference_model") {
+        let known: Vec<(&str, String)> = labels.iter().map(|l| (*l, (*l).to_owned())).collect();
+        study.reference_model = Some(e.word(&known)?);
+    }
+    if let Some(e) = s.get("published") {
+        study.published = Some(e.text()?.to_owned());
     }
     if let Some(e) = s.get("sweep") {
         study.sweep = sweep(&e)?;
@@ -336,7 +360,8 @@ pub(super) fn tolerance(
     };
     let against = match s.get("against") {
         None => default_against,
-        Some(e) if e.word(&[("reference", true), ("self", false)])? => {
+        Some(e) if e.as_text() == Some(AGAINST_MODEL) => AGAINST_MODEL.to_owned(),
+        Some(e) if e.word(&[("reference", true), ("self", false), (AGAINST_MODEL, false)])? => {
             external.ok_or_else(|| {
                 e.error(
                     "the scene has no reference",

@@ -3,7 +3,7 @@
 //!
 //! Two errors, never mixed: `against` the external reference is the model's error, `against: "self"` the
 //! integrator's. The converged solution is Dormand-Prince with located events at a tolerance of 1e-10 (1e-8 where
-//! that takes too long).
+//! that takes too long); of gears with modes it is the trigonometric method at 1e-4.
 
 use super::machine;
 use super::run::{Job, Method, RunError, run};
@@ -24,6 +24,8 @@ const SELF: [(f64, Duration); 2] = [
     (1e-10, Duration::from_secs(3)),
     (1e-8, Duration::from_secs(15)),
 ];
+/// Tolerance of the converged solution of gears with modes, by the method that is exact for these.
+const EXACT_MODES: f64 = 1e-4;
 /// Half width of the close-up around the peak, over the duration.
 const CLOSE_UP: f64 = 0.012;
 /// Buckets of a history in the record.
@@ -49,6 +51,8 @@ pub struct Entry {
     pub modelling: Modelling,
     /// Its integrators, where they are not those of the plan.
     pub methods: Option<Vec<Method>>,
+    /// Time that others publish for such a model [s].
+    pub published: Option<f64>,
 }
 
 impl Entry {
@@ -61,6 +65,7 @@ impl Entry {
             scene: scene.spec_for(choice),
             modelling: choice.modelling.clone(),
             methods: choice.integrators.clone(),
+            published: choice.published,
         }
     }
 }
@@ -86,6 +91,10 @@ pub struct Plan<'a> {
     pub samples: usize,
     /// External reference.
     pub reference: Option<ReferenceSeries>,
+    /// Label of an entry whose first run is a further reference.
+    pub reference_model: Option<String>,
+    /// Source of published times.
+    pub published: Option<String>,
     /// What the scene calls accurate enough.
     pub tolerance: Option<Tolerance>,
     /// Settings to show.
@@ -115,6 +124,8 @@ impl Plan<'_> {
             duration: scene.duration,
             samples: scene.study.samples,
             reference: reference.map(external),
+            reference_model: scene.study.reference_model.clone(),
+            published: scene.study.published.clone(),
             tolerance: scene.tolerance.clone(),
             settings: Vec::new(),
             repeats: 1,
@@ -203,9 +214,22 @@ pub fn compare(
         text: "dopri5".into(),
         resolution: Resolution::Tolerance(rtol),
     });
+    let exact_modes = [EXACT_MODES; 2].map(|rtol| Method {
+        text: "trigonometric".into(),
+        resolution: Resolution::Tolerance(rtol),
+    });
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
-    for entry in &plan.entries {
+    let mut references: Vec<ReferenceSeries> = plan.reference.iter().cloned().collect();
+    // The model that is a reference runs first, and keeps its place in the record.
+    let is_reference = |e: &Entry| plan.reference_model.as_deref() == Some(e.label.as_str());
+    let mut order: Vec<usize> = (0..plan.entries.len()).collect();
+    order.sort_by_key(|&i| !is_reference(&plan.entries[i]));
+    let mut by_entry: Vec<Vec<Run>> = vec![Vec::new(); plan.entries.len()];
+    for i in order {
+        let entry = &plan.entries[i];
+        let done: usize = by_entry.iter().map(Vec::len).sum();
+        let runs = &mut by_entry[i];
         let job = |method| Job {
             scene: &entry.scene,
             modelling: &entry.modelling,
@@ -223,7 +247,10 @@ pub fn compare(
         let mut own: Option<Option<TimeSeries>> = None;
         let mut pictured = false;
         for method in plan.methods_of(entry) {
-            progress(runs.len(), &format!("{}, {}", entry.label, method.text));
+            progress(
+                done + runs.len(),
+                &format!("{}, {}", entry.label, method.text),
+            );
             let mut row = match run(&job(method)) {
                 // Not every method is for every model; the record says which pairs it has not.
                 Err(RunError::NoLinearPart(id)) if plan.len() > 1 => {
@@ -235,19 +262,32 @@ pub fn compare(
             row.model.clone_from(&entry.model);
             row.variant = variant(entry);
             row.calibration.clone_from(&entry.calibration);
+            row.published_s = entry.published;
             // The first run says how large the model is.
             let own = match &mut own {
                 Some(own) => own,
                 none => {
-                    progress(runs.len(), &format!("{}, converged solution", entry.label));
-                    none.insert(if row.dofs <= SMALL {
+                    progress(
+                        done + runs.len(),
+                        &format!("{}, converged solution", entry.label),
+                    );
+                    none.insert(if row.modes.is_some() {
+                        converged(&job, &exact_modes)?
+                    } else if row.dofs <= SMALL {
                         converged(&job, &tight)?
                     } else {
                         None
                     })
                 }
             };
-            measure_against(&mut row, plan, own.as_ref());
+            measure_against(&mut row, plan, &references, own.as_ref());
+            if is_reference(entry)
+                && runs.is_empty()
+                && !row.status.is_failure()
+                && let Some(series) = &row.series
+            {
+                references.insert(0, reference_of(entry, &row, series));
+            }
             // Outlines are the same for every integrator: one picture per model is enough.
             if pictured || row.status.is_failure() {
                 row.contacts = None;
@@ -258,6 +298,7 @@ pub fn compare(
             runs.push(row);
         }
     }
+    runs.extend(by_entry.into_iter().flatten());
     if runs.is_empty()
         && let Some((_, pair)) = left_out.first()
     {
@@ -275,7 +316,8 @@ pub fn compare(
         created: machine::now(),
         settings: [plan.settings.clone(), left_out].concat(),
         tolerance: plan.tolerance.clone(),
-        references: plan.reference.iter().cloned().collect(),
+        references,
+        published: plan.published.clone(),
         runs,
         ..Results::default()
     })
@@ -337,9 +379,29 @@ pub(super) fn thin(series: &TimeSeries) -> TimeSeries {
     thin
 }
 
-fn measure_against(row: &mut Run, plan: &Plan<'_>, converged: Option<&TimeSeries>) {
+/// The run of an entry as a reference for others.
+fn reference_of(entry: &Entry, row: &Run, series: &TimeSeries) -> ReferenceSeries {
+    ReferenceSeries {
+        id: entry.label.clone(),
+        title: format!("{}, {}", model_label(entry), row.integrator),
+        source: format!(
+            "run of this record: {} coordinates, step or tolerance {:.1e}",
+            row.dofs,
+            row.step.or(row.rtol).unwrap_or(f64::NAN)
+        ),
+        series: series.clone(),
+        ..ReferenceSeries::default()
+    }
+}
+
+fn measure_against(
+    row: &mut Run,
+    plan: &Plan<'_>,
+    references: &[ReferenceSeries],
+    converged: Option<&TimeSeries>,
+) {
     let Some(series) = &row.series else { return };
-    if let Some(reference) = &plan.reference {
+    for reference in references {
         row.metrics.push(measure(
             series,
             &row.ledger,

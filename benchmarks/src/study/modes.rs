@@ -9,6 +9,7 @@
 use super::compare::thin;
 use super::machine;
 use super::run::{Job, Method, RunError, run};
+use gearbench_integrators::Resolution;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::compare as measure;
@@ -24,11 +25,9 @@ pub const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
 pub const PUBLISHED_HZ: f64 = 80e3;
 /// Published number of elastic coordinates per body.
 pub const PUBLISHED_MODES: usize = 200;
-/// More modes than any mesh of interest has below the published bound.
-const ALL_MODES: usize = 2000;
 
 /// A way of keeping modes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
     /// Variant in the record.
     pub label: &'static str,
@@ -36,29 +35,42 @@ pub struct Way {
     pub choose: &'static str,
     /// Value of the parameter `residual`.
     pub residual: bool,
+    /// Part of the step of the scene's integrator.
+    pub step: f64,
 }
 
 /// The ways that are compared.
-pub const WAYS: [Way; 4] = [
+pub const WAYS: [Way; 5] = [
     Way {
         label: "by flank compliance",
         choose: "flank-compliance",
         residual: true,
+        step: 1.0,
+    },
+    // What the step costs beside what the cut modes cost.
+    Way {
+        label: "by flank compliance, a quarter of the step",
+        choose: "flank-compliance",
+        residual: true,
+        step: 0.25,
     },
     Way {
         label: "by frequency",
         choose: "frequency",
         residual: true,
+        step: 1.0,
     },
     Way {
         label: "truncated, by flank compliance",
         choose: "flank-compliance",
         residual: false,
+        step: 1.0,
     },
     Way {
         label: "truncated, by frequency",
         choose: "frequency",
         residual: false,
+        step: 1.0,
     },
 ];
 
@@ -114,9 +126,26 @@ pub struct Plan<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Case {
     way: Way,
-    modes: usize,
-    below_hz: Option<f64>,
+    modes: Kept,
     mark: Option<&'static str>,
+}
+
+/// How many modes.
+#[derive(Clone, Copy, Debug)]
+enum Kept {
+    /// At most so many.
+    Count(usize),
+    /// All below a frequency [Hz].
+    Below(f64),
+}
+
+impl std::fmt::Display for Kept {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Kept::Count(n) => write!(f, "{n} modes"),
+            Kept::Below(hz) => write!(f, "modes to {:.0} kHz", 1e-3 * hz),
+        }
+    }
 }
 
 impl Plan<'_> {
@@ -128,8 +157,7 @@ impl Plan<'_> {
             for &modes in &self.counts {
                 cases.push(Case {
                     way,
-                    modes,
-                    below_hz: None,
+                    modes: Kept::Count(modes),
                     mark: (published && modes == PUBLISHED_MODES)
                         .then_some("plain truncation, 200 modes"),
                 });
@@ -137,8 +165,7 @@ impl Plan<'_> {
             if published {
                 cases.push(Case {
                     way,
-                    modes: ALL_MODES,
-                    below_hz: Some(PUBLISHED_HZ),
+                    modes: Kept::Below(PUBLISHED_HZ),
                     mark: Some("plain truncation at 80 kHz"),
                 });
             }
@@ -146,18 +173,39 @@ impl Plan<'_> {
         cases
     }
 
+    fn method(&self, case: &Case) -> Method {
+        let scene = if case.way.residual {
+            &self.elastic.method
+        } else {
+            &self.truncated
+        };
+        Method {
+            text: scene.text.clone(),
+            resolution: match scene.resolution {
+                Resolution::Step(h) => Resolution::Step(case.way.step * h),
+                Resolution::Tolerance(r) => Resolution::Tolerance(case.way.step * r),
+            },
+        }
+    }
+
     /// The elastic model with the modes of a case.
     fn modelling(&self, case: &Case) -> Modelling {
         let mut modelling = self.elastic.modelling.clone();
         for gear in (modelling.gears.iter_mut()).filter(|g| g.id == self.model) {
             let p = &mut gear.parameters;
-            p.insert("modes".into(), Value::Number(case.modes as f64));
+            p.remove("modes");
+            p.remove("max_frequency_hz");
+            p.remove("target_error");
+            match case.modes {
+                Kept::Count(n) => p.insert("modes".into(), Value::Number(n as f64)),
+                Kept::Below(hz) => p.insert("max_frequency_hz".into(), Value::Number(hz)),
+            };
             p.insert("choose".into(), Value::Text(case.way.choose.into()));
             p.insert("residual".into(), Value::Flag(case.way.residual));
-            match case.below_hz {
-                Some(hz) => p.insert("max_frequency_hz".into(), Value::Number(hz)),
-                None => p.remove("max_frequency_hz"),
-            };
+            // Modes that the step cannot carry are cut.
+            if let Resolution::Step(h) = self.method(case).resolution {
+                p.insert("step_s".into(), Value::Number(h / case.way.step));
+            }
         }
         modelling
     }
@@ -245,15 +293,11 @@ pub fn study(
         ..Results::default()
     };
     let mut one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
-        let what = format!("{} modes, {}", case.modes, case.way.label);
+        let what = format!("{}, {}", case.modes, case.way.label);
         progress(results.runs.len(), total, &what);
         let modelling = plan.modelling(case);
-        let method = if case.way.residual {
-            &plan.elastic.method
-        } else {
-            &plan.truncated
-        };
-        let job = plan.job((&plan.elastic.scene, &modelling, method), &grid, cancel);
+        let method = plan.method(case);
+        let job = plan.job((&plan.elastic.scene, &modelling, &method), &grid, cancel);
         let mut row = run(&job)?;
         row.model.clone_from(&plan.model);
         row.variant = Some(case.way.label.into());
@@ -277,14 +321,13 @@ pub fn study(
         one(case, &mut results, total)?;
     }
     if plan.refine {
-        for way in WAYS.iter().filter(|w| w.residual) {
+        for way in WAYS.iter().filter(|w| w.residual && w.step == 1.0) {
             for limit in LIMITS {
                 while let Some(modes) = between(&results, way.label, limit) {
                     total += 1;
                     let case = Case {
                         way: *way,
-                        modes,
-                        below_hz: None,
+                        modes: Kept::Count(modes),
                         mark: None,
                     };
                     let before = counts(&results, way.label).len();

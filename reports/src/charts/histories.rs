@@ -44,8 +44,29 @@ impl<'a> Histories<'a> {
                 stroke: reference_stroke(),
             })
             .collect();
+        // Further references: thin, beside the one that runs are held against.
+        let others = (view.results.references.iter())
+            .filter(|r| !r.series.is_empty() && reference.is_some_and(|m| m.id != r.id));
+        let plain = curves.len();
+        curves.extend(others.map(|r| Curve {
+            label: view.reference_name(&r.id),
+            series: &r.series,
+            stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
+        }));
+        let further = curves.len() - plain;
         let mut runs = Vec::new();
         for group in &view.groups {
+            // The reference itself may be a run of the record.
+            if further > 0
+                && reference.is_some_and(|r| {
+                    group
+                        .runs
+                        .iter()
+                        .all(|(_, run)| run.variant.is_none() && run.model == r.id)
+                })
+            {
+                continue;
+            }
             let Some((_, run)) = view.drawn(group) else {
                 continue;
             };

@@ -9,6 +9,7 @@ mod penalty;
 mod sections;
 mod sweep;
 mod table;
+mod timing;
 
 use crate::charts::Chart;
 use crate::record::Results;
@@ -68,7 +69,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
-        _ => sections::glance(&view),
+        _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
         out.push_str(&format!(

@@ -5,6 +5,9 @@
 pub enum PointRule {
     /// The nodes, each with the reference area of its shape function: the lowest order.
     Nodes,
+    /// The nodes, each alike whatever its area: penalty and dashpot are those of a node [N/m, N s/m]. The force then
+    /// depends on the mesh; for comparison with methods that work so.
+    EachNode,
     /// Gauss points of each face.
     Quadrature {
         /// Points along the profile, 1 to 10.
@@ -52,7 +55,8 @@ pub enum Passes {
 /// Settings of the contact between flank points and flank surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointContact {
-    /// Contact pressure over penetration to the power of the law's exponent [Pa/m for a linear law].
+    /// Contact pressure over penetration to the power of the law's exponent [Pa/m for a linear law]; the force of a
+    /// node [N/m] with [`PointRule::EachNode`].
     pub penalty: f64,
     /// Dashpot per area of flank [N s/m^3].
     pub damping: f64,

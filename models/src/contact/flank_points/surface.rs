@@ -62,6 +62,8 @@ pub(super) struct FlankPoint {
 pub(super) struct Rule {
     along: Vec<(f64, f64)>,
     across: Vec<(f64, f64)>,
+    /// Nodes count alike: each stands for a unit of area.
+    alike: bool,
 }
 
 impl Rule {
@@ -74,9 +76,14 @@ impl Rule {
         };
         match rule {
             PointRule::Nodes => Rule::default(),
+            PointRule::EachNode => Rule {
+                alike: true,
+                ..Rule::default()
+            },
             PointRule::Quadrature { along, across } => Rule {
                 along: unit(along),
                 across: unit(across),
+                alike: false,
             },
         }
     }
@@ -236,7 +243,11 @@ impl Shape {
                             column,
                             a: (r - row) as f64,
                             b: (c - column) as f64,
-                            area: self.areas[r * self.columns + c],
+                            area: if rule.alike {
+                                1.0
+                            } else {
+                                self.areas[r * self.columns + c]
+                            },
                             length,
                         });
                     }
