@@ -2,6 +2,7 @@
 
 use super::field::NormalField;
 use super::reduced::Reduced;
+use super::spin::Spin;
 use crate::Vec3;
 use crate::contact::candidate::{Locus, Point, Tooth};
 use crate::contact::flank_points::Flanks;
@@ -15,14 +16,14 @@ use std::sync::Arc;
 /// A reduced elastic body on its hub.
 #[derive(Clone, Debug)]
 pub struct Elastic {
-    hub: Hub,
+    pub(super) hub: Hub,
     lever: f64,
     placement: Placement,
-    data: Arc<Reduced>,
+    pub(super) data: Arc<Reduced>,
     /// Undeformed flank nodes in the own frame [m].
     positions: Vec<Vec3>,
     /// Coordinates of the hub: 0 or 1; the modes follow.
-    own: usize,
+    pub(super) own: usize,
     /// Per coordinate; zero for the hub.
     omega: Vec<f64>,
     zeta: Vec<f64>,
@@ -32,6 +33,7 @@ pub struct Elastic {
     softest: f64,
     /// Largest residual displacement of a flank node by unit load on the hub.
     hub_reach: f64,
+    pub(super) spin: Spin,
 }
 
 impl Elastic {
@@ -102,6 +104,7 @@ impl Elastic {
             largest,
             softest,
             hub_reach,
+            spin: Spin::default(),
         })
     }
 
@@ -238,6 +241,10 @@ impl GearModel for Elastic {
         }
     }
 
+    fn prepare(&mut self, speed: f64) {
+        self.decide_spin_terms(speed);
+    }
+
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
@@ -321,22 +328,35 @@ impl GearModel for Elastic {
         for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
             *f -= acceleration * l;
         }
+        if let Some(integrals) = self.spinning() {
+            self.add_spin_force(integrals, at, acceleration, f);
+        }
     }
 
-    fn internal_tangent(&mut self, _at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         for i in self.own..self.omega.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
             df[i] -= w * (w * dq[i] + 2.0 * z * dv[i]);
         }
+        if let Some(integrals) = self.spinning() {
+            let acceleration = self.prescribed_acceleration(at.t);
+            self.add_spin_tangent(integrals, at, acceleration, [dq, dv], df);
+        }
     }
 
-    fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+        if let (Some(integrals), 1) = (self.spinning(), self.own) {
+            return self.solve_spin_mass(integrals, at, f_to_a);
+        }
         for f in &mut f_to_a[..self.own] {
             *f /= self.hub.inertia;
         }
     }
 
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        if let (Some(integrals), 1) = (self.spinning(), self.own) {
+            return self.apply_spin_mass(integrals, at, x, y);
+        }
         y.copy_from_slice(x);
         for y in &mut y[..self.own] {
             *y *= self.hub.inertia;
@@ -346,7 +366,7 @@ impl GearModel for Elastic {
     fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
         diagonal.fill(1.0);
         diagonal[..self.own].fill(self.hub.inertia);
-        true
+        self.own == 0 || self.spinning().is_none()
     }
 
     fn correct(
@@ -402,8 +422,12 @@ impl GearModel for Elastic {
         let strain: f64 = (at.q.iter().zip(&self.omega))
             .map(|(q, w)| (w * q).powi(2))
             .sum();
+        let turning = match self.spinning() {
+            Some(integrals) if self.own > 0 => self.spin_energy(integrals, at),
+            _ => 0.0,
+        };
         Energy {
-            kinetic: 0.5 * (frame + squares(&at.v[self.own..])),
+            kinetic: 0.5 * (frame + squares(&at.v[self.own..])) + turning,
             strain: 0.5 * strain,
             contact: 0.0,
         }
@@ -420,11 +444,12 @@ impl GearModel for Elastic {
     }
 
     fn driven_power(&self, at: At<'_>) -> f64 {
-        let acceleration = self.prescribed_acceleration(at.t);
-        if acceleration == 0.0 {
+        if self.own > 0 {
             return 0.0;
         }
-        -acceleration * self.over_modes(&self.data.participation, at.v)
+        let acceleration = self.prescribed_acceleration(at.t);
+        let turning = (self.spinning()).map_or(0.0, |i| self.spin_power(i, at, acceleration));
+        turning - acceleration * self.over_modes(&self.data.participation, at.v)
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {
@@ -432,7 +457,9 @@ impl GearModel for Elastic {
         HubState {
             travel: self.hub.travel(at.t, at.q) + self.over_modes(&self.data.hub, at.q),
             speed: speed + self.over_modes(&self.data.hub, at.v),
-            momentum: self.hub.inertia * speed + self.over_modes(&self.data.participation, at.v),
+            momentum: self.hub.inertia * speed
+                + self.over_modes(&self.data.participation, at.v)
+                + self.spinning().map_or(0.0, |i| self.spin_momentum(i, at)),
         }
     }
 
@@ -498,7 +525,8 @@ impl GearModel for Elastic {
     }
 
     fn oscillators(&self) -> Option<Oscillators<'_>> {
-        Some(Oscillators {
+        // Coriolis forces couple the modes.
+        self.spinning().is_none().then_some(Oscillators {
             omega: &self.omega,
             zeta: &self.zeta,
         })
