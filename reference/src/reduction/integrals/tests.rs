@@ -278,7 +278,7 @@ fn elastic(b: &Basis, speed: f64, terms: SpinTerms) -> Elastic {
 
 #[test]
 fn a_spinning_disc_expands_as_the_closed_form_says_and_what_auto_drops_is_small() {
-    let sector = disc(12, 3, 12);
+    let sector = disc(12, 3, 6);
     let mounting = Mounting::gear(false, 0.0);
     let b = basis::of_sector(
         &sector,

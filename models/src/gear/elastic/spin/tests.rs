@@ -153,7 +153,7 @@ fn a_free_gear_that_spins_and_vibrates_keeps_momentum_and_energy() {
             hub,
         )
     };
-    let (coarse, fine) = (drift(SpinTerms::Full, 100), drift(SpinTerms::Full, 200));
+    let (coarse, fine) = (drift(SpinTerms::Full, 200), drift(SpinTerms::Full, 400));
     // What the deformation takes from the hub's speed is far above what the method loses.
     assert!(fine.2 > 1e-3, "{fine:?}");
     assert!(fine.0 < 1e-6 && fine.1 < 1e-5, "{fine:?}");
@@ -231,7 +231,7 @@ fn the_power_of_a_drive_is_what_the_energy_changes_by() {
     let mut gear = gear(ramp(), SpinTerms::Full);
     let mut q: Vec<f64> = noise(MODES, 6.0).iter().map(|x| 1e-3 * x).collect();
     let mut v = noise(MODES, 7.0);
-    let (steps, end) = (400, 1e-3);
+    let (steps, end) = (4000, 1e-3);
     let h = end / steps as f64;
     let energy = |g: &Elastic, q: &[f64], v: &[f64]| g.energy(at(0.0, q, v)).total();
     let before = energy(&gear, &q, &v);
