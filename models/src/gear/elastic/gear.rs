@@ -25,8 +25,8 @@ pub struct Elastic {
     /// Coordinates of the hub: 0 or 1; the modes follow.
     pub(super) own: usize,
     /// Per coordinate; zero for the hub.
-    omega: Vec<f64>,
-    zeta: Vec<f64>,
+    pub(super) omega: Vec<f64>,
+    pub(super) zeta: Vec<f64>,
     /// Largest shape of each mode at a flank node [1/sqrt(kg)].
     largest: Vec<f64>,
     /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
@@ -318,6 +318,9 @@ impl GearModel for Elastic {
             f[i] -= w * (w * at.q[i] + 2.0 * z * at.v[i]);
         }
         self.add_inertia_force(at.t, f);
+        if let Some(integrals) = self.spinning() {
+            self.add_spin_force(integrals, at, self.prescribed_acceleration(at.t), f);
+        }
     }
 
     fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
@@ -327,9 +330,6 @@ impl GearModel for Elastic {
         }
         for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
             *f -= acceleration * l;
-        }
-        if let Some(integrals) = self.spinning() {
-            self.add_spin_force(integrals, at, acceleration, f);
         }
     }
 
@@ -470,13 +470,18 @@ impl GearModel for Elastic {
         let mut reaction = self.hub.reaction(at.t, contact);
         let prescribed = self.prescribed_acceleration(at.t);
         let speed = self.hub.speed(at.t, at.v);
+        let spinning = self.spinning();
+        let accelerations = spinning.map(|i| self.spin_accelerations(i, at, forces, prescribed));
         // Place, momentum and its rate in the own frame, as sums over the modes; torque of held hubs.
         let mut own = [d.unbalance, [0.0; 2], [0.0; 2]];
         let mut turning = 0.0;
         for (i, (p, along)) in d.momentum.iter().zip(&d.participation).enumerate() {
             let k = self.own + i;
             let (w, z, q, v) = (self.omega[k], self.zeta[k], at.q[k], at.v[k]);
-            let a = forces[k] - w * (w * q + 2.0 * z * v) - prescribed * along;
+            let a = match &accelerations {
+                Some(all) => all[k],
+                None => forces[k] - w * (w * q + 2.0 * z * v) - prescribed * along,
+            };
             for (sum, x) in own.iter_mut().zip([q, v, a]) {
                 sum[0] += x * p[0];
                 sum[1] += x * p[1];
@@ -486,11 +491,14 @@ impl GearModel for Elastic {
         let [place, momentum, rate] = own.map(|x| Vec3::new(x[0], x[1], 0.0));
         let pose = self.placement.pose(self.hub.travel(at.t, at.q));
         let Some(slide) = &self.hub.slide else {
-            let acceleration = if self.own > 0 {
-                forces[0] / self.hub.inertia
-            } else {
-                prescribed
+            let acceleration = match &accelerations {
+                _ if self.own == 0 => prescribed,
+                Some(all) => all[0],
+                None => forces[0] / self.hub.inertia,
             };
+            if let (Some(i), Some(all), 0) = (spinning, &accelerations, self.own) {
+                turning += self.spin_torque(i, at, prescribed, all);
+            }
             let across = |x: Vec3| Vec3::new(-x.y, x.x, 0.0);
             let total = rate + across(2.0 * speed * momentum + acceleration * place)
                 - speed * speed * place;

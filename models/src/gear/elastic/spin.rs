@@ -178,6 +178,36 @@ impl Elastic {
         }
     }
 
+    /// Accelerations of all coordinates under `forces` of contact and loads.
+    pub(super) fn spin_accelerations(
+        &self,
+        i: &Integrals,
+        at: At<'_>,
+        forces: &[f64],
+        prescribed: f64,
+    ) -> Vec<f64> {
+        let mut f = forces.to_vec();
+        for k in self.own..f.len() {
+            let (w, z) = (self.omega[k], self.zeta[k]);
+            f[k] -= w * (w * at.q[k] + 2.0 * z * at.v[k])
+                + prescribed * self.data.participation[k - self.own];
+        }
+        self.add_spin_force(i, at, prescribed, &mut f);
+        if self.own > 0 {
+            self.solve_spin_mass(i, at, &mut f);
+        }
+        f
+    }
+
+    /// Rate of [`Self::spin_momentum`] of a gear whose hub is held, with the accelerations `a` of its modes.
+    pub(super) fn spin_torque(&self, i: &Integrals, at: At<'_>, prescribed: f64, a: &[f64]) -> f64 {
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, at.q.len()));
+        let grown = self.turning_mass(i, at.q, outward, turned) - self.hub.inertia;
+        let speed = self.hub.speed(at.t, at.v);
+        prescribed * grown + 2.0 * speed * dot(outward, at.v) - dot(turned, a)
+    }
+
     /// What the deformation adds to the momentum about the axis, `theta' (2 a.q + q.G q) + q.C q'`.
     pub(super) fn spin_momentum(&self, i: &Integrals, at: At<'_>) -> f64 {
         let (q, v) = (&at.q[self.own..], &at.v[self.own..]);

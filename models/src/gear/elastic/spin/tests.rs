@@ -8,7 +8,7 @@ use crate::gear::elastic::reduced::Reduced;
 use crate::gear::placement::Placement;
 use crate::geometry::Side;
 use crate::load::Profile;
-use crate::mount::Hub;
+use crate::mount::{Hub, Wrench};
 use std::sync::Arc;
 
 const MODES: usize = 4;
@@ -71,6 +71,8 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
             noise(MODES, 5.0).iter().map(|x| 0.01 * x).collect()
         },
         residual: None,
+        momentum: vec![[0.0; 2]; MODES],
+        unbalance: [0.0; 2],
         integrals: Some(integrals()),
     };
     let hub = Hub {
@@ -250,6 +252,26 @@ fn the_power_of_a_drive_is_what_the_energy_changes_by() {
         (change - work).abs() < 2e-4 * change.abs(),
         "{change} {work}"
     );
+}
+
+/// The torque that a drive needs is the rate of the momentum.
+#[test]
+fn the_torque_of_a_drive_is_the_rate_of_the_momentum() {
+    let mut gear = gear(ramp(), SpinTerms::Full);
+    let q: Vec<f64> = noise(MODES, 6.0).iter().map(|x| 1e-3 * x).collect();
+    let v = noise(MODES, 7.0);
+    let (t, h) = (4e-3, 1e-7);
+    let none = vec![0.0; MODES];
+    let torque = gear
+        .mount_reaction(at(t, &q, &v), &none, &Wrench::default())
+        .torque;
+    let mut momentum = |h: f64| {
+        let (mut q, mut v) = (q.clone(), v.clone());
+        step_of(&mut gear, t, h, &mut q, &mut v);
+        gear.hub_state(at(t + h, &q, &v)).momentum
+    };
+    let rate = (momentum(h) - momentum(-h)) / (2.0 * h);
+    assert!((torque / rate - 1.0).abs() < 1e-5, "{torque} {rate}");
 }
 
 /// One step from time `t`, in two.
