@@ -137,6 +137,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
         unbalance: [0.0; 2],
         omega,
         residual,
+        integrals: None,
     }
 }
 

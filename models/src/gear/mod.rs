@@ -123,6 +123,10 @@ pub trait GearModel {
     /// [`Self::coordinates`] counts.
     fn attach(&mut self, _view: MeshView) {}
 
+    /// Tells the gear how fast its hub moves at the start. Called once while the scene is assembled, before
+    /// [`Self::constant_mass`] and [`Self::oscillators`].
+    fn prepare(&mut self, _speed: f64) {}
+
     /// Magnitudes of coordinates and velocities.
     fn scales(&self, magnitudes: Magnitudes, q: &mut [f64], v: &mut [f64]);
 

@@ -554,7 +554,7 @@ impl Scene {
             v: vec![0.0; n],
             memory: vec![0.0; memory],
         };
-        for (g, s) in gears.iter().zip(&spec.gears) {
+        for (g, s) in gears.iter_mut().zip(&spec.gears) {
             let range = g.range();
             // A prescribed motion says itself how fast its gear moves.
             let speed = match &s.mount {
@@ -562,6 +562,7 @@ impl Scene {
                 Mount::Fixed => 0.0,
                 Mount::Revolute | Mount::Prismatic => s.speed,
             };
+            g.model.prepare(speed);
             g.model.initialise(
                 speed,
                 &mut initial.q[range.clone()],

@@ -216,6 +216,14 @@ impl<T: Scalar> Lanczos<T> {
                 }
             }
             next_check = next_check.min(capacity.saturating_sub(self.block) + 1);
+            if self.size + 2 * self.block > self.basis.ncols() {
+                // Nearly all modes there are: no room for another block.
+                return Err(ModesError::NotConverged {
+                    found: self.found()?.len(),
+                    wanted,
+                    steps: self.report.steps,
+                });
+            }
             self.step(factor)?;
         }
     }

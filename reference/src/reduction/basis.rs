@@ -15,14 +15,16 @@
 
 use super::error::ReductionError;
 use super::surface::Surface;
-use super::{Basis, Mounting, Wanted, compliance};
+use super::{Basis, Mounting, Wanted, compliance, integrals};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
 use crate::modes::{self, Options};
+use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::Residual;
 use gearbench_models::stiffness::Material;
+use std::sync::Arc;
 
 /// Modes whose squared frequencies differ by less than this fraction are one: rounding and the tolerance of the
 /// search leave less.
@@ -88,7 +90,7 @@ pub fn of_mesh(
         unbalance[0] += m * x.x;
         unbalance[1] += m * x.y;
     }
-    drop(assembly);
+    let mass = assembly.mass;
 
     let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
     let options = Options::default();
@@ -119,12 +121,23 @@ pub fn of_mesh(
             }
         })
         .collect();
+    let skip = motions.len();
+    let integrals = if found.omega2.len() < skip {
+        None
+    } else {
+        let of_mode = |mode: usize, u: &mut [f64]| {
+            let vector: Vec<f64> = found.vectors.col(skip + mode).iter().copied().collect();
+            tie.expand(&vector, u);
+        };
+        let modes = found.omega2.len() - skip;
+        integrals::of_mesh(&mass, &mesh.mesh.nodes, modes, of_mode)
+    };
     let body = Body {
         inertia,
         unbalance,
         unknowns: tie.coordinates(),
     };
-    finish(nodes, mounting, body, shapes, residual)
+    finish(nodes, mounting, body, shapes, (residual, integrals))
 }
 
 /// Modes of a gear of equal teeth by the sector of tooth 0, with node sets `cut_low` and `cut_high`.
@@ -144,7 +157,7 @@ pub fn of_sector(
     let assembly = assemble(&sector.mesh, material)?;
     assembly.mass.apply3(&rigid, &mut pull);
     let masses = nodal_masses(&assembly);
-    drop(assembly);
+    let mass = assembly.mass;
     let inertia = mounting.added_inertia + teeth * dot(&rigid, &pull);
     let hub = if mounting.free {
         cyclic::Hub::turning(mounting.added_inertia)
@@ -169,13 +182,14 @@ pub fn of_sector(
         })
         .collect();
     let residual = compliance::of_sector(sector, material, &nodes, mounting)?;
+    let integrals = integrals::of_sector(&mass, &sector.mesh.nodes, &found, own);
     // Equal teeth are balanced.
     let body = Body {
         inertia,
         unbalance: [0.0; 2],
         unknowns: found.unknowns + own,
     };
-    finish(nodes, mounting, body, shapes, residual)
+    finish(nodes, mounting, body, shapes, (residual, integrals))
 }
 
 /// What of a gear does not depend on its modes.
@@ -281,7 +295,7 @@ fn finish(
     mounting: &Mounting,
     body: Body,
     mut shapes: Vec<Shape>,
-    compliance: Residual,
+    (compliance, integrals): (Residual, Option<Integrals>),
 ) -> Result<Basis, ReductionError> {
     let Body {
         inertia,
@@ -339,6 +353,7 @@ fn finish(
         momentum: shapes.iter().map(|s| s.linear).collect(),
         unbalance,
         compliance,
+        integrals: integrals.map(Arc::new),
     })
 }
 

@@ -210,6 +210,7 @@ pub fn reduced(
         momentum: kept.iter().map(|&i| basis.momentum[i]).collect(),
         unbalance: basis.unbalance,
         residual,
+        integrals: basis.integrals.as_ref().map(|i| i.of_modes(kept)),
     })
 }
 

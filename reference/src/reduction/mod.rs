@@ -13,6 +13,7 @@
 //! | part | owns |
 //! |---|---|
 //! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
+//! | `integrals` | inertia integrals of the floating frame |
 //! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
 //! | [`choose`] | which modes are kept, and with what damping |
@@ -34,6 +35,7 @@ mod error;
 pub mod estimate;
 mod geometry;
 pub mod hash;
+mod integrals;
 mod mounting;
 mod of_gear;
 pub mod open;
@@ -55,7 +57,9 @@ pub use surface::Surface;
 
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::Flanks;
+use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::Residual;
+use std::sync::Arc;
 
 /// Pass 1: modes and static compliance of a gear at its flank nodes and its hub.
 #[derive(Clone, Debug)]
@@ -88,6 +92,8 @@ pub struct Basis {
     pub unbalance: [f64; 2],
     /// Compliance of the whole mesh: nothing is cut from it yet.
     pub compliance: Residual,
+    /// Inertia integrals of all modes; `None` where they are too many.
+    pub integrals: Option<Arc<Integrals>>,
 }
 
 /// Which modes are wanted, rigid motion not counted.

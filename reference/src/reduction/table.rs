@@ -5,7 +5,7 @@ use super::estimate::Impacts;
 use super::{Basis, Wanted, open, shared};
 use crate::mesh_source::{self, Reader};
 use gearbench_models::gear::GearModel;
-use gearbench_models::gear::elastic::Elastic;
+use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::scene::spec::{Body as Toothing, BuildError, Value};
 use std::path::Path;
@@ -22,7 +22,7 @@ const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
 }
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 16] = mesh_source::with_own(&[
+static PARAMETERS: [ParameterInfo; 17] = mesh_source::with_own(&[
     optional(
         "reduction",
         "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",
@@ -52,6 +52,10 @@ static PARAMETERS: [ParameterInfo; 16] = mesh_source::with_own(&[
     optional(
         "step_s",
         "longest step that shall carry the modes: those above 0.64 pi / step are cut; default 1e-6",
+    ),
+    optional(
+        "spin_terms",
+        "centrifugal and Coriolis terms, which couple the modes: \"auto\" (default: from a spin rate of 1 % of the lowest frequency), \"full\" or \"none\"",
     ),
 ]);
 
@@ -197,6 +201,17 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ));
     }
     let damping = damping(&reader)?;
+    let spin = match reader.text("spin_terms")? {
+        None | Some("auto") => SpinTerms::Auto,
+        Some("full") => SpinTerms::Full,
+        Some("none") => SpinTerms::None,
+        Some(other) => {
+            return Err(reader.error(
+                "spin_terms",
+                format!("\"{other}\" is not known; expected \"auto\", \"full\" or \"none\""),
+            ));
+        }
+    };
 
     let asked = Asked {
         count,
@@ -230,7 +245,9 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         context.placement,
         Arc::new(reduced),
     );
-    Ok(Box::new(gear.map_err(|e| reader.error("mesh", e))?))
+    let gear = gear.map_err(|e| reader.error("mesh", e))?;
+    let gear = gear.with_spin_terms(spin);
+    Ok(Box::new(gear.map_err(|e| reader.error("spin_terms", e))?))
 }
 
 #[cfg(test)]
@@ -324,6 +341,7 @@ mod tests {
             ),
             (vec![("damping_ratio", number(1.5))], "damp less"),
             (vec![("modes", number(1.5))], "whole number"),
+            (vec![("spin_terms", word("some"))], "expected \"auto\""),
         ] {
             let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
             assert!(e.contains(message), "{e}");

@@ -3,6 +3,7 @@
 use super::field::NormalField;
 use super::kernels;
 use super::reduced::Reduced;
+use super::spin::Spin;
 use crate::Vec3;
 use crate::contact::candidate::{Locus, Point, Tooth};
 use crate::contact::flank_points::Flanks;
@@ -16,23 +17,24 @@ use std::sync::Arc;
 /// A reduced elastic body on its hub.
 #[derive(Clone, Debug)]
 pub struct Elastic {
-    hub: Hub,
+    pub(super) hub: Hub,
     lever: f64,
     placement: Placement,
-    data: Arc<Reduced>,
+    pub(super) data: Arc<Reduced>,
     /// Undeformed flank nodes in the own frame [m].
     positions: Vec<Vec3>,
     /// Coordinates of the hub: 0 or 1; the modes follow.
-    own: usize,
+    pub(super) own: usize,
     /// Per coordinate; zero for the hub.
-    omega: Vec<f64>,
-    zeta: Vec<f64>,
+    pub(super) omega: Vec<f64>,
+    pub(super) zeta: Vec<f64>,
     /// Largest shape of each mode at a flank node [1/sqrt(kg)].
     largest: Vec<f64>,
     /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
     softest: f64,
     /// Largest residual displacement of a flank node by unit load on the hub.
     hub_reach: f64,
+    pub(super) spin: Spin,
 }
 
 impl Elastic {
@@ -103,6 +105,7 @@ impl Elastic {
             largest,
             softest,
             hub_reach,
+            spin: Spin::default(),
         })
     }
 
@@ -205,6 +208,10 @@ impl GearModel for Elastic {
         }
     }
 
+    fn prepare(&mut self, speed: f64) {
+        self.decide_spin_terms(speed);
+    }
+
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
@@ -280,6 +287,9 @@ impl GearModel for Elastic {
             *f -= w * (w * q + 2.0 * z * v);
         }
         self.add_inertia_force(at.t, f);
+        if let Some(integrals) = self.spinning() {
+            self.add_spin_force(integrals, at, self.prescribed_acceleration(at.t), f);
+        }
     }
 
     fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
@@ -292,20 +302,30 @@ impl GearModel for Elastic {
         }
     }
 
-    fn internal_tangent(&mut self, _at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         for i in self.own..self.omega.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
             df[i] -= w * (w * dq[i] + 2.0 * z * dv[i]);
         }
+        if let Some(integrals) = self.spinning() {
+            let acceleration = self.prescribed_acceleration(at.t);
+            self.add_spin_tangent(integrals, at, acceleration, [dq, dv], df);
+        }
     }
 
-    fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
+    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
+        if let (Some(integrals), 1) = (self.spinning(), self.own) {
+            return self.solve_spin_mass(integrals, at, f_to_a);
+        }
         for f in &mut f_to_a[..self.own] {
             *f /= self.hub.inertia;
         }
     }
 
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        if let (Some(integrals), 1) = (self.spinning(), self.own) {
+            return self.apply_spin_mass(integrals, at, x, y);
+        }
         y.copy_from_slice(x);
         for y in &mut y[..self.own] {
             *y *= self.hub.inertia;
@@ -315,7 +335,7 @@ impl GearModel for Elastic {
     fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
         diagonal.fill(1.0);
         diagonal[..self.own].fill(self.hub.inertia);
-        true
+        self.own == 0 || self.spinning().is_none()
     }
 
     fn correct(
@@ -371,8 +391,12 @@ impl GearModel for Elastic {
         let strain: f64 = (at.q.iter().zip(&self.omega))
             .map(|(q, w)| (w * q).powi(2))
             .sum();
+        let turning = match self.spinning() {
+            Some(integrals) if self.own > 0 => self.spin_energy(integrals, at),
+            _ => 0.0,
+        };
         Energy {
-            kinetic: 0.5 * (frame + squares(&at.v[self.own..])),
+            kinetic: 0.5 * (frame + squares(&at.v[self.own..])) + turning,
             strain: 0.5 * strain,
             contact: 0.0,
         }
@@ -389,11 +413,12 @@ impl GearModel for Elastic {
     }
 
     fn driven_power(&self, at: At<'_>) -> f64 {
-        let acceleration = self.prescribed_acceleration(at.t);
-        if acceleration == 0.0 {
+        if self.own > 0 {
             return 0.0;
         }
-        -acceleration * self.over_modes(&self.data.participation, at.v)
+        let acceleration = self.prescribed_acceleration(at.t);
+        let turning = (self.spinning()).map_or(0.0, |i| self.spin_power(i, at, acceleration));
+        turning - acceleration * self.over_modes(&self.data.participation, at.v)
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {
@@ -401,7 +426,9 @@ impl GearModel for Elastic {
         HubState {
             travel: self.hub.travel(at.t, at.q) + self.over_modes(&self.data.hub, at.q),
             speed: speed + self.over_modes(&self.data.hub, at.v),
-            momentum: self.hub.inertia * speed + self.over_modes(&self.data.participation, at.v),
+            momentum: self.hub.inertia * speed
+                + self.over_modes(&self.data.participation, at.v)
+                + self.spinning().map_or(0.0, |i| self.spin_momentum(i, at)),
         }
     }
 
@@ -412,13 +439,18 @@ impl GearModel for Elastic {
         let mut reaction = self.hub.reaction(at.t, contact);
         let prescribed = self.prescribed_acceleration(at.t);
         let speed = self.hub.speed(at.t, at.v);
+        let spinning = self.spinning();
+        let accelerations = spinning.map(|i| self.spin_accelerations(i, at, forces, prescribed));
         // Place, momentum and its rate in the own frame, as sums over the modes; torque of held hubs.
         let mut own = [d.unbalance, [0.0; 2], [0.0; 2]];
         let mut turning = 0.0;
         for (i, (p, along)) in d.momentum.iter().zip(&d.participation).enumerate() {
             let k = self.own + i;
             let (w, z, q, v) = (self.omega[k], self.zeta[k], at.q[k], at.v[k]);
-            let a = forces[k] - w * (w * q + 2.0 * z * v) - prescribed * along;
+            let a = match &accelerations {
+                Some(all) => all[k],
+                None => forces[k] - w * (w * q + 2.0 * z * v) - prescribed * along,
+            };
             for (sum, x) in own.iter_mut().zip([q, v, a]) {
                 sum[0] += x * p[0];
                 sum[1] += x * p[1];
@@ -428,11 +460,14 @@ impl GearModel for Elastic {
         let [place, momentum, rate] = own.map(|x| Vec3::new(x[0], x[1], 0.0));
         let pose = self.placement.pose(self.hub.travel(at.t, at.q));
         let Some(slide) = &self.hub.slide else {
-            let acceleration = if self.own > 0 {
-                forces[0] / self.hub.inertia
-            } else {
-                prescribed
+            let acceleration = match &accelerations {
+                _ if self.own == 0 => prescribed,
+                Some(all) => all[0],
+                None => forces[0] / self.hub.inertia,
             };
+            if let (Some(i), Some(all), 0) = (spinning, &accelerations, self.own) {
+                turning += self.spin_torque(i, at, prescribed, all);
+            }
             let across = |x: Vec3| Vec3::new(-x.y, x.x, 0.0);
             let total = rate + across(2.0 * speed * momentum + acceleration * place)
                 - speed * speed * place;
@@ -467,7 +502,8 @@ impl GearModel for Elastic {
     }
 
     fn oscillators(&self) -> Option<Oscillators<'_>> {
-        Some(Oscillators {
+        // Coriolis forces couple the modes.
+        self.spinning().is_none().then_some(Oscillators {
             omega: &self.omega,
             zeta: &self.zeta,
         })

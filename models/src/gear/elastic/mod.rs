@@ -16,12 +16,15 @@
 //! contact force that presses on the node, `h_i` how far mode `i` turns the hub, `R` and `r` the residual compliance
 //! between the flank nodes and towards the hub. Only displacements along the normals enter a gap: what slides
 //! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
-//! steel tooth.
+//! steel tooth. Gears that turn fast have the centrifugal and Coriolis terms of [`inertia`] as well.
 
 mod field;
 mod gear;
+pub mod inertia;
 mod kernels;
 pub mod reduced;
+mod spin;
 
 pub use field::NormalField;
 pub use gear::Elastic;
+pub use inertia::SpinTerms;

@@ -10,6 +10,7 @@
 //!   coordinates in sqrt(kg) m.
 //! - A hub that moves turns counter-clockwise (a rack travels along its slide) for positive angle, torque and shape.
 
+use super::inertia::Integrals;
 use crate::Vec3;
 use crate::contact::flank_points::Flanks;
 
@@ -41,6 +42,8 @@ pub struct Reduced {
     pub unbalance: [f64; 2],
     /// Static compliance of the modes that were cut; `None` for plain truncation.
     pub residual: Option<Residual>,
+    /// Inertia integrals of the kept modes, for gears that turn fast.
+    pub integrals: Option<Integrals>,
 }
 
 /// Static compliance of the modes that were cut.
@@ -206,6 +209,11 @@ impl Reduced {
                     r.hub.len()
                 ));
             }
+        }
+        if self.integrals.as_ref().is_some_and(|i| !i.fits(modes)) {
+            return Some(format!(
+                "the inertia integrals are not those of {modes} modes"
+            ));
         }
         let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
         if !(self.omega.iter().all(|w| w.is_finite() && *w > 0.0)

@@ -27,18 +27,23 @@ enum Search {
 }
 
 impl Harmonic {
-    /// Assembles a harmonic; `shared` is the analysis of those without hub motions.
+    /// Assembles a harmonic of which about `guess` modes are wanted; `shared` is the analysis of those without hub motions.
     pub fn new(
         sector: &Sector,
         harmonic: u32,
+        guess: usize,
         shared: &Shared,
         options: &Options,
     ) -> Result<Self, ModesError> {
         let single = harmonic == 0 || 2 * harmonic == sector.teeth();
         let search = if single {
-            Search::Real(Box::new(State::new(sector, harmonic, shared, options)?))
+            Search::Real(Box::new(State::new(
+                sector, harmonic, guess, shared, options,
+            )?))
         } else {
-            Search::Complex(Box::new(State::new(sector, harmonic, shared, options)?))
+            Search::Complex(Box::new(State::new(
+                sector, harmonic, guess, shared, options,
+            )?))
         };
         Ok(Self {
             weight: if single { 1 } else { 2 },
@@ -121,6 +126,7 @@ impl<T: Scalar> State<T> {
     fn new(
         sector: &Sector,
         harmonic: u32,
+        guess: usize,
         shared: &Shared,
         options: &Options,
     ) -> Result<Self, ModesError> {
@@ -137,7 +143,7 @@ impl<T: Scalar> State<T> {
             Arc::new(Symbolic::new(pair.stiffness.symbolic(), Ordering::Best)?)
         };
         let block = options.block.unwrap_or(BLOCK).max(1);
-        let engine = if is_small(n, 1, block) {
+        let engine = if is_small(n, guess, block) {
             Engine::Dense(dense::lowest(&stiffness, &mass, n, shift)?)
         } else {
             Engine::Iteration(Lanczos::new(mass.clone(), shift, block, options, Par::Seq))

@@ -208,7 +208,7 @@ impl Sector {
         };
         let guess = (count.div_ceil(teeth) + 1).min(self.unknowns());
         let states = self.each(harmonics, |n| {
-            let mut state = Harmonic::new(self, n as u32, &symbolic, options)?;
+            let mut state = Harmonic::new(self, n as u32, 2 * guess, &symbolic, options)?;
             state.find(guess, keep)?;
             Ok(state)
         })?;

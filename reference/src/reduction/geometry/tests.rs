@@ -29,6 +29,7 @@ pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
             hub: vec![0.0; n],
             hub_hub: 0.0,
         },
+        integrals: None,
     }
 }
 

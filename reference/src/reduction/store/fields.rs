@@ -2,7 +2,7 @@
 
 use super::archive::{Axis, Reader, Writer};
 use super::error::{MAKE_AGAIN, StoreError, StoreErrorKind};
-use super::{Meta, Motion, SCHEMA, Stored};
+use super::{Meta, Motion, SCHEMA, Stored, inertia};
 use crate::mesh::ElementKind;
 use crate::reduction::Basis;
 use crate::reduction::hash::Hash;
@@ -74,6 +74,13 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
                 MAKE_AGAIN,
             ));
         }
+    }
+    if b.integrals.as_ref().is_some_and(|i| !i.fits(modes)) {
+        return Some(value(
+            "integrals",
+            format!("inertia integrals of {modes} modes"),
+            "others, or numbers that are not finite",
+        ));
     }
     flanks_problem(&b.flanks, nodes, meta.teeth).or_else(|| numbers_problem(b, meta))
 }
@@ -255,6 +262,9 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     ] {
         w.f64s(name, &[], std::iter::once(x))?;
     }
+    if let Some(integrals) = &b.integrals {
+        inertia::write(&mut w, integrals)?;
+    }
     w.finish()
 }
 
@@ -277,6 +287,7 @@ fn meta_text(b: &Basis, meta: &Meta) -> String {
         "elements": meta.elements,
         "unknowns": b.unknowns,
         "asked": meta.asked,
+        "integrals": b.integrals.is_some(),
     })
     .to_string()
 }
@@ -395,6 +406,10 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
             [x[0], x[1]]
         },
         compliance: read_compliance(r, nodes, teeth)?,
+        integrals: match entries.0.get("integrals").and_then(Value::as_bool) {
+            Some(true) => Some(Arc::new(inertia::read(r, modes)?)),
+            _ => None,
+        },
     };
     let elements = ElementKind::ALL.map(|k| (k.name(), k));
     let meta = Meta {

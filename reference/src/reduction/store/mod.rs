@@ -10,6 +10,7 @@
 mod archive;
 mod error;
 mod fields;
+mod inertia;
 mod npy;
 #[cfg(test)]
 pub(super) mod tests;

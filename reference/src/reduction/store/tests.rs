@@ -4,6 +4,7 @@ use super::*;
 use crate::reduction::hash::Hash;
 use gearbench_models::Vec3;
 use gearbench_models::contact::flank_points::{FlankGrid, Flanks};
+use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 use gearbench_models::geometry::Side;
 
@@ -68,6 +69,19 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
             hub: some(n),
             hub_hub: f64::MIN_POSITIVE,
         },
+        // One kind of gear with them, one without.
+        integrals: cyclic.then(|| {
+            Arc::new(Integrals {
+                mass: 0.3,
+                centre: [1e-3, -2e-9, 0.0],
+                tensor: [1e-4, 0.0, 1e-9, 0.0, 1e-4, 0.0, 1e-9, 0.0, 2e-4],
+                translation: some(3 * modes),
+                rotation: some(3 * modes),
+                radial: some(modes),
+                planar: some(modes * modes),
+                gyroscopic: some(modes * modes),
+            })
+        }),
     };
     let mut mesh = Hash::START;
     mesh.text("mesh");

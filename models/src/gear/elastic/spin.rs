@@ -1,0 +1,248 @@
+//! The inertia terms of a turning frame in the elastic gear; formulas in [`super::inertia`].
+//!
+//! With them the mass matrix of a free gear depends on `q`, in its row and column of the turn alone:
+//!
+//! ```text
+//! [ J(q)  -(C q)^T ] [theta'']   [f_0]
+//! [ -C q      1    ] [  q''  ] = [ f ],     theta'' = (f_0 + (C q).f) / (J(q) - |C q|^2)
+//! ```
+
+use super::gear::Elastic;
+use super::inertia::{AUTO_LIMIT, Integrals, SpinTerms};
+use crate::cholesky::dot;
+use crate::mount::Mount;
+use gearbench_integrators::system::At;
+use std::cell::RefCell;
+
+/// Whether a gear has the terms, and room to evaluate them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spin {
+    terms: SpinTerms,
+    active: bool,
+    /// Vectors over the modes.
+    room: RefCell<[Vec<f64>; 3]>,
+}
+
+impl Elastic {
+    /// The gear with these inertia terms of its turning frame; [`SpinTerms::Auto`] without it.
+    ///
+    /// # Errors
+    /// Terms asked for that the body does not have: a rack, or a reduction without inertia integrals.
+    pub fn with_spin_terms(mut self, terms: SpinTerms) -> Result<Self, String> {
+        if terms == SpinTerms::Full {
+            if self.hub.slide.is_some() {
+                return Err("a rack does not turn: it has no spin terms; leave them out".into());
+            }
+            if self.data.integrals.is_none() {
+                return Err(
+                    "the reduction holds no inertia integrals; reduce the gear again, with fewer modes if it had very many"
+                        .into(),
+                );
+            }
+        }
+        self.spin.terms = terms;
+        self.spin.active = terms == SpinTerms::Full;
+        Ok(self)
+    }
+
+    /// Decides for [`SpinTerms::Auto`] by the speed of the hub [rad/s] at the start; of a driven one by the largest
+    /// of its course.
+    pub(super) fn decide_spin_terms(&mut self, mut speed: f64) {
+        if self.spin.terms != SpinTerms::Auto {
+            return;
+        }
+        if let Mount::Driven(course) = &self.hub.mount {
+            // Straight between its knots.
+            let mut t = 0.0_f64;
+            while t.is_finite() {
+                speed = speed.abs().max(course.value(t).abs());
+                t = course.next_knot(t);
+            }
+        }
+        let lowest = self
+            .data
+            .omega
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        self.spin.active = self.hub.slide.is_none()
+            && self.data.integrals.is_some()
+            && speed.abs() > AUTO_LIMIT * lowest;
+    }
+
+    /// The integrals, where their terms are to be evaluated.
+    pub(super) fn spinning(&self) -> Option<&Integrals> {
+        let moves = !matches!(self.hub.mount, Mount::Fixed);
+        let integrals = self.data.integrals.as_ref();
+        integrals.filter(|i| self.spin.active && moves && i.modes() > 0)
+    }
+
+    /// Centrifugal and Coriolis forces, and what goes with a prescribed acceleration.
+    pub(super) fn add_spin_force(
+        &self,
+        i: &Integrals,
+        at: At<'_>,
+        acceleration: f64,
+        f: &mut [f64],
+    ) {
+        let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
+        let speed = self.hub.speed(at.t, at.v);
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, coriolis, turned] = room.each_mut().map(|x| sized(x, q.len()));
+        i.outward(q, outward);
+        i.coriolis(v, coriolis);
+        if self.own > 0 {
+            f[0] -= 2.0 * speed * dot(outward, v);
+        } else if acceleration != 0.0 {
+            i.coriolis(q, turned);
+        }
+        for (k, f) in f[self.own..].iter_mut().enumerate() {
+            *f += speed * (speed * outward[k] + 2.0 * coriolis[k]);
+            if self.own == 0 && acceleration != 0.0 {
+                *f += acceleration * turned[k];
+            }
+        }
+    }
+
+    /// Their change in a direction.
+    pub(super) fn add_spin_tangent(
+        &self,
+        i: &Integrals,
+        at: At<'_>,
+        acceleration: f64,
+        [dq, dv]: [&[f64]; 2],
+        df: &mut [f64],
+    ) {
+        let own = self.own;
+        let (q, v) = (&at.q[own..], &at.v[own..]);
+        let speed = self.hub.speed(at.t, at.v);
+        let change = if own > 0 { dv[0] } else { 0.0 };
+        let mut room = self.spin.room.borrow_mut();
+        let [a, b, c] = room.each_mut().map(|x| sized(x, q.len()));
+        // The state's own terms, times what the speed changes by.
+        i.outward(q, a);
+        i.coriolis(v, b);
+        i.softening(&dq[own..], c);
+        if own > 0 {
+            df[0] -= 2.0 * (change * dot(a, v) + speed * (dot(c, v) + dot(a, &dv[own..])));
+        }
+        for k in 0..q.len() {
+            df[own + k] += 2.0 * change * (speed * a[k] + b[k]) + speed * speed * c[k];
+        }
+        i.coriolis(&dv[own..], a);
+        for (df, a) in df[own..].iter_mut().zip(&*a) {
+            *df += 2.0 * speed * a;
+        }
+        if own == 0 && acceleration != 0.0 {
+            i.coriolis(dq, a);
+            for (df, a) in df.iter_mut().zip(&*a) {
+                *df += acceleration * a;
+            }
+        }
+    }
+
+    /// `J(q)` and, in `turned`, `C q`.
+    fn turning_mass(
+        &self,
+        i: &Integrals,
+        q: &[f64],
+        outward: &mut [f64],
+        turned: &mut [f64],
+    ) -> f64 {
+        i.outward(q, outward);
+        i.coriolis(q, turned);
+        self.hub.inertia + dot(&i.radial, q) + dot(outward, q)
+    }
+
+    /// `f <- M^-1 f` of a free gear.
+    pub(super) fn solve_spin_mass(&self, i: &Integrals, at: At<'_>, f: &mut [f64]) {
+        let q = &at.q[1..];
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
+        let inertia = self.turning_mass(i, q, outward, turned);
+        let (hub, modes) = f.split_at_mut(1);
+        hub[0] = (hub[0] + dot(turned, modes)) / (inertia - dot(turned, turned));
+        for (f, t) in modes.iter_mut().zip(&*turned) {
+            *f += hub[0] * t;
+        }
+    }
+
+    /// `y = M x` of a free gear.
+    pub(super) fn apply_spin_mass(&self, i: &Integrals, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        let q = &at.q[1..];
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
+        let inertia = self.turning_mass(i, q, outward, turned);
+        y[0] = inertia * x[0] - dot(turned, &x[1..]);
+        for ((y, m), t) in y[1..].iter_mut().zip(&x[1..]).zip(&*turned) {
+            *y = m - t * x[0];
+        }
+    }
+
+    /// Accelerations of all coordinates under `forces` of contact and loads.
+    pub(super) fn spin_accelerations(
+        &self,
+        i: &Integrals,
+        at: At<'_>,
+        forces: &[f64],
+        prescribed: f64,
+    ) -> Vec<f64> {
+        let mut f = forces.to_vec();
+        for k in self.own..f.len() {
+            let (w, z) = (self.omega[k], self.zeta[k]);
+            f[k] -= w * (w * at.q[k] + 2.0 * z * at.v[k])
+                + prescribed * self.data.participation[k - self.own];
+        }
+        self.add_spin_force(i, at, prescribed, &mut f);
+        if self.own > 0 {
+            self.solve_spin_mass(i, at, &mut f);
+        }
+        f
+    }
+
+    /// Rate of [`Self::spin_momentum`] of a gear whose hub is held, with the accelerations `a` of its modes.
+    pub(super) fn spin_torque(&self, i: &Integrals, at: At<'_>, prescribed: f64, a: &[f64]) -> f64 {
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, at.q.len()));
+        let grown = self.turning_mass(i, at.q, outward, turned) - self.hub.inertia;
+        let speed = self.hub.speed(at.t, at.v);
+        prescribed * grown + 2.0 * speed * dot(outward, at.v) - dot(turned, a)
+    }
+
+    /// What the deformation adds to the momentum about the axis, `theta' (2 a.q + q.G q) + q.C q'`.
+    pub(super) fn spin_momentum(&self, i: &Integrals, at: At<'_>) -> f64 {
+        let (q, v) = (&at.q[self.own..], &at.v[self.own..]);
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
+        let grown = self.turning_mass(i, q, outward, turned) - self.hub.inertia;
+        self.hub.speed(at.t, at.v) * grown - dot(turned, v)
+    }
+
+    /// What the deformation adds to the kinetic energy of a free gear.
+    pub(super) fn spin_energy(&self, i: &Integrals, at: At<'_>) -> f64 {
+        let (q, v) = (&at.q[1..], &at.v[1..]);
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, q.len()));
+        let grown = self.turning_mass(i, q, outward, turned) - self.hub.inertia;
+        at.v[0] * (0.5 * at.v[0] * grown - dot(turned, v))
+    }
+
+    /// Power that a prescribed motion puts into the modes beyond the coupling at rest: Coriolis forces do no work.
+    pub(super) fn spin_power(&self, i: &Integrals, at: At<'_>, acceleration: f64) -> f64 {
+        let speed = self.hub.speed(at.t, at.v);
+        let mut room = self.spin.room.borrow_mut();
+        let [outward, turned, _] = room.each_mut().map(|x| sized(x, at.q.len()));
+        i.outward(at.q, outward);
+        i.coriolis(at.q, turned);
+        speed * speed * dot(outward, at.v) + acceleration * dot(turned, at.v)
+    }
+}
+
+/// A buffer of a length; grows once.
+fn sized(x: &mut Vec<f64>, n: usize) -> &mut [f64] {
+    x.resize(n, 0.0);
+    x
+}
+
+#[cfg(test)]
+mod tests;
