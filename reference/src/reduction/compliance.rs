@@ -13,6 +13,15 @@
 //! so the hub held serves every mount and every inertia added at the hub. Unit torque at the hub is one more column
 //! with `X = g = 0` and `a = 1`. `A` does not depend on the support: rigid motion neither enters nor leaves it.
 //!
+//! **What the mesh does not resolve.** A line load `p` flattens a half space by the logarithm of the length it is
+//! spread over (H. Hertz 1881; K. L. Johnson, *Contact Mechanics*, 1985, section 4.2), elements of length `h` spread it
+//! over about `h`: the compliance of a row of nodes grows by `2 (1 - nu^2) ln 2 / (pi E)` each time `h` is halved, 5 %
+//! of a pair of gears of module 4.5 mm from 12 to 24 elements on the flank, down to the half width of contact, about
+//! 0.2 mm there. Between two rows it is 8 % less than on one. A Hertz law that leaves out what the mesh has would
+//! have to add the difference: to the load of the whole line, for a logarithm does not add up over points, and more
+//! between rows than on them, which no law of single points can do, and which their own share would rather turn
+//! round. So there is none; finer flanks are what takes the error away.
+//!
 //! | route | for |
 //! |---|---|
 //! | [`of_mesh`] | any mesh: one factorisation, all flank nodes as right-hand sides |

@@ -413,3 +413,66 @@ fn declines_what_does_not_belong_together() {
         .contains("expected")
     );
 }
+
+/// Halving the elements adds to the compliance of a row of nodes what a half space loaded over half the length has more;
+/// between two rows it is less.
+#[test]
+fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
+    let g = Gear::new(GearParams {
+        teeth: 16,
+        module: 4.5e-3,
+        profile_shift: 0.1817,
+        face_width: 14e-3,
+        bore_radius: 15e-3,
+        ..GearParams::default()
+    })
+    .unwrap();
+    let compliance = |flank: usize| {
+        let p = GearMeshParams {
+            tooth: Tooth {
+                flank,
+                across: 10.max(flank / 2),
+                ..Tooth::default()
+            },
+            layers: 3,
+            width: 1,
+            ..GearMeshParams::default()
+        };
+        let mesh = sector(&g, &p).unwrap();
+        let surface = Surface::of_sector(&mesh).unwrap();
+        let held = Mounting::gear(false, 0.0);
+        let r = of_sector(&mesh, &STEEL, &surface, &held).unwrap();
+        let grid = &surface.flanks.grids()[0];
+        let off = |row: &usize| {
+            let x = grid.positions[2 * row];
+            (x.x.hypot(x.y) - g.r_reference()).abs()
+        };
+        let row = (1..grid.rows - 1)
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
+            .unwrap();
+        // Displacement by unit load per length, spread evenly over the width.
+        let under = |rows: &[(usize, f64)]| -> f64 {
+            let parts = rows
+                .iter()
+                .flat_map(|(r, a)| [(2 * r, 0.5 * a), (2 * r + 1, 0.5 * a)]);
+            let parts: Vec<(usize, f64)> = parts.collect();
+            let pairs = parts.iter().flat_map(|x| parts.iter().map(move |y| (x, y)));
+            g.face_width()
+                * pairs
+                    .map(|((i, a), (j, b))| {
+                        a * b * r.flanks.between(*i as u32, *j as u32, surface.nodes())
+                    })
+                    .sum::<f64>()
+        };
+        (under(&[(row, 1.0)]), under(&[(row, 0.5), (row + 1, 0.5)]))
+    };
+    let (coarse, fine) = (compliance(12), compliance(24));
+    let (e, nu) = (STEEL.young, STEEL.poisson);
+    let more = 2.0 * (1.0 - nu * nu) * 2.0_f64.ln() / (std::f64::consts::PI * e);
+    let found = (fine.0 - coarse.0) / more;
+    assert!((0.7..1.3).contains(&found), "{found}");
+    for (on, between) in [coarse, fine] {
+        let less = 1.0 - between / on;
+        assert!((0.05..0.12).contains(&less), "{less}");
+    }
+}
