@@ -245,12 +245,8 @@ fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal
     let fail = |path: &Path, what: &str| Refusal::Files(format!("{}: {what}", path.display()));
     let ends_open = out.as_os_str().to_string_lossy().ends_with(['/', '\\']);
     let folder = out.is_dir() || ends_open;
-    if folder {
-        std::fs::create_dir_all(out).map_err(|e| fail(out, &e.to_string()))?;
-    } else if out
-        .extension()
-        .is_none_or(|e| !e.eq_ignore_ascii_case("npz"))
-    {
+    let ends_so = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("npz");
+    if !folder && !out.extension().is_some_and(ends_so) {
         return Err(fail(
             out,
             "is neither a folder nor the name of a file that ends in .npz",

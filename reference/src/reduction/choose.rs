@@ -227,6 +227,7 @@ impl Basis {
             shapes: rows.flat_map(|row| kept.iter().map(|&i| row[i])).collect(),
             hub: pick(&self.hub),
             participation: pick(&self.participation),
+            momentum: kept.iter().map(|&i| self.momentum[i]).collect(),
             ..self.clone()
         }
     }

@@ -565,3 +565,22 @@ fn damage_anywhere_is_found_or_harmless() {
         }
     }
 }
+
+/// Whatever belongs to a mode goes with it: the file of some modes fits together.
+#[test]
+fn some_modes_of_a_basis_make_a_basis() {
+    let (basis, meta) = example(3, 6, true);
+    let kept = [0, 3, 5];
+    let some = basis.with_modes(&kept);
+    let back = read_bytes("x", &to_bytes(&some, &meta).unwrap()).unwrap();
+    assert_eq!(all_bits(&back.basis), all_bits(&some));
+    for (new, &old) in kept.iter().enumerate() {
+        assert_eq!(some.omega[new], basis.omega[old]);
+        assert_eq!(some.momentum[new], basis.momentum[old]);
+        for node in 0..basis.normals.len() {
+            assert_eq!(some.shapes[node * 3 + new], basis.shapes[node * 6 + old]);
+        }
+    }
+    let none = basis.with_modes(&[]);
+    assert!(to_bytes(&none, &meta).is_ok());
+}
