@@ -4,6 +4,7 @@
 //! changes only at its guards, so inside a step the set of candidates is fixed.
 
 use super::candidate::{Candidate, Tooth};
+use super::lines_of_action::LineClearance;
 use super::nodal::{Margin, NodalParty, NodalPoints};
 use crate::gear::GearModel;
 use crate::geometry::Side;
@@ -59,6 +60,15 @@ impl Clearance {
     pub fn after(&self, travels: [f64; 2]) -> f64 {
         let change = self.per_travel[0] * travels[0] + self.per_travel[1] * travels[1];
         (self.gaps[0] + change).min(self.gaps[1] - change)
+    }
+
+    /// The gap of each side as a linear function of further travels.
+    #[must_use]
+    pub fn lines(&self) -> [LineClearance; 2] {
+        [1.0, -1.0].map(|sign| LineClearance {
+            assembled: self.gaps[usize::from(sign < 0.0)],
+            per_travel: self.per_travel.map(|p| sign * p),
+        })
     }
 }
 

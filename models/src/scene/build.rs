@@ -25,9 +25,9 @@ const DEFAULT_SLICES: usize = 16;
 /// Samples of a flank modification along the path.
 const DEVIATION_SAMPLES: usize = 257;
 
-/// How far the points of a flank may stand off the involute and its modifications, over the base pitch; and what
+/// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
 /// rounding leaves.
-const FLANK_MARGIN: f64 = 1e-5;
+const FLANK_MARGIN: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 
 /// Quantities of a pair that do not depend on the model.
@@ -486,19 +486,23 @@ impl Scene {
             }
             let k_max = search.stiffness.maximum().1;
             scales.add(spec, mesh, &gears, k_max);
-            let clearances = search.clearances();
+            let on_lines = search.clearances();
             let with_flanks = mesh
                 .gears
                 .iter()
                 .any(|i| gears[*i].model.flanks().is_some());
-            let (search, law): (Box<dyn ContactSearch>, Law) = if with_flanks {
+            let (search, law, clearances): (Box<dyn ContactSearch>, Law, _) = if with_flanks {
                 let lines = Side::BOTH.map(|side| search.line(side));
                 let (search, law) =
                     flank_points(spec, mesh, contact, &gears, &phases, &geometry, lines)?;
-                (Box::new(search), law)
+                // Nodes may stand off the involute: the foremost ones count.
+                let clearances = search
+                    .clearance([0.0; 2])
+                    .map_or_else(Vec::new, |c| c.lines().to_vec());
+                (Box::new(search), law, clearances)
             } else {
                 let law = law_of(spec, mesh, contact, k_max)?;
-                (Box::new(search), law)
+                (Box::new(search), law, on_lines)
             };
             let has_field = |i: &usize| gears[*i].model.field().is_some();
             meshes.push(SceneMesh {

@@ -25,7 +25,7 @@ mod system;
 pub use contacts::ContactForce;
 
 use crate::contact::law::{Friction, Law};
-use crate::contact::lines_of_action::Clearance;
+use crate::contact::lines_of_action::LineClearance;
 use crate::contact::search::{ContactSearch, Party};
 use crate::gear::{GearModel, Magnitudes};
 use crate::load::{Load, Profile};
@@ -110,7 +110,7 @@ pub struct SceneMesh {
     /// One of its gears has a displacement field.
     nodal: bool,
     /// What facing flanks are apart at least, were the gears rigid.
-    clearances: Vec<Clearance>,
+    clearances: Vec<LineClearance>,
     /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
     margin: f64,
     /// Offset of its memory, and of its guards.

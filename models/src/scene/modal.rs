@@ -2,7 +2,7 @@
 //! nothing touches.
 //!
 //! **Flight.** Under steady loads the hubs move as `theta = theta_0 + theta' t + theta'' t^2 / 2` and facing flanks of
-//! rigid gears are apart by at least `c + p . theta` ([`Clearance`](crate::contact::lines_of_action::Clearance)). An elastic flank stands outward of the rigid one
+//! rigid gears are apart by at least `c + p . theta` ([`LineClearance`](crate::contact::lines_of_action::LineClearance)). An elastic flank stands outward of the rigid one
 //! by `B q + r T`. About the deflection `q_s = g / omega^2` of steady loads `g` the modes keep (with damping lose) the
 //! energy `E = sum (v^2 + omega^2 (q - q_s)^2) / 2`, so that by Cauchy and Schwarz
 //!
@@ -172,6 +172,9 @@ impl Scene {
         }
         let mut shortest = f64::INFINITY;
         for mesh in &self.meshes {
+            if mesh.clearances.is_empty() {
+                return 0.0;
+            }
             let frames = mesh.gears.map(|i| self.gears[i].frame(at, &split.steady));
             let reach: f64 = mesh.gears.iter().map(|&i| split.reach[i]).sum();
             for c in &mesh.clearances {

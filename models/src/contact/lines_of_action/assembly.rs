@@ -1,6 +1,6 @@
 //! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
 
-use super::{Clearance, Deviation, Line, LinesOfAction, PathMap, Slice, side_index};
+use super::{Deviation, Line, LineClearance, LinesOfAction, PathMap, Slice, side_index};
 use crate::Vec3;
 use crate::gear::MeshView;
 use crate::geometry::Side;
@@ -120,11 +120,11 @@ impl LinesOfAction {
     }
 
     /// The clearances of the mesh, one per line.
-    pub fn clearances(&self) -> Vec<Clearance> {
+    pub fn clearances(&self) -> Vec<LineClearance> {
         let of = |line: &Line| {
             let lowest = |d: &Option<Deviation>| d.as_ref().map_or(0.0, Deviation::lowest);
             let modified: f64 = self.slices[line.slice].deviation.iter().map(lowest).sum();
-            Clearance {
+            LineClearance {
                 assembled: self.helix_cos * line.slack + modified,
                 per_travel: line.map.map(|m| -self.helix_cos * m.per_travel),
             }

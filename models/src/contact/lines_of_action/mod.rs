@@ -118,7 +118,7 @@ impl PathMap {
 /// `assembled + per_travel . travel`. An involute that turns moves parallel to itself, so this holds for all points of
 /// the flanks, not only on the line of action.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance {
+pub struct LineClearance {
     /// At the assembled position [m].
     pub assembled: f64,
     /// Its change by the travel of each hub [m/rad], [-] for a rack.

@@ -1,6 +1,7 @@
 //! Contact of elastic gears on nodes: one potential behind all forces, tangents, the solve, partners.
 
 mod clearance;
+mod flight;
 mod partners;
 mod potential;
 mod tangents;
@@ -9,7 +10,7 @@ use gearbench_integrators::{Outputs, SecondOrderSystem, State};
 use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::load::{Load, Profile};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
+use gearbench_models::scene::build::{lever, mesh_layout};
 use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, SceneSpec, Value};
 use gearbench_tests::*;
 
