@@ -105,6 +105,7 @@ fn refuse_run(e: RunError) -> Refusal {
             "{e}"
         )),
         e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
+        RunError::Reference(e) => Refusal::Failed(e),
         RunError::Interrupted => Refusal::Failed("interrupted; nothing was written".into()),
     }
 }

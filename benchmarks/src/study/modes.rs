@@ -23,6 +23,8 @@ pub const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
 /// Frequency bound of the published truncation [Hz]: "modes up to 80 kHz" (GTM, SIMPACK User Meeting 2014; rack and
 /// pinion of an electric power steering).
 pub const PUBLISHED_HZ: f64 = 80e3;
+/// So many times longer than others the full model may take.
+const PATIENCE: u32 = 10;
 /// Published number of elastic coordinates per body.
 pub const PUBLISHED_MODES: usize = 200;
 
@@ -249,6 +251,7 @@ pub fn study(
     let full = &plan.full;
     let mut reference = run(&Job {
         repeats: 0,
+        timeout: PATIENCE * plan.timeout,
         ..plan.job((&full.scene, &full.modelling, &full.method), &grid, cancel)
     })?;
     reference.model = "fe".into();
@@ -257,7 +260,7 @@ pub fn study(
         .clone()
         .filter(|_| !reference.status.is_failure())
     else {
-        return Err(RunError::Method(format!(
+        return Err(RunError::Reference(format!(
             "the full model under {} did not reach the end: {}",
             plan.full.method.text,
             reference.message.as_deref().unwrap_or("no reason given")

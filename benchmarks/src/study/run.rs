@@ -119,6 +119,9 @@ pub enum RunError {
         "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
     )]
     NoLinearPart(String),
+    /// A run that others are to be held against did not reach the end.
+    #[error("{0}")]
+    Reference(String),
     /// Stopped from outside.
     #[error("interrupted")]
     Interrupted,

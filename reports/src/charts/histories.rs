@@ -58,12 +58,7 @@ impl<'a> Histories<'a> {
         for group in &view.groups {
             // The reference itself may be a run of the record.
             if further > 0
-                && reference.is_some_and(|r| {
-                    group
-                        .runs
-                        .iter()
-                        .all(|(_, run)| run.variant.is_none() && run.model == r.id)
-                })
+                && reference.is_some_and(|r| group.runs.iter().all(|(_, run)| is_run(&r.id, run)))
             {
                 continue;
             }
@@ -131,6 +126,14 @@ impl<'a> Histories<'a> {
                 },
             })
             .collect()
+    }
+}
+
+/// Whether a reference is a run of the record: it then has the run's label, `model` or `model-variant`.
+fn is_run(id: &str, run: &Run) -> bool {
+    match &run.variant {
+        None => run.model == id,
+        Some(v) => id == v || id == format!("{}-{v}", run.model),
     }
 }
 

@@ -188,7 +188,7 @@ impl Pair {
     /// What a run settled to.
     fn steady(
         &self,
-        names: [&str; 2],
+        gears: [(&str, bool); 2],
         series: &TimeSeries,
         cycles: usize,
     ) -> Option<record::Steady> {
@@ -196,7 +196,7 @@ impl Pair {
             let found = series.columns.iter().find(|c| c.name == name);
             found.map(|c| c.values.as_slice())
         };
-        let travel = |k: usize| column(format!("travel_{}_rad", names[k]));
+        let travel = |k: usize| column(format!("travel_{}_rad", gears[k].0));
         let (first, second) = (travel(0)?, travel(1)?);
         let [ra, rb] = self.levers;
         let error: Vec<f64> = (first.iter().zip(second))
@@ -206,12 +206,12 @@ impl Pair {
         let position: Vec<f64> = (second.iter())
             .map(|b| (self.start - self.sign * rb * b - self.layout.pitch_point) / pitch)
             .collect();
-        let bearings = names
+        let bearings = gears
             .iter()
-            .filter_map(|name| {
+            .filter_map(|(name, vibrates)| {
                 let own = |d: &str| column(format!("bearing_{name}_{d}_n"));
                 let (x, y, inertia) = match (own("x"), own("y")) {
-                    (Some(x), Some(y)) => (x, y, true),
+                    (Some(x), Some(y)) => (x, y, *vibrates),
                     _ => (
                         column("force_x_n".into())?,
                         column("force_y_n".into())?,
@@ -356,9 +356,13 @@ fn one(
     row.variant = super::compare::variant(entry);
     row.calibration.clone_from(&entry.calibration);
     row.contacts = None;
-    let names = [0, 1].map(|i| entry.scene.gears[i].name.as_str());
+    // Rigid gears hand the contact force on; others have inertia of their own vibration.
+    let gears = [0, 1].map(|i| {
+        let vibrates = entry.modelling.gears[i].id != "rigid";
+        (entry.scene.gears[i].name.as_str(), vibrates)
+    });
     let series = row.series.take().unwrap_or_default();
-    match pair.steady(names, &series, plan.cycles) {
+    match pair.steady(gears, &series, plan.cycles) {
         Some(steady) if !row.status.is_failure() => {
             if steady.irregular > UNSETTLED {
                 row.status = Status::Inaccurate;
