@@ -114,6 +114,45 @@ pub(crate) fn solve_padded(u: &[f64], x: &mut [f64]) {
     }
 }
 
+/// `y += x row` over the chunks from 0 to that of entry `last`.
+#[inline]
+fn add_row(x: f64, row: &[f64], last: usize, y: &mut [f64]) {
+    let (row, _) = row.as_chunks::<WIDE>();
+    let (y, _) = y.as_chunks_mut::<WIDE>();
+    for (y, r) in y.iter_mut().zip(&row[..=last / WIDE]) {
+        for j in 0..WIDE {
+            y[j] += x * r[j];
+        }
+    }
+}
+
+/// The inverse of `A = U^T U` from a factor of [`cholesky_padded`], rows [`padded`], appended to `out`; `work` is a
+/// buffer.
+pub(crate) fn append_inverse(u: &[f64], n: usize, work: &mut Vec<f64>, out: &mut Vec<f64>) {
+    let stride = padded(n);
+    // W = U^-T, row by row: W_k = (e_k - sum_{p<k} U_pk W_p) / U_kk.
+    work.clear();
+    work.resize(n * stride, 0.0);
+    for k in 0..n {
+        let (above, row) = work.split_at_mut(k * stride);
+        let row = &mut row[..stride];
+        for (p, of_p) in above.chunks_exact(stride).enumerate() {
+            add_row(-u[p * stride + k], of_p, p, row);
+        }
+        row[k] += 1.0;
+        let per = u[k * stride + k].recip();
+        row.iter_mut().for_each(|x| *x *= per);
+    }
+    // A^-1 = W^T W.
+    let begin = out.len();
+    out.resize(begin + n * stride, 0.0);
+    for (k, row) in work.chunks_exact(stride.max(1)).enumerate() {
+        for i in 0..=k {
+            add_row(row[i], row, k, &mut out[begin + i * stride..][..stride]);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -156,7 +195,19 @@ mod tests {
             }
             let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
             let mut b: Vec<f64> = (0..n).map(|i| dot(&a[i * stride..][..n], &x)).collect();
+            let plain = a.clone();
             cholesky_padded(&mut a, n).unwrap();
+            let mut inverse = vec![];
+            append_inverse(&a, n, &mut vec![], &mut inverse);
+            for i in 0..n {
+                for j in 0..n {
+                    let unit: f64 = (0..n)
+                        .map(|k| inverse[i * stride + k] * plain[k * stride + j])
+                        .sum();
+                    let want = f64::from(u8::from(i == j));
+                    assert!((unit - want).abs() < 1e-12, "{n}: {unit} {want}");
+                }
+            }
             solve_padded(&a, &mut b);
             for (b, x) in b.iter().zip(&x) {
                 assert!((b - x).abs() < 1e-12, "{n}: {b} {x}");

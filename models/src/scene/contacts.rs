@@ -355,7 +355,7 @@ impl Scene {
         self.evaluate_contacts(at);
         let nodal = self.work.nodal.active.iter().filter(|a| a.force.n > 0.0);
         let nodal = nodal.map(|a| {
-            let p = &a.point;
+            let p = &self.work.nodal.found.points[a.point];
             let normal = a.direction / a.direction.norm();
             ContactForce {
                 mesh: p.mesh as usize,

@@ -4,11 +4,9 @@
 
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
-use crate::contact::candidate::Point;
 use crate::contact::law::LawForce;
 use crate::contact::nodal::{
-    Block, GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, NodalSolve, Spring, UNUSED,
-    weighted,
+    Block, GearNodes, Margin, NodalParty, NodalPoints, NodalSolve, Spring, UNUSED, weighted,
 };
 use crate::contact::row::Row;
 use crate::load::Load;
@@ -17,7 +15,8 @@ use gearbench_integrators::system::At;
 /// A point that carries (or may carry) a force.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodalActive {
-    pub point: NodalPoint,
+    /// Its place among the points.
+    pub point: usize,
     /// Direction of the force on the slave; not quite of unit length.
     pub direction: Vec3,
     /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
@@ -61,7 +60,8 @@ pub(super) struct Nodal {
     pub rows: Vec<Row>,
     /// One per island.
     pub solved: Vec<Solved>,
-    found: NodalPoints,
+    /// Points of all islands.
+    pub found: NodalPoints,
     numbers: Vec<u32>,
     guess: Vec<f64>,
     velocities: Vec<Vec<f64>>,
@@ -134,6 +134,7 @@ impl Nodal {
         self.active.clear();
         self.torque.fill(0.0);
         self.failed = false;
+        self.found.points.clear();
         self.found.partners.clear();
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
             if g.model.field().is_some() {
@@ -162,7 +163,6 @@ impl Nodal {
         meshes: &[SceneMesh],
         at: At<'_>,
     ) {
-        self.found.points.clear();
         for &m in &self.islands[island].meshes {
             let mesh = &meshes[m];
             let (a, b) = parties(gears, mesh, at);
@@ -189,26 +189,29 @@ impl Nodal {
         solved.springs.clear();
         solved.blocks.clear();
         let start = self.active.len();
+        let begin = self.found.points.len();
         let mut margin = Margin {
             depth: 0.0,
             least: 0.0,
         };
         loop {
             self.active.truncate(start);
+            self.found.points.truncate(begin);
             self.find(island, &mut margin, gears, meshes, at);
             if margin.depth <= 0.0 {
                 break;
             }
             let beside = margin.gap();
-            let near = self.found.points.iter().filter(|p| p.gap0 <= beside);
-            self.active.extend(near.map(|&point| NodalActive {
+            let found = self.found.points.iter().enumerate().skip(begin);
+            let near = found.filter(|(_, p)| p.gap0 <= beside);
+            self.active.extend(near.map(|(point, p)| NodalActive {
                 point,
-                direction: point.normal,
+                direction: p.normal,
                 levers: [0.0; 2],
-                gap: point.gap0,
+                gap: p.gap0,
                 rate: 0.0,
                 force: LawForce::default(),
-                elastic: (point.gap0, 0.0),
+                elastic: (p.gap0, 0.0),
             }));
             let rise = self.solve_active(start, island, &mut solved, gears, meshes, at);
             if rise <= beside || self.failed {
@@ -234,8 +237,9 @@ impl Nodal {
             self.gears[g].index.fill(UNUSED);
         }
         for a in &self.active[start..] {
-            for (k, &g) in meshes[a.point.mesh as usize].gears.iter().enumerate() {
-                for &slot in a.point.slots[k].iter().filter(|s| **s != UNUSED) {
+            let p = &self.found.points[a.point];
+            for (k, &g) in meshes[p.mesh as usize].gears.iter().enumerate() {
+                for &slot in p.slots[k].iter().filter(|s| **s != UNUSED) {
                     self.gears[g].index[slot as usize] = 0;
                 }
             }
@@ -270,7 +274,8 @@ impl Nodal {
         self.rates(start, gears, meshes, at);
         solved.springs.clear();
         for a in &self.active[start..] {
-            let mesh = &meshes[a.point.mesh as usize];
+            let p = &self.found.points[a.point];
+            let mesh = &meshes[p.mesh as usize];
             let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
             for k in 0..2 {
                 if !self.islands[island].compliant.contains(&mesh.gears[k]) {
@@ -278,20 +283,20 @@ impl Nodal {
                 }
                 let index = &self.gears[mesh.gears[k]].index;
                 for c in 0..4 {
-                    nodes[4 * k + c] = index[a.point.slots[k][c] as usize];
-                    weights[4 * k + c] = a.point.weights[k][c];
+                    nodes[4 * k + c] = index[p.slots[k][c] as usize];
+                    weights[4 * k + c] = p.weights[k][c];
                 }
             }
             solved.springs.push(Spring {
                 nodes,
                 weights,
-                gap0: a.point.gap0,
+                gap0: p.gap0,
                 rate: a.rate,
-                stiffness: a.point.stiffness,
-                law: mesh.law.shared(a.point.share),
-                gap: a.point.gap0,
+                stiffness: p.stiffness,
+                law: mesh.law.shared(p.share),
+                gap: p.gap0,
                 force: LawForce::default(),
-                elastic: (a.point.gap0, 0.0),
+                elastic: (p.gap0, 0.0),
             });
         }
         let result = solved.solve.solve(&mut solved.springs, &self.guess);
@@ -321,7 +326,8 @@ impl Nodal {
 
     /// Gap rates before residual compliance, where a damper asks for them.
     fn rates(&mut self, start: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
-        let damped = |a: &NodalActive| meshes[a.point.mesh as usize].law.is_dissipative();
+        let points = &self.found.points;
+        let damped = |a: &NodalActive| meshes[points[a.point].mesh as usize].law.is_dissipative();
         if !self.active[start..].iter().any(damped) {
             return;
         }
@@ -334,24 +340,25 @@ impl Nodal {
         }
         let mut row = Row::default();
         for a in &mut self.active[start..] {
-            let mesh = &meshes[a.point.mesh as usize];
+            let p = &self.found.points[a.point];
+            let mesh = &meshes[p.mesh as usize];
             if !mesh.law.is_dissipative() {
                 continue;
             }
-            let [_, master] = a.point.sides();
+            let [_, master] = p.sides();
             let of_master = GearNodes::at(
                 &self.gears[mesh.gears[master]].displacement,
-                &a.point.slots[master],
+                &p.slots[master],
             );
-            a.direction = a.point.direction(of_master);
-            (a.levers, a.rate) = rows_of(gears, mesh, a, &self.found.partners, at, &mut row);
+            a.direction = p.direction(of_master);
+            (a.levers, a.rate) = rows_of(gears, mesh, a, &self.found, at, &mut row);
             a.rate += row.dot(at.v);
             for k in 0..2 {
                 let hub = gears[mesh.gears[k]].model.hub();
                 let own = gears[mesh.gears[k]].at(at);
                 a.rate += a.levers[k] * hub.speed(own.t, own.v);
-                let v = GearNodes::at(&self.velocities[mesh.gears[k]], &a.point.slots[k]);
-                a.rate -= weighted(&a.point.weights[k], &v);
+                let v = GearNodes::at(&self.velocities[mesh.gears[k]], &p.slots[k]);
+                a.rate -= weighted(&p.weights[k], &v);
             }
         }
     }
@@ -362,8 +369,9 @@ impl Nodal {
             if a.force.n == 0.0 {
                 continue;
             }
-            for (k, &g) in meshes[a.point.mesh as usize].gears.iter().enumerate() {
-                for (&slot, w) in a.point.slots[k].iter().zip(a.point.weights[k]) {
+            let p = &self.found.points[a.point];
+            for (k, &g) in meshes[p.mesh as usize].gears.iter().enumerate() {
+                for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
                     if slot != UNUSED {
                         self.gears[g].force[slot as usize] += w * a.force.n;
                     }
@@ -375,20 +383,21 @@ impl Nodal {
                 self.rows.push(Row::default());
             }
             let a = &mut self.active[i];
+            let p = &self.found.points[a.point];
             let row = &mut self.rows[i];
             row.clear();
             if a.force.n == 0.0 {
                 continue;
             }
-            let mesh = &meshes[a.point.mesh as usize];
-            let [_, master] = a.point.sides();
-            let of_master = self.gears[mesh.gears[master]].total(&a.point.slots[master]);
-            a.direction = a.point.direction(of_master);
-            if a.point.fading != 0.0 {
-                let energy = mesh.law.potential(a.elastic.0, a.point.stiffness);
-                a.direction -= energy / a.force.n * a.point.fading * a.point.answer[0];
+            let mesh = &meshes[p.mesh as usize];
+            let [_, master] = p.sides();
+            let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
+            a.direction = p.direction(of_master);
+            if p.fading != 0.0 {
+                let energy = mesh.law.potential(a.elastic.0, p.stiffness);
+                a.direction -= energy / a.force.n * p.fading * p.answer[0];
             }
-            (a.levers, _) = rows_of(gears, mesh, a, &self.found.partners, at, row);
+            (a.levers, _) = rows_of(gears, mesh, a, &self.found, at, row);
             for k in 0..2 {
                 self.torque[mesh.gears[k]] += a.levers[k] * a.force.n;
             }
@@ -420,11 +429,11 @@ fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
     a: &NodalActive,
-    partners: &[Point],
+    found: &NodalPoints,
     at: At<'_>,
     row: &mut Row,
 ) -> ([f64; 2], f64) {
-    let p = &a.point;
+    let p = &found.points[a.point];
     let (mut levers, mut drift) = ([0.0; 2], 0.0);
     row.clear();
     let [slave, _] = p.sides();
@@ -433,7 +442,7 @@ fn rows_of(
         let sign = if k == slave { 1.0 } else { -1.0 };
         match p.partner {
             Some(partner) if g.model.field().is_none() => {
-                let (own, point) = (g.at(at), &partners[partner as usize]);
+                let (own, point) = (g.at(at), &found.partners[partner as usize]);
                 row.target(g.offset, sign);
                 g.model.row(own, point, &a.direction, row);
                 drift += sign * g.model.drift(own, point, &a.direction);
@@ -459,12 +468,13 @@ impl Scene {
 
     /// Prescribed part of the gap rate of a point [m/s].
     pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
-        let mesh = &self.meshes[a.point.mesh as usize];
+        let p = &self.work.nodal.found.points[a.point];
+        let mesh = &self.meshes[p.mesh as usize];
         let (levers, mut drift) = rows_of(
             &self.gears,
             mesh,
             a,
-            &self.work.nodal.found.partners,
+            &self.work.nodal.found,
             at,
             &mut Row::default(),
         );

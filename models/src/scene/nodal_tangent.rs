@@ -130,14 +130,15 @@ impl Reduced {
         for (a, row) in nodal.active.iter().zip(&nodal.rows) {
             if a.force.n != 0.0 {
                 row.for_each(|i, value| self.entries.push((self.mark[i], value)));
-                for (k, &g) in scene_meshes[a.point.mesh as usize].gears.iter().enumerate() {
+                let p = &nodal.found.points[a.point];
+                for (k, &g) in scene_meshes[p.mesh as usize].gears.iter().enumerate() {
                     if a.levers[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
                         self.entries.push((self.mark[gears[g].offset], a.levers[k]));
                     }
-                    if a.point.slots[k][0] == UNUSED {
+                    if p.slots[k][0] == UNUSED {
                         continue;
                     }
-                    for (&slot, w) in a.point.slots[k].iter().zip(a.point.weights[k]) {
+                    for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
                         let place = self.places[g][slot as usize];
                         if place != NONE {
                             self.entries.push((place, -w));

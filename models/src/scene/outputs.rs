@@ -153,7 +153,8 @@ impl Scene {
         let nodal = &self.work.nodal;
         let per_gear = PER_MESH * self.meshes.len();
         for a in &nodal.active {
-            let (p, mesh) = (&a.point, &self.meshes[a.point.mesh as usize]);
+            let p = &nodal.found.points[a.point];
+            let mesh = &self.meshes[p.mesh as usize];
             // Of the law, and of the residual compliance that gave way under it.
             energy.contact += mesh.law.potential(a.elastic.0, p.stiffness)
                 + 0.5 * a.elastic.1 * (a.elastic.0 - p.gap0);

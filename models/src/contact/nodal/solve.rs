@@ -18,7 +18,9 @@
 //! Where the iteration begins does not show in the result: that is of the final set alone, and where rounding could
 //! decide on that set the search for it begins afresh.
 
-use crate::cholesky::{backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded};
+use crate::cholesky::{
+    append_inverse, backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded,
+};
 use crate::contact::law::{Law, LawForce};
 use gearbench_integrators::system::Singular;
 
@@ -103,7 +105,7 @@ pub struct NodalSolve {
     n: usize,
     /// `R` of the blocks, one `len x len` matrix after the other.
     compliance: Vec<f64>,
-    /// Their inverses, where all are regular.
+    /// Their inverses, rows padded, where all are regular.
     inverse: Vec<f64>,
     regular: bool,
     /// Whether `root` is that of the present nodes.
@@ -151,10 +153,21 @@ impl NodalSolve {
         for b in &self.blocks {
             let r = &self.compliance[begin..][..b.len * b.len];
             begin += b.len * b.len;
-            self.regular &= append_inverse(r, b.len, &mut self.inverse);
+            let stride = padded(b.len);
+            self.small.clear();
+            self.small.resize(b.len * stride, 0.0);
+            let mut largest = 0.0_f64;
+            for (i, line) in r.chunks_exact(b.len.max(1)).enumerate() {
+                self.small[i * stride..][..b.len].copy_from_slice(line);
+                largest = largest.max(line[i]);
+            }
+            self.regular &= cholesky_padded(&mut self.small, b.len).is_ok();
+            let pivot = |i: usize| self.small[i * stride + i].powi(2);
+            self.regular &= (0..b.len).all(|i| pivot(i) >= REGULAR * largest);
             if !self.regular {
                 break;
             }
+            append_inverse(&self.small, b.len, &mut self.stiffness, &mut self.inverse);
         }
     }
 
@@ -280,8 +293,8 @@ impl NodalSolve {
         let mut lines = self.inverse.as_slice();
         for b in &self.blocks {
             for i in b.start..b.start + b.len {
-                let (line, rest) = lines.split_at(b.len);
-                self.small[i * stride + b.start..][..b.len].copy_from_slice(line);
+                let (line, rest) = lines.split_at(padded(b.len));
+                self.small[i * stride + b.start..][..b.len].copy_from_slice(&line[..b.len]);
                 lines = rest;
             }
         }
@@ -561,32 +574,6 @@ fn add_points<'a>(
     }
 }
 
-/// Appends the inverse of `R`; false where it is all but singular.
-fn append_inverse(r: &[f64], n: usize, out: &mut Vec<f64>) -> bool {
-    let stride = padded(n);
-    let mut factor = vec![0.0; n * stride];
-    for (line, r) in factor
-        .chunks_exact_mut(stride.max(1))
-        .zip(r.chunks_exact(n.max(1)))
-    {
-        line[..n].copy_from_slice(r);
-    }
-    let largest = (0..n).fold(0.0_f64, |m, i| m.max(r[i * n + i]));
-    if cholesky_padded(&mut factor, n).is_err() {
-        return false;
-    }
-    if (0..n).any(|i| factor[i * stride + i].powi(2) < REGULAR * largest) {
-        return false;
-    }
-    for i in 0..n {
-        let begin = out.len();
-        out.resize(begin + n, 0.0);
-        out[begin + i] = 1.0;
-        solve_padded(&factor, &mut out[begin..]);
-    }
-    true
-}
-
 /// What the damper of a point pushes.
 #[inline]
 fn law_push(s: &Spring) -> f64 {
@@ -598,7 +585,7 @@ fn law_push(s: &Spring) -> f64 {
 fn force_at(s: &Spring, gap: f64, stage: Stage) -> LawForce {
     let force = match stage {
         Stage::Elastic if gap >= 0.0 => return LawForce::default(),
-        Stage::Elastic => s.law.undamped().smooth(gap, 0.0, 0.0, s.stiffness),
+        Stage::Elastic => s.law.smooth(gap, 0.0, 0.0, s.stiffness),
         Stage::Damped if s.elastic.1 == 0.0 => return LawForce::default(),
         Stage::Damped => s.law.smooth(gap, s.rate, 0.0, s.stiffness),
     };
