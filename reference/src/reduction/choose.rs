@@ -18,6 +18,7 @@ use super::{Basis, Kept, ReductionError, without_modes};
 use gearbench_models::contact::flank_points::{PointRule, reference_areas};
 use gearbench_models::gear::elastic::reduced::Reduced;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// By what modes are ranked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -228,6 +229,7 @@ impl Basis {
             hub: pick(&self.hub),
             participation: pick(&self.participation),
             momentum: kept.iter().map(|&i| self.momentum[i]).collect(),
+            integrals: (self.integrals.as_ref()).map(|i| Arc::new(i.of_modes(kept))),
             ..self.clone()
         }
     }
