@@ -298,7 +298,11 @@ pub trait OneStep {
     fn info(&self) -> &'static MethodInfo;
 
     /// Called once at the start of a run: refuses systems that the method cannot run.
-    fn begin(&mut self, _sys: &mut dyn SecondOrderSystem) -> Result<(), StepError> {
+    fn begin(
+        &mut self,
+        _sys: &mut dyn SecondOrderSystem,
+        _resolution: Resolution,
+    ) -> Result<(), StepError> {
         Ok(())
     }
 

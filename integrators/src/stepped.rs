@@ -142,7 +142,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
         if s.t >= plan.t_end {
             return Ok(());
         }
-        self.method.begin(sys)?;
+        self.method.begin(sys, plan.resolution)?;
         self.method.restart(sys, s, work);
         let mut r = Run {
             end: s.clone(),

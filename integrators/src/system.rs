@@ -146,6 +146,12 @@ pub trait ModalSplit {
     /// rigid body.
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]);
 
+    /// Tells how much less than `1/omega^2` the method lets each oscillator give to a rest that lasts, per unit of
+    /// acceleration [s^2]; zeros for methods that resolve the oscillators. A system that solves for a local
+    /// compliance can add it there, `B diag(lag) B^T`. Called at the start of a run, after
+    /// [`SecondOrderSystem::begin`], which forgets what an earlier run told.
+    fn prepare(&mut self, _lag: &[f64]) {}
+
     /// The rest of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
     fn rest(&mut self, at: At<'_>, a: &mut [f64]);
 

@@ -77,6 +77,29 @@ pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
     }
 }
 
+/// How much less than `1/omega^2` an oscillator gives to kicks of a constant acceleration every `h` [s], per unit of it
+/// [s^2]: `1/omega^2 - f^2 h/(2 omega) cot(omega h/2)` with the filter `f` of phases above `from`, `h^2/12` for
+/// `omega = 0`.
+pub(crate) fn lag_of(omega: f64, h: f64, from: f64) -> f64 {
+    let x = omega * h;
+    if x < LAG_SERIES && x <= from {
+        // (1 - (x/2) cot (x/2)) / x^2
+        let y = x * x;
+        return h * h * (1.0 / 12.0 + y * (1.0 / 720.0 + y * (1.0 / 30240.0 + y / 1_209_600.0)));
+    }
+    // f^2 (x/2) cot (x/2) with sin x = 2 sin (x/2) cos (x/2): no pole where the filter is zero.
+    let given = if x > from {
+        let (sin, cos) = (0.5 * x).sin_cos();
+        2.0 * sin * cos.powi(3) / x
+    } else {
+        0.5 * x / (0.5 * x).tan()
+    };
+    ((1.0 - given) / (omega * omega)).max(0.0)
+}
+
+/// Phase up to which [`lag_of`] is a power series: the closed form cancels there.
+const LAG_SERIES: f64 = 0.3;
+
 /// `qg` as a power series in `h`: `y'' = 1 - 2 delta y' - omega^2 y` from rest.
 fn load_series(square: f64, delta: f64, h: f64) -> f64 {
     // `term` is the k-th, `before` the one before it; the two right sides shift by one and two powers.

@@ -314,7 +314,7 @@ fn a_step_changes_nothing_but_its_end() {
     fn check(mut m: impl OneStep) {
         let (from, mut work) = (Duffing::start(), Work::default());
         let tolerance = Tolerance::of(&Duffing, 1e-6);
-        m.begin(&mut Duffing).unwrap();
+        m.begin(&mut Duffing, Resolution::Step(1e-3)).unwrap();
         m.restart(&mut Duffing, &from, &mut work);
         let before = from.clone();
         let mut ends = [0.1, 0.03, 0.1].map(|h| {

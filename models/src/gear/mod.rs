@@ -336,6 +336,10 @@ pub trait GearModel {
     /// the hub's motion is prescribed.
     fn add_inertia_force(&self, _t: f64, _f: &mut [f64]) {}
 
+    /// A method lets the [`Self::oscillators`] give less than `1/omega^2` to forces that last, by `lag` per unit of
+    /// acceleration [s^2]; gears with a residual compliance give the rest by it. `None`: nothing is left out.
+    fn set_lag(&mut self, _lag: Option<&[f64]>) {}
+
     /// Hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState;
 

@@ -121,6 +121,14 @@ impl ModalSplit for Scene {
         }
     }
 
+    fn prepare(&mut self, lag: &[f64]) {
+        for g in &mut self.gears {
+            let own = g.range();
+            g.model.set_lag(Some(&lag[own]));
+        }
+        self.work.nodal.forget();
+    }
+
     fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for g in &self.gears {

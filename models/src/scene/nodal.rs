@@ -47,6 +47,15 @@ pub(super) struct Solved {
     pub blocks: Vec<Block>,
 }
 
+impl Nodal {
+    /// The compliances that are kept with the nodes in contact are those of another run.
+    pub(super) fn forget(&mut self) {
+        for solved in &mut self.solved {
+            solved.solve.forget();
+        }
+    }
+}
+
 /// Buffers; they grow and stay.
 #[derive(Default)]
 pub(super) struct Nodal {

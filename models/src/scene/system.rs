@@ -291,6 +291,10 @@ impl SecondOrderSystem for Scene {
     }
 
     fn begin(&mut self, s: &mut State, located: bool) {
+        for g in &mut self.gears {
+            g.model.set_lag(None);
+        }
+        self.work.nodal.forget();
         // Contacts of an earlier run let go of their teeth.
         for m in 0..self.meshes.len() {
             for slot in 0..self.meshes[m].search.slots() {

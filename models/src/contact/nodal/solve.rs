@@ -125,6 +125,13 @@ pub struct NodalSolve {
 }
 
 impl NodalSolve {
+    /// The compliance changes: what [`Self::set_nodes`] keeps is of no use any more.
+    pub fn forget(&mut self) {
+        self.n = 0;
+        self.numbers.clear();
+        self.blocks.clear();
+    }
+
     /// Takes the nodes: their `numbers`, by which they are known again, block by block. `fill` writes `R` of each block,
     /// one row-major matrix after the other.
     pub fn set_nodes(&mut self, blocks: &[Block], numbers: &[u32], fill: impl FnOnce(&mut [f64])) {

@@ -2,6 +2,7 @@
 
 use super::field::NormalField;
 use super::kernels;
+use super::lag::Lagging;
 use super::reduced::Reduced;
 use super::spin::Spin;
 use crate::Vec3;
@@ -22,7 +23,7 @@ pub struct Elastic {
     placement: Placement,
     pub(super) data: Arc<Reduced>,
     /// Undeformed flank nodes in the own frame [m].
-    positions: Vec<Vec3>,
+    pub(super) positions: Vec<Vec3>,
     /// Coordinates of the hub: 0 or 1; the modes follow.
     pub(super) own: usize,
     /// Per coordinate; zero for the hub.
@@ -35,6 +36,7 @@ pub struct Elastic {
     /// Largest residual displacement of a flank node by unit load on the hub.
     hub_reach: f64,
     pub(super) spin: Spin,
+    pub(super) lagging: Lagging,
 }
 
 impl Elastic {
@@ -106,6 +108,7 @@ impl Elastic {
             softest,
             hub_reach,
             spin: Spin::default(),
+            lagging: Lagging::default(),
         })
     }
 
@@ -143,11 +146,10 @@ impl NormalField for Elastic {
     }
 
     fn compliance(&self, nodes: &[u32], out: &mut [f64]) {
-        let Some(r) = &self.data.residual else {
-            out.fill(0.0);
-            return;
-        };
-        r.flanks.gather(nodes, self.data.nodes(), out);
+        match self.lagging.flanks(&self.data) {
+            Some(flanks) => flanks.gather(nodes, self.data.nodes(), out),
+            None => out.fill(0.0),
+        }
     }
 
     fn hub_compliance(&self, nodes: &[u32], out: &mut [f64]) {
@@ -419,6 +421,10 @@ impl GearModel for Elastic {
         let acceleration = self.prescribed_acceleration(at.t);
         let turning = (self.spinning()).map_or(0.0, |i| self.spin_power(i, at, acceleration));
         turning - acceleration * self.over_modes(&self.data.participation, at.v)
+    }
+
+    fn set_lag(&mut self, lag: Option<&[f64]>) {
+        self.lag_by(lag);
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {

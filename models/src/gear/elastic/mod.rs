@@ -22,6 +22,7 @@ mod field;
 mod gear;
 pub mod inertia;
 mod kernels;
+mod lag;
 pub mod reduced;
 mod spin;
 

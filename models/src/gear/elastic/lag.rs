@@ -1,0 +1,120 @@
+//! What kicks leave out of the modes, given by the residual compliance.
+//!
+//! A method that kicks the modes every `h` lets a force that lasts move mode `i` by `lag_i` less than
+//! `1/omega_i^2` ([`ModalSplit::prepare`](gearbench_integrators::ModalSplit::prepare)). The flank nodes get it back as
+//!
+//! ```text
+//! R_h = R + B diag(lag) B^T + l l^T lag_0 / J
+//! ```
+//!
+//! with the levers `l` of the nodes about a free hub: the deflection under load is that of the model whatever the step.
+//! It is of the size of `h^2 / 12` over the mass that follows at once, and as local as that mass: nodes more than
+//! [`NEAR`] teeth apart are left as they are.
+
+use super::gear::Elastic;
+use super::reduced::{FlankCompliance, Reduced};
+use crate::cholesky::dot;
+
+/// Teeth up to which nodes are near each other.
+const NEAR: usize = 2;
+
+/// Compliance between flank nodes for a method that lags.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lagging {
+    /// The lags it is for; it is made once for a run after run with one step.
+    lag: Vec<f64>,
+    flanks: Option<FlankCompliance>,
+    /// The method of this run lags.
+    on: bool,
+}
+
+impl Lagging {
+    pub(super) fn flanks<'a>(&'a self, data: &'a Reduced) -> Option<&'a FlankCompliance> {
+        let made = self.flanks.as_ref().filter(|_| self.on);
+        made.or(data.residual.as_ref().map(|r| &r.flanks))
+    }
+}
+
+impl Elastic {
+    pub(super) fn lag_by(&mut self, lag: Option<&[f64]>) {
+        let Some(lag) = lag.filter(|l| l.iter().any(|x| *x != 0.0)) else {
+            self.lagging.on = false;
+            return;
+        };
+        let Some(residual) = &self.data.residual else {
+            return;
+        };
+        self.lagging.on = true;
+        if self.lagging.lag == lag {
+            return;
+        }
+        let (modes, nodes) = (self.data.modes(), self.data.nodes());
+        let (frame, of_modes) = lag.split_at(self.own);
+        // Rows so that a product of two is what the pair of nodes gets.
+        let width = modes + self.own;
+        let mut rows = Vec::with_capacity(nodes * width);
+        for node in 0..nodes {
+            for lag in frame {
+                let lever = self.own_lever(node);
+                rows.push(lever * (lag / self.hub.inertia).sqrt());
+            }
+            let shapes = self.data.shapes_at(node as u32);
+            rows.extend(shapes.iter().zip(of_modes).map(|(b, lag)| b * lag.sqrt()));
+        }
+        let row = |node: usize| &rows[node * width..][..width];
+        let mut flanks = residual.flanks.clone();
+        match &mut flanks {
+            FlankCompliance::Cyclic {
+                teeth,
+                per_tooth: m,
+                blocks,
+            } => {
+                for apart in 0..*teeth {
+                    if apart.min(*teeth - apart) > NEAR {
+                        continue;
+                    }
+                    for i in 0..*m {
+                        let line = &mut blocks[(apart * *m + i) * *m..][..*m];
+                        for (j, c) in line.iter_mut().enumerate() {
+                            *c += dot(row(apart * *m + i), row(j));
+                        }
+                    }
+                }
+            }
+            FlankCompliance::Full(c) => {
+                let mut tooth = vec![0; nodes];
+                for grid in self.data.flanks.grids() {
+                    for &node in &grid.nodes {
+                        tooth[node as usize] = grid.tooth as usize;
+                    }
+                }
+                let teeth = 1 + tooth.iter().copied().max().unwrap_or(0);
+                for i in 0..nodes {
+                    for j in 0..=i {
+                        let apart = tooth[i].abs_diff(tooth[j]);
+                        if apart.min(teeth - apart) <= NEAR {
+                            let given = dot(row(i), row(j));
+                            c[i * nodes + j] += given;
+                            if i != j {
+                                c[j * nodes + i] += given;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        self.lagging.flanks = Some(flanks);
+        self.lagging.lag.clear();
+        self.lagging.lag.extend_from_slice(lag);
+    }
+
+    /// Outward displacement of a flank node by unit turn (travel) of the frame.
+    fn own_lever(&self, node: usize) -> f64 {
+        let (x, n) = (&self.positions[node], &self.data.normals[node]);
+        match self.hub.slide {
+            None => x.x * n.y - x.y * n.x,
+            // A rack slides along its own y.
+            Some(_) => n.y,
+        }
+    }
+}
