@@ -332,7 +332,7 @@ fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
     assert!(finding.contains("50 for 1"), "{finding}");
     // What is pointed out is held against the best with no more modes: 0.75 / (1 + 42/45) + 0.05 over 35 modes.
     assert!(
-        finding.contains("published method, to 80 kHz, 42 modes"),
+        finding.contains("Published method, to 80 kHz (42 modes"),
         "{finding}"
     );
     assert!(finding.contains("times that of 35 modes"), "{finding}");

@@ -161,7 +161,7 @@ impl Plan<'_> {
                     way,
                     modes: Kept::Count(modes),
                     mark: (published && modes == PUBLISHED_MODES)
-                        .then_some("plain truncation, 200 modes"),
+                        .then_some("plain truncation with 200 modes"),
                 });
             }
             if published {

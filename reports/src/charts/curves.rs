@@ -198,9 +198,15 @@ fn paint(c: &mut Canvas<'_>, panel: &CurvePanel, top: f64) {
         }
         let stroke = Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]);
         c.line(&[(area.x0, y), (x, y)], stroke);
+        // At the left: curves come down to their limits on the right.
         let width = text_width(text, TICK_SIZE);
-        c.text(text, (x - 6.0, y - 8.0), small(Anchor::End));
-        taken.push(Rect::new(x - 10.0 - width, y - 15.0, x, y + 2.0));
+        c.text(text, (area.x0 + 6.0, y - 8.0), small(Anchor::Start));
+        taken.push(Rect::new(
+            area.x0,
+            y - 15.0,
+            area.x0 + 10.0 + width,
+            y + 2.0,
+        ));
     }
     for curve in &panel.curves {
         let points: Vec<(f64, f64)> = curve.points.iter().map(|p| frame.at(p.0, p.1)).collect();

@@ -76,7 +76,9 @@ pub fn finding(view: &View<'_>) -> String {
 
 /// A run that is pointed out beside the best that residual compliance does with no more modes.
 fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<String> {
-    let name = escape(run.mark.as_deref()?);
+    let mark = run.mark.as_deref()?;
+    let (first, rest) = mark.split_at(mark.chars().next().map_or(0, char::len_utf8));
+    let name = escape(&(first.to_uppercase() + rest));
     let modes = run.modes?;
     if run.status.is_failure() {
         return Some(format!(
@@ -100,7 +102,7 @@ fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<String> {
         None => String::new(),
     };
     Some(format!(
-        "{name}, {modes} modes per gear, has an error of {}\u{a0}%{compared}.",
+        "{name} ({modes} modes per gear) has an error of {}\u{a0}%{compared}.",
         percent(own, 3)
     ))
 }
