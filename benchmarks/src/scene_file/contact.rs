@@ -43,8 +43,12 @@ pub(super) static CONTACT: &[Key] = &[
         "in place of penalty_pa_per_m: force of a node over its penetration, with points = \"nodes\", for example 3.5e7",
     ),
     key(
+        "law",
+        "of flank points: \"penalty\" (default), or \"hard\": no penalty, for elastic gears with residual compliance",
+    ),
+    key(
         "points",
-        "\"quadrature\" (default), \"nodes\", or { along, across }",
+        "\"quadrature\" (default), \"nodes\", or { along, across }; with law = \"hard\" \"mortar\" (default) or \"nodes\"",
     ),
     key(
         "surface",

@@ -2,13 +2,14 @@
 
 use super::contact::word_or;
 use super::error::SceneError;
-use super::reader::{Key, Section, key};
+use super::reader::{Entry, Key, Section, key};
 use gearbench_models::contact::flank_points::{
     MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
 };
 
 /// Keys that only flank points have.
-const OF_POINTS: [&str; 5] = [
+const OF_POINTS: [&str; 6] = [
+    "law",
     "points",
     "surface",
     "passes",
@@ -23,6 +24,11 @@ pub(super) static POINTS: &[Key] = &[
 
 /// The contact of flank points; none without a penalty.
 pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError> {
+    if let Some(law) = s.get("law")
+        && law.word(&[("penalty", false), ("hard", true)])?
+    {
+        return hard(s, &law).map(Some);
+    }
     let per_node = s.get("penalty_n_per_m");
     if let (Some(a), Some(b)) = (s.get("penalty_pa_per_m"), &per_node) {
         return Err(s
@@ -86,31 +92,78 @@ pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError
     };
     let settings = PointContact {
         rule,
-        surface: word_or(
-            s,
-            "surface",
-            &[
-                ("smooth", SurfaceKind::Smooth),
-                ("faceted", SurfaceKind::Faceted),
-            ],
-        )?,
-        passes: match s.get("passes") {
-            None => Passes::Auto,
-            Some(e) => e.word(&[
-                ("first", Passes::First),
-                ("second", Passes::Second),
-                ("both", Passes::Both),
-            ])?,
-        },
+        surface: surface(s)?,
+        passes: passes(s)?,
         damping: s.number_or("damping_ns_per_m3", 0.0)?,
         reach: s.get("reach_m").map(|e| e.number()).transpose()?,
         ..PointContact::new(penalty.number()?)
     };
+    checked(settings, &penalty).map(Some)
+}
+
+fn checked(settings: PointContact, entry: &Entry<'_>) -> Result<PointContact, SceneError> {
     match settings.problem() {
-        None => Ok(Some(settings)),
+        None => Ok(settings),
         Some(problem) => {
             let (message, help) = problem.split_once("; ").unwrap_or((&problem, ""));
-            Err(penalty.error(message, "in this contact", help))
+            Err(entry.error(message, "in this contact", help))
         }
+    }
+}
+
+/// Contact without a penalty.
+fn hard(s: &Section<'_>, law: &Entry<'_>) -> Result<PointContact, SceneError> {
+    for name in ["penalty_pa_per_m", "penalty_n_per_m"] {
+        if let Some(e) = s.get(name) {
+            return Err(e.error(
+                format!("`{name}` belongs to a penalty law, but the law is hard"),
+                "remove this",
+                "or leave out law = \"hard\"",
+            ));
+        }
+    }
+    let rule = match s.get("points") {
+        None => PointRule::default(),
+        Some(e) if e.as_text().is_some_and(|t| t != "quadrature") => e.word(&[
+            ("mortar", PointRule::default()),
+            ("nodes", PointRule::Nodes),
+        ])?,
+        Some(e) => {
+            return Err(e.error(
+                "quadrature points have no forces of their own in hard contact: there are more of them than nodes that give way",
+                "expected \"mortar\" or \"nodes\"",
+                "\"mortar\" averages their gaps at the nodes",
+            ));
+        }
+    };
+    let settings = PointContact {
+        surface: surface(s)?,
+        passes: passes(s)?,
+        damping: s.number_or("damping_ns_per_m3", 0.0)?,
+        reach: s.get("reach_m").map(|e| e.number()).transpose()?,
+        ..PointContact::hard(rule)
+    };
+    checked(settings, law)
+}
+
+fn surface(s: &Section<'_>) -> Result<SurfaceKind, SceneError> {
+    word_or(
+        s,
+        "surface",
+        &[
+            ("smooth", SurfaceKind::Smooth),
+            ("faceted", SurfaceKind::Faceted),
+        ],
+    )
+}
+
+fn passes(s: &Section<'_>) -> Result<Passes, SceneError> {
+    match s.get("passes") {
+        None => Ok(Passes::Auto),
+        Some(e) => e.word(&[
+            ("first", Passes::First),
+            ("second", Passes::Second),
+            ("both", Passes::Both),
+        ]),
     }
 }

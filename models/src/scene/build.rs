@@ -510,6 +510,7 @@ impl Scene {
                 search,
                 law,
                 friction: contact.friction,
+                hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal: mesh.gears.iter().any(has_field),
                 clearances,
                 margin: (if with_flanks { FLANK_MARGIN } else { ROUNDING }) * l.base_pitch,
@@ -521,6 +522,7 @@ impl Scene {
             });
         }
         refuse_two_compliances(&gears)?;
+        refuse_two_laws(spec, &gears, &meshes)?;
         Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
     }
 
@@ -618,6 +620,31 @@ impl Scene {
             phases,
         }
     }
+}
+
+/// Meshes that residual compliance couples are solved together, by one kind of law.
+fn refuse_two_laws(
+    spec: &SceneSpec,
+    gears: &[SceneGear],
+    meshes: &[SceneMesh],
+) -> Result<(), BuildError> {
+    for island in super::nodal::islands(gears, meshes) {
+        let soft = island.meshes.iter().find(|m| !meshes[**m].hard);
+        let hard = island.meshes.iter().find(|m| meshes[**m].hard);
+        if let (Some(&soft), Some(&hard)) = (soft, hard) {
+            let name = |m: usize, k: usize| spec.gears[meshes[m].gears[k]].name.as_str();
+            return Err(BuildError::mesh(
+                name(hard, 0),
+                name(hard, 1),
+                format!(
+                    "its contact is hard, but that of `{}` and `{}`, coupled by the compliance of a gear, has a penalty; give both the same law",
+                    name(soft, 0),
+                    name(soft, 1)
+                ),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Compliance between points and displacement fields of nodes take different solves.

@@ -107,6 +107,8 @@ pub struct SceneMesh {
     pub law: Law,
     /// Sliding friction.
     pub friction: Option<Friction>,
+    /// Its contact has no penalty.
+    hard: bool,
     /// One of its gears has a displacement field.
     nodal: bool,
     /// What facing flanks are apart at least, were the gears rigid.

@@ -6,7 +6,8 @@ use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::law::LawForce;
 use crate::contact::nodal::{
-    Block, GearNodes, Margin, NodalParty, NodalPoints, NodalSolve, Spring, UNUSED, weighted,
+    Block, GearNodes, HardSolve, Margin, NodalParty, NodalPoints, NodalSolve, Share, Spring,
+    UNUSED, weighted,
 };
 use crate::contact::row::Row;
 use crate::load::Load;
@@ -43,8 +44,23 @@ pub(super) struct Solved {
     /// Range of its points.
     pub points: std::ops::Range<usize>,
     pub solve: NodalSolve,
+    /// Of hard contact, in the place of the solve's own.
+    pub hard: Option<HardSolve>,
     pub springs: Vec<Spring>,
     pub blocks: Vec<Block>,
+}
+
+/// Gaps averaged at slave nodes.
+#[derive(Default)]
+struct Averages {
+    /// Gear, slot, sum of `phi A`, sum of `phi A g`.
+    nodes: Vec<(usize, u32, f64, f64)>,
+    /// Node, point, `phi A`.
+    entries: Vec<(usize, usize, f64)>,
+    /// Number of each node's constraint, if it has one.
+    number: Vec<Option<u32>>,
+    closed: Vec<bool>,
+    shares: Vec<Share>,
 }
 
 impl Nodal {
@@ -73,6 +89,7 @@ pub(super) struct Nodal {
     pub found: NodalPoints,
     numbers: Vec<u32>,
     guess: Vec<f64>,
+    averages: Averages,
     velocities: Vec<Vec<f64>>,
     pub failed: bool,
 }
@@ -132,7 +149,17 @@ impl Nodal {
             gears: vec![GearNodes::default(); gears.len()],
             torque: vec![0.0; gears.len()],
             velocities: vec![vec![]; gears.len()],
-            solved: vec![Solved::default(); islands.len()],
+            solved: islands
+                .iter()
+                .map(|i| Solved {
+                    hard: i
+                        .meshes
+                        .iter()
+                        .any(|m| meshes[*m].hard)
+                        .then(HardSolve::default),
+                    ..Solved::default()
+                })
+                .collect(),
             islands,
             ..Nodal::default()
         }
@@ -210,6 +237,11 @@ impl Nodal {
             if margin.depth <= 0.0 {
                 break;
             }
+            if let Some(mut hard) = solved.hard.take() {
+                self.solve_hard(begin, island, &mut solved, &mut hard, gears, meshes, at);
+                solved.hard = Some(hard);
+                break;
+            }
             let beside = margin.gap();
             let found = self.found.points.iter().enumerate().skip(begin);
             let near = found.filter(|(_, p)| p.gap0 <= beside);
@@ -222,13 +254,100 @@ impl Nodal {
                 force: LawForce::default(),
                 elastic: (p.gap0, 0.0),
             }));
-            let rise = self.solve_active(start, island, &mut solved, gears, meshes, at);
+            let rise = self.solve_active(start, island, &mut solved, None, (gears, meshes), at);
             if rise <= beside || self.failed {
                 break;
             }
             margin.least = 2.0 * rise;
         }
         self.solved[island] = solved;
+    }
+
+    /// Hard contact: one constraint per slave node whose averaged gap may close; the points that it averages become
+    /// active.
+    #[allow(clippy::too_many_arguments)]
+    fn solve_hard(
+        &mut self,
+        begin: usize,
+        island: usize,
+        solved: &mut Solved,
+        hard: &mut HardSolve,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: At<'_>,
+    ) {
+        // Averages: per slave node (gear, slot) the sums of phi A and of phi A g.
+        let mut b = std::mem::take(&mut self.averages);
+        b.nodes.clear();
+        b.entries.clear();
+        for (i, p) in self.found.points.iter().enumerate().skip(begin) {
+            let [slave, _] = p.sides();
+            let gear = meshes[p.mesh as usize].gears[slave];
+            for (&slot, &w) in p.slots[slave].iter().zip(&p.weights[slave]) {
+                if w <= 0.0 || p.stiffness <= 0.0 {
+                    continue;
+                }
+                let same = |n: &(usize, u32, f64, f64)| (n.0, n.1) == (gear, slot);
+                let k = b.nodes.iter().rposition(same).unwrap_or_else(|| {
+                    b.nodes.push((gear, slot, 0.0, 0.0));
+                    b.nodes.len() - 1
+                });
+                let share = w * p.stiffness;
+                b.nodes[k].2 += share;
+                b.nodes[k].3 += share * p.gap0;
+                b.entries.push((k, i, share));
+            }
+        }
+        let average = |n: &(usize, u32, f64, f64)| n.3 / n.2;
+        let depth = b.nodes.iter().fold(0.0_f64, |d, n| d.max(-average(n)));
+        let start = self.active.len();
+        let mut margin = Margin { depth, least: 0.0 };
+        while depth > 0.0 {
+            self.active.truncate(start);
+            let beside = margin.gap();
+            b.number.clear();
+            b.closed.clear();
+            for n in &b.nodes {
+                b.number
+                    .push((average(n) <= beside).then_some(b.closed.len() as u32));
+                if average(n) <= beside {
+                    b.closed.push(self.gears[n.0].was_pressed(n.1));
+                }
+            }
+            if !b.closed.contains(&true) {
+                b.closed.clear();
+                let chosen = b.nodes.iter().filter(|n| average(n) <= beside);
+                b.closed.extend(chosen.map(|n| average(n) < 0.0));
+            }
+            // Entries come point by point.
+            b.shares.clear();
+            let mut last = usize::MAX;
+            for &(k, i, share) in &b.entries {
+                let Some(number) = b.number[k] else { continue };
+                if i != last {
+                    last = i;
+                    let p = &self.found.points[i];
+                    self.active.push(NodalActive {
+                        point: i,
+                        direction: p.normal,
+                        levers: [0.0; 2],
+                        gap: p.gap0,
+                        rate: 0.0,
+                        force: LawForce::default(),
+                        elastic: (p.gap0, 0.0),
+                    });
+                }
+                let point = (self.active.len() - 1 - start) as u32;
+                b.shares.push((number, point, share / b.nodes[k].2));
+            }
+            let law = Some((&mut *hard, (b.closed.as_slice(), b.shares.as_slice())));
+            let rise = self.solve_active(start, island, solved, law, (gears, meshes), at);
+            if rise <= beside || self.failed || b.closed.len() == b.nodes.len() {
+                break;
+            }
+            margin.least = 2.0 * rise;
+        }
+        self.averages = b;
     }
 
     /// Solves for the active points from `start` on; returns by how much nodes rise outwards at most, both flanks
@@ -238,8 +357,8 @@ impl Nodal {
         start: usize,
         island: usize,
         solved: &mut Solved,
-        gears: &[SceneGear],
-        meshes: &[SceneMesh],
+        hard: Option<(&mut HardSolve, (&[bool], &[Share]))>,
+        (gears, meshes): (&[SceneGear], &[SceneMesh]),
         at: At<'_>,
     ) -> f64 {
         for &g in &self.islands[island].compliant {
@@ -308,7 +427,16 @@ impl Nodal {
                 elastic: (p.gap0, 0.0),
             });
         }
-        let result = solved.solve.solve(&mut solved.springs, &self.guess);
+        let result = match hard {
+            None => solved.solve.solve(&mut solved.springs, &self.guess),
+            Some((hard, (closed, shares))) => hard.solve(
+                &solved.blocks,
+                solved.solve.compliance(),
+                &mut solved.springs,
+                (closed.len(), shares),
+                closed,
+            ),
+        };
         let mut rises = 0.0;
         match result {
             Ok(u) => {
@@ -402,7 +530,7 @@ impl Nodal {
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master);
-            if p.fading != 0.0 {
+            if p.fading != 0.0 && !mesh.hard {
                 let energy = mesh.law.potential(a.elastic.0, p.stiffness);
                 a.direction -= energy / a.force.n * p.fading * p.answer[0];
             }

@@ -165,6 +165,28 @@ impl Reduced {
             add_outer(&mut answer, size, self.row(i), self.row(i), weight);
         }
         for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
+            if let Some(hard) = &mut s.hard {
+                // Column by column: few contacts are hard, and fewer still are solved implicitly.
+                for j in 0..size {
+                    let entry = |i: usize| -> f64 {
+                        let row = &self.entries[self.begins[i]..self.begins[i + 1]];
+                        let of_j = row.iter().filter(|(k, _)| *k as usize == j);
+                        of_j.map(|(_, value)| c.k * value).sum()
+                    };
+                    self.column.clear();
+                    self.column.extend(s.points.clone().map(entry));
+                    if self.column.iter().all(|x| *x == 0.0) {
+                        continue;
+                    }
+                    hard.tangent(&mut self.column)?;
+                    for (i, dn) in s.points.clone().zip(&self.column) {
+                        for &(k, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
+                            answer[k as usize * size + j] += value * dn;
+                        }
+                    }
+                }
+                continue;
+            }
             s.solve.linearise(&s.springs)?;
             let n = s.solve.nodes();
             for (out, weights) in [
@@ -399,6 +421,14 @@ impl Scene {
             .collect();
         let mut failed = nodal.failed;
         for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
+            if let Some(hard) = &mut s.hard {
+                let points = &mut of_points[s.points.clone()];
+                for (i, h) in s.points.clone().zip(&mut *points) {
+                    *h = dot(b.row(i), &y);
+                }
+                failed |= hard.tangent(points).is_err();
+                continue;
+            }
             failed |= s.solve.linearise(&s.springs).is_err();
             let mut z = vec![0.0; s.solve.nodes()];
             let points = &mut of_points[s.points.clone()];

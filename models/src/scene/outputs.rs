@@ -156,8 +156,12 @@ impl Scene {
             let p = &nodal.found.points[a.point];
             let mesh = &self.meshes[p.mesh as usize];
             // Of the law, and of the residual compliance that gave way under it.
-            energy.contact += mesh.law.potential(a.elastic.0, p.stiffness)
-                + 0.5 * a.elastic.1 * (a.elastic.0 - p.gap0);
+            let of_law = if mesh.hard {
+                0.0
+            } else {
+                mesh.law.potential(a.elastic.0, p.stiffness)
+            };
+            energy.contact += of_law + 0.5 * a.elastic.1 * (a.elastic.0 - p.gap0);
             power.dissipated -= (a.force.n - a.elastic.1) * a.rate;
             if a.force.n == 0.0 {
                 continue;

@@ -3,9 +3,52 @@
 use super::SceneGear;
 use super::spec::{BuildError, ContactSpec, MeshSpec, SceneSpec};
 use crate::Vec3;
-use crate::contact::flank_points::{FlankPoints, Owner};
+use crate::contact::flank_points::{FlankPoints, Owner, Passes, PointContact};
 use crate::contact::law::{Damping, Law};
 use crate::contact::lines_of_action::MeshGeometry;
+
+/// Hard contact needs nodes that give way where its points are.
+fn refuse_singular(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    contact: &ContactSpec,
+    points: &PointContact,
+    gears: &[SceneGear],
+) -> Result<(), String> {
+    if contact.exponent != 1.0 {
+        return Err(format!(
+            "hard contact has no exponent, but {} is given; leave it out",
+            contact.exponent
+        ));
+    }
+    let own = |k: usize| gears[mesh.gears[k]].model.flanks().is_some();
+    let slave = match points.passes {
+        Passes::Auto => usize::from(!own(0) && own(1)),
+        Passes::Second => 1,
+        Passes::First | Passes::Both => 0,
+    };
+    let gives = |k: usize| {
+        let model = &gears[mesh.gears[k]].model;
+        model.field().is_some_and(|f| f.is_compliant())
+    };
+    if gives(slave) {
+        return Ok(());
+    }
+    let name = |k: usize| spec.gears[mesh.gears[k]].name.as_str();
+    let way_out = if gives(1 - slave) {
+        let passes = if slave == 0 { "second" } else { "first" };
+        format!(
+            "take the points of `{}`, passes = \"{passes}\"",
+            name(1 - slave)
+        )
+    } else {
+        "give an elastic gear its residual compliance, or a penalty".into()
+    };
+    Err(format!(
+        "hard contact needs nodes that give way under their own force, but gear `{}`, whose points touch, has no residual compliance; {way_out}",
+        name(slave)
+    ))
+}
 
 /// The point search of a mesh with a gear that brings its flanks, and its law.
 pub(super) fn flank_points(
@@ -49,6 +92,9 @@ pub(super) fn flank_points(
             "the springs of gear `{}` vary with the contact radius, which the flank points of gear `{name}` do not tell; use a constant tooth stiffness",
             spec.gears[*i].name
         )));
+    }
+    if points.hard {
+        refuse_singular(spec, mesh, contact, points, gears).map_err(error)?;
     }
     let owner = |k: usize| {
         let i = mesh.gears[k];

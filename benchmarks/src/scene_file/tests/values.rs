@@ -489,8 +489,24 @@ fn flank_points_with_and_without_their_settings() {
             surface: SurfaceKind::Faceted,
             passes: Passes::Both,
             reach: Some(1e-4),
+            hard: false,
         })
     );
     let nodes = of("penalty_pa_per_m = 1e15, points = \"nodes\"").unwrap();
     assert_eq!(nodes.rule, PointRule::Nodes);
+    assert_eq!(
+        of("law = \"penalty\", penalty_pa_per_m = 1e15"),
+        of("penalty_pa_per_m = 1e15")
+    );
+    assert_eq!(
+        of("law = \"hard\""),
+        Some(PointContact::hard(PointRule::default()))
+    );
+    assert_eq!(
+        of("law = \"hard\", points = \"nodes\", passes = \"second\""),
+        Some(PointContact {
+            passes: Passes::Second,
+            ..PointContact::hard(PointRule::Nodes)
+        })
+    );
 }

@@ -36,6 +36,8 @@ pub struct FlankPoints {
     /// Penalty for the points of each gear [Pa/m]; 0 where they are not looked at.
     pub(super) penalty: [f64; 2],
     pub(super) reach: f64,
+    /// All points within reach are wanted: gaps are averaged over them.
+    hard: bool,
     pub(super) length: f64,
     helix_cos: f64,
     pub(super) base_pitch: f64,
@@ -117,6 +119,7 @@ impl FlankPoints {
             gears,
             rule,
             penalty,
+            hard: settings.hard,
             reach: settings.reach.unwrap_or(REACH * geometry.base_pitch),
             length: geometry.length,
             helix_cos: geometry.base_helix.cos(),
@@ -556,10 +559,14 @@ impl ContactSearch for FlankPoints {
             return;
         }
         let [a, b] = &mut sides;
-        let limit = (a.bound() + b.bound()).min(self.reach);
+        let mut limit = (a.bound() + b.bound()).min(self.reach);
         if apart > limit {
             self.scratch.borrow_mut().work = SearchWork::default();
             return;
+        }
+        if self.hard {
+            limit = self.reach;
+            margin.least = f64::INFINITY;
         }
         if let Some(spur) = &self.spur {
             spur.points(self, sides, travels, limit, margin, out);

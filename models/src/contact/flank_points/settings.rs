@@ -69,9 +69,23 @@ pub struct PointContact {
     /// Gap of the undeformed flanks [m] up to which a pair of flanks is looked at; it must exceed the elastic
     /// displacement of the teeth. `None` takes a fiftieth of the base pitch.
     pub reach: Option<f64>,
+    /// No penalty at all: gaps that do not close beyond zero, at the slave's nodes with the rule
+    /// [`PointRule::Nodes`], else averaged with the shape functions of its nodes (mortar).
+    pub hard: bool,
 }
 
 impl PointContact {
+    /// Hard contact at nodes, or averaged over the points of a rule, otherwise the defaults.
+    #[must_use]
+    pub fn hard(rule: PointRule) -> Self {
+        PointContact {
+            rule,
+            hard: true,
+            // Nothing but the areas of the points is asked for.
+            ..PointContact::new(1.0)
+        }
+    }
+
     /// A linear penalty [Pa/m] without damping, otherwise the defaults.
     #[must_use]
     pub fn new(penalty: f64) -> Self {
@@ -82,6 +96,7 @@ impl PointContact {
             surface: SurfaceKind::default(),
             passes: Passes::default(),
             reach: None,
+            hard: false,
         }
     }
 
@@ -99,6 +114,15 @@ impl PointContact {
                 "the damping is {} N s/m^3; it must be finite and not negative",
                 self.damping
             ));
+        }
+        if self.hard && self.damping != 0.0 {
+            return Some("hard contact has no dashpot; leave the damping out".into());
+        }
+        if self.hard && self.passes == Passes::Both {
+            return Some(
+                "hard contact of both passes holds every place twice; take the first or the second"
+                    .into(),
+            );
         }
         if let PointRule::Quadrature { along, across } = self.rule
             && !((1..=MAX_POINTS).contains(&along) && (1..=MAX_POINTS).contains(&across))

@@ -29,10 +29,12 @@
 //! The solve for `u` works on the nodes, of which there are fewer than points ([`NodalSolve`]): the massless residual
 //! compliance is condensed with the contact as in quasi-static mode acceleration.
 
+mod hard;
 mod nodes;
 mod points;
 mod solve;
 
+pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use points::{Margin, NodalParty, NodalPoint, NodalPoints};
 pub use solve::{Block, NodalSolve, Spring, UNUSED};

@@ -24,15 +24,17 @@ pub struct GearNodes {
     /// Slot of each of the gear's flank nodes, valid where its stamp is the present one.
     slots: Vec<(u32, u32)>,
     stamp: u32,
-    /// Residual displacements of the last evaluation by flank node: where an active set begins.
+    /// Residual displacements and forces of the last evaluation by flank node: where an active set begins.
     last: Vec<f64>,
+    pressed: Vec<f64>,
 }
 
 impl GearNodes {
     /// Begins an evaluation with a load on the hub.
     pub fn begin(&mut self, load: f64) {
-        for (&node, &u) in self.nodes.iter().zip(&self.residual) {
+        for ((&node, &u), &f) in self.nodes.iter().zip(&self.residual).zip(&self.force) {
             self.last[node as usize] = u;
+            self.pressed[node as usize] = f;
         }
         self.nodes.clear();
         self.displacement.clear();
@@ -81,6 +83,7 @@ impl GearNodes {
             && most as usize >= self.last.len()
         {
             self.last.resize(most as usize + 1, 0.0);
+            self.pressed.resize(most as usize + 1, 0.0);
         }
         first as u32
     }
@@ -128,6 +131,13 @@ impl GearNodes {
             Self::at(&self.residual, slots),
         );
         [a[0] + u[0], a[1] + u[1], a[2] + u[2], a[3] + u[3]]
+    }
+
+    /// Whether the node at a slot carried a force in the last evaluation that met it.
+    #[inline]
+    #[must_use]
+    pub fn was_pressed(&self, slot: u32) -> bool {
+        self.pressed[self.nodes[slot as usize] as usize] > 0.0
     }
 
     /// Residual displacement of the node at a slot in the last evaluation [m].

@@ -212,6 +212,12 @@ impl NodalSolve {
         Ok(&self.u)
     }
 
+    /// `R` of the nodes, block by block.
+    #[must_use]
+    pub fn compliance(&self) -> &[f64] {
+        &self.compliance
+    }
+
     /// Number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {

@@ -2,8 +2,10 @@
 
 mod clearance;
 mod flight;
+mod hard;
 mod partners;
 mod potential;
+mod search;
 mod tangents;
 
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
