@@ -49,6 +49,8 @@ pub enum Command {
     Stiffness(Stiffness),
     /// Error of the elastic model by number of modes, against full finite elements on the same mesh
     Modes(Modes),
+    /// Results over the penalty of the contact, beside hard contact
+    Penalty(Penalty),
     /// Run under load at speed after speed: transmission error, bearing forces, spectra, resonances
     Sweep(Sweep),
     /// Mesh the gears of a scene with hexahedra, as a deck for CalculiX or Abaqus and for ParaView
@@ -254,6 +256,58 @@ pub struct Modes {
     /// Wall-clock bound of one integration in seconds
     #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
     pub timeout: f64,
+}
+
+const PENALTY_EXAMPLES: &str = "\
+Examples:
+  gearbench penalty                                  the elastic model of spur_impact
+  gearbench penalty spur_impact --from 1e14 --to 1e16 --points 5
+  gearbench penalty my_scene.toml --model elastic --hard elastic-without-penalty
+
+Runs one model with penalty after penalty and finds its static transmission error under --load. The same model with hard
+contact, if the scene has one (--hard, or the label with -hard behind it), is the limit that all are held against.";
+
+/// Arguments of `penalty`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = PENALTY_EXAMPLES)]
+pub struct Penalty {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// The model by label
+    #[arg(long, value_name = "LABEL", default_value = "elastic")]
+    pub model: String,
+    /// The same model with hard contact by label [default: LABEL-hard, if the scene has it]
+    #[arg(long, value_name = "LABEL")]
+    pub hard: Option<String>,
+    /// Softest penalty [Pa/m]
+    #[arg(long, value_name = "PA_PER_M", default_value_t = 1e13, value_parser = penalty)]
+    pub from: f64,
+    /// Stiffest penalty [Pa/m]
+    #[arg(long, value_name = "PA_PER_M", default_value_t = 1e17, value_parser = penalty)]
+    pub to: f64,
+    /// Number of penalties, evenly over the decades
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub points: u32,
+    /// Load of the static equilibria over the common face width [N/mm]
+    #[arg(long, value_name = "N_PER_MM", default_value_t = DEFAULT_LOAD, value_parser = positive_load)]
+    pub load: f64,
+    /// Positions of the static cycle over one base pitch
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = positions)]
+    pub positions: usize,
+    /// Folder to write to [default: out/SCENE/penalty]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Wall-clock bound of one integration in seconds
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
+}
+
+fn penalty(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e25 => Ok(x),
+        _ => Err("expected a positive number of Pa/m, for example 1e15".into()),
+    }
 }
 
 const SWEEP_EXAMPLES: &str = "\

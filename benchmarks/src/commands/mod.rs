@@ -8,6 +8,7 @@ mod identify;
 mod list;
 mod mesh;
 mod modes;
+mod penalty;
 mod reduce;
 mod stiffness;
 mod sweep;
@@ -52,6 +53,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Identify(args)) => identify::run(&args, &told()),
         Some(Command::Stiffness(args)) => stiffness::run(&args),
         Some(Command::Modes(args)) => modes::run(&args, &told()),
+        Some(Command::Penalty(args)) => penalty::run(&args, &told()),
         Some(Command::Sweep(args)) => sweep::run(&args, &told()),
         Some(Command::Mesh(args)) => mesh::run(&args, &told()),
         Some(Command::Reduce(args)) => reduce::run(&args),

@@ -5,6 +5,7 @@
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
 //! | [`modes`] | error of the elastic model over the number of modes, against full finite elements |
+//! | [`penalty`] | force, impulse and transmission error over the penalty, beside hard contact |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | [`sweep`] | running under load at speed after speed: transmission error, bearing forces, spectra |
 //! | [`stiffness`] | static mesh stiffness of the models beside the norm and the analytic compliance |
@@ -14,6 +15,7 @@ pub mod history;
 pub mod identify;
 pub mod machine;
 pub mod modes;
+pub mod penalty;
 pub mod run;
 pub mod stiffness;
 pub mod sweep;

@@ -1,0 +1,131 @@
+//! `gearbench penalty SCENE`: results over the penalty of the contact.
+
+use super::compare::settings;
+use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
+use crate::cli::Penalty;
+use crate::models::models;
+use crate::scene_file::{self, ModelChoice, SceneError};
+use crate::study::compare::Entry;
+use crate::study::penalty::{PenaltyError, Plan, study};
+use crate::study::run::Method;
+use crate::study::stiffness::build_error;
+use gearbench_integrators::Resolution;
+use gearbench_models::scene::build::mesh_layout;
+use gearbench_reports::record::Results;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Runs the study and writes its folder.
+pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
+    let scene = scene_file::load(&args.scene)?;
+    let choice = scene.select(Some(&args.model))?[0];
+    let hard: Option<&ModelChoice> = match &args.hard {
+        Some(label) => Some(scene.select(Some(label))?[0]),
+        None => scene.model(&format!("{}-hard", choice.label)),
+    };
+    if args.to <= args.from {
+        return Err(Refusal::Input(miette::miette!(
+            help = "give the softer penalty with --from",
+            "the penalties from {:e} to {:e} Pa/m do not grow",
+            args.from,
+            args.to
+        )));
+    }
+    let points = args.points as usize;
+    let ratio = (args.to / args.from).ln() / (points - 1) as f64;
+    let gears = &scene.spec.gears;
+    // Static equilibria are those of one mesh of two gears.
+    let load = match scene.spec.meshes.as_slice() {
+        [mesh] if gears.len() == 2 => {
+            let [a, b] = mesh.gears;
+            let layout = mesh_layout(&gears[a], &gears[b]);
+            layout.ok().map(|l| 1e3 * args.load * l.face_width)
+        }
+        _ => None,
+    };
+    let mut told = settings(&scene, &[choice], false);
+    if let Some(force) = load {
+        told.push((
+            "static load".into(),
+            format!("{force:.5} N along the line of action, {} N/mm", args.load),
+        ));
+    }
+    let plan = Plan {
+        name: scene.name.clone(),
+        title: scene.title.clone(),
+        command: command.to_string(),
+        entry: Entry::of(&scene, choice),
+        hard: hard.map(|c| Entry::of(&scene, c)),
+        method: scene.study.integrators.first().cloned().unwrap_or(Method {
+            text: "velocity-verlet".into(),
+            resolution: Resolution::Step(1e-7),
+        }),
+        penalties: (0..points)
+            .map(|i| args.from * (ratio * i as f64).exp())
+            .collect(),
+        load,
+        positions: args.positions,
+        models: models(),
+        duration: scene.duration,
+        samples: scene.study.samples,
+        settings: told,
+        repeats: 1,
+        timeout: Duration::from_secs_f64(args.timeout),
+    };
+    let bar = progress_bar(points + usize::from(plan.hard.is_some()));
+    let results = study(&plan, None, |done, what| {
+        bar.set_position(done as u64);
+        bar.set_message(what.to_string());
+    });
+    bar.finish_and_clear();
+    let results = results.map_err(|e| match e {
+        PenaltyError::Run(e) => refuse_run(e),
+        PenaltyError::Statics(label, e) => match build_error(&e) {
+            Some(b) => Refusal::from(scene.locate_in(&label, b)),
+            None => Refusal::Failed(format!("{label}: {e}")),
+        },
+        PenaltyError::NoPenalty(label) => Refusal::from(SceneError::plain(
+            format!("the contact of `{label}` has no penalty"),
+            "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
+        )),
+    })?;
+    let dir =
+        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("penalty"));
+    let page = gearbench_reports::write_results(&dir, &results)
+        .map_err(|e| Refusal::Files(e.to_string()))?;
+    summarise(&results);
+    say(&format!("record: {}", dir.join("results.json").display()));
+    let absolute: PathBuf = page.canonicalize().unwrap_or(page);
+    say(&format!("report: {}", absolute.display()));
+    let unfinished = results.runs.iter().any(|r| r.status.is_failure());
+    Ok(if unfinished {
+        ExitCode::from(FAILED_RUN)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// One line per penalty.
+fn summarise(results: &Results) {
+    say(&format!(
+        "{:>10} {:>12} {:>13} {:>13}  {}",
+        "Pa/m", "peak force", "impulse", "static TE", "status"
+    ));
+    for r in &results.runs {
+        let name = r
+            .penalty_pa_per_m
+            .map_or("hard".into(), |p| format!("{p:.1e}"));
+        let m = r.metrics.first();
+        let text = |x: Option<f64>, unit: &str, scale: f64| {
+            x.map_or(String::new(), |x| format!("{:.5} {unit}", scale * x))
+        };
+        say(&format!(
+            "{name:>10} {:>12} {:>13} {:>13}  {}",
+            text(m.and_then(|m| m.peak_force_n), "kN", 1e-3),
+            text(m.and_then(|m| m.impulse_ns), "N s", 1.0),
+            text(r.static_error_m, "um", 1e6),
+            r.status
+        ));
+    }
+}
