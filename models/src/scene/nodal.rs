@@ -72,6 +72,9 @@ impl Nodal {
     }
 }
 
+/// Hard contact: the solve, the constraints that are closed at first, and what they average.
+type Constraints<'a> = (&'a mut HardSolve, (&'a [bool], &'a [Share]));
+
 /// Buffers; they grow and stay.
 #[derive(Default)]
 pub(super) struct Nodal {
@@ -302,7 +305,10 @@ impl Nodal {
         let depth = b.nodes.iter().fold(0.0_f64, |d, n| d.max(-average(n)));
         let start = self.active.len();
         let mut margin = Margin { depth, least: 0.0 };
-        while depth > 0.0 {
+        loop {
+            if depth <= 0.0 {
+                break;
+            }
             self.active.truncate(start);
             let beside = margin.gap();
             b.number.clear();
@@ -357,7 +363,7 @@ impl Nodal {
         start: usize,
         island: usize,
         solved: &mut Solved,
-        hard: Option<(&mut HardSolve, (&[bool], &[Share]))>,
+        hard: Option<Constraints<'_>>,
         (gears, meshes): (&[SceneGear], &[SceneMesh]),
         at: At<'_>,
     ) -> f64 {
@@ -601,6 +607,14 @@ impl Scene {
             }
         }
         self.work.nodal.evaluate(&self.gears, &self.meshes, at);
+    }
+
+    /// Flank nodes of a gear with a field that carried a force in the last evaluation.
+    pub fn pressed_nodes(&self, gear: usize) -> Vec<u32> {
+        let nodes = &self.work.nodal.gears[gear];
+        let pressed = nodes.nodes.iter().zip(&nodes.force);
+        let pressed = pressed.filter(|(_, f)| **f != 0.0);
+        pressed.map(|(node, _)| *node).collect()
     }
 
     /// Prescribed part of the gap rate of a point [m/s].

@@ -38,7 +38,7 @@ pub(super) struct Shape {
     pub lengths: Vec<f64>,
     /// How far the flank may leave the plane of a face of each row within the neighbouring rows [m].
     pub stray: Vec<f64>,
-    /// Reference area of each point [m^2], in the order of [`Shape::points`].
+    /// Reference area of each point [m^2], in the order of [`Shape::points`]; ones for nodes that count alike.
     pub areas: Vec<f64>,
     first_face: u32,
 }
@@ -168,7 +168,9 @@ impl Shape {
                 .eval(self, a, b);
             s.along.cross(&s.across).norm()
         };
-        let areas = if rule.is_nodes() {
+        let areas = if rule.alike {
+            vec![1.0; self.rows * self.columns]
+        } else if rule.is_nodes() {
             let mut areas = vec![0.0; self.rows * self.columns];
             let gauss = Rule::new(PointRule::Quadrature {
                 along: 3,
@@ -243,11 +245,7 @@ impl Shape {
                             column,
                             a: (r - row) as f64,
                             b: (c - column) as f64,
-                            area: if rule.alike {
-                                1.0
-                            } else {
-                                self.areas[r * self.columns + c]
-                            },
+                            area: self.areas[r * self.columns + c],
                             length,
                         });
                     }
