@@ -268,11 +268,12 @@ struct Reduction {
 fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
     let mut found = Reduction::default();
     for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
-        let (Some(modes), Some(field)) = (gear.model.oscillators(), gear.model.field()) else {
+        let Some(field) = gear.model.field() else {
             continue;
         };
-        let kept = modes.omega.iter().filter(|w| **w > 0.0).count();
-        let highest = modes.omega.iter().copied().fold(0.0, f64::max) / std::f64::consts::TAU;
+        let kept = gear.model.coordinates().n - gear.model.hub().coordinates();
+        // The pace of such a gear is that of its fastest mode.
+        let highest = (std::f64::consts::TAU * gear.model.pace()).recip();
         found.modes = found.modes.max(Some(kept));
         found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
         if kept > 0 {
