@@ -154,9 +154,18 @@ impl Profile {
         (row, (height - self.heights[row]) * self.per_height[row])
     }
 
+    /// A face near a height, where rows are about equally high.
+    #[inline]
+    pub fn near(&self, height: f64) -> usize {
+        let last = self.heights.len() - 1;
+        let part = (height - self.heights[0]) / (self.heights[last] - self.heights[0]);
+        // Beyond the ends, and for what is no number, the first or the last.
+        ((part * last as f64) as usize).min(last - 1)
+    }
+
     /// The point of the profile at a height, at most at its ends.
     pub fn at_height(&self, height: f64) -> Vec2 {
-        let (row, a) = self.row_at(height, 0);
+        let (row, a) = self.row_at(height, self.near(height));
         self.place(row, a.clamp(0.0, 1.0))
     }
 
@@ -168,8 +177,14 @@ impl Profile {
         if !(-1.0..=2.0).contains(&a) {
             return (f64::INFINITY, row);
         }
+        (self.stands_off(x, row), row)
+    }
+
+    /// A gap [m] that a point facing a face surely has.
+    #[inline]
+    pub fn stands_off(&self, x: &Vec2, row: usize) -> f64 {
         let (n, d, stray) = &self.chords[row];
-        (n.dot(x) - d - stray, row)
+        n.dot(x) - d - stray
     }
 
     #[inline]

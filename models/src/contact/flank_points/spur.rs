@@ -301,8 +301,9 @@ impl Pair<'_> {
         // Rows from the best place outwards, until they stand off.
         clear.clear();
         clear.resize(slave.faces() + 1, (f64::INFINITY, 0));
-        let (middle, _) = slave.row_at(slave.height(start), 0);
-        let mut from = master.faces() / 2;
+        let height = slave.height(start);
+        let (middle, _) = slave.row_at(height, slave.near(height));
+        let mut from = master.near(master.height(&turn.point(start)));
         let mut look = |row: usize, clear: &mut Vec<(f64, usize)>| {
             clear[row] = master.clearance(&turn.point(&slave.knots[row]), from);
             from = clear[row].1;
@@ -388,7 +389,26 @@ impl Held<'_, '_, '_> {
         })
     }
 
-    /// Displacement between the corners of a face that a cell touches.
+    /// Displacement at a place of a face; zero without a field.
+    #[inline]
+    fn at(
+        side: &NodalParty<'_>,
+        rows: &[u32],
+        (row, a): (usize, f64),
+        (column, b): (usize, f64),
+    ) -> f64 {
+        if rows[row] == UNUSED {
+            return 0.0;
+        }
+        let at = |row: usize| {
+            let of_row = &side.nodes.displacement[rows[row] as usize + column..][..2];
+            of_row[0] + b * (of_row[1] - of_row[0])
+        };
+        let (below, above) = (at(row), at(row + 1));
+        below + a * (above - below)
+    }
+
+    /// Slots of the corners of a face; none without a field.
     #[inline]
     fn corners(rows: &[u32], row: usize, column: usize) -> [u32; 4] {
         if rows[row] == UNUSED {
@@ -440,6 +460,7 @@ impl Held<'_, '_, '_> {
         let s_pose = &pair.poses[k];
         let m_pose = &pair.poses[m];
         let mut from = c0.1;
+        let teeth = [0, 1].map(|g| of.tooth(g, &pair.near[g]));
         for i in 0..count {
             let (at, a, length) = if nodes {
                 let below = s_shape.lengths[(row + i).saturating_sub(1)];
@@ -458,6 +479,9 @@ impl Held<'_, '_, '_> {
                 continue;
             }
             let past = (0.5 * length / tip).min(MOST_PAST);
+            if master.stands_off(&x, face) - rise > margin.gap() {
+                continue;
+            }
             work.projections += 1;
             let Some(foot) = master.project(&x, face, place, past) else {
                 continue;
@@ -481,21 +505,19 @@ impl Held<'_, '_, '_> {
             let space = s_pose.point(&Vec3::new(own.x, own.y, 0.0));
             let (normal, answer) = (turn(&foot.normal), turn(&foot.answer));
             for cell in &spur.cells[k] {
-                let s_slots = Self::corners(self.slave_rows, row, cell.column);
-                let m_slots = Self::corners(self.master_rows, foot.row, cell.on);
-                let s_weights = weights(a, cell.b);
-                let m_weights = weights(foot.a, cell.b_on);
-                let mut gap0 = foot.gap;
-                for (side, slots, w) in [
-                    (&*self.of_slave, &s_slots, &s_weights),
-                    (&*self.of_master, &m_slots, &m_weights),
-                ] {
-                    if slots[0] != UNUSED {
-                        for (&slot, w) in slots.iter().zip(w) {
-                            gap0 -= w * side.nodes.displacement[slot as usize];
-                        }
-                    }
-                }
+                let of_slave = Self::at(
+                    self.of_slave,
+                    self.slave_rows,
+                    (row, a),
+                    (cell.column, cell.b),
+                );
+                let of_master = Self::at(
+                    self.of_master,
+                    self.master_rows,
+                    (foot.row, foot.a),
+                    (cell.on, cell.b_on),
+                );
+                let gap0 = foot.gap - of_slave - of_master;
                 if !margin.takes(gap0) {
                     continue;
                 }
@@ -506,6 +528,10 @@ impl Held<'_, '_, '_> {
                         let face = row * (s_shape.columns - 1) + cell.column;
                         s_shape.areas[(face * count + i) * spur.across + cell.index]
                     };
+                let s_slots = Self::corners(self.slave_rows, row, cell.column);
+                let m_slots = Self::corners(self.master_rows, foot.row, cell.on);
+                let s_weights = weights(a, cell.b);
+                let m_weights = weights(foot.a, cell.b_on);
                 let (slots, weights) = if k == 0 {
                     ([s_slots, m_slots], [s_weights, m_weights])
                 } else {
@@ -516,7 +542,7 @@ impl Held<'_, '_, '_> {
                     slot: u8::from(pair.side == Side::Right),
                     slave: k as u8,
                     partner: None,
-                    teeth: [0, 1].map(|g| of.tooth(g, &pair.near[g])),
+                    teeth,
                     x: Vec3::new(space.x, space.y, cell.z),
                     normal,
                     answer: [answer, Vec3::zeros()],

@@ -232,7 +232,7 @@ impl NodalSolve {
                 let mut here = Gathered::default();
                 for s in springs.iter() {
                     let gap = s.gap0 - here.along(s, &self.u);
-                    self.closed.push(force_at(s, gap, stage).n > 0.0);
+                    self.closed.push(pushes(s, gap, stage));
                 }
                 if !self.closed_points(springs, stage)? {
                     break;
@@ -251,10 +251,9 @@ impl NodalSolve {
     fn is_doubtful(&self, springs: &[Spring], stage: Stage) -> bool {
         let depth = springs.iter().fold(0.0_f64, |d, s| d.max(-s.gap0));
         springs.iter().any(|s| {
-            let n = s.law.smooth(s.gap, s.rate, 0.0, s.stiffness).n;
             let x = match stage {
                 Stage::Elastic => s.gap,
-                Stage::Damped => n / s.stiffness,
+                Stage::Damped => s.gap - law_push(s) / s.stiffness,
             };
             x.abs() < DOUBT * depth
         })
@@ -283,12 +282,14 @@ impl NodalSolve {
             let mut settled = true;
             for (s, closed) in springs.iter_mut().zip(&mut self.closed) {
                 s.gap = s.gap0 - here.along(s, &self.u);
-                s.force = force_at(s, s.gap, stage);
-                let now = s.force.n > 0.0;
+                let now = pushes(s, s.gap, stage);
                 settled &= now == *closed;
                 *closed = now;
             }
             if settled {
+                for s in springs {
+                    s.force = force_at(s, s.gap, stage);
+                }
                 return Ok(true);
             }
         }
@@ -591,6 +592,15 @@ fn add_points<'a>(
 #[inline]
 fn law_push(s: &Spring) -> f64 {
     s.law.smooth(0.0, s.rate, 0.0, s.stiffness).n
+}
+
+/// Whether a point with a linear law pushes at a gap.
+#[inline]
+fn pushes(s: &Spring, gap: f64, stage: Stage) -> bool {
+    match stage {
+        Stage::Elastic => gap < 0.0,
+        Stage::Damped => s.elastic.1 > 0.0 && law_push(s) - s.stiffness * gap > 0.0,
+    }
 }
 
 /// Force of a point at a gap; zero where it is open or would pull.
