@@ -8,7 +8,7 @@ use super::canvas::{
 use super::lines::WIDTH;
 use super::style::look;
 use crate::numbers::{quantity, short};
-use crate::record::{ContactSnapshot, Run};
+use crate::record::{ContactPoint, ContactSnapshot, Run};
 use crate::view::View;
 
 const GAP: f64 = 20.0;
@@ -195,9 +195,33 @@ fn names(
     }
 }
 
+/// Forces of one tooth pair as one, where they act on the whole: many points of a flank would hide each other.
+fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
+    let mut pairs: Vec<(ContactPoint, f64)> = Vec::new();
+    for contact in contacts {
+        let weight = contact.force[0].hypot(contact.force[1]);
+        let known =
+            (pairs.iter_mut()).find(|(pair, _)| !pair.pair.is_empty() && pair.pair == contact.pair);
+        match known {
+            Some((pair, total)) if weight.is_finite() => {
+                *total += weight;
+                let share = if *total > 0.0 { weight / *total } else { 0.0 };
+                for k in 0..2 {
+                    pair.force[k] += contact.force[k];
+                    pair.point[k] += share * (contact.point[k] - pair.point[k]);
+                }
+            }
+            Some(_) => {}
+            None => pairs.push((contact.clone(), weight)),
+        }
+    }
+    pairs.into_iter().map(|(pair, _)| pair).collect()
+}
+
 fn arrows(c: &mut Canvas<'_>, p: &Picture<'_>, at: &dyn Fn([f64; 2]) -> (f64, f64), area: &Rect) {
     let magnitude = |f: [f64; 2]| f[0].hypot(f[1]);
-    let greatest = (p.snapshot.contacts.iter())
+    let pairs = by_pair(&p.snapshot.contacts);
+    let greatest = (pairs.iter())
         .map(|k| magnitude(k.force))
         .filter(|f| f.is_finite())
         .fold(0.0, f64::max);
@@ -207,7 +231,7 @@ fn arrows(c: &mut Canvas<'_>, p: &Picture<'_>, at: &dyn Fn([f64; 2]) -> (f64, f6
     let ink = look(p.style).ink;
     let reach = 0.3 * area.width().min(area.height());
     let mut labels: Vec<Rect> = Vec::new();
-    for contact in &p.snapshot.contacts {
+    for contact in &pairs {
         let force = magnitude(contact.force);
         let (x, y) = at(contact.point);
         if !(force.is_finite() && force > 0.0 && x.is_finite() && y.is_finite()) {
