@@ -299,6 +299,46 @@ mod tests {
         }
     }
 
+    /// The lag against its definition: kicks of unit acceleration, filtered as they are, hold an oscillator where half a
+    /// kick, the drift and half a kick lead back; what is seen of that falls short of `1/omega^2`.
+    #[test]
+    fn lags_are_what_kicks_leave_out() {
+        let (h, from) = (0.3, 0.64 * std::f64::consts::PI);
+        assert_eq!(lag_of(0.0, h, from), h * h / 12.0);
+        // Either side of the end of the series and of the filter, at its zeros, and far beyond.
+        for x in [
+            0.299_999, 0.300_001, 0.5, 1.0, 2.0, 2.1, 3.0, 3.14, 3.15, 4.0, 6.2, 6.4, 50.0,
+        ] {
+            let omega = x / h;
+            let c = coefficients(omega, 0.0, h);
+            let held = 0.5 * h * c.qv / (omega * omega * c.qg);
+            let seen = if x > from { sinc(x) } else { 1.0 };
+            let lag = 1.0 / (omega * omega) - seen * seen * held;
+            let found = lag_of(omega, h, from);
+            let error = (found / lag - 1.0).abs();
+            assert!(error < 3e-11, "omega h = {x}: {found:e} {lag:e}");
+        }
+        // Slow ones without cancellation.
+        for x in [1e-9, 1e-4, 1e-2] {
+            let y = x * x;
+            let want = h * h / 12.0 * (1.0 + y / 60.0 + y * y / 2520.0);
+            close(lag_of(x / h, h, from), want, h * h, "slow");
+        }
+        // Filtered from the first on: 1 - 2 sin (x/2) cos^3 (x/2) / x = 5 x^2/12 - ...
+        let x = 1e-2;
+        let given = 5.0 / 12.0 - 17.0 / 240.0 * x * x;
+        let error = (lag_of(x / h, h, 0.0) / (h * h) / given - 1.0).abs();
+        assert!(error < 1e-8, "all filtered: {error:e}");
+        // Where an oscillator is not seen, all of it is left out.
+        let omega = std::f64::consts::PI / h;
+        close(
+            lag_of(omega, h, from) * omega * omega,
+            1.0,
+            1.0,
+            "zero of the filter",
+        );
+    }
+
     #[test]
     fn tables_survive_the_rounding_of_times() {
         let mut tables = Tables::default();

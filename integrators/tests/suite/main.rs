@@ -10,6 +10,7 @@ mod events;
 mod failures;
 mod golden_work;
 mod hammer;
+mod kicks;
 mod linear_oscillator;
 mod micro_benchmark;
 mod modal;

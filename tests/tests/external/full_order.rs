@@ -14,7 +14,7 @@ use gearbench_models::scene::spec::Value;
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Run;
 
-fn load(name: &str) -> (SceneFile, ExternalReference) {
+pub(crate) fn load(name: &str) -> (SceneFile, ExternalReference) {
     let scene = scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"));
     let external = reference(scene.reference.as_deref().unwrap()).unwrap();
     (scene, external)

@@ -1,0 +1,219 @@
+//! Reduced gears against full-order finite elements on the same mesh and law, against CalculiX, and their own ledgers.
+//!
+//! What is reduced shows beside the full order, whose own step is so small that its error does not; what is left
+//! against CalculiX is what stands between the full order and CalculiX too. Limits stand a little above what was found.
+//! Figures: `cargo test --release -p gearbench-tests --test external elastic -- --nocapture`.
+#![allow(clippy::print_stdout)]
+
+use super::full_order::load;
+use gearbench::models::models;
+use gearbench::scene_file::SceneFile;
+use gearbench::study::compare::{Plan, compare};
+use gearbench::study::run::Method;
+use gearbench_integrators::{
+    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec::{Modelling, Value};
+use gearbench_reference::ExternalReference;
+use gearbench_reports::metrics;
+use gearbench_reports::record::Run;
+use gearbench_tests::slope;
+
+type Case = (SceneFile, ExternalReference);
+
+/// Parameters of the elastic model that are not those of the scene.
+type Other<'a> = &'a [(&'a str, Value)];
+
+fn change(modelling: &mut Modelling, other: Other<'_>) {
+    for gear in &mut modelling.gears {
+        for (key, value) in other {
+            gear.parameters.insert((*key).into(), value.clone());
+        }
+    }
+}
+
+fn run(
+    (scene, external): &Case,
+    label: &str,
+    other: Other<'_>,
+    method: Option<(&str, f64)>,
+) -> Run {
+    let mut plan = Plan {
+        repeats: 0,
+        tolerance: None,
+        reference_model: None,
+        ..Plan::of(scene, &[scene.model(label).unwrap()], Some(external))
+    };
+    change(&mut plan.entries[0].modelling, other);
+    if let Some((text, step)) = method {
+        plan = plan.with_methods(vec![Method {
+            text: text.into(),
+            resolution: Resolution::Step(step),
+        }]);
+    }
+    compare(&plan, None, |_, _| {}).unwrap().runs.remove(0)
+}
+
+/// Errors of a run: force history, impulse, peak.
+fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
+    let (a, b) = (run.series.as_ref().unwrap(), of.series.as_ref().unwrap());
+    let m = metrics::compare(a, &run.ledger, b, "fe");
+    let e = [m.force_l2, m.impulse_rel, m.peak_force_rel].map(Option::unwrap);
+    println!(
+        "{what}: force history {:.3} %, impulse {:+.4} %, peak {:+.3} %",
+        100.0 * e[0],
+        100.0 * e[1],
+        100.0 * e[2]
+    );
+    e
+}
+
+#[test]
+fn few_modes_with_residual_compliance_are_full_finite_elements() {
+    let case = load("spur_impact");
+    let full = run(&case, "fe", &[], Some(("newmark", 1e-7)));
+    let modes = |n: f64| ("modes", Value::Number(n));
+    let mut of_modes = Vec::new();
+    for (n, limits) in [
+        (50.0, [0.022, 3e-4, 0.02]),
+        (100.0, [6e-3, 2e-4, 2e-3]),
+        (200.0, [4e-3, 2e-4, 2e-3]),
+    ] {
+        let found = run(&case, "elastic", &[modes(n)], None);
+        assert!(found.modes.unwrap() <= n as usize);
+        let what = format!("{} modes at 1 us", found.modes.unwrap());
+        let e = errors(&what, &found, &full);
+        for (e, limit) in e.iter().zip(limits) {
+            assert!(e.abs() < limit, "{what}: {e:.2e} beyond {limit:.0e}");
+        }
+        let calculix = found.against("calculix").unwrap().force_l2.unwrap();
+        println!("{what}: against CalculiX {:.2} %", 100.0 * calculix);
+        assert!(n < 100.0 || calculix < 0.012, "{calculix}");
+        of_modes.push((found, e));
+    }
+    let (usual, [usual_error, ..]) = &of_modes[1];
+
+    // The step leaves next to nothing: what kicks leave out of the modes is given to the residual compliance.
+    let fine = run(&case, "elastic", &[], Some(("trigonometric", 2.5e-7)));
+    let [apart, impulse, peak] = errors("1 us against 0.25 us", usual, &fine);
+    assert!(apart < 1e-3 && impulse.abs() < 1e-4 && peak.abs() < 1e-3);
+
+    // Cut modes without residual compliance.
+    let truncated = run(&case, "elastic-truncated", &[], None);
+    let what = format!("{} modes, plain truncation", truncated.modes.unwrap());
+    let [e, ..] = errors(&what, &truncated, &full);
+    println!(
+        "plain truncation is {:.0} times further off",
+        e / usual_error
+    );
+    assert!(e > 40.0 * usual_error, "{e} {usual_error}");
+}
+
+/// The impulse of the moments on each gear by the trapezoidal rule, which kicks are.
+struct Impulse {
+    channels: [usize; 2],
+    last: Option<[f64; 2]>,
+    sum: [f64; 2],
+    out: Outputs,
+}
+
+impl Impulse {
+    fn read(&mut self, sys: &mut dyn SecondOrderSystem, s: &State) -> [f64; 2] {
+        sys.output(s.at(), &mut self.out);
+        self.channels.map(|c| self.out.channels[c])
+    }
+}
+
+impl Sink for Impulse {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let from = self.last.take();
+        let from = from.unwrap_or_else(|| self.read(sys, step.from));
+        let to = self.read(sys, step.to);
+        for k in 0..2 {
+            self.sum[k] += 0.5 * (step.to.t - step.from.t) * (from[k] + to[k]);
+        }
+        self.last = Some(to);
+        Control::Continue
+    }
+}
+
+/// Change of energy over an impact, and of each gear's momentum against the moments on it; relative.
+fn balance(scene: &mut Scene, h: f64, t_end: f64) -> (f64, [f64; 2]) {
+    let mut state = scene.initial();
+    let channels =
+        ["pinion", "wheel"].map(|g| scene.channel(&format!("contact_torque:{g}")).unwrap());
+    let momenta = |scene: &Scene, s: &State| {
+        [0, 1].map(|k: usize| {
+            let g = &scene.gears()[k];
+            g.model.hub_state(g.at(s.at())).momentum
+        })
+    };
+    let mut impulse = Impulse {
+        channels,
+        last: None,
+        sum: [0.0; 2],
+        out: Outputs::default(),
+    };
+    impulse.read(scene, &state);
+    let energy = impulse.out.energy.total();
+    let before = momenta(scene, &state);
+    let (_, mut method) = gearbench_integrators::method("trigonometric").unwrap();
+    let plan = TimePlan::new(t_end, Resolution::Step(h));
+    method
+        .run(scene, &mut state, &plan, &mut impulse, &mut Work::default())
+        .unwrap();
+    let after = momenta(scene, &state);
+    impulse.read(scene, &state);
+    assert_eq!(impulse.out.energy.contact, 0.0, "the flanks have parted");
+    (
+        impulse.out.energy.total() / energy - 1.0,
+        [0, 1].map(|k: usize| impulse.sum[k] / (after[k] - before[k]) - 1.0),
+    )
+}
+
+#[test]
+fn impacts_keep_momentum_and_lose_little_energy() {
+    let (scene, _) = load("spur_impact");
+    let choice = scene.model("elastic").unwrap();
+    let spec = scene.spec_for(choice);
+    let steps = [1e-6, 5e-7, 2e-7, 1e-7, 5e-8];
+    let mut worst = [0.0_f64; 5];
+    let (mut mean, mut square) = ([0.0_f64; 5], [0.0_f64; 5]);
+    let gaps = 8;
+    for gap in 0..gaps {
+        let mut spec = spec.clone();
+        // Steps of 1 us close the gap by 0.75 um each: contact begins at all phases of a step.
+        spec.meshes[0].start.gap = 2e-6 + 0.75e-6 * f64::from(gap) / f64::from(gaps);
+        let mut built = Scene::build(&spec, &choice.modelling, models()).unwrap();
+        for (i, h) in steps.into_iter().enumerate() {
+            let (energy, momentum) = balance(&mut built, h, 1.3e-4);
+            println!(
+                "gap {gap}, step {h:.0e} s: energy {energy:+.1e}, momenta {:+.0e} {:+.0e}",
+                momentum[0], momentum[1]
+            );
+            worst[i] = worst[i].max(energy.abs());
+            mean[i] += energy / f64::from(gaps);
+            square[i] += energy * energy;
+            for m in momentum {
+                assert!(m.abs() < 1e-9, "step {h:e}: momentum {m:.1e}");
+            }
+        }
+    }
+    for i in 0..steps.len() {
+        square[i] = (square[i] / f64::from(gaps)).sqrt();
+        println!(
+            "step {:.1e} s: energy of an impact within {:.1e}, {:.1e} in the root mean square, {:+.1e} on average",
+            steps[i], worst[i], square[i], mean[i]
+        );
+    }
+    // Two edges of contact fall anywhere in a step; that is the error, and of either sign.
+    for (i, limit) in [(0, 2e-4), (2, 1e-5), (4, 5e-7)] {
+        let h = steps[i];
+        assert!(worst[i] < limit, "step {h:e}: energy {:.1e}", worst[i]);
+    }
+    assert!(mean[0].abs() < 1e-5, "made up on average: {mean:?}");
+    let order = slope(&steps, &square);
+    println!("falls with the power {order:.1} of the step");
+    assert!(order > 2.0, "{order}");
+}
