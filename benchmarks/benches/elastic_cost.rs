@@ -1,9 +1,9 @@
-//! What the elastic model costs: `cargo bench -p gearbench --bench elastic_cost [-- --calculix-cpu-s SECONDS]`.
+//! What the elastic model costs: `cargo bench -p gearbench --bench elastic_cost [-- --calculix-cpu-s SECONDS --store FILE]`.
 //!
 //! 1. One impact (`spur_impact`, reductions made before): elastic with residual compliance beside full finite
 //!    elements on the same mesh, the better of explicit and implicit, and beside CalculiX. The time of CalculiX is the
 //!    stored one or, better, one measured on this machine (`reference/calculix/regenerate.sh case-a-fine 0.1335e-3`,
-//!    processor time), handed over on the command line.
+//!    processor time), handed over on the command line. `--store` writes figures and machine into a file.
 //! 2. Flight: `hammer` with ten times the backlash and duration, so that flights last ten times as long between the
 //!    same impacts.
 //! 3. Mesh: twice the elements at the same flank nodes.
@@ -11,8 +11,9 @@
 use gearbench::scene_file::{self, SceneFile};
 use gearbench_integrators::{NullSink, Resolution, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::scene::spec;
 use gearbench_reference::reference;
+use serde_json::{Value, json};
 use std::time::Instant;
 
 const REPEATS: usize = 15;
@@ -30,7 +31,7 @@ fn built(file: &SceneFile, label: &str, changes: &[(&str, f64)]) -> Scene {
     for gear in &mut modelling.gears {
         for (key, value) in changes {
             gear.parameters
-                .insert((*key).to_string(), Value::Number(*value));
+                .insert((*key).to_string(), spec::Value::Number(*value));
         }
     }
     let scene = Scene::build(
@@ -60,7 +61,7 @@ fn timed(scene: &mut Scene, method: &str, h: f64, end: f64, repeats: usize) -> (
 }
 
 #[allow(clippy::print_stdout)]
-fn impact(calculix: Option<f64>) {
+fn impact(calculix: Option<f64>) -> Value {
     let file = scene_file::load("spur_impact").unwrap_or_else(|e| panic!("{e:?}"));
     let end = file.duration;
     let mut runs = Vec::new();
@@ -86,8 +87,8 @@ fn impact(calculix: Option<f64>) {
     )
     .0;
     let fe = explicit.min(implicit);
-    let stored = reference("calculix/case-a-fine").map(|r| r.summary.cpu_s);
-    let (calculix, whence) = match (calculix, stored) {
+    let published = reference("calculix/case-a-fine").map(|r| r.summary.cpu_s);
+    let (calculix, whence) = match (calculix, published) {
         (Some(s), _) => (s, "measured on this machine"),
         (None, Ok(s)) => (s, "stored, another machine"),
         (None, Err(e)) => panic!("{e}"),
@@ -96,7 +97,15 @@ fn impact(calculix: Option<f64>) {
     println!(
         "fe: explicit {explicit:.2} s, implicit {implicit:.2} s; CalculiX {calculix:.1} s of processor time ({whence})"
     );
+    let mut stored = Vec::new();
     for (modes, wall, work) in runs {
+        stored.push(json!({
+            "modes": modes,
+            "wall_s": wall,
+            "steps": work.steps,
+            "fe_over_elastic": fe / wall,
+            "calculix_over_elastic": calculix / wall,
+        }));
         println!(
             "elastic, {modes:>3} modes: {:>7.3} ms, {} steps, {:.2} us each; fe / elastic {:>6.0}, CalculiX / elastic {:>7.0}",
             1e3 * wall,
@@ -106,10 +115,19 @@ fn impact(calculix: Option<f64>) {
             calculix / wall
         );
     }
+    json!({
+        "scene": "spur_impact",
+        "simulated_s": end,
+        "fe_explicit_s": explicit,
+        "fe_implicit_s": implicit,
+        "calculix_cpu_s": calculix,
+        "calculix_time": whence,
+        "elastic": stored,
+    })
 }
 
 #[allow(clippy::print_stdout)]
-fn flight() {
+fn flight() -> Value {
     let file = scene_file::load("hammer").unwrap_or_else(|e| panic!("{e:?}"));
     let ten = scene_file::load("benchmarks/benches/support/hammer_ten.toml")
         .or_else(|_| scene_file::load("benches/support/hammer_ten.toml"))
@@ -138,10 +156,11 @@ fn flight() {
         works[1].steps,
         long / short
     );
+    json!({ "scene": "hammer", "wall_s": short, "ten_times_the_flight_s": long, "ratio": long / short })
 }
 
 #[allow(clippy::print_stdout)]
-fn mesh() {
+fn mesh() -> Value {
     let file = scene_file::load("hammer").unwrap_or_else(|e| panic!("{e:?}"));
     let end = 2e-3;
     let coarse = [("rim_elements", 4.0)];
@@ -164,17 +183,31 @@ fn mesh() {
         1e6 * large,
         large / small
     );
+    json!({ "scene": "hammer", "step_s": small, "twice_the_elements_step_s": large, "ratio": large / small })
 }
 
 fn main() {
-    let mut calculix = None;
+    let (mut calculix, mut store) = (None, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        if word == "--calculix-cpu-s" {
-            calculix = words.next().and_then(|w| w.parse().ok());
+        match word.as_str() {
+            "--calculix-cpu-s" => calculix = words.next().and_then(|w| w.parse().ok()),
+            "--store" => store = words.next(),
+            _ => {}
         }
     }
-    impact(calculix);
-    flight();
-    mesh();
+    let figures = json!({
+        "command": "cargo bench -p gearbench --bench elastic_cost -- --calculix-cpu-s SECONDS --store FILE",
+        "calculix_command": "time reference/calculix/regenerate.sh case-a-fine 0.1335e-3",
+        "machine": gearbench::study::machine::machine(),
+        "date": gearbench::study::machine::now(),
+        "commit": gearbench::study::machine::COMMIT,
+        "impact": impact(calculix),
+        "flight": flight(),
+        "mesh": mesh(),
+    });
+    if let Some(file) = store {
+        let text = format!("{figures:#}\n");
+        std::fs::write(&file, text).unwrap_or_else(|e| panic!("{file}: {e}"));
+    }
 }
