@@ -4,5 +4,6 @@
 //! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+mod elastic;
 mod flank_points;
 mod impact;

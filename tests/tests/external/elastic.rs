@@ -207,7 +207,7 @@ fn impacts_keep_momentum_and_lose_little_energy() {
             steps[i], worst[i], square[i], mean[i]
         );
     }
-    // Two edges of contact fall anywhere in a step; that is the error, and of either sign.
+    // The error goes by where within a step contact begins and ends: of either sign, and next to nothing on average.
     for (i, limit) in [(0, 2e-4), (2, 1e-5), (4, 5e-7)] {
         let h = steps[i];
         assert!(worst[i] < limit, "step {h:e}: energy {:.1e}", worst[i]);
