@@ -260,12 +260,13 @@ pub struct Modes {
 
 const PENALTY_EXAMPLES: &str = "\
 Examples:
-  gearbench penalty                                  the elastic model of spur_impact
+  gearbench penalty                                  the elastic gears of spur_impact, points at nodes
   gearbench penalty spur_impact --from 1e14 --to 1e16 --points 5
   gearbench penalty my_scene.toml --model elastic --hard elastic-without-penalty
 
 Runs one model with penalty after penalty and finds its static transmission error under --load. The same model with hard
-contact, if the scene has one (--hard, or the label with -hard behind it), is the limit that all are held against.";
+contact, if the scene has one (--hard, or the label with -hard behind it), is the limit that all are held against. Points
+must be of one kind: a penalty at nodes comes to hard contact at nodes, not to that of averaged gaps.";
 
 /// Arguments of `penalty`.
 #[derive(Args, Clone, Debug)]
@@ -274,9 +275,9 @@ pub struct Penalty {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
-    /// The model by label
-    #[arg(long, value_name = "LABEL", default_value = "elastic")]
-    pub model: String,
+    /// The model by label [default: the first with a hard twin LABEL-hard, else `elastic`]
+    #[arg(long, value_name = "LABEL")]
+    pub model: Option<String>,
     /// The same model with hard contact by label [default: LABEL-hard, if the scene has it]
     #[arg(long, value_name = "LABEL")]
     pub hard: Option<String>,

@@ -19,7 +19,10 @@ use std::time::Duration;
 /// Runs the study and writes its folder.
 pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load(&args.scene)?;
-    let choice = scene.select(Some(&args.model))?[0];
+    let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
+    let found = scene.models.iter().find(twin).map(|m| m.label.as_str());
+    let label = args.model.as_deref().or(found).unwrap_or("elastic");
+    let choice = scene.select(Some(label))?[0];
     let hard: Option<&ModelChoice> = match &args.hard {
         Some(label) => Some(scene.select(Some(label))?[0]),
         None => scene.model(&format!("{}-hard", choice.label)),
