@@ -2,7 +2,7 @@
 
 use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
 use crate::cli::Compare;
-use crate::scene_file::{self, ModelChoice, SceneFile};
+use crate::scene_file::{self, ModelChoice, SceneFile, Selection};
 use crate::study::compare::{LEFT_OUT, Plan, compare, methods_from};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// Runs the comparison and writes its folder.
 pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
-    let scene = scene_file::load(&args.scene)?;
+    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let reference = scene
         .reference

@@ -4,7 +4,7 @@ use super::{Refusal, progress_bar, say};
 use crate::cli::Identify;
 use crate::models::models;
 use crate::scene_file::calibration::Constants;
-use crate::scene_file::{self, Calibration, SceneFile};
+use crate::scene_file::{self, Calibration, SceneFile, Selection};
 use crate::study::identify::{Identification, IdentifyError, identify, keys};
 use crate::study::machine;
 use std::process::ExitCode;
@@ -14,7 +14,8 @@ const NAME: &str = "impact";
 
 /// Fits the models of a scene that have something to fit.
 pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
-    let scene = scene_file::load_uncalibrated(&args.scene)?;
+    let scene =
+        scene_file::load_uncalibrated(&args.scene, Selection::Labels(args.model.as_deref()))?;
     let Some(id) = scene.reference.as_deref() else {
         return Err(Refusal::Input(miette::miette!(
             help = "give the scene a line such as reference = \"calculix/case-a-fine\"",

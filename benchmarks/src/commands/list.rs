@@ -11,7 +11,7 @@ use std::process::ExitCode;
 pub fn run() -> Result<ExitCode, Refusal> {
     say("scenes (gearbench compare NAME)");
     for s in SHIPPED {
-        let scene = scene_file::load(s.name)?;
+        let scene = scene_file::load_unbuilt(s.name)?;
         let labels: Vec<&str> = scene.models.iter().map(|m| m.label.as_str()).collect();
         say(&format!("  {:<18} {}", s.name, scene.title));
         say(&format!("  {:<18} models: {}", "", labels.join(", ")));

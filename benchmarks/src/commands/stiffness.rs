@@ -3,7 +3,7 @@
 use super::{Refusal, progress_bar, say};
 use crate::cli::Stiffness;
 use crate::models::models;
-use crate::scene_file;
+use crate::scene_file::{self, Selection};
 use crate::study::stiffness::{Entry, Row, build_error, formulas, includes, solve, summary_csv};
 use gearbench_models::scene::build::lever;
 use gearbench_reference::statics::{Load, StaticsError};
@@ -16,7 +16,7 @@ const PER_MM_UM: f64 = 1e9;
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
 pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
-    let scene = scene_file::load(&args.scene)?;
+    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let mut entries: Vec<Entry> = choices
         .iter()

@@ -4,7 +4,7 @@ use super::compare::settings;
 use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
 use crate::cli::Sweep;
 use crate::models::models;
-use crate::scene_file::{self, ModelChoice};
+use crate::scene_file::{self, ModelChoice, Selection};
 use crate::study::compare::Entry;
 use crate::study::run::Method;
 use crate::study::stiffness::build_error;
@@ -20,7 +20,7 @@ const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.
 pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
-    let scene = scene_file::load(&args.scene)?;
+    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
     let full = |m: &ModelChoice| m.model == "fe";

@@ -118,8 +118,37 @@ pub struct SceneFile {
 /// # Errors
 /// [`SceneError`] with file, line and a way out.
 pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    let file = read(path_or_name, true)?;
-    file.check(true)?;
+    load_for(path_or_name, Selection::All)
+}
+
+/// Which models of a scene are wanted: the others are read, but not built, which takes seconds where finite elements
+/// are to be reduced.
+#[derive(Clone, Copy, Debug)]
+pub enum Selection<'a> {
+    /// All.
+    All,
+    /// As [`SceneFile::select`] takes them.
+    Labels(Option<&'a str>),
+}
+
+/// As [`load`], but builds only the models that are wanted.
+///
+/// # Errors
+/// [`SceneError`] with file, line and a way out, also for labels that the scene does not have.
+pub fn load_for(path_or_name: &str, selection: Selection<'_>) -> Result<SceneFile, SceneError> {
+    load_with(path_or_name, selection, true)
+}
+
+fn load_with(
+    path_or_name: &str,
+    selection: Selection<'_>,
+    calibrated: bool,
+) -> Result<SceneFile, SceneError> {
+    let file = read(path_or_name, calibrated)?;
+    match selection {
+        Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
+        Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
+    }
     Ok(file)
 }
 
@@ -128,10 +157,11 @@ pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
 ///
 /// # Errors
 /// [`SceneError`] with file, line and a way out.
-pub fn load_uncalibrated(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    let file = read(path_or_name, false)?;
-    file.check(false)?;
-    Ok(file)
+pub fn load_uncalibrated(
+    path_or_name: &str,
+    selection: Selection<'_>,
+) -> Result<SceneFile, SceneError> {
+    load_with(path_or_name, selection, false)
 }
 
 /// Loads a scene without calibrations and without building its models, for those who want its gears: what a model
@@ -208,7 +238,7 @@ impl SceneFile {
         calibrated: bool,
     ) -> Result<Self, SceneError> {
         let file = Self::unbuilt(name, text, origin, calibrated)?;
-        file.check(calibrated)?;
+        file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?;
         Ok(file)
     }
 
@@ -335,8 +365,8 @@ impl SceneFile {
     }
 
     /// Builds every model once. Without calibrations a model that asks for one may lack its constants.
-    fn check(&self, calibrated: bool) -> Result<(), SceneError> {
-        for choice in &self.models {
+    fn check(&self, choices: &[&ModelChoice], calibrated: bool) -> Result<(), SceneError> {
+        for choice in choices {
             let incomplete = choice.calibration.is_some() && !calibrated;
             if let Err(e) = Scene::build(&self.spec_for(choice), &choice.modelling, model_table())
                 && !(incomplete && e.message.contains("is missing"))

@@ -128,7 +128,8 @@ fn case_c_in_force_impulse_and_rebound() {
 #[test]
 fn identification_finds_the_stored_rigid_calibration_again() {
     let name = "spur_impact";
-    let scene = scene_file::load_uncalibrated(name).unwrap_or_else(|e| panic!("{e:?}"));
+    let scene = scene_file::load_uncalibrated(name, scene_file::Selection::All)
+        .unwrap_or_else(|e| panic!("{e:?}"));
     let external = stored(&scene);
     let choice = scene.model("rigid").unwrap();
     let found = identify(

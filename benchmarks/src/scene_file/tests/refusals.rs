@@ -1,7 +1,7 @@
 //! Refusals of the file as such, of gears and of meshes: line, cause, what was expected, way out.
 
 use super::{BASE, changed, parse, refused, render};
-use crate::scene_file::{load, load_uncalibrated};
+use crate::scene_file::{Selection, load, load_uncalibrated};
 
 #[test]
 fn unknown_keys_and_wrong_units() {
@@ -515,7 +515,7 @@ fn scenes_that_are_not_there() {
         shown.contains("no scene `spur_inpact`") && shown.contains("did you mean `spur_impact`"),
         "{shown}"
     );
-    let shown = render(&load_uncalibrated("nowhere/x.toml").unwrap_err());
+    let shown = render(&load_uncalibrated("nowhere/x.toml", Selection::All).unwrap_err());
     assert!(
         shown.contains("nowhere/x.toml") && shown.contains("expected a readable TOML file"),
         "{shown}"

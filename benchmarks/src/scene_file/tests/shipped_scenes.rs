@@ -1,7 +1,7 @@
 //! The shipped scenes load, and those with a reference agree with it.
 
 use super::render;
-use crate::scene_file::{CalibrationUse, Origin, SHIPPED, load, load_uncalibrated};
+use crate::scene_file::{CalibrationUse, Origin, SHIPPED, Selection, load, load_uncalibrated};
 use gearbench_models::geometry::{Pair, Side};
 use gearbench_models::load::Load;
 use gearbench_models::scene::spec::{Body, Value};
@@ -22,7 +22,8 @@ fn all_load_and_are_described() {
                 .calibration_path()
                 .ends_with(format!("calibrations/{}.toml", shipped.name))
         );
-        load_uncalibrated(shipped.name).unwrap_or_else(|e| panic!("{}", render(&e)));
+        load_uncalibrated(shipped.name, Selection::All)
+            .unwrap_or_else(|e| panic!("{}", render(&e)));
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is read arrives as it was written.
 
 use super::{BASE, changed, parse, read, render};
-use crate::scene_file::{QUANTITIES, load, load_uncalibrated};
+use crate::scene_file::{QUANTITIES, Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::contact::law::Damping;
@@ -375,7 +375,7 @@ fn a_file_has_its_calibration_beside_it() {
     let name = path.to_str().unwrap();
     let shown = render(&load(name).unwrap_err());
     assert!(shown.contains("no calibration \"static\""), "{shown}");
-    let scene = load_uncalibrated(name).unwrap();
+    let scene = load_uncalibrated(name, Selection::All).unwrap();
     assert_eq!(
         scene.calibration_path(),
         folder.join("own.calibration.toml")
