@@ -25,17 +25,23 @@ def main(path):
         for key in RUN_KEYS:
             assert key in run, f"{name}: no {key}"
         assert ("step" in run) != ("rtol" in run), f"{name}: step or rtol"
-        assert run["status"] == "converged", f"{name}: {run['status']}: {run.get('message')}"
+        # Plain truncation stands beside the others to show how far off it is.
+        truncated = run["model"] == "elastic" and not run["residual"]
+        expected = "inaccurate" if truncated else "converged"
+        assert run["status"] == expected, f"{name}: {run['status']}: {run.get('message')}"
         against = {m["against"]: m for m in run["metrics"]}
         wanted = {"calculix"} if run["model"] == "fe" else {"calculix", "self"}
         assert wanted <= set(against), f"{name}: compared with {sorted(against)}"
         for key in METRIC_KEYS:
             assert key in against["calculix"], f"{name}: no {key}"
-        limit = {"rigid": 0.05, "movable-teeth": 0.035, "fe": 0.02}[run["model"]]
+        limit = {"rigid": 0.05, "movable-teeth": 0.035, "elastic": 0.02, "fe": 0.02}[run["model"]]
         error = against["calculix"]["force_l2_aligned"]
-        assert error <= limit, f"{name}: aligned force error {error:.4f} beyond {limit}"
+        if truncated:
+            assert 0.1 < error < 0.3, f"{name}: aligned force error {error:.4f} of plain truncation"
+        else:
+            assert error <= limit, f"{name}: aligned force error {error:.4f} beyond {limit}"
         # Deflected teeth touch off the lines of action, where there is no such invariant.
-        if run["model"] == "fe":
+        if run["model"] in ("elastic", "fe"):
             continue
         drift = run["ledger"]["invariant_drift_rel"]
         assert abs(drift) <= 1e-10, f"{name}: momentum invariant drifts by {drift:.1e}"
