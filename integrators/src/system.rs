@@ -244,6 +244,12 @@ pub trait SecondOrderSystem {
         true
     }
 
+    /// True where a contact force may jump at first touch or change much within a step, so that histories look into
+    /// steps; without dampers at the contacts it grows from zero.
+    fn has_jumps(&self) -> bool {
+        self.has_powers()
+    }
+
     /// Energies, powers and channels at a state.
     fn output(&mut self, _at: At<'_>, _out: &mut Outputs) {}
 }

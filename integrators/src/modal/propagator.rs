@@ -180,6 +180,21 @@ impl Drift {
         }
     }
 
+    /// [`Self::load`], added to what `(q, v)` hold.
+    #[inline]
+    pub(crate) fn load_onto(
+        &self,
+        q0: &[f64],
+        v0: &[f64],
+        g: impl Fn(usize) -> f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) {
+        for i in 0..q.len() {
+            q[i] += q0[i] + (self.dq[i] * q0[i] + self.qv[i] * v0[i] + self.qg[i] * g(i));
+            v[i] += v0[i] + (self.vq[i] * q0[i] + self.dv[i] * v0[i] + self.qv[i] * g(i));
+        }
+    }
+
     /// Moves `(q0, v0)` under a load to `(q, v)`.
     #[inline]
     pub(crate) fn load(

@@ -35,6 +35,7 @@ use crate::method::{
     MethodInfo, OneStep, Parameter, Resolution, StepError, Stepping, Tolerance, Work,
 };
 use crate::system::{At, ModalSplit, SecondOrderSystem, State};
+use std::cell::RefCell;
 
 /// What the method declares.
 pub static INFO: MethodInfo = MethodInfo {
@@ -90,6 +91,8 @@ pub struct Trigonometric {
     zeta: Vec<f64>,
     longest: f64,
     tables: Tables,
+    /// Those of places inside steps.
+    inside: RefCell<Tables>,
     /// Table of the last step.
     table: usize,
     ends: [Kick; 2],
@@ -121,6 +124,7 @@ impl Trigonometric {
             zeta: Vec::new(),
             longest: f64::INFINITY,
             tables: Tables::default(),
+            inside: RefCell::default(),
             table: 0,
             ends: Default::default(),
             steady: Vec::new(),
@@ -232,6 +236,7 @@ impl OneStep for Trigonometric {
         }
         self.longest = safe_step(&self.omega);
         self.tables.clear();
+        self.inside.get_mut().clear();
         Ok(())
     }
 
@@ -391,6 +396,14 @@ impl OneStep for Trigonometric {
         } else {
             q.fill(0.0);
             v.fill(0.0);
+        }
+        if kicked {
+            // Observers look at the same places of step after step.
+            let mut inside = self.inside.borrow_mut();
+            let table = inside.find(&self.omega, &self.zeta, from.t, t, f64::INFINITY);
+            let drift = inside.get(table);
+            drift.load_onto(&from.q, &from.v, load, (q, v));
+            return;
         }
         for i in 0..n {
             let c = coefficients(self.omega[i], self.zeta[i], t);

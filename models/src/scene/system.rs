@@ -408,6 +408,13 @@ impl SecondOrderSystem for Scene {
                 .any(|m| m.search.locates() || m.law.is_dissipative() || m.friction.is_some())
     }
 
+    fn has_jumps(&self) -> bool {
+        // Dampers of modes and loads on hubs let no contact force jump.
+        self.meshes
+            .iter()
+            .any(|m| m.search.locates() || m.law.is_dissipative() || m.friction.is_some())
+    }
+
     fn channels(&self) -> &[String] {
         &self.channels
     }
