@@ -72,6 +72,15 @@ impl Hub {
         }
     }
 
+    /// Slope of a prescribed speed; zero for other mounts.
+    #[inline]
+    pub fn prescribed_acceleration(&self, t: f64) -> f64 {
+        match &self.mount {
+            Mount::Driven(speed) => speed.slope(t),
+            _ => 0.0,
+        }
+    }
+
     /// Derivative of `x . n` with respect to the travel for a point `x` that moves with the hub: the lever
     /// arm about z [m], or the direction cosine for a slide [-].
     #[inline]

@@ -1,6 +1,6 @@
 //! `gearbench compare SCENE`.
 
-use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
+use super::{Refusal, exit_code, progress_bar, refuse_run, say, write};
 use crate::cli::Compare;
 use crate::scene_file::{self, ModelChoice, SceneFile, Selection};
 use crate::study::compare::{LEFT_OUT, Plan, compare, methods_from};
@@ -11,7 +11,7 @@ use gearbench_models::scene::spec::{Body, ModelSpec, SceneSpec, Value};
 use gearbench_models::stiffness::{Mate, build_with_warnings};
 use gearbench_reports::numbers::short;
 use gearbench_reports::record::{Results, Status};
-use std::path::{Path, PathBuf};
+
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -50,23 +50,12 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     bar.finish_and_clear();
     let results = results.map_err(refuse_run)?;
 
-    let dir = args
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("out").join(&scene.name).join("compare"));
-    let page = gearbench_reports::write_results(&dir, &results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(&results, &dir, &page);
-    let unfinished = results.runs.iter().any(|r| r.status.is_failure());
-    Ok(if unfinished {
-        ExitCode::from(FAILED_RUN)
-    } else {
-        ExitCode::SUCCESS
-    })
+    write(&results, (&args.out, &scene.name, "compare"), summarise)?;
+    Ok(exit_code(&results))
 }
 
-/// One line per run, failures with their reason, and where everything lies.
-fn summarise(results: &Results, dir: &Path, page: &Path) {
+/// One line per run, failures with their reason.
+fn summarise(results: &Results) {
     let against = results.references.first().map_or("self", |r| r.id.as_str());
     say(&format!(
         "{:<24} {:<30} {:>9} {:>9} {:>8}  force error against {against}",
@@ -119,9 +108,6 @@ fn summarise(results: &Results, dir: &Path, page: &Path) {
             results.runs.len()
         ));
     }
-    say(&format!("record: {}", dir.join("results.json").display()));
-    let absolute: PathBuf = page.canonicalize().unwrap_or_else(|_| page.to_path_buf());
-    say(&format!("report: {}", absolute.display()));
 }
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come

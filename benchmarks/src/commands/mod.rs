@@ -16,10 +16,11 @@ mod sweep;
 use crate::cli::{Cli, Command};
 use crate::scene_file::SceneError;
 use crate::study::run::RunError;
+use gearbench_reports::record::Results;
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::Report;
 use std::io::IsTerminal;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -97,6 +98,31 @@ fn report(dir: &Path) -> Result<ExitCode, Refusal> {
     let page = gearbench_reports::report_from(dir).map_err(|e| Refusal::Files(e.to_string()))?;
     say(&format!("report: {}", page.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the folder of a study, prints its summary and where everything lies.
+fn write(
+    results: &Results,
+    (out, scene, study): (&Option<PathBuf>, &str, &str),
+    summarise: impl FnOnce(&Results),
+) -> Result<(), Refusal> {
+    let dir = (out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
+    let page = gearbench_reports::write_results(&dir, results)
+        .map_err(|e| Refusal::Files(e.to_string()))?;
+    summarise(results);
+    say(&format!("record: {}", dir.join("results.json").display()));
+    let absolute = page.canonicalize().unwrap_or(page);
+    say(&format!("report: {}", absolute.display()));
+    Ok(())
+}
+
+/// Exit code of a study whose runs are to finish.
+fn exit_code(results: &Results) -> ExitCode {
+    if results.runs.iter().any(|r| r.status.is_failure()) {
+        ExitCode::from(FAILED_RUN)
+    } else {
+        ExitCode::SUCCESS
+    }
 }
 
 fn refuse_run(e: RunError) -> Refusal {

@@ -1,7 +1,7 @@
 //! `gearbench modes SCENE`: error of the elastic model by number of modes.
 
 use super::compare::settings;
-use super::{Refusal, progress_bar, refuse_run, say};
+use super::{Refusal, progress_bar, refuse_run, say, write};
 use crate::cli::Modes;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile};
@@ -13,7 +13,6 @@ use gearbench_models::scene::spec::Value;
 use gearbench_reports::modes::{LIMITS, Way, counts, ways};
 use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -71,14 +70,7 @@ pub fn run(args: &Modes, command: &str) -> Result<ExitCode, Refusal> {
     bar.finish_and_clear();
     let results = results.map_err(refuse_run)?;
 
-    let dir =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("modes"));
-    let page = gearbench_reports::write_results(&dir, &results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(&results);
-    say(&format!("record: {}", dir.join("results.json").display()));
-    let absolute: PathBuf = page.canonicalize().unwrap_or(page);
-    say(&format!("report: {}", absolute.display()));
+    write(&results, (&args.out, &scene.name, "modes"), summarise)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,7 +1,7 @@
 //! `gearbench penalty SCENE`: results over the penalty of the contact.
 
 use super::compare::settings;
-use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
+use super::{Refusal, exit_code, progress_bar, refuse_run, say, write};
 use crate::cli::Penalty;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError};
@@ -12,7 +12,6 @@ use crate::study::stiffness::build_error;
 use gearbench_integrators::Resolution;
 use gearbench_models::scene::build::mesh_layout;
 use gearbench_reports::record::Results;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -93,20 +92,8 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
         )),
     })?;
-    let dir =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("penalty"));
-    let page = gearbench_reports::write_results(&dir, &results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(&results);
-    say(&format!("record: {}", dir.join("results.json").display()));
-    let absolute: PathBuf = page.canonicalize().unwrap_or(page);
-    say(&format!("report: {}", absolute.display()));
-    let unfinished = results.runs.iter().any(|r| r.status.is_failure());
-    Ok(if unfinished {
-        ExitCode::from(FAILED_RUN)
-    } else {
-        ExitCode::SUCCESS
-    })
+    write(&results, (&args.out, &scene.name, "penalty"), summarise)?;
+    Ok(exit_code(&results))
 }
 
 /// One line per penalty.

@@ -1,7 +1,7 @@
 //! `gearbench sweep SCENE`: loaded running over the speed.
 
 use super::compare::settings;
-use super::{FAILED_RUN, Refusal, progress_bar, refuse_run, say};
+use super::{Refusal, exit_code, progress_bar, refuse_run, say, write};
 use crate::cli::Sweep;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
@@ -11,7 +11,6 @@ use crate::study::stiffness::build_error;
 use crate::study::sweep::{Plan, SweepError, mesh_resonance, sweep};
 use gearbench_integrators::Resolution;
 use gearbench_reports::record::Results;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -92,20 +91,8 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
     });
     bar.finish_and_clear();
     let results = results.map_err(refuse)?;
-    let dir =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("sweep"));
-    let page = gearbench_reports::write_results(&dir, &results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(&results);
-    say(&format!("record: {}", dir.join("results.json").display()));
-    let absolute: PathBuf = page.canonicalize().unwrap_or(page);
-    say(&format!("report: {}", absolute.display()));
-    let unfinished = results.runs.iter().any(|r| r.status.is_failure());
-    Ok(if unfinished {
-        ExitCode::from(FAILED_RUN)
-    } else {
-        ExitCode::SUCCESS
-    })
+    write(&results, (&args.out, &scene.name, "sweep"), summarise)?;
+    Ok(exit_code(&results))
 }
 
 /// One line per model, and the failures.

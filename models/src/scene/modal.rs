@@ -46,26 +46,13 @@ impl Split {
             for (square, w) in split.square[g.range()].iter_mut().zip(oscillators.omega) {
                 *square = w * w;
             }
-            split.hub.push(largest_hub_compliance(g));
+            let field = g.model.field();
+            split
+                .hub
+                .push(field.map_or(0.0, |f| f.largest_hub_compliance()));
         }
         Some(split)
     }
-}
-
-fn largest_hub_compliance(g: &SceneGear) -> f64 {
-    let (Some(field), Some(flanks)) = (g.model.field(), g.model.flanks()) else {
-        return 0.0;
-    };
-    let mut nodes: Vec<u32> = flanks
-        .grids()
-        .iter()
-        .flat_map(|g| g.nodes.clone())
-        .collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let mut r = vec![0.0; nodes.len()];
-    field.hub_compliance(&nodes, &mut r);
-    r.iter().fold(0.0, |m, r| r.abs().max(m))
 }
 
 impl SceneGear {
@@ -84,8 +71,7 @@ impl SceneGear {
         let own = self.at(at);
         let acceleration = match &hub.mount {
             Mount::Revolute | Mount::Prismatic => steady[self.offset],
-            Mount::Driven(speed) => speed.slope(at.t),
-            Mount::Fixed => 0.0,
+            Mount::Driven(_) | Mount::Fixed => hub.prescribed_acceleration(at.t),
         };
         [
             hub.travel(at.t, own.q),

@@ -405,7 +405,7 @@ impl GearModel for FullOrder {
         let Nodal { u, g, .. } = &mut *nodal;
         self.elastic(self.frame(at), at.q, u);
         self.body.assembly.stiffness.apply(u, g);
-        let inertia = self.body.hub_inertia * self.prescribed_acceleration(at.t);
+        let inertia = self.body.hub_inertia * self.hub.prescribed_acceleration(at.t);
         self.hub.speed(at.t, at.v) * (inertia - self.torque(u, g))
     }
 
@@ -419,7 +419,7 @@ impl GearModel for FullOrder {
     fn mount_reaction(&self, at: At<'_>, _forces: &[f64], _contact: &Wrench) -> Wrench {
         let frame = self.frame(at);
         let speed = self.hub.speed(at.t, at.v);
-        let prescribed = self.prescribed_acceleration(at.t);
+        let prescribed = self.hub.prescribed_acceleration(at.t);
         let d = &at.q[self.own..];
         let mut pull = [0.0; 3];
         for (place, k) in &self.body.grip {

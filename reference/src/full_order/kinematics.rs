@@ -9,7 +9,6 @@ use gearbench_models::Vec3;
 use gearbench_models::contact::candidate::{Locus, Point};
 use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::GearModel;
-use gearbench_models::mount::Mount;
 
 impl FullOrder {
     #[inline]
@@ -19,14 +18,6 @@ impl FullOrder {
 
     pub(super) fn frame(&self, at: At<'_>) -> Frame {
         Frame::at(self.hub.travel(at.t, at.q), self.slide())
-    }
-
-    /// Slope of a prescribed speed; zero for other mounts.
-    pub(super) fn prescribed_acceleration(&self, t: f64) -> f64 {
-        match &self.hub.mount {
-            Mount::Driven(speed) => speed.slope(t),
-            _ => 0.0,
-        }
     }
 
     /// Elastic displacements of all nodes in the frame.

@@ -377,7 +377,7 @@ fn the_mount_gives_what_momentum_takes() {
         let acceleration = if own > 0 {
             a[0]
         } else {
-            g.prescribed_acceleration(0.5)
+            g.hub.prescribed_acceleration(0.5)
         };
         let (mut all, mut image) = (vec![0.0; 3 * nodes], vec![0.0; 3 * nodes]);
         let mut contact = gearbench_models::mount::Wrench::default();

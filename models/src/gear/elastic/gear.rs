@@ -118,13 +118,6 @@ impl Elastic {
         &self.data
     }
 
-    fn prescribed_acceleration(&self, t: f64) -> f64 {
-        match &self.hub.mount {
-            Mount::Driven(speed) => speed.slope(t),
-            _ => 0.0,
-        }
-    }
-
     /// Sum over the modes of `w_i x_i`.
     fn over_modes(&self, w: &[f64], x: &[f64]) -> f64 {
         w.iter().zip(&x[self.own..]).map(|(w, x)| w * x).sum()
@@ -290,12 +283,12 @@ impl GearModel for Elastic {
         }
         self.add_inertia_force(at.t, f);
         if let Some(integrals) = self.spinning() {
-            self.add_spin_force(integrals, at, self.prescribed_acceleration(at.t), f);
+            self.add_spin_force(integrals, at, self.hub.prescribed_acceleration(at.t), f);
         }
     }
 
     fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
-        let acceleration = self.prescribed_acceleration(t);
+        let acceleration = self.hub.prescribed_acceleration(t);
         if acceleration == 0.0 {
             return;
         }
@@ -310,7 +303,7 @@ impl GearModel for Elastic {
             df[i] -= w * (w * dq[i] + 2.0 * z * dv[i]);
         }
         if let Some(integrals) = self.spinning() {
-            let acceleration = self.prescribed_acceleration(at.t);
+            let acceleration = self.hub.prescribed_acceleration(at.t);
             self.add_spin_tangent(integrals, at, acceleration, [dq, dv], df);
         }
     }
@@ -418,7 +411,7 @@ impl GearModel for Elastic {
         if self.own > 0 {
             return 0.0;
         }
-        let acceleration = self.prescribed_acceleration(at.t);
+        let acceleration = self.hub.prescribed_acceleration(at.t);
         let turning = (self.spinning()).map_or(0.0, |i| self.spin_power(i, at, acceleration));
         turning - acceleration * self.over_modes(&self.data.participation, at.v)
     }
@@ -443,7 +436,7 @@ impl GearModel for Elastic {
     fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let d = &*self.data;
         let mut reaction = self.hub.reaction(at.t, contact);
-        let prescribed = self.prescribed_acceleration(at.t);
+        let prescribed = self.hub.prescribed_acceleration(at.t);
         let speed = self.hub.speed(at.t, at.v);
         let spinning = self.spinning();
         let accelerations = spinning.map(|i| self.spin_accelerations(i, at, forces, prescribed));
