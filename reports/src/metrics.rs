@@ -8,7 +8,11 @@
 //! force_l2_aligned = min over tau of the same with f(t - tau);  time_shift_s = tau
 //! impulse          = int f dt                    (on the run's own grid, while the reference lasts)
 //! duration         = time in which f exceeds 1e-6 of its own peak
+//! rebound          = max over gears of (last speed - last speed of the reference) / span of the reference's speed
+//! transmission_error_l2 = sqrt( int (e - e_r)^2 dt / int e_r^2 dt ) over the times at which f_r acts
 //! ```
+//!
+//! with the transmission error e as the column [`TRANSMISSION_ERROR`], zero at first touch of rigid flanks.
 //!
 //! After an impact most of a pointwise error is phase error: the aligned value says how well the
 //! shape of the force is met, the shift says how much the phase was off. Outside its samples a run
@@ -19,6 +23,10 @@ use crate::series::{TimeSeries, resample};
 
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
+
+/// Name of the column that holds the transmission error \[m\]: how far both hubs have moved into each other along the
+/// line of action since the flanks of rigid gears would have touched.
+pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
 
 /// Choices of the comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,6 +89,8 @@ pub fn compare_with(
     let (target_peak, _) = target.peak();
     metrics.peak_force_rel = finite(peak / target_peak - 1.0);
     metrics.impulse_rel = finite(impulse / target.impulse() - 1.0);
+    metrics.rebound_rel = rebound(series, reference, window);
+    metrics.transmission_error_l2 = transmission_error(series, reference, &target, target_peak);
 
     let weights = trapezoid_weights(target.t);
     let norm2: f64 = target.y.iter().zip(&weights).map(|(f, w)| w * f * f).sum();
@@ -99,6 +109,57 @@ pub fn compare_with(
         metrics.time_shift_s = finite(shift);
     }
     metrics
+}
+
+/// Speeds that change by less than this part of the fastest gear's change belong to a held gear.
+const HELD: f64 = 1e-6;
+
+/// See the head of the module; `None` where no speed changes or the run stops before the reference does.
+fn rebound(series: &TimeSeries, reference: &TimeSeries, window: f64) -> Option<f64> {
+    let reached = series.time_s.last()? >= &(window * (1.0 - 1e-9));
+    let gears = [
+        (&series.omega1_rad_s, &reference.omega1_rad_s),
+        (&series.omega2_rad_s, &reference.omega2_rad_s),
+    ];
+    let span = |x: &[f64]| {
+        let finite = || x.iter().copied().filter(|x| x.is_finite());
+        finite().fold(f64::MIN, f64::max) - finite().fold(f64::MAX, f64::min)
+    };
+    let largest = gears.iter().map(|(_, r)| span(r)).fold(0.0, f64::max);
+    let last = |(run, r): &(&Vec<f64>, &Vec<f64>)| {
+        let n = series.time_s.partition_point(|&t| t <= window);
+        Some(((last_finite(&run[..n.min(run.len())])? - last_finite(r)?) / span(r)).abs())
+    };
+    let worst = (gears.iter())
+        .filter(|(_, r)| span(r) > HELD * largest)
+        .map(last)
+        .try_fold(0.0_f64, |worst, x| Some(worst.max(x?)))?;
+    (reached && largest > 0.0).then_some(worst).and_then(finite)
+}
+
+/// See the head of the module; `None` where a side has no such column.
+fn transmission_error(
+    series: &TimeSeries,
+    reference: &TimeSeries,
+    target: &Force<'_>,
+    peak: f64,
+) -> Option<f64> {
+    let column = |s: &'_ TimeSeries| {
+        let found = s.columns.iter().find(|c| c.name == TRANSMISSION_ERROR)?;
+        (found.values.len() == s.time_s.len() && s.time_s.len() > 1).then(|| found.values.clone())
+    };
+    let (own, wanted) = (column(series)?, column(reference)?);
+    let n = target.t.len();
+    let mut buffer = Vec::with_capacity(n);
+    resample(&series.time_s, &own, target.t, 0.0, &mut buffer);
+    let (mut missed, mut norm) = (0.0, 0.0);
+    for (i, w) in trapezoid_weights(target.t).iter().enumerate() {
+        if target.y[i] > CONTACT_THRESHOLD * peak {
+            missed += w * (buffer[i] - wanted[i]).powi(2);
+            norm += w * wanted[i] * wanted[i];
+        }
+    }
+    finite((missed / norm).sqrt())
 }
 
 /// The finite, well-formed part of a force history.
@@ -280,6 +341,38 @@ mod tests {
         close(m.peak_force_rel, 0.0, 0.0);
         close(m.omega1_end, 20.0, 0.0);
         close(m.omega2_end, -4000.0, 0.0);
+    }
+
+    #[test]
+    fn rebound_and_transmission_error() {
+        let with = |s: &mut TimeSeries, scale: f64, end: f64| {
+            let n = s.len();
+            s.omega1_rad_s = (0..n)
+                .map(|i| 20.0 - 25.0 * i as f64 / (n - 1) as f64)
+                .collect();
+            s.omega2_rad_s = vec![0.0; n];
+            s.omega1_rad_s[n - 1] = end;
+            s.columns.push(crate::series::Column {
+                name: TRANSMISSION_ERROR.into(),
+                values: s.contact_force_n.iter().map(|f| scale * 1e-9 * f).collect(),
+            });
+        };
+        let mut r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
+        let mut s = r.clone();
+        with(&mut r, 1.0, -5.0);
+        with(&mut s, 1.1, -4.5);
+        let m = compare(&s, &Ledger::default(), &r, "fe");
+        close(m.rebound_rel, 0.5 / 25.0, 1e-12);
+        close(m.transmission_error_l2, 0.1, 1e-12);
+        // A run that stops early has no rebound; a reference without the column has no transmission error.
+        s.time_s.truncate(300);
+        s.contact_force_n.truncate(300);
+        s.omega1_rad_s.truncate(300);
+        s.omega2_rad_s.truncate(300);
+        s.columns[0].values.truncate(300);
+        r.columns.clear();
+        let m = compare(&s, &Ledger::default(), &r, "fe");
+        assert_eq!((m.rebound_rel, m.transmission_error_l2), (None, None));
     }
 
     #[test]

@@ -404,6 +404,12 @@ pub struct Metrics {
     /// Last angular velocity of gear 2 [rad/s].
     #[serde(skip_serializing_if = "not_a_number")]
     pub omega2_end: Option<f64>,
+    /// Largest deviation of a gear's last speed from the reference, over the span of that speed [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub rebound_rel: Option<f64>,
+    /// Relative L2 error of the transmission error while the reference is in contact [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub transmission_error_l2: Option<f64>,
     /// Residual of the run's energy ledger over its largest entry [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub energy_drift_rel: Option<f64>,
@@ -425,6 +431,8 @@ impl Metrics {
             "duration_s" => self.duration_s,
             "omega1_end" => self.omega1_end,
             "omega2_end" => self.omega2_end,
+            "rebound_rel" => self.rebound_rel,
+            "transmission_error_l2" => self.transmission_error_l2,
             "energy_drift_rel" => self.energy_drift_rel,
             _ => None,
         }

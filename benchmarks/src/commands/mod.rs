@@ -3,13 +3,16 @@
 //! Exit codes: 0 done, 1 a result fell short (kept for regression checks), 2 bad input, 3 a run failed to
 //! finish. Nothing is written when the input is refused.
 
+mod choose;
 mod compare;
 mod identify;
 mod list;
 mod mesh;
 mod modes;
 mod penalty;
+mod precision;
 mod reduce;
+mod stability;
 mod stiffness;
 mod sweep;
 
@@ -51,6 +54,9 @@ pub fn run(cli: Cli) -> ExitCode {
     let result = match cli.command {
         None => compare::run(&Default::default(), "gearbench"),
         Some(Command::Compare(args)) => compare::run(&args, &told()),
+        Some(Command::Precision(args)) => precision::run(&args, &told()),
+        Some(Command::Stability(args)) => stability::run(&args, &told()),
+        Some(Command::Choose(args)) => choose::run(&args, &told()),
         Some(Command::Identify(args)) => identify::run(&args, &told()),
         Some(Command::Stiffness(args)) => stiffness::run(&args),
         Some(Command::Modes(args)) => modes::run(&args, &told()),

@@ -79,7 +79,7 @@ const DEFAULT_SAMPLES: usize = 2000;
 const DEFAULT_RTOL: f64 = 1e-6;
 
 /// Metrics a scene can name: the keys of `results.json`.
-pub const QUANTITIES: [&str; 11] = [
+pub const QUANTITIES: [&str; 13] = [
     "force_l2",
     "force_l2_aligned",
     "time_shift_s",
@@ -90,6 +90,8 @@ pub const QUANTITIES: [&str; 11] = [
     "duration_s",
     "omega1_end",
     "omega2_end",
+    "rebound_rel",
+    "transmission_error_l2",
     "energy_drift_rel",
 ];
 
@@ -400,6 +402,8 @@ mod tests {
             impulse_ns: Some(1.0),
             impulse_rel: Some(1.0),
             duration_s: Some(1.0),
+            rebound_rel: Some(1.0),
+            transmission_error_l2: Some(1.0),
             omega1_end: Some(1.0),
             omega2_end: Some(1.0),
             energy_drift_rel: Some(1.0),

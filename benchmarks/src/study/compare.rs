@@ -242,6 +242,7 @@ pub fn compare(
             events: plan.events,
             repeats: plan.repeats,
             timeout: plan.timeout,
+            max_steps: u64::MAX,
             cancel,
         };
         let mut own: Option<Option<TimeSeries>> = None;

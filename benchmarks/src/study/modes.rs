@@ -230,6 +230,7 @@ impl Plan<'_> {
             events: true,
             repeats: self.repeats,
             timeout: self.timeout,
+            max_steps: u64::MAX,
             cancel,
         }
     }

@@ -121,6 +121,7 @@ pub fn study(
             events: true,
             repeats: plan.repeats,
             timeout: plan.timeout,
+            max_steps: u64::MAX,
             cancel,
         })?;
         // One name for soft and hard contact: they are one model.

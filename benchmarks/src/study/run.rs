@@ -1,6 +1,7 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
+use super::verdict::{HOPELESS, judge, status_of};
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
@@ -8,9 +9,11 @@ use gearbench_integrators::{
     AcceptedStep, Control, Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
 };
 use gearbench_models::gear::table::Model;
+use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{lever, mesh_layout};
+use gearbench_models::scene::build::lever;
 use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec, Value};
+use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{
     self, ContactPoint, ContactSnapshot, Outline, Run, Status, finite,
 };
@@ -18,19 +21,8 @@ use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Energy that the integration may make up, over the largest energy, before a run counts as growth.
-const ENERGY_GROWTH: f64 = 0.02;
-/// Penetration beyond which teeth have passed through each other, in modules.
-const TUNNELLING: f64 = 0.1;
-
-/// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
-/// dip a little below zero just before the contact opens; the law itself never pulls.
-const ADHESION: f64 = 1e-3;
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
 const LONG: f64 = 1.0;
-/// Made-up share of the energy at which a run is beyond saving and stops.
-const HOPELESS: f64 = 0.5;
-
 /// Observes a run and stops it once its energy is mostly made up: an unstable run would otherwise go on to
 /// ever larger numbers and ever more impacts.
 struct Watch<'a> {
@@ -88,6 +80,8 @@ pub struct Job<'a> {
     pub repeats: u32,
     /// Wall-clock bound of one integration.
     pub timeout: Duration,
+    /// Bound on its steps, rejected ones included: a timeout that does not depend on the machine.
+    pub max_steps: u64,
     /// Stops the study from outside.
     pub cancel: Option<&'a AtomicBool>,
 }
@@ -98,7 +92,7 @@ impl Job<'_> {
             t_end: self.t_end,
             resolution: self.method.resolution,
             events: self.events,
-            max_steps: u64::MAX,
+            max_steps: self.max_steps,
             deadline: Some(Instant::now() + self.timeout),
             cancel: self.cancel,
         }
@@ -330,89 +324,6 @@ fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option
     })
 }
 
-fn status_of(e: &StepError) -> Status {
-    match e {
-        StepError::NewtonDiverged { .. } | StepError::SingularTangent { .. } => {
-            Status::NewtonFailure
-        }
-        StepError::NonFinite { .. } => Status::BlowUp,
-        StepError::StepTooSmall { .. } => Status::StepUnderflow,
-        StepError::Chatter { .. } => Status::Chatter,
-        StepError::Timeout { .. } | StepError::Interrupted { .. } => Status::Timeout,
-        StepError::Unsupported { .. } | StepError::Library { .. } => Status::NewtonFailure,
-    }
-}
-
-/// Failures that only the whole run shows.
-fn judge(
-    job: &Job<'_>,
-    history: &History,
-    ledger: &Ledger,
-    series: &TimeSeries,
-) -> Option<(Status, String)> {
-    let residual = ledger.residual_relative();
-    if residual > ENERGY_GROWTH || !residual.is_finite() {
-        return Some((
-            Status::EnergyGrowth,
-            format!(
-                "{:.1} % of the energy at t = {:.4e} s is made up by the integration; use a smaller step",
-                residual * 100.0,
-                series.time_s.last().copied().unwrap_or(0.0)
-            ),
-        ));
-    }
-    if let Some((mesh, depth)) = deepest(job.scene, series) {
-        return Some((
-            Status::Tunnelling,
-            format!(
-                "the teeth of mesh {mesh} overlap by {:.3} mm: a contact was missed",
-                depth * 1e3
-            ),
-        ));
-    }
-    if history.least_normal < -ADHESION * history.peak {
-        return Some((
-            Status::AdhesiveForce,
-            format!("a contact pulls with {:.3e} N", -history.least_normal),
-        ));
-    }
-    None
-}
-
-/// Mesh whose teeth overlap beyond all reason, with the depth [m].
-fn deepest(scene: &SceneSpec, series: &TimeSeries) -> Option<(usize, f64)> {
-    let column = |name: &str| series.columns.iter().find(|c| c.name.starts_with(name));
-    for (m, mesh) in scene.meshes.iter().enumerate() {
-        let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
-        let Ok(layout) = mesh_layout(a, b) else {
-            continue;
-        };
-        let (Some(qa), Some(qb)) = (
-            column(&format!("travel_{}_", a.name)),
-            column(&format!("travel_{}_", b.name)),
-        ) else {
-            continue;
-        };
-        let Body::Gear(gear) = &a.body else { continue };
-        let sign = mesh.start.side.sign();
-        let along_b = if matches!(b.body, Body::Gear(_)) {
-            1.0
-        } else {
-            -1.0
-        };
-        for (x, y) in qa.values.iter().zip(&qb.values) {
-            // Approach of the flanks that started `gap` apart; the others are one backlash away.
-            let approach = sign * (lever(&a.body) * x + along_b * lever(&b.body) * y);
-            let depth =
-                (approach - mesh.start.gap).max(-approach - (layout.backlash - mesh.start.gap));
-            if depth > TUNNELLING * gear.params().module {
-                return Some((m, depth));
-            }
-        }
-    }
-    None
-}
-
 fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
     let column = |name: String| {
         scene
@@ -442,6 +353,12 @@ fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
             values: column(format!("travel:{}", g.name)),
         });
     }
+    if let Some(values) = transmission_error(job.scene, &series) {
+        let name = TRANSMISSION_ERROR.into();
+        series
+            .columns
+            .push(gearbench_reports::Column { name, values });
+    }
     let mut further = |channel: String, name: String| {
         if let Some(c) = scene.channel(&channel) {
             let values = history.column(c);
@@ -461,6 +378,42 @@ fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
         }
     }
     series.finite_prefix()
+}
+
+/// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
+/// rigid ones would have touched [m].
+fn transmission_error(scene: &SceneSpec, series: &TimeSeries) -> Option<Vec<f64>> {
+    let mesh = scene.meshes.first()?;
+    let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
+    let travel = |name: &str| {
+        let prefix = format!("travel_{name}_");
+        (series.columns.iter())
+            .find(|c| {
+                c.name
+                    .strip_prefix(&prefix)
+                    .is_some_and(|unit| unit == "rad" || unit == "m")
+            })
+            .map(|c| c.values.as_slice())
+    };
+    let [x, y] = [travel(&a.name)?, travel(&b.name)?];
+    let approach = approach(mesh.start.side, [&a.body, &b.body]);
+    Some(
+        x.iter()
+            .zip(y)
+            .map(|(x, y)| approach(*x, *y) - mesh.start.gap)
+            .collect(),
+    )
+}
+
+/// Approach of the flanks of one side by the travels of two gears [m].
+pub(super) fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
+    let along_b = if matches!(b, Body::Gear(_)) {
+        1.0
+    } else {
+        -1.0
+    };
+    let [pa, pb] = [side.sign() * lever(a), side.sign() * along_b * lever(b)];
+    move |x, y| pa * x + pb * y
 }
 
 /// Momentum of each gear along its line of action, `L / r_b` [N s].

@@ -350,6 +350,7 @@ fn one(
         events: true,
         repeats: 0,
         timeout: plan.timeout,
+        max_steps: u64::MAX,
         cancel,
     })?;
     row.model.clone_from(&entry.model);

@@ -1,5 +1,13 @@
 //! The command line: definitions and help texts. What the commands do is the studies' business.
 
+mod choose;
+mod precision;
+mod stability;
+
+pub use choose::Choose;
+pub use precision::Precision;
+pub use stability::Stability;
+
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -43,6 +51,12 @@ pub struct Cli {
 pub enum Command {
     /// Compare the models and integrators of a scene, against its reference
     Compare(Compare),
+    /// Error against cost of every model, integrator and resolution of a scene, with its Pareto front
+    Precision(Precision),
+    /// Where methods fail: maps over step size and stiffness, damping, speed or modes, with theory beside
+    Stability(Stability),
+    /// The cheapest model, integrator and step that keep a tolerance on a scene, and why
+    Choose(Choose),
     /// Fit stiffness, tooth mass and touch time of the models to the scene's reference
     Identify(Identify),
     /// Static mesh stiffness, load sharing and transmission error of the models of a scene

@@ -1,0 +1,1 @@
+//! The cheapest adequate model, integrator and step for a scene, without finite elements.
