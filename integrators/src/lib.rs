@@ -32,6 +32,7 @@
 //! | [`explicit`] | semi-implicit Euler, velocity Verlet, RK4, Dormand-Prince 5(4), Tsitouras 5(4) |
 //! | [`implicit`] | the generalised-alpha family (Newmark-beta, HHT-alpha), BDF, TR-BDF2, ESDIRK 3(4) |
 //! | [`modal`] | the trigonometric method: exact for linear oscillators, flight in one step |
+//! | [`coast`] | motion without contact in closed form, for the loops of all methods |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
@@ -93,6 +94,7 @@
 //! ```
 
 mod bounds;
+pub mod coast;
 pub mod dense_solve;
 pub mod diffsol_adapter;
 pub mod equilibrium;
@@ -107,6 +109,7 @@ pub mod stepped;
 pub mod system;
 pub mod table;
 
+pub use coast::Coast;
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,

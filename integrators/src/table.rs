@@ -8,7 +8,7 @@ use crate::explicit::tsit45;
 use crate::explicit::velocity_verlet::{self, VelocityVerlet};
 use crate::implicit::diffsol_methods;
 use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
-use crate::method::{Integrator, MethodInfo};
+use crate::method::{Integrator, MethodInfo, Parameter};
 use crate::modal::trigonometric::{self, Filter, Trigonometric};
 use crate::stepped::Stepped;
 
@@ -18,6 +18,14 @@ pub struct Method {
     pub info: &'static MethodInfo,
     make: fn(&[f64]) -> Box<dyn Integrator>,
 }
+
+/// The parameter that all methods take beside their own.
+pub static COAST: Parameter = Parameter {
+    name: "coast",
+    default: 0.0,
+    range: (0.0, 1.0),
+    meaning: "1: flights, where nothing touches under steady loads, are crossed in one step of the system's own closed form, exact up to rounding; 0: they are stepped through. The trigonometric method always crosses them",
+};
 
 /// All methods.
 pub static METHODS: &[Method] = &[
@@ -85,19 +93,34 @@ impl Method {
         (self.make)(&defaults)
     }
 
-    /// The method with some parameters given by name.
+    /// The method with some parameters given by name: its own, or [`COAST`].
     pub fn build_with(&self, given: &[(String, f64)]) -> Result<Box<dyn Integrator>, String> {
         let mut values: Vec<f64> = self.info.parameters.iter().map(|p| p.default).collect();
+        let mut coast = None;
         for (name, value) in given {
+            if name == COAST.name {
+                if *value != 0.0 && *value != 1.0 {
+                    return Err(format!(
+                        "{} coast = {value} is neither 0 nor 1",
+                        self.info.id
+                    ));
+                }
+                coast = Some(*value == 1.0);
+                continue;
+            }
             let Some(i) = self.info.parameters.iter().position(|p| p.name == name) else {
                 let known: Vec<&str> = self.info.parameters.iter().map(|p| p.name).collect();
                 return Err(if known.is_empty() {
-                    format!("{} has no parameters, but `{name}` was given", self.info.id)
+                    format!(
+                        "{} has no parameters of its own, but `{name}` was given; all methods take `{}`",
+                        self.info.id, COAST.name
+                    )
                 } else {
                     format!(
-                        "{} has no parameter `{name}`; it has {}",
+                        "{} has no parameter `{name}`; it has {} and {}",
                         self.info.id,
-                        known.join(", ")
+                        known.join(", "),
+                        COAST.name
                     )
                 });
             };
@@ -110,7 +133,19 @@ impl Method {
             }
             values[i] = *value;
         }
-        Ok((self.make)(&values))
+        let mut built = (self.make)(&values);
+        match coast {
+            Some(on) if !built.coast(on) => Err(format!(
+                "{} {}; leave `coast` out",
+                self.info.id,
+                if on {
+                    "steps through flights"
+                } else {
+                    "always crosses flights in one step"
+                }
+            )),
+            _ => Ok(built),
+        }
     }
 }
 
@@ -178,6 +213,9 @@ mod tests {
         }
         assert!(method(" generalised-alpha( rho_inf = 0.5 ) ").is_ok());
         assert!(method("newmark()").is_ok());
+        for m in METHODS {
+            assert!(method(&format!("{}(coast=1)", m.info.id)).is_ok());
+        }
     }
 
     #[test]
@@ -185,6 +223,8 @@ mod tests {
         for (text, says) in [
             ("rk5", "semi-implicit-euler"),
             ("rk4(h=1)", "no parameters"),
+            ("rk4(coast=0.5)", "neither 0 nor 1"),
+            ("trigonometric(coast=0)", "always crosses"),
             ("newmark(gamma=0.5)", "it has beta"),
             ("newmark(beta=2)", "outside [0, 0.5]"),
             ("newmark(beta=NaN)", "outside"),
