@@ -34,6 +34,7 @@
 //! | [`modal`] | the trigonometric method: exact for linear oscillators, flight in one step |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
+//! | [`linear_stability`] | the largest stable step of each method on linear systems |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
@@ -100,6 +101,7 @@ mod events;
 pub mod explicit;
 pub mod implicit;
 pub mod interpolation;
+pub mod linear_stability;
 pub mod method;
 pub mod modal;
 pub mod observers;
@@ -116,4 +118,4 @@ pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Layout, ModalSplit, Outputs, Power, SecondOrderSystem, State,
 };
-pub use table::{METHODS, Method, method};
+pub use table::{METHODS, Method, method, stability};
