@@ -35,6 +35,7 @@
 //! | [`coast`] | motion without contact in closed form, for the loops of all methods |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
+//! | [`linear_stability`] | the largest stable step of each method on linear systems |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
@@ -102,6 +103,7 @@ mod events;
 pub mod explicit;
 pub mod implicit;
 pub mod interpolation;
+pub mod linear_stability;
 pub mod method;
 pub mod modal;
 pub mod observers;
@@ -119,4 +121,4 @@ pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Layout, ModalSplit, Outputs, Power, SecondOrderSystem, State,
 };
-pub use table::{METHODS, Method, method};
+pub use table::{METHODS, Method, method, stability};
