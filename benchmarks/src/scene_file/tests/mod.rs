@@ -90,6 +90,9 @@ fn the_format_is_described() {
         super::study_plan::STUDY,
         super::study_plan::INTEGRATOR,
         super::study_plan::TOLERANCE,
+        super::stability::STABILITY,
+        super::stability::SPAN,
+        super::stability::AXIS,
     ];
     let tables = tables.into_iter().chain(super::profile::tables());
     let whole = |text: &str, key: &str| {
