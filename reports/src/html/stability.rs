@@ -11,7 +11,8 @@ use crate::view::View;
 fn once<'a>(maps: &'a [Map]) -> Vec<&'a Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps {
-        let same = |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
+        let same =
+            |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
         if !found.iter().any(same) {
             found.push(map);
         }
@@ -48,7 +49,9 @@ pub fn finding(view: &View<'_>) -> String {
         return "The record holds no map.".into();
     }
     let of = |s: Status| -> usize {
-        maps.iter().map(|m| m.cells.iter().filter(|c| c.status == s).count()).sum()
+        maps.iter()
+            .map(|m| m.cells.iter().filter(|c| c.status == s).count())
+            .sum()
     };
     let mut failures: Vec<(usize, Status)> = (Status::ALL.into_iter())
         .filter(|s| s.is_failure())
@@ -142,7 +145,8 @@ fn beside(maps: &[Map]) -> Option<String> {
             let of: Vec<&Map> = (maps.iter())
                 .filter(|m| m.set == set && m.model_label() == label && m.limit().is_some())
                 .collect();
-            let (implicit, explicit): (Vec<&Map>, Vec<&Map>) = of.into_iter().partition(|m| m.implicit);
+            let (implicit, explicit): (Vec<&Map>, Vec<&Map>) =
+                of.into_iter().partition(|m| m.implicit);
             let Some(first) = explicit.first().filter(|_| !implicit.is_empty()) else {
                 continue;
             };
@@ -228,10 +232,7 @@ fn limits(maps: &[&Map]) -> String {
             "",
             cell(&|m, _| m.ratio().map(|r| short(r, 3))),
         ),
-        Column::text(
-            "Fails with",
-            cell(&|_, l| l.status.map(|s| s.to_string())),
-        ),
+        Column::text("Fails with", cell(&|_, l| l.status.map(|s| s.to_string()))),
         Column::text(
             "Beyond",
             cell(&|_, l| l.holds_again.then(|| "some larger steps hold again".into())),
@@ -274,7 +275,11 @@ fn labels(maps: &[Map]) -> String {
     ];
     for (i, status) in Status::ALL.into_iter().enumerate() {
         let cells: Vec<Option<String>> = (rows.iter())
-            .map(|m| Some(m.counts()[i]).filter(|n| *n > 0).map(|n| n.to_string()))
+            .map(|m| {
+                Some(m.counts()[i])
+                    .filter(|n| *n > 0)
+                    .map(|n| n.to_string())
+            })
             .collect();
         columns.push(Column::written(status.as_str(), "", cells));
     }
@@ -312,7 +317,11 @@ fn references(maps: &[Map]) -> String {
             "Converged solution",
             lines.iter().map(|l| Some(l.1.clone())).collect(),
         ),
-        Column::written("Rows", "", lines.iter().map(|l| Some(l.2.to_string())).collect()),
+        Column::written(
+            "Rows",
+            "",
+            lines.iter().map(|l| Some(l.2.to_string())).collect(),
+        ),
         Column::written(
             "They differ by at most",
             "",

@@ -4,6 +4,7 @@ mod refusals;
 mod refused_models;
 mod robustness;
 mod shipped_scenes;
+mod stability;
 mod values;
 
 use super::{Origin, SceneError, SceneFile};

@@ -26,12 +26,12 @@ use axis::AxisError;
 use cell::Reference;
 use gearbench_models::scene::Scene;
 use gearbench_reports::record::Results;
-use gearbench_reports::stability::{Columns, Map, MapAxis};
+use gearbench_reports::stability::{Columns, Map, MapAxis, MapLine};
 use journal::{Journal, JournalError, Line, Outcome};
 use plan::{MapPlan, Plan};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// Runs that close in on the largest stable step of one map, at most.
@@ -132,21 +132,22 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
         let all: Vec<usize> = (0..plan.maps.len()).collect();
         parallel(threads, &all, |m| work.refine(*m))?;
     }
-    let maps: Vec<usize> = (0..plan.maps.len()).collect();
-    let lines: Vec<OnceLock<_>> = maps.iter().map(|_| OnceLock::new()).collect();
-    parallel(threads, &maps, |m| {
-        let _ = lines[*m].set(theory::lines(plan, &plan.maps[*m]));
+    let lines: Mutex<HashMap<usize, Vec<MapLine>>> = Mutex::new(HashMap::new());
+    parallel(threads, &theory::shared(plan), |maps| {
+        let found = theory::lines(plan, maps);
+        lock(&lines).extend(found);
         Ok(())
     })?;
+    let mut lines = lines.into_inner().unwrap_or_else(PoisonError::into_inner);
     let journal = work
         .journal
         .into_inner()
         .unwrap_or_else(PoisonError::into_inner);
     let mut timings = Timings::new();
-    let maps = (lines.into_iter().enumerate())
-        .map(|(m, lines)| {
+    let maps = (0..plan.maps.len())
+        .map(|m| {
             let mut map = assemble(plan, m, &journal, &mut timings);
-            map.lines = lines.into_inner().unwrap_or_default();
+            map.lines = lines.remove(&m).unwrap_or_default();
             map
         })
         .collect();

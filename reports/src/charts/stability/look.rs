@@ -57,7 +57,9 @@ pub const KINDS: [(LineKind, &str, &[f64]); 3] = [
 
 /// A line of theory, readable on every colour.
 pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind: LineKind) {
-    let dash = (KINDS.iter()).find(|k| k.0 == kind).map_or(&[][..], |k| k.2);
+    let dash = (KINDS.iter())
+        .find(|k| k.0 == kind)
+        .map_or(&[][..], |k| k.2);
     c.line_within(points, frame, Stroke::new(Ink::WHITE.opacity(0.9), 3.6));
     c.line_within(points, frame, Stroke::dashed(Ink::DARK, 1.7, dash));
 }

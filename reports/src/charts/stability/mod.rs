@@ -64,9 +64,8 @@ pub fn applies(view: &View<'_>) -> bool {
 fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
     let mut found: Vec<Vec<&Map>> = Vec::new();
     for map in maps {
-        let same = |f: &&mut Vec<&Map>| {
-            f[0].set == map.set && f[0].model_label() == map.model_label()
-        };
+        let same =
+            |f: &&mut Vec<&Map>| f[0].set == map.set && f[0].model_label() == map.model_label();
         match found.iter_mut().find(same) {
             Some(figure) => figure.push(map),
             None => found.push(vec![map]),
@@ -121,10 +120,15 @@ fn caption(maps: &[&Map]) -> String {
         [a, b] => format!("{a}, panels by {b}"),
         _ => names.join(", "),
     };
-    let checked: Vec<f64> = (first.references.iter()).filter_map(|r| r.checked).collect();
+    let checked: Vec<f64> = (first.references.iter())
+        .filter_map(|r| r.checked)
+        .collect();
     let worst = checked.iter().copied().fold(0.0, f64::max);
     let references = match (checked.len(), first.references.len()) {
-        (0, _) => "No converged solution was to be had: cells are judged by the energy ledger alone.".into(),
+        (0, _) => {
+            "No converged solution was to be had: cells are judged by the energy ledger alone."
+                .into()
+        }
         (n, all) if n == all => format!(
             "Every row has a converged solution of its own, checked to {}.",
             short(worst, 2)
@@ -162,7 +166,9 @@ fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
     let seconds = maps.iter().any(|m| m.axes.len() > 1);
     if seconds {
         for &map in maps {
-            let Some(axis) = map.axes.get(1) else { continue };
+            let Some(axis) = map.axes.get(1) else {
+                continue;
+            };
             let texts = labels(axis).0;
             let all: Vec<Panel<'a>> = (texts.iter().enumerate())
                 .map(|(j, text)| panel(map, j, format!("{}: {}", short_name(map), text)))
@@ -202,11 +208,16 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
         let visible = |m: &Map, h: f64| m.at.first() <= Some(&h) && Some(&h) <= m.at.last();
         (maps.iter()).any(|m| {
             let of_kind = m.lines.iter().filter(|l| l.kind == kind);
-            of_kind.flat_map(|l| l.step_s.iter().flatten()).any(|h| visible(m, *h))
+            of_kind
+                .flat_map(|l| l.step_s.iter().flatten())
+                .any(|h| visible(m, *h))
         })
     };
     entries.extend((KINDS.iter().filter(|k| drawn(k.0))).map(|k| Entry::Theory(k.0)));
-    if maps.iter().any(|m| m.limit().is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())) {
+    if maps.iter().any(|m| {
+        m.limit()
+            .is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())
+    }) {
         entries.push(Entry::Found);
     }
     let values = (maps.iter())

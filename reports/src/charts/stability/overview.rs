@@ -18,7 +18,8 @@ const LEFT: f64 = 236.0;
 pub fn pairs<'a>(maps: &'a [Map], columns: Columns) -> Vec<&'a Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps.iter().filter(|m| m.columns == columns) {
-        let same = |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
+        let same =
+            |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
         if !found.iter().any(same) {
             found.push(map);
         }
@@ -83,7 +84,10 @@ pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
     if shown().any(|m| m.theory(m.own_row()).is_some()) {
         entries.push(Entry::Theory(LineKind::Stability));
     }
-    if shown().any(|m| m.limit().is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())) {
+    if shown().any(|m| {
+        m.limit()
+            .is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())
+    }) {
         entries.push(Entry::Found);
     }
     let head = 8.0 + legend_height(&entries);
@@ -124,7 +128,11 @@ fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64) {
     for (i, map) in maps.iter().enumerate() {
         if begins.contains(&i) {
             let at = (16.0, y + 0.62 * HEADING);
-            c.text(&map.model_label(), at, Type::new(NAME_SIZE, Anchor::Start).bold());
+            c.text(
+                &map.model_label(),
+                at,
+                Type::new(NAME_SIZE, Anchor::Start).bold(),
+            );
             y += HEADING;
         }
         strip(c, map, &common, &whole, y);

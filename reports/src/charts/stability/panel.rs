@@ -78,7 +78,9 @@ pub fn paint_row(c: &mut Canvas<'_>, cells: &[Cell], x: &Abscissa, strip: &Rect,
         let look = look(cell.status);
         c.fill(&box_, look.ink);
         if k % every == every / 2 && strip.height() >= 7.0 {
-            let size = (0.72 * strip.height()).min(11.5).min(0.75 * width * every as f64);
+            let size = (0.72 * strip.height())
+                .min(11.5)
+                .min(0.75 * width * every as f64);
             let at = (left + 0.5 * width, 0.5 * (strip.y0 + strip.y1));
             let kind = Type::new(size, Anchor::Middle).ink(look.text).bold();
             c.text(look.letter, at, kind);
@@ -142,7 +144,13 @@ impl Panel<'_> {
         }
         self.grid(c, area, rows);
         for line in &map.lines {
-            self.line(c, area, &x, line.kind, &line.step_s[first.min(line.step_s.len())..]);
+            self.line(
+                c,
+                area,
+                &x,
+                line.kind,
+                &line.step_s[first.min(line.step_s.len())..],
+            );
         }
         let is_own = first + axis.own == map.own_row();
         if is_own {
@@ -228,7 +236,11 @@ impl Panel<'_> {
             }
             let s = strip(area, rows, i);
             let kind = small(Anchor::End);
-            let kind = if own { kind.ink(Ink::DARK).bold() } else { kind };
+            let kind = if own {
+                kind.ink(Ink::DARK).bold()
+            } else {
+                kind
+            };
             c.text(text, (area.x0 - 6.0, 0.5 * (s.y0 + s.y1)), kind);
         }
     }
