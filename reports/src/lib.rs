@@ -13,6 +13,7 @@ pub mod numbers;
 mod picture;
 pub mod record;
 pub mod series;
+pub mod stability;
 mod steady;
 pub mod store;
 mod study_csv;

@@ -7,6 +7,7 @@
 
 pub use crate::picture::{ContactPoint, ContactSnapshot, Outline};
 use crate::series::TimeSeries;
+use crate::stability::Map;
 pub use crate::steady::{Bearing, StaticCycle, Steady};
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +66,9 @@ pub struct Results {
     /// Static limits (loaded running).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
+    /// Maps of where methods fail (study of stability).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<Map>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -85,6 +89,7 @@ impl Default for Results {
             references: Vec::new(),
             published: None,
             statics: Vec::new(),
+            maps: Vec::new(),
             runs: Vec::new(),
         }
     }

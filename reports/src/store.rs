@@ -161,6 +161,7 @@ fn file_names(results: &Results) -> Vec<String> {
             FILES
                 .iter()
                 .chain(&study_csv::FILES)
+                .chain(&crate::charts::stability::FILES)
                 .map(ToString::to_string),
         )
         .collect()

@@ -6,6 +6,7 @@
 //! | `gear`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `contact`, [`calibration`] | `[[models]]`, `contact = { .. }`, fitted constants |
 //! | `study_plan` | `[study]`, `tolerance` |
+//! | [`stability`] | `[study] stability` |
 //! | `locate` | the line that an error of the assembly is about |
 //! | [`shipped`] | the scenes in the program |
 //!
@@ -23,6 +24,7 @@ mod model;
 mod profile;
 mod reader;
 pub mod shipped;
+pub mod stability;
 mod study_plan;
 mod suggest;
 #[cfg(test)]
@@ -129,6 +131,8 @@ pub enum Selection<'a> {
     All,
     /// As [`SceneFile::select`] takes them.
     Labels(Option<&'a str>),
+    /// None: the caller builds what it needs.
+    Nothing,
 }
 
 /// As [`load`], but builds only the models that are wanted.
@@ -148,6 +152,7 @@ fn load_with(
     match selection {
         Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
         Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
+        Selection::Nothing => {}
     }
     Ok(file)
 }

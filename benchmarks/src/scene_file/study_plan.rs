@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::reader::{Entry, Key, key};
+use super::stability::{self, StabilitySet};
 use crate::study::run::Method;
 use gearbench_integrators::{METHODS, Resolution, Stepping};
 use gearbench_reports::record::Tolerance;
@@ -35,6 +36,10 @@ pub(super) static STUDY: &[Key] = &[
     key(
         "sweep",
         "speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, settle_s }",
+    ),
+    key(
+        "stability",
+        "maps of `gearbench stability`, one set or a list: { models, integrators, duration_s, step_s, axes }",
     ),
 ];
 pub(super) static SWEEP: &[Key] = &[
@@ -114,6 +119,8 @@ pub struct Study {
     pub published: Option<String>,
     /// Speeds of a sweep.
     pub sweep: Sweep,
+    /// Maps of where methods fail.
+    pub stability: Vec<StabilitySet>,
 }
 
 /// Speeds at which a sweep runs.
@@ -151,6 +158,7 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
         reference_model: None,
         published: None,
         sweep: Sweep::default(),
+        stability: Vec::new(),
     };
     let Some(entry) = entry else { return Ok(study) };
     let s = entry.section("[study]", STUDY)?;
@@ -187,6 +195,9 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
     }
     if let Some(e) = s.get("sweep") {
         study.sweep = sweep(&e)?;
+    }
+    if let Some(e) = s.get("stability") {
+        study.stability = stability::sets(&e, labels)?;
     }
     Ok(study)
 }
@@ -235,7 +246,7 @@ fn sweep(entry: &Entry<'_>) -> Result<Sweep, SceneError> {
 }
 
 /// A list of words, each known and none twice.
-fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
+pub(super) fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
     let mut found: Vec<String> = Vec::new();
     for member in entry.list()? {
         let text = member.text()?;

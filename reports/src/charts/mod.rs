@@ -12,6 +12,7 @@ mod lines;
 mod mesh;
 mod modes;
 pub(crate) mod penalty;
+pub(crate) mod stability;
 mod stiffness;
 mod style;
 pub(crate) mod sweep;
@@ -69,6 +70,9 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
         let mut all = penalty::penalty(&view)?;
         all.extend(histories::force(&view)?);
         return Ok(all);
+    }
+    if stability::applies(&view) {
+        return stability::stability(&view);
     }
     if sweep::applies(&view) {
         return sweep::sweep(&view);

@@ -7,6 +7,7 @@ mod finding;
 mod modes;
 mod penalty;
 mod sections;
+mod stability;
 mod sweep;
 mod table;
 mod timing;
@@ -62,6 +63,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
+            "stability" => stability::finding(&view),
             _ => finding::finding(&view),
         }
     ));
@@ -69,6 +71,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
+        "stability" => stability::tables(&view),
         _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -83,12 +86,14 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     }
     if results.study == "sweep" {
         out.push_str(&sweep::speeds(&view));
-    } else {
+    } else if results.study != "stability" {
         out.push_str(&sections::metrics(&view));
         out.push_str(&sections::work(&view));
         out.push_str(&sections::ledger(&view));
     }
-    out.push_str(&sections::failures(&view));
+    if results.study != "stability" {
+        out.push_str(&sections::failures(&view));
+    }
     out.push_str(&sections::setting(&view));
     out.push_str("</main>\n</body>\n</html>\n");
     out

@@ -4,6 +4,7 @@ mod refusals;
 mod refused_models;
 mod robustness;
 mod shipped_scenes;
+mod stability;
 mod values;
 
 use super::{Origin, SceneError, SceneFile};
@@ -90,6 +91,9 @@ fn the_format_is_described() {
         super::study_plan::STUDY,
         super::study_plan::INTEGRATOR,
         super::study_plan::TOLERANCE,
+        super::stability::STABILITY,
+        super::stability::SPAN,
+        super::stability::AXIS,
     ];
     let tables = tables.into_iter().chain(super::profile::tables());
     let whole = |text: &str, key: &str| {
