@@ -1,1 +1,3 @@
 //! The cheapest adequate model, integrator and step for a scene, without finite elements.
+
+pub mod draw;
