@@ -6,6 +6,7 @@
 
 pub mod charts;
 mod checks;
+pub mod choice_check;
 mod html;
 pub mod metrics;
 pub mod modes;

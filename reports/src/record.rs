@@ -5,6 +5,7 @@
 //! in SI units, the unit stands at the end of the name. A quantity that was not measured, or is not
 //! finite, is absent: use [`finite`].
 
+pub use crate::choice_check::JudgedChoice;
 pub use crate::picture::{ContactPoint, ContactSnapshot, Outline};
 use crate::series::TimeSeries;
 use crate::stability::Map;
@@ -69,6 +70,9 @@ pub struct Results {
     /// Maps of where methods fail (study of stability).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<Map>,
+    /// Choices of a model judged on random scenes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<JudgedChoice>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -90,6 +94,7 @@ impl Default for Results {
             published: None,
             statics: Vec::new(),
             maps: Vec::new(),
+            choices: Vec::new(),
             runs: Vec::new(),
         }
     }

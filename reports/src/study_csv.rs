@@ -5,7 +5,7 @@ use crate::stability::{Cell, Columns, Map};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
-pub(crate) const FILES: [&str; 7] = [
+pub(crate) const FILES: &[&str] = &[
     "modes.csv",
     "sweep.csv",
     "sweep_cycles.csv",
@@ -13,30 +13,34 @@ pub(crate) const FILES: [&str; 7] = [
     "penalty.csv",
     "stability.csv",
     "stability_limits.csv",
+    "choice_check.csv",
 ];
 
 /// The tables of a record: name, text.
 pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
-    let mut all = Vec::new();
+    let mut all: Vec<(String, String)> = Vec::new();
     if results.study == "modes" {
-        all.push((FILES[0].to_owned(), modes(results)));
+        all.push(("modes.csv".to_owned(), modes(results)));
     }
     let steady: Vec<(&Run, &Steady)> = (results.runs.iter())
         .filter_map(|r| Some((r, r.steady.as_ref()?)))
         .collect();
     if !steady.is_empty() {
-        all.push((FILES[1].to_owned(), sweep(&steady)));
-        all.push((FILES[2].to_owned(), cycles(&steady)));
+        all.push(("sweep.csv".to_owned(), sweep(&steady)));
+        all.push(("sweep_cycles.csv".to_owned(), cycles(&steady)));
     }
     if results.study == "penalty" {
-        all.push((FILES[4].to_owned(), penalty(results)));
+        all.push(("penalty.csv".to_owned(), penalty(results)));
     }
     if !results.maps.is_empty() {
-        all.push((FILES[5].to_owned(), stability(results)));
-        all.push((FILES[6].to_owned(), stability_limits(results)));
+        all.push(("stability.csv".to_owned(), stability(results)));
+        all.push(("stability_limits.csv".to_owned(), stability_limits(results)));
+    }
+    if !results.choices.is_empty() {
+        all.push(("choice_check.csv".to_owned(), choices(results)));
     }
     if !results.statics.is_empty() {
-        all.push((FILES[3].to_owned(), statics(results)));
+        all.push(("statics.csv".to_owned(), statics(results)));
     }
     all
 }
@@ -97,6 +101,69 @@ fn modes(results: &Results) -> String {
                 number(Some(r.setup_s)),
             ]
         })
+    });
+    write(&header, rows)
+}
+
+fn choices(results: &Results) -> String {
+    let header = [
+        "scene",
+        "kind",
+        "gears",
+        "duration_s",
+        "metric",
+        "tolerance",
+        "reference",
+        "reference_error",
+        "densest_error",
+        "redraws",
+        "candidates",
+        "failed",
+        "cut_short",
+        "outcome",
+        "chosen",
+        "predicted_error",
+        "error",
+        "predicted_cost_s",
+        "cost_s",
+        "cheapest",
+        "cheapest_error",
+        "cheapest_cost_s",
+        "cost_ratio",
+        "least_error",
+        "choosing_s",
+        "note",
+    ];
+    let text = |x: &Option<String>| x.clone().unwrap_or_default();
+    let rows = results.choices.iter().map(|s| {
+        vec![
+            s.scene.clone(),
+            s.kind.clone(),
+            s.gears.clone(),
+            number(Some(s.duration_s)),
+            s.metric.clone(),
+            s.tolerance.to_string(),
+            s.reference.clone(),
+            number(s.reference_error),
+            number(s.densest_error),
+            s.redraws.to_string(),
+            s.candidates.to_string(),
+            s.failed.to_string(),
+            s.cut_short.to_string(),
+            s.outcome.to_string(),
+            text(&s.chosen),
+            number(s.predicted_error),
+            number(s.error),
+            number(s.predicted_cost_s),
+            number(s.cost_s),
+            text(&s.cheapest),
+            number(s.cheapest_error),
+            number(s.cheapest_cost_s),
+            number(s.cost_ratio()),
+            number(s.least_error),
+            number(s.choosing_s),
+            text(&s.note),
+        ]
     });
     write(&header, rows)
 }

@@ -34,6 +34,14 @@ pub fn machine() -> Machine {
     }
 }
 
+/// Time that this thread has spent on a processor [s], where the system tells it: other work on the machine does not
+/// count. It advances in ticks of some milliseconds.
+pub fn cpu_time() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: u64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds as f64)
+}
+
 /// Now, in UTC, as RFC 3339 to the second.
 pub fn now() -> String {
     let seconds = SystemTime::now()
@@ -61,7 +69,19 @@ fn rfc3339(seconds: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::rfc3339;
+    use super::{cpu_time, rfc3339};
+
+    #[test]
+    fn work_takes_processor_time() {
+        let Some(start) = cpu_time() else { return };
+        let begin = std::time::Instant::now();
+        let mut x = 0.5_f64;
+        while begin.elapsed().as_secs_f64() < 0.05 {
+            x = std::hint::black_box((x + 1.0).sin());
+        }
+        let spent = cpu_time().unwrap_or(start) - start;
+        assert!(x.is_finite() && spent > 0.0 && spent < 0.5, "{spent} s");
+    }
 
     #[test]
     fn dates() {

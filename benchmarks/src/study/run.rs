@@ -126,6 +126,11 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     let started = Instant::now();
     let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
     let setup = started.elapsed();
+    run_in(job, &mut scene, setup)
+}
+
+/// [`run`] in a scene that has been built from the job's scene and models already, which took `setup`.
+pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, RunError> {
     let (row, mut method) =
         gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
     if row.info.linear_part && scene.modal().is_none() {
@@ -137,7 +142,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     let mut history = History::new(job.grid.to_vec(), force, least, job.also_steps);
     let mut ledger = Ledger::default();
     let mut state = scene.initial();
-    let start_momenta = momenta(&mut scene, &state);
+    let start_momenta = momenta(scene, &state);
     let mut work = Work::default();
     let begin = Instant::now();
     let outcome = {
@@ -145,9 +150,9 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
             history: &mut history,
             ledger: &mut ledger,
         };
-        method.run(&mut scene, &mut state, &job.plan(), &mut watch, &mut work)
+        method.run(scene, &mut state, &job.plan(), &mut watch, &mut work)
     };
-    ledger.close(&mut scene, &state);
+    ledger.close(scene, &state);
     let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Interrupted { .. }) = outcome {
         return Err(RunError::Interrupted);
@@ -156,8 +161,8 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         return Err(RunError::Method(outcome.unwrap_err().to_string()));
     }
 
-    let series = time_series(job, &scene, &history);
-    let end_momenta = momenta(&mut scene, &state);
+    let series = time_series(job, scene, &history);
+    let end_momenta = momenta(scene, &state);
     let (mut status, mut message) = match &outcome {
         Ok(()) => (Status::Converged, None),
         Err(e) => (status_of(e), Some(e.to_string())),
@@ -169,7 +174,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     }
 
     if message.is_none() {
-        message = resonance_note(job, &mut scene, row.info.linear_part);
+        message = resonance_note(job, scene, row.info.linear_part);
     }
 
     // Timings come from runs without observers, but for long ones. A failed run is not repeated: its time is no
@@ -184,13 +189,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         let mut s = scene.initial();
         let plan = job.plan();
         let begin = Instant::now();
-        let _ = method.run(
-            &mut scene,
-            &mut s,
-            &plan,
-            &mut NullSink,
-            &mut Work::default(),
-        );
+        let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut Work::default());
         walls.push(begin.elapsed().as_secs_f64());
         if job
             .cancel
@@ -205,7 +204,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
     walls.sort_by(f64::total_cmp);
     let wall_s = walls[walls.len() / 2];
 
-    let reduction = reduction(&scene, job.modelling);
+    let reduction = reduction(scene, job.modelling);
     let (step, rtol) = match job.method.resolution {
         Resolution::Step(h) => (Some(h), None),
         Resolution::Tolerance(r) => (None, Some(r)),
@@ -244,7 +243,7 @@ pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
         contacts: history
             .peak_state
             .as_ref()
-            .map(|s| snapshot(job.scene, &mut scene, s)),
+            .map(|s| snapshot(job.scene, scene, s)),
         series: Some(series),
         ..Run::default()
     })

@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod choice_check;
 mod cost;
 mod curves;
 mod histories;
@@ -37,7 +38,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 15] = [
+pub(crate) const FILES: &[&str] = &[
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -53,6 +54,7 @@ pub(crate) const FILES: [&str; 15] = [
     "sweep_cycles.svg",
     "penalty.svg",
     "penalty_distance.svg",
+    "choice_check.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -73,6 +75,9 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     }
     if stability::applies(&view) {
         return stability::stability(&view);
+    }
+    if choice_check::applies(&view) {
+        return choice_check::choice_check(&view);
     }
     if sweep::applies(&view) {
         return sweep::sweep(&view);

@@ -3,6 +3,7 @@
 //! No script, no font, no request: style and charts are in the page. Every text that came from data
 //! goes through [`escape`].
 
+mod choice_check;
 mod finding;
 mod modes;
 mod penalty;
@@ -64,6 +65,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
             "stability" => stability::finding(&view),
+            "choice-check" => choice_check::finding(&view),
             _ => finding::finding(&view),
         }
     ));
@@ -72,6 +74,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
         "stability" => stability::tables(&view),
+        "choice-check" => choice_check::tables(&view),
         _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -84,12 +87,15 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             escape(&chart.caption),
         ));
     }
-    if results.study == "sweep" {
-        out.push_str(&sweep::speeds(&view));
-    } else if results.study != "stability" {
-        out.push_str(&sections::metrics(&view));
-        out.push_str(&sections::work(&view));
-        out.push_str(&sections::ledger(&view));
+    match results.study.as_str() {
+        "sweep" => out.push_str(&sweep::speeds(&view)),
+        "choice-check" => out.push_str(&choice_check::scenes(&view)),
+        "stability" => {}
+        _ => {
+            out.push_str(&sections::metrics(&view));
+            out.push_str(&sections::work(&view));
+            out.push_str(&sections::ledger(&view));
+        }
     }
     if results.study != "stability" {
         out.push_str(&sections::failures(&view));

@@ -1,0 +1,157 @@
+//! The climb: elastic gears with more and more modes on the window, until more of them change little.
+//!
+//! With `d_i` the distance of rung `i` to rung `i + 1` in the metric, the climb ends where the last two are both below a
+//! part of the tolerance, as errors grow over the scene; for a metric that is a single number the force histories must
+//! agree as well, since two numbers may meet by chance. What the top rung is still off is estimated as that of a
+//! geometric series, `d q / (1 - q)` with `q` the ratio of the last two.
+
+use super::candidate::{Candidate, MODES, Prepared};
+use super::choice::ChooseError;
+use super::scout::Window;
+use super::situation::Situation;
+use super::trial::{Outcome, Trial};
+use super::wish::{Metric, Wish};
+use std::sync::atomic::AtomicBool;
+
+/// Steps per contact time of the climb: their own error does not show.
+const STEPS: f64 = 256.0;
+/// Part of the tolerance that the last two differences stay below.
+const SETTLED: f64 = 0.25;
+/// The same for histories, in tolerances, where the metric is a single number.
+const HISTORY: f64 = 2.0;
+/// Bounds of the ratio of differences.
+const RATIO: [f64; 2] = [0.3, 0.8];
+
+/// A rung of elastic gears on the window.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Modes per gear; none is quasi-static.
+    pub modes: usize,
+    /// How it was run.
+    pub candidate: Candidate,
+    /// What it gave.
+    pub outcome: Outcome,
+    /// Set-up [s].
+    pub setup_s: f64,
+    /// Distance to the next level.
+    pub step_up: Option<f64>,
+}
+
+/// The ladder as far as it was climbed.
+#[derive(Clone, Debug)]
+pub struct Climb {
+    /// Levels that ran to the end, ascending.
+    pub levels: Vec<Level>,
+    /// What the top one is estimated to be off on the window.
+    pub remaining: f64,
+    /// Factor by which errors grow from the window to the scene.
+    pub growth: f64,
+    /// The differences became small.
+    pub settled: bool,
+}
+
+impl Climb {
+    /// The top rung.
+    #[must_use]
+    pub fn top(&self) -> Option<&Level> {
+        self.levels.last()
+    }
+}
+
+/// Climbs.
+///
+/// # Errors
+/// [`ChooseError::Ladder`] when no elastic gears reach the end of the window.
+pub fn climb(
+    situation: &Situation,
+    prepared: &Prepared,
+    window: &Window,
+    wish: &Wish,
+    growth: f64,
+    cancel: Option<&AtomicBool>,
+    progress: &mut impl FnMut(&str),
+) -> Result<Climb, ChooseError> {
+    let mut levels: Vec<Level> = Vec::new();
+    let mut failure = String::from("no reason given");
+    let mut settled = false;
+    // How far histories are apart, for metrics that are single numbers.
+    let mut apart: Vec<f64> = Vec::new();
+    for modes in std::iter::once(0).chain(MODES) {
+        let candidate = prepared.at_steps(situation, modes, STEPS);
+        progress(&format!("{} on the window", candidate.rung.name()));
+        let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
+        let mut trial = Trial::new(situation, &scene, &modelling)?;
+        let outcome = trial.run(&candidate.method, window, cancel)?;
+        if !outcome.usable() {
+            failure = outcome.row.message.clone().unwrap_or(failure);
+            continue;
+        }
+        let setup_s = trial.setup.as_secs_f64();
+        if let Some(below) = levels.last_mut() {
+            below.step_up = Some(below.outcome.error(wish.metric, &outcome));
+            if wish.metric.is_scalar() {
+                apart.push(below.outcome.error(Metric::ForceAligned, &outcome));
+            }
+        }
+        levels.push(Level {
+            modes,
+            candidate,
+            outcome,
+            setup_s,
+            step_up: None,
+        });
+        let differences = differences(&levels);
+        let last =
+            |x: &[f64], limit: f64| x.len() >= 2 && x.iter().rev().take(2).all(|d| *d <= limit);
+        settled = last(&differences, SETTLED * wish.tolerance / growth)
+            && (!wish.metric.is_scalar() || last(&apart, HISTORY * wish.tolerance));
+        if settled {
+            break;
+        }
+    }
+    if levels.len() < 2 {
+        return Err(ChooseError::Ladder(failure));
+    }
+    let remaining = remaining(&differences(&levels));
+    Ok(Climb {
+        levels,
+        remaining,
+        growth,
+        settled,
+    })
+}
+
+fn differences(levels: &[Level]) -> Vec<f64> {
+    levels.iter().filter_map(|l| l.step_up).collect()
+}
+
+/// See the head of the module.
+fn remaining(d: &[f64]) -> f64 {
+    let [.., before, last] = d else {
+        return d.last().copied().unwrap_or(f64::INFINITY);
+    };
+    let q = (last / before).clamp(RATIO[0], RATIO[1]);
+    // A difference that happens to be small does not say that the next one is.
+    let last = last.max(RATIO[0] * before);
+    if q.is_nan() {
+        last
+    } else {
+        last * q / (1.0 - q)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::remaining;
+
+    #[test]
+    fn a_geometric_series_is_summed() {
+        // Differences 1, 1/2, 1/4: what is left after them is 1/4.
+        assert!((remaining(&[1.0, 0.5, 0.25]) - 0.25).abs() < 1e-12);
+        // Differences that grow promise nothing: the bound of the ratio speaks.
+        assert!((remaining(&[0.1, 0.2]) - 0.8).abs() < 1e-12);
+        // One that vanishes by chance counts as a part of the one before.
+        assert!(remaining(&[0.1, 0.0]) > 0.01);
+        assert_eq!(remaining(&[0.1]), 0.1);
+    }
+}

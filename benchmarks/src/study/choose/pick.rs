@@ -1,0 +1,254 @@
+//! The pick: of every rung that is near enough to the top one each integrator is taken to its longest adequate step, and
+//! the cheapest of all is chosen.
+//!
+//! A candidate is run on the window and held against the top rung, so that errors of model and integrator count as
+//! they come together. Candidates of an integrator are tried from the longest step on; the first one that keeps the
+//! tolerance with a margin counts when the next shorter one does as well: one that is right by chance is not.
+
+use super::candidate::{Candidate, Fixed, Prepared, Rung};
+use super::choice::{Choice, ChooseError, Parts, RungTried, Tried};
+use super::climb::Climb;
+use super::scout::Window;
+use super::situation::Situation;
+use super::trial::{Outcome, Trial};
+use super::wish::Wish;
+use crate::study::run::Method;
+use gearbench_integrators::Resolution;
+use std::sync::atomic::AtomicBool;
+
+/// Part of the tolerance that an estimate may use up.
+const MARGIN: f64 = 0.9;
+/// Steps per contact time at which rigid gears and movable teeth have no error of integration worth speaking of.
+const FINE: f64 = 512.0;
+/// A rung whose own fine solution is beyond this many tolerances is not tried further.
+const HOPE: f64 = 1.0;
+
+/// A rung with its own fine solution.
+struct Standing {
+    tried: RungTried,
+    fine: Option<Outcome>,
+}
+
+/// What all steps of the pick need.
+struct Picker<'a, 'p> {
+    situation: &'a Situation,
+    window: &'a Window,
+    wish: &'a Wish,
+    climb: &'a Climb,
+    top: &'a Outcome,
+    cancel: Option<&'a AtomicBool>,
+    progress: &'p mut dyn FnMut(&str),
+}
+
+impl Picker<'_, '_> {
+    /// Estimated error over the whole scene of something at a distance from the top rung.
+    fn error(&self, distance: f64) -> f64 {
+        self.climb.growth * (distance + self.climb.remaining)
+    }
+
+    fn adequate(&self, error: f64) -> bool {
+        error <= MARGIN * self.wish.tolerance
+    }
+
+    /// Holds a rung that is not elastic against the top one.
+    fn stand(&mut self, fixed: &Fixed, contact_time: f64) -> Result<Standing, ChooseError> {
+        (self.progress)(&format!("{} on the window", fixed.rung.name()));
+        let method = match fixed.rung {
+            Rung::MovableTeeth(_) => Method {
+                text: "dopri5".into(),
+                resolution: Resolution::Tolerance(1e-6),
+            },
+            _ => Method {
+                text: "trigonometric".into(),
+                resolution: Resolution::Step(contact_time / FINE),
+            },
+        };
+        let mut trial = Trial::new(self.situation, &fixed.scene, &fixed.modelling)?;
+        let fine = trial.run(&method, self.window, self.cancel)?;
+        let distance = fine.error(self.wish.metric, self.top);
+        let error = self.error(distance);
+        Ok(Standing {
+            tried: RungTried {
+                rung: fixed.rung.clone(),
+                method,
+                distance,
+                step_up: None,
+                error,
+                adequate: self.adequate(error),
+                cheapest: None,
+                setup_s: trial.setup.as_secs_f64(),
+                failure: failure(&fine),
+            },
+            fine: fine.usable().then_some(fine),
+        })
+    }
+
+    /// Predicted cost over the whole scene of a candidate that takes `cost` on the window: a method that flies pays for
+    /// contact only.
+    fn whole_cost(&self, candidate: &Candidate, cost: f64) -> f64 {
+        let flies = candidate.method.text.starts_with("trigonometric");
+        cost * if flies {
+            self.window.contact_ratio
+        } else {
+            self.window.time_ratio
+        }
+    }
+
+    /// Tries the candidates of a rung; the cheapest adequate one comes back.
+    fn search(
+        &mut self,
+        candidates: &[Candidate],
+        tried: &mut Vec<Tried>,
+    ) -> Result<Option<(Candidate, f64)>, ChooseError> {
+        let mut best: Option<(Candidate, f64)> = None;
+        let same = |a: &Candidate, b: &Candidate| {
+            let by_step = |c: &Candidate| matches!(c.method.resolution, Resolution::Step(_));
+            a.method.text == b.method.text && by_step(a) == by_step(b)
+        };
+        for row in candidates.chunk_by(same) {
+            let mut pending: Option<(&Candidate, f64, f64)> = None;
+            for (i, candidate) in row.iter().enumerate() {
+                (self.progress)(&candidate.name());
+                let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
+                let mut trial = Trial::new(self.situation, &scene, &modelling)?;
+                let outcome = trial.run(&candidate.method, self.window, self.cancel)?;
+                let error = self.error(outcome.error(self.wish.metric, self.top));
+                let adequate = self.adequate(error);
+                let mut cost = f64::NAN;
+                if adequate {
+                    let on_window = trial.cost(&candidate.method, self.window.end, self.cancel)?;
+                    cost = self.whole_cost(candidate, on_window);
+                }
+                tried.push(Tried {
+                    candidate: candidate.clone(),
+                    error,
+                    cost_s: cost,
+                    adequate,
+                });
+                if !adequate {
+                    pending = None;
+                    continue;
+                }
+                let last = i + 1 == row.len();
+                if let Some((c, _, cost)) = pending.or(last.then_some((candidate, error, cost))) {
+                    if best.as_ref().is_none_or(|(_, b)| cost < *b) {
+                        best = Some((c.clone(), cost));
+                    }
+                    break;
+                }
+                pending = Some((candidate, error, cost));
+            }
+        }
+        Ok(best)
+    }
+}
+
+fn failure(outcome: &Outcome) -> Option<String> {
+    (!outcome.usable()).then(|| {
+        let message = outcome.row.message.clone().unwrap_or_default();
+        format!("{}: {message}", outcome.row.status)
+    })
+}
+
+/// Picks; window and domain are the caller's.
+///
+/// # Errors
+/// [`ChooseError`] when something that was to run could not start.
+pub fn pick(
+    situation: &Situation,
+    prepared: &Prepared,
+    window: &Window,
+    wish: &Wish,
+    climb: Climb,
+    cancel: Option<&AtomicBool>,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Choice, ChooseError> {
+    let Some(top) = climb.top() else {
+        return Err(ChooseError::Ladder("no rung ran".into()));
+    };
+    let mut picker = Picker {
+        situation,
+        window,
+        wish,
+        climb: &climb,
+        top: &top.outcome,
+        cancel,
+        progress,
+    };
+    let mut standings = Vec::new();
+    for fixed in &prepared.fixed {
+        standings.push(picker.stand(fixed, prepared.swing.contact_time())?);
+    }
+    for level in &climb.levels {
+        let distance = level.outcome.error(wish.metric, &top.outcome);
+        let error = picker.error(distance);
+        standings.push(Standing {
+            tried: RungTried {
+                rung: level.candidate.rung.clone(),
+                method: level.candidate.method.clone(),
+                distance,
+                step_up: level.step_up,
+                error,
+                adequate: picker.adequate(error),
+                cheapest: None,
+                setup_s: level.setup_s,
+                failure: None,
+            },
+            fine: Some(level.outcome.clone()),
+        });
+    }
+    let all = prepared.candidates(situation);
+    let mut tried = Vec::new();
+    for standing in &mut standings {
+        let t = &mut standing.tried;
+        if t.error > HOPE * wish.tolerance {
+            continue;
+        }
+        let own: Vec<Candidate> = (all.iter().filter(|c| c.rung == t.rung)).cloned().collect();
+        t.cheapest = picker.search(&own, &mut tried)?;
+    }
+    let best = (standings.iter().enumerate())
+        .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))
+        .min_by(|a, b| a.2.total_cmp(&b.2));
+    let mut choice = Choice {
+        candidate: None,
+        predicted_error: standings
+            .iter()
+            .map(|s| s.tried.error)
+            .fold(f64::INFINITY, f64::min),
+        parts: Parts {
+            top: climb.remaining,
+            growth: climb.growth,
+            ..Parts::default()
+        },
+        predicted_cost_s: f64::NAN,
+        setup_s: f64::NAN,
+        reason: Vec::new(),
+        rungs: Vec::new(),
+        tried,
+        window: window.clone(),
+        outside: Vec::new(),
+    };
+    if let Some((i, candidate, cost)) = best {
+        let standing = &standings[i];
+        let found = (choice.tried.iter())
+            .find(|t| t.candidate.rung == candidate.rung && t.candidate.method == candidate.method);
+        choice.predicted_error = found.map_or(f64::NAN, |t| t.error);
+        choice.predicted_cost_s = cost;
+        choice.setup_s = standing.tried.setup_s;
+        choice.parts.model = standing.tried.distance;
+        if let Some(fine) = &standing.fine {
+            let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
+            let outcome = Trial::new(situation, &scene, &modelling)?.run(
+                &candidate.method,
+                window,
+                cancel,
+            )?;
+            choice.parts.integration = outcome.error(wish.metric, fine);
+        }
+        choice.candidate = Some(candidate);
+    }
+    choice.rungs = standings.into_iter().map(|s| s.tried).collect();
+    choice.reason = super::reason::reason(&choice, wish, &climb);
+    Ok(choice)
+}

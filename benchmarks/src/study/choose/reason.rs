@@ -1,0 +1,98 @@
+//! The reason of a choice in plain words.
+
+use super::candidate::Rung;
+use super::choice::Choice;
+use super::climb::Climb;
+use super::wish::Wish;
+use gearbench_reports::numbers::percent;
+
+fn per_cent(x: f64) -> String {
+    format!("{} %", percent(x, 2))
+}
+
+/// Seconds with a fitting unit.
+#[must_use]
+pub fn seconds(s: f64) -> String {
+    match s {
+        s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
+        s if s < 1.0 => format!("{:.3} ms", 1e3 * s),
+        s => format!("{s:.3} s"),
+    }
+}
+
+/// Sentences on why a choice is what it is.
+#[must_use]
+pub fn reason(choice: &Choice, wish: &Wish, climb: &Climb) -> Vec<String> {
+    let mut said = Vec::new();
+    let limit = per_cent(wish.tolerance);
+    let metric = wish.metric.title();
+    let top = climb
+        .top()
+        .map_or(String::new(), |l| l.candidate.rung.name());
+    said.push(format!(
+        "On the window ({}) the ladder of elastic gears {} `{top}`, which is estimated to be {} off in the {metric}.",
+        choice.window.describe(),
+        if climb.settled { "settles at" } else { "ends unsettled at" },
+        per_cent(climb.remaining)
+    ));
+    if climb.growth > 1.05 {
+        said.push(format!(
+            "A little more stiffness moves the {metric} {:.1} times as far over the whole scene as over the window; estimates are larger by that.",
+            climb.growth
+        ));
+    }
+    let Some(candidate) = &choice.candidate else {
+        said.push(format!(
+            "Nothing that was tried keeps {limit}: the least estimate is {}.",
+            per_cent(choice.predicted_error)
+        ));
+        return said;
+    };
+    let cheaper: Vec<String> = (choice.rungs.iter())
+        .take_while(|r| r.rung != candidate.rung)
+        .filter(|r| !r.adequate)
+        .map(|r| match &r.failure {
+            Some(f) => format!("{} ({f})", r.rung.name()),
+            None => format!("{} ({})", r.rung.name(), per_cent(r.error)),
+        })
+        .collect();
+    if !cheaper.is_empty() {
+        said.push(format!(
+            "Simpler models do not keep {limit}: {}.",
+            cheaper.join(", ")
+        ));
+    }
+    said.push(format!(
+        "{} with {} is estimated to be {} off: {} of it from the model, {} from the integration.",
+        capital(&candidate.rung.name()),
+        candidate.method.text,
+        per_cent(choice.predicted_error),
+        per_cent(choice.parts.model),
+        per_cent(choice.parts.integration)
+    ));
+    let next = (choice.rungs.iter())
+        .filter(|r| r.rung != candidate.rung)
+        .filter_map(|r| r.cheapest.as_ref().map(|(c, cost)| (c, *cost)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some((other, cost)) = next {
+        said.push(format!(
+            "The next cheapest adequate one, {}, costs {:.1} times as much.",
+            other.name(),
+            cost / choice.predicted_cost_s
+        ));
+    }
+    if !matches!(candidate.rung, Rung::Rigid(_) | Rung::MovableTeeth(_)) {
+        said.push(format!(
+            "Reducing the meshes is paid once ({} here) and kept on disk.",
+            seconds(choice.setup_s)
+        ));
+    }
+    said
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map_or(String::new(), |c| c.to_uppercase().chain(letters).collect())
+}
