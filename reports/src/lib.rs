@@ -6,6 +6,7 @@
 
 pub mod charts;
 mod checks;
+mod choice;
 mod html;
 pub mod metrics;
 pub mod modes;
@@ -19,6 +20,7 @@ mod study_csv;
 mod view;
 
 pub use charts::{Chart, charts};
+pub use choice::{ChoiceRecord, RungRecord, TriedRecord};
 pub use metrics::{CompareOptions, compare, compare_with};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,

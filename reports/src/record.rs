@@ -65,6 +65,9 @@ pub struct Results {
     /// Static limits (loaded running).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
+    /// The answer of a model choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<crate::choice::ChoiceRecord>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -85,6 +88,7 @@ impl Default for Results {
             references: Vec::new(),
             published: None,
             statics: Vec::new(),
+            choice: None,
             runs: Vec::new(),
         }
     }

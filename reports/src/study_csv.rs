@@ -4,12 +4,13 @@ use crate::record::{Results, Run};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
-pub(crate) const FILES: [&str; 5] = [
+pub(crate) const FILES: [&str; 6] = [
     "modes.csv",
     "sweep.csv",
     "sweep_cycles.csv",
     "statics.csv",
     "penalty.csv",
+    "choose.csv",
 ];
 
 /// The tables of a record: name, text.
@@ -27,6 +28,9 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     }
     if results.study == "penalty" {
         all.push((FILES[4].to_owned(), penalty(results)));
+    }
+    if let Some(text) = crate::choice::csv(results) {
+        all.push((FILES[5].to_owned(), text));
     }
     if !results.statics.is_empty() {
         all.push((FILES[3].to_owned(), statics(results)));

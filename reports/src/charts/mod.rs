@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod choose;
 mod cost;
 mod curves;
 mod histories;
@@ -36,7 +37,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 15] = [
+pub(crate) const FILES: [&str; 16] = [
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -52,6 +53,7 @@ pub(crate) const FILES: [&str; 15] = [
     "sweep_cycles.svg",
     "penalty.svg",
     "penalty_distance.svg",
+    "choose.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -60,6 +62,9 @@ pub(crate) const FILES: [&str; 15] = [
 /// [`DrawError`] when the drawing backend refuses.
 pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     let view = View::new(results);
+    if view.results.choice.is_some() {
+        return Ok(choose::choose(&view)?.into_iter().collect());
+    }
     if modes::applies(&view) {
         let mut all = modes::modes(&view)?;
         all.extend(histories::force(&view)?);

@@ -3,6 +3,7 @@
 //! No script, no font, no request: style and charts are in the page. Every text that came from data
 //! goes through [`escape`].
 
+mod choose;
 mod finding;
 mod modes;
 mod penalty;
@@ -59,6 +60,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     out.push_str(&format!(
         "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
         match results.study.as_str() {
+            "choose" => choose::finding(&view),
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
@@ -66,6 +68,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         }
     ));
     out.push_str(&match results.study.as_str() {
+        "choose" => choose::tables(&view),
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
@@ -83,7 +86,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     }
     if results.study == "sweep" {
         out.push_str(&sweep::speeds(&view));
-    } else {
+    } else if results.study != "choose" {
         out.push_str(&sections::metrics(&view));
         out.push_str(&sections::work(&view));
         out.push_str(&sections::ledger(&view));

@@ -20,13 +20,17 @@
 //! | [`domain`] | what the choice has been checked on |
 //! | [`reason`] | the reason in plain words |
 //! | [`choice`] | the answer |
+//! | [`record`] | the answer as a record |
+//! | [`chosen`] | the scene file with the choice written in |
 
 pub mod candidate;
 pub mod choice;
+pub mod chosen;
 pub mod climb;
 pub mod domain;
 pub mod pick;
 pub mod reason;
+pub mod record;
 pub mod scout;
 pub mod situation;
 pub mod statics;
