@@ -160,7 +160,7 @@ fn file_names(results: &Results) -> Vec<String> {
         .chain(
             FILES
                 .iter()
-                .chain(&study_csv::FILES)
+                .chain(study_csv::FILES)
                 .chain(&crate::charts::stability::FILES)
                 .map(ToString::to_string),
         )

@@ -14,6 +14,7 @@ pub(crate) const FILES: &[&str] = &[
     "stability.csv",
     "stability_limits.csv",
     "choice_check.csv",
+    "choose.csv",
 ];
 
 /// The tables of a record: name, text.
@@ -38,6 +39,9 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     }
     if !results.choices.is_empty() {
         all.push(("choice_check.csv".to_owned(), choices(results)));
+    }
+    if let Some(text) = crate::choice::csv(results) {
+        all.push(("choose.csv".to_owned(), text));
     }
     if !results.statics.is_empty() {
         all.push(("statics.csv".to_owned(), statics(results)));

@@ -45,7 +45,7 @@ const TIMINGS: &str = "timings.csv";
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Nothing)?;
+    let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
     let folder =
         (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("stability"));

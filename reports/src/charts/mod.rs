@@ -6,6 +6,7 @@
 mod axis;
 mod canvas;
 mod choice_check;
+mod choose;
 mod cost;
 mod curves;
 mod histories;
@@ -55,6 +56,7 @@ pub(crate) const FILES: &[&str] = &[
     "penalty.svg",
     "penalty_distance.svg",
     "choice_check.svg",
+    "choose.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -63,6 +65,9 @@ pub(crate) const FILES: &[&str] = &[
 /// [`DrawError`] when the drawing backend refuses.
 pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     let view = View::new(results);
+    if view.results.choice.is_some() {
+        return Ok(choose::choose(&view)?.into_iter().collect());
+    }
     if modes::applies(&view) {
         let mut all = modes::modes(&view)?;
         all.extend(histories::force(&view)?);

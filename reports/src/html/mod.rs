@@ -4,6 +4,7 @@
 //! goes through [`escape`].
 
 mod choice_check;
+mod choose;
 mod finding;
 mod modes;
 mod penalty;
@@ -61,6 +62,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     out.push_str(&format!(
         "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
         match results.study.as_str() {
+            "choose" => choose::finding(&view),
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
@@ -70,6 +72,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         }
     ));
     out.push_str(&match results.study.as_str() {
+        "choose" => choose::tables(&view),
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
@@ -90,7 +93,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     match results.study.as_str() {
         "sweep" => out.push_str(&sweep::speeds(&view)),
         "choice-check" => out.push_str(&choice_check::scenes(&view)),
-        "stability" => {}
+        "stability" | "choose" => {}
         _ => {
             out.push_str(&sections::metrics(&view));
             out.push_str(&sections::work(&view));
