@@ -58,6 +58,9 @@ pub struct Results {
     /// What the scene calls accurate enough.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
+    /// Keys of the metrics that the study is about, the first one above all (accuracy against cost).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<String>,
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
@@ -93,6 +96,7 @@ impl Default for Results {
             created: String::new(),
             settings: Vec::new(),
             tolerance: None,
+            metrics: Vec::new(),
             references: Vec::new(),
             published: None,
             statics: Vec::new(),
@@ -296,6 +300,10 @@ pub struct Run {
     /// Calibration of the stiffness, such as `impact`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<String>,
+    /// Id of the reference to whose history its constants were fitted, where that is one of this record: its error
+    /// there is the rest of a fit, not a prediction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fitted_to: Option<String>,
     /// Dynamic modes of the gear that has most of them (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,

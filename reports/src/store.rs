@@ -162,6 +162,8 @@ fn file_names(results: &Results) -> Vec<String> {
                 .iter()
                 .chain(study_csv::FILES)
                 .chain(&crate::charts::stability::FILES)
+                .copied()
+                .chain(crate::charts::precision::files())
                 .map(ToString::to_string),
         )
         .collect()

@@ -11,6 +11,7 @@ pub(crate) const FILES: &[&str] = &[
     "sweep_cycles.csv",
     "statics.csv",
     "penalty.csv",
+    "precision.csv",
     "stability.csv",
     "stability_limits.csv",
     "choice_check.csv",
@@ -33,6 +34,10 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     if results.study == "penalty" {
         all.push(("penalty.csv".to_owned(), penalty(results)));
     }
+    if results.study == "precision" {
+        let table = crate::precision_csv::precision(results);
+        all.push(("precision.csv".to_owned(), table));
+    }
     if !results.maps.is_empty() {
         all.push(("stability.csv".to_owned(), stability(results)));
         all.push(("stability_limits.csv".to_owned(), stability_limits(results)));
@@ -49,7 +54,7 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     all
 }
 
-fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub(crate) fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory cannot fail.
     let _ = writer.write_record(header);
@@ -60,7 +65,7 @@ fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 }
 
 /// A number, or nothing where there is none.
-fn number(x: Option<f64>) -> String {
+pub(crate) fn number(x: Option<f64>) -> String {
     x.filter(|x| x.is_finite())
         .map_or(String::new(), |x| format!("{x:.9e}"))
 }

@@ -1,6 +1,7 @@
 //! `[study]` and `tolerance`: what is compared, and what counts as accurate enough.
 
 use super::error::SceneError;
+use super::precision_plan::{Precision, precision};
 use super::reader::{Entry, Key, key};
 use super::stability::{self, StabilitySet};
 use crate::study::run::Method;
@@ -40,6 +41,10 @@ pub(super) static STUDY: &[Key] = &[
     key(
         "stability",
         "maps of `gearbench stability`, one set or a list: { models, integrators, duration_s, step_s, axes }",
+    ),
+    key(
+        "precision",
+        "defaults of `gearbench precision`: { models, integrators, modes, factors, steps_s, rtols, metrics, duration_s }",
     ),
 ];
 pub(super) static SWEEP: &[Key] = &[
@@ -121,6 +126,8 @@ pub struct Study {
     pub sweep: Sweep,
     /// Maps of where methods fail.
     pub stability: Vec<StabilitySet>,
+    /// Accuracy against cost.
+    pub precision: Precision,
 }
 
 /// Speeds at which a sweep runs.
@@ -159,6 +166,7 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
         published: None,
         sweep: Sweep::default(),
         stability: Vec::new(),
+        precision: Precision::default(),
     };
     let Some(entry) = entry else { return Ok(study) };
     let s = entry.section("[study]", STUDY)?;
@@ -198,6 +206,9 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
     }
     if let Some(e) = s.get("stability") {
         study.stability = stability::sets(&e, labels)?;
+    }
+    if let Some(e) = s.get("precision") {
+        study.precision = precision(&e, labels)?;
     }
     Ok(study)
 }

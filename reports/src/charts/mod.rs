@@ -14,6 +14,8 @@ mod lines;
 mod mesh;
 mod modes;
 pub(crate) mod penalty;
+pub(crate) mod precision;
+mod precision_marks;
 pub(crate) mod stability;
 mod stiffness;
 mod style;
@@ -86,6 +88,9 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     }
     if sweep::applies(&view) {
         return sweep::sweep(&view);
+    }
+    if precision::applies(results) {
+        return precision::precision(&view);
     }
     let all = [
         histories::force(&view)?,

@@ -8,6 +8,7 @@ mod choose;
 mod finding;
 mod modes;
 mod penalty;
+mod precision;
 mod sections;
 mod stability;
 mod sweep;
@@ -68,6 +69,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             "penalty" => penalty::finding(&view),
             "stability" => stability::finding(&view),
             "choice-check" => choice_check::finding(&view),
+            "precision" => precision::finding(&view),
             _ => finding::finding(&view),
         }
     ));
@@ -78,6 +80,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "penalty" => penalty::tables(&view),
         "stability" => stability::tables(&view),
         "choice-check" => choice_check::tables(&view),
+        "precision" => precision::tables(&view),
         _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -93,6 +96,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     match results.study.as_str() {
         "sweep" => out.push_str(&sweep::speeds(&view)),
         "choice-check" => out.push_str(&choice_check::scenes(&view)),
+        "precision" => out.push_str(&precision::runs(&view)),
         "stability" | "choose" => {}
         _ => {
             out.push_str(&sections::metrics(&view));
@@ -100,7 +104,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             out.push_str(&sections::ledger(&view));
         }
     }
-    if results.study != "stability" {
+    if !["stability", "precision"].contains(&results.study.as_str()) {
         out.push_str(&sections::failures(&view));
     }
     out.push_str(&sections::setting(&view));

@@ -1,5 +1,6 @@
 //! Tests of the scene format: what is read, what is refused and in which words, what never panics.
 
+mod precision;
 mod refusals;
 mod refused_models;
 mod robustness;
