@@ -7,6 +7,7 @@
 pub mod charts;
 mod checks;
 mod choice;
+pub mod choice_check;
 mod html;
 pub mod metrics;
 pub mod modes;

@@ -5,6 +5,7 @@
 //! in SI units, the unit stands at the end of the name. A quantity that was not measured, or is not
 //! finite, is absent: use [`finite`].
 
+pub use crate::choice_check::JudgedChoice;
 pub use crate::picture::{ContactPoint, ContactSnapshot, Outline};
 use crate::series::TimeSeries;
 pub use crate::steady::{Bearing, StaticCycle, Steady};
@@ -68,6 +69,9 @@ pub struct Results {
     /// The answer of a model choice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub choice: Option<crate::choice::ChoiceRecord>,
+    /// Choices of a model judged on random scenes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<JudgedChoice>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -89,6 +93,7 @@ impl Default for Results {
             published: None,
             statics: Vec::new(),
             choice: None,
+            choices: Vec::new(),
             runs: Vec::new(),
         }
     }

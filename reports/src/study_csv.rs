@@ -4,13 +4,14 @@ use crate::record::{Results, Run};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
-pub(crate) const FILES: [&str; 6] = [
+pub(crate) const FILES: [&str; 7] = [
     "modes.csv",
     "sweep.csv",
     "sweep_cycles.csv",
     "statics.csv",
     "penalty.csv",
     "choose.csv",
+    "choice_check.csv",
 ];
 
 /// The tables of a record: name, text.
@@ -31,6 +32,9 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     }
     if let Some(text) = crate::choice::csv(results) {
         all.push((FILES[5].to_owned(), text));
+    }
+    if !results.choices.is_empty() {
+        all.push((FILES[6].to_owned(), choices(results)));
     }
     if !results.statics.is_empty() {
         all.push((FILES[3].to_owned(), statics(results)));
@@ -94,6 +98,69 @@ fn modes(results: &Results) -> String {
                 number(Some(r.setup_s)),
             ]
         })
+    });
+    write(&header, rows)
+}
+
+fn choices(results: &Results) -> String {
+    let header = [
+        "scene",
+        "kind",
+        "gears",
+        "duration_s",
+        "metric",
+        "tolerance",
+        "reference",
+        "reference_error",
+        "densest_error",
+        "redraws",
+        "candidates",
+        "failed",
+        "cut_short",
+        "outcome",
+        "chosen",
+        "predicted_error",
+        "error",
+        "predicted_cost_s",
+        "cost_s",
+        "cheapest",
+        "cheapest_error",
+        "cheapest_cost_s",
+        "cost_ratio",
+        "least_error",
+        "choosing_s",
+        "note",
+    ];
+    let text = |x: &Option<String>| x.clone().unwrap_or_default();
+    let rows = results.choices.iter().map(|s| {
+        vec![
+            s.scene.clone(),
+            s.kind.clone(),
+            s.gears.clone(),
+            number(Some(s.duration_s)),
+            s.metric.clone(),
+            s.tolerance.to_string(),
+            s.reference.clone(),
+            number(s.reference_error),
+            number(s.densest_error),
+            s.redraws.to_string(),
+            s.candidates.to_string(),
+            s.failed.to_string(),
+            s.cut_short.to_string(),
+            s.outcome.to_string(),
+            text(&s.chosen),
+            number(s.predicted_error),
+            number(s.error),
+            number(s.predicted_cost_s),
+            number(s.cost_s),
+            text(&s.cheapest),
+            number(s.cheapest_error),
+            number(s.cheapest_cost_s),
+            number(s.cost_ratio()),
+            number(s.least_error),
+            number(s.choosing_s),
+            text(&s.note),
+        ]
     });
     write(&header, rows)
 }

@@ -1,6 +1,6 @@
 //! `gearbench choose SCENE`.
 
-use super::{Refusal, progress_bar, refuse_run, say, write};
+use super::{Refusal, choice_check, progress_bar, refuse_run, say, write};
 use crate::cli::Choose;
 use crate::scene_file;
 use crate::study::choose::reason::seconds;
@@ -15,8 +15,20 @@ const FELL_SHORT: u8 = 1;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
+    if let Some((set, number)) = &args.check.draw {
+        return choice_check::print(set, *number);
+    }
+    if let Some(set) = &args.check.check {
+        return choice_check::judge(set, args, command);
+    }
+    let Some(path) = &args.scene else {
+        return Err(Refusal::Input(miette::miette!(
+            help = "`gearbench list` names the shipped scenes",
+            "no scene is named"
+        )));
+    };
     // Models are built when they are tried: many a scene has full finite elements beside.
-    let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
+    let scene = scene_file::load_for(path, scene_file::Selection::None)?;
     let situation = Situation::of(&scene);
     let wish = Wish {
         metric: args.metric,

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 a result fell short (kept for regression checks), 2 bad input, 3 a run failed to
 //! finish. Nothing is written when the input is refused.
 
+mod choice_check;
 mod choose;
 mod compare;
 mod identify;

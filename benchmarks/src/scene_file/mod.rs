@@ -245,7 +245,7 @@ impl SceneFile {
         Ok(file)
     }
 
-    fn unbuilt(
+    pub(crate) fn unbuilt(
         name: &str,
         text: &str,
         origin: Origin,

@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod choice_check;
 mod choose;
 mod cost;
 mod curves;
@@ -37,7 +38,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 16] = [
+pub(crate) const FILES: [&str; 17] = [
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -54,6 +55,7 @@ pub(crate) const FILES: [&str; 16] = [
     "penalty.svg",
     "penalty_distance.svg",
     "choose.svg",
+    "choice_check.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -74,6 +76,9 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
         let mut all = penalty::penalty(&view)?;
         all.extend(histories::force(&view)?);
         return Ok(all);
+    }
+    if choice_check::applies(&view) {
+        return choice_check::choice_check(&view);
     }
     if sweep::applies(&view) {
         return sweep::sweep(&view);

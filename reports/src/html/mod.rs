@@ -3,6 +3,7 @@
 //! No script, no font, no request: style and charts are in the page. Every text that came from data
 //! goes through [`escape`].
 
+mod choice_check;
 mod choose;
 mod finding;
 mod modes;
@@ -64,6 +65,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
+            "choice-check" => choice_check::finding(&view),
             _ => finding::finding(&view),
         }
     ));
@@ -72,6 +74,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
+        "choice-check" => choice_check::tables(&view),
         _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -86,6 +89,8 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     }
     if results.study == "sweep" {
         out.push_str(&sweep::speeds(&view));
+    } else if results.study == "choice-check" {
+        out.push_str(&choice_check::scenes(&view));
     } else if results.study != "choose" {
         out.push_str(&sections::metrics(&view));
         out.push_str(&sections::work(&view));
