@@ -36,6 +36,9 @@ pub struct ChoiceCheck {
     /// Scenes of the set, from the first to the last [default: all]
     #[arg(long, value_name = "A..B", requires = "check", value_parser = range)]
     pub scenes: Option<[usize; 2]>,
+    /// Judge so many scenes, the first of one impact, against full finite elements [default: as the set says]
+    #[arg(long, value_name = "N", requires = "check")]
+    pub full_order: Option<usize>,
     /// Scenes that are judged at the same time
     #[arg(long, value_name = "N", requires = "check", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub threads: u32,

@@ -13,8 +13,8 @@ use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Bound of one integration that is observed: far beyond all that are of use.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// Bound of one integration of a reference.
+pub const PATIENCE: Duration = Duration::from_secs(600);
 /// Time on a processor from which the ticks of its clock do not matter [s].
 const TICKS: f64 = 0.05;
 /// Time that a batch of repeats takes at least [s].
@@ -22,8 +22,8 @@ const BATCH: f64 = 2e-3;
 
 /// Times at which histories are compared: so many per contact time, within bounds.
 pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
-    const SAMPLES: f64 = 100.0;
-    const BOUNDS: [f64; 2] = [400.0, 12_000.0];
+    const SAMPLES: f64 = 64.0;
+    const BOUNDS: [f64; 2] = [400.0, 8000.0];
     let n = (SAMPLES * duration / contact_time).clamp(BOUNDS[0], BOUNDS[1]);
     let n = n.ceil() as u32;
     (0..=n)
@@ -93,7 +93,12 @@ impl<'a> Ready<'a> {
     ///
     /// # Errors
     /// A method that the model does not take, or an interruption; a run that fails is a result.
-    pub fn observe(&mut self, method: &Method, grid: &[f64]) -> Result<Observed, JudgeError> {
+    pub fn observe(
+        &mut self,
+        method: &Method,
+        grid: &[f64],
+        timeout: Duration,
+    ) -> Result<Observed, JudgeError> {
         let job = Job {
             scene: self.spec,
             modelling: self.modelling,
@@ -106,7 +111,7 @@ impl<'a> Ready<'a> {
             forces: false,
             events: true,
             repeats: 0,
-            timeout: PATIENCE,
+            timeout,
             max_steps: u64::MAX,
             cancel: self.cancel,
         };
