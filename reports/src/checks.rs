@@ -12,6 +12,9 @@ impl Results {
         if self.schema != SCHEMA {
             return Err(format!("schema is {}, must be {SCHEMA}", self.schema));
         }
+        if let Some(choice) = &self.choice {
+            choice.validate()?;
+        }
         for reference in &self.references {
             (reference.series.validate())
                 .map_err(|e| format!("reference {}: {e}", reference.id))?;

@@ -6,6 +6,7 @@
 
 pub mod charts;
 mod checks;
+mod choice;
 pub mod choice_check;
 mod html;
 pub mod metrics;
@@ -20,6 +21,7 @@ mod study_csv;
 mod view;
 
 pub use charts::{Chart, charts};
+pub use choice::{ChoiceRecord, RungRecord, TriedRecord};
 pub use metrics::{CompareOptions, compare, compare_with};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,

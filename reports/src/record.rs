@@ -69,6 +69,9 @@ pub struct Results {
     /// Choices of a model judged on random scenes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<JudgedChoice>,
+    /// The answer of a model choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<crate::choice::ChoiceRecord>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -90,6 +93,7 @@ impl Default for Results {
             published: None,
             statics: Vec::new(),
             choices: Vec::new(),
+            choice: None,
             runs: Vec::new(),
         }
     }

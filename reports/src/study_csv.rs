@@ -4,12 +4,13 @@ use crate::record::{Results, Run};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
-pub(crate) const FILES: [&str; 6] = [
+pub(crate) const FILES: [&str; 7] = [
     "modes.csv",
     "sweep.csv",
     "sweep_cycles.csv",
     "statics.csv",
     "penalty.csv",
+    "choose.csv",
     "choice_check.csv",
 ];
 
@@ -30,7 +31,10 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
         all.push((FILES[4].to_owned(), penalty(results)));
     }
     if !results.choices.is_empty() {
-        all.push((FILES[5].to_owned(), choices(results)));
+        all.push((FILES[6].to_owned(), choices(results)));
+    }
+    if let Some(text) = crate::choice::csv(results) {
+        all.push((FILES[5].to_owned(), text));
     }
     if !results.statics.is_empty() {
         all.push((FILES[3].to_owned(), statics(results)));

@@ -129,6 +129,8 @@ pub enum Selection<'a> {
     All,
     /// As [`SceneFile::select`] takes them.
     Labels(Option<&'a str>),
+    /// None yet: who builds them later says what is wrong with them.
+    None,
 }
 
 /// As [`load`], but builds only the models that are wanted.
@@ -147,6 +149,7 @@ fn load_with(
     let file = read(path_or_name, calibrated)?;
     match selection {
         Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
+        Selection::None => {}
         Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
     }
     Ok(file)
@@ -375,6 +378,11 @@ impl SceneFile {
             }
         }
         Ok(())
+    }
+
+    /// The text that it was read from.
+    pub fn text(&self) -> &str {
+        self.source.text()
     }
 
     /// A model by its label.

@@ -6,6 +6,7 @@
 mod axis;
 mod canvas;
 mod choice_check;
+mod choose;
 mod cost;
 mod curves;
 mod histories;
@@ -37,7 +38,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 16] = [
+pub(crate) const FILES: [&str; 17] = [
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -54,6 +55,7 @@ pub(crate) const FILES: [&str; 16] = [
     "penalty.svg",
     "penalty_distance.svg",
     "choice_check.svg",
+    "choose.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -62,6 +64,9 @@ pub(crate) const FILES: [&str; 16] = [
 /// [`DrawError`] when the drawing backend refuses.
 pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     let view = View::new(results);
+    if view.results.choice.is_some() {
+        return Ok(choose::choose(&view)?.into_iter().collect());
+    }
     if modes::applies(&view) {
         let mut all = modes::modes(&view)?;
         all.extend(histories::force(&view)?);

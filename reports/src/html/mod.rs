@@ -4,6 +4,7 @@
 //! goes through [`escape`].
 
 mod choice_check;
+mod choose;
 mod finding;
 mod modes;
 mod penalty;
@@ -60,6 +61,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
     out.push_str(&format!(
         "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
         match results.study.as_str() {
+            "choose" => choose::finding(&view),
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
@@ -68,6 +70,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         }
     ));
     out.push_str(&match results.study.as_str() {
+        "choose" => choose::tables(&view),
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
@@ -88,7 +91,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         out.push_str(&sweep::speeds(&view));
     } else if results.study == "choice-check" {
         out.push_str(&choice_check::scenes(&view));
-    } else {
+    } else if results.study != "choose" {
         out.push_str(&sections::metrics(&view));
         out.push_str(&sections::work(&view));
         out.push_str(&sections::ledger(&view));

@@ -13,10 +13,14 @@ use std::sync::Arc;
 
 /// Modes of the elastic rungs.
 pub const MODES: [usize; 8] = [10, 20, 35, 50, 75, 100, 150, 200];
+/// Steps per period of a tooth's first frequency of runs whose own error must not show.
+const TOOTH_STEPS: f64 = 30.0;
 /// Modes of the densest elastic model, which is above the ladder.
 pub const DENSEST: usize = 300;
 /// Steps per contact time of the densest elastic model.
 const DENSEST_STEPS: f64 = 1024.0;
+/// Force that dampers are taken at, over the largest.
+const MEAN_FORCE: f64 = 0.7;
 /// Steps per contact time that carry the modes of an elastic run under a tolerance.
 const TOLERANCE_STEPS: f64 = 128.0;
 
@@ -143,7 +147,7 @@ const RIGID: [Menu; 5] = [
     Menu {
         id: TRIGONOMETRIC,
         steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
-        tolerances: &[1e-1, 1e-2, 1e-3],
+        tolerances: &[],
     },
 ];
 /// Those that need no oscillators.
@@ -151,7 +155,7 @@ const TEETH: std::ops::Range<usize> = 1..4;
 const ELASTIC: Menu = Menu {
     id: TRIGONOMETRIC,
     steps: &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
-    tolerances: &[1e-1, 1e-2, 1e-3],
+    tolerances: &[],
 };
 const TRIGONOMETRIC: &str = "trigonometric";
 
@@ -249,30 +253,32 @@ impl Prepared {
     pub fn of(situation: &Situation) -> Result<Prepared, ChooseError> {
         let swing = Swing::of(&situation.scene)?;
         let scene = Arc::new(situation.scene.clone());
-        let dampings: Vec<f64> = (0..situation.scene.meshes.len())
-            .map(|m| situation.relaxation(m))
-            .collect();
-        // A ratio needs a linear law; the damper of others is that of their secant.
-        let contacts = |stiffness: statics::Source<'_>| {
-            (dampings.iter().zip(&situation.flexible.contacts))
-                .map(|(tau, flexible)| {
-                    let mut c = stiffness.contact(*tau, &swing);
+        // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
+        let relaxation = |m: usize, force| situation.relaxation(m, swing.stiffness, force);
+        let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
+            let contacts = (situation.flexible.contacts.iter().enumerate())
+                .map(|(m, flexible)| {
+                    let mut c = source.contact(relaxation(m, force), &swing);
                     c.friction = flexible.friction;
                     c
                 })
-                .collect::<Vec<_>>()
+                .collect();
+            Fixed {
+                rung: Rung::Rigid(stiffness),
+                scene: scene.clone(),
+                modelling: Arc::new(statics::rigid(&situation.scene, contacts)),
+            }
         };
-        let fixed = |stiffness: Stiffness, source: statics::Source<'_>| Fixed {
-            rung: Rung::Rigid(stiffness),
-            scene: scene.clone(),
-            modelling: Arc::new(statics::rigid(&situation.scene, contacts(source))),
-        };
-        let norm = fixed(Stiffness::Norm, statics::Source::Norm);
-        let approach = super::scout::approach(situation, &norm, &swing)?;
+        let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
+        let approach = super::scout::approach(situation, &first, &swing)?;
+        let force = MEAN_FORCE * approach * swing.stiffness;
         let statics = calibrate(situation, approach).map_err(|e| e.to_string());
-        let mut all = vec![norm, fixed(Stiffness::Analytic, statics::Source::Analytic)];
+        let mut all = vec![
+            fixed(Stiffness::Norm, statics::Source::Norm, force),
+            fixed(Stiffness::Analytic, statics::Source::Analytic, force),
+        ];
         if let Ok(c) = &statics {
-            all.push(fixed(Stiffness::Static, statics::Source::Static(c)));
+            all.push(fixed(Stiffness::Static, statics::Source::Static(c), force));
         }
         let own = |o: &Own, rung| Fixed {
             rung,
@@ -282,7 +288,7 @@ impl Prepared {
         let of = |id: &'static str| situation.own.iter().filter(move |o| o.model == id);
         all.extend(of("rigid").map(|o| own(o, Rung::Rigid(Stiffness::Own(o.label.clone())))));
         if situation.scene.meshes.len() == 1 {
-            let tau = dampings[0];
+            let tau = relaxation(0, force);
             let damping = match &statics {
                 Ok(c) => statics::damper(tau, c.secant()),
                 Err(_) => statics::damper(tau, swing.stiffness),
@@ -364,12 +370,14 @@ impl Prepared {
         }
     }
 
-    /// Elastic gears with some modes at some steps per contact time.
+    /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
     #[must_use]
     pub fn at_steps(&self, situation: &Situation, modes: usize, steps: f64) -> Candidate {
+        let tooth = 1.0 / (TOOTH_STEPS * situation.tooth_frequency());
+        let step = (self.swing.contact_time() / steps).min(tooth);
         let method = Method {
             text: TRIGONOMETRIC.into(),
-            resolution: Resolution::Step(short(self.swing.contact_time() / steps)),
+            resolution: Resolution::Step(short(step)),
         };
         self.flexible(situation, &Arc::new(situation.scene.clone()), modes, method)
     }

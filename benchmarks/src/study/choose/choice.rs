@@ -69,6 +69,10 @@ pub struct Tried {
     pub cost_s: f64,
     /// Keeps the tolerance.
     pub adequate: bool,
+    /// Steps and force evaluations on the window.
+    pub work: [u64; 2],
+    /// How the run failed, if so.
+    pub failure: Option<String>,
 }
 
 /// The answer.

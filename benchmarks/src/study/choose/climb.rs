@@ -13,8 +13,9 @@ use super::trial::{Outcome, Trial};
 use super::wish::{Metric, Wish};
 use std::sync::atomic::AtomicBool;
 
-/// Steps per contact time of the climb: their own error does not show.
-const STEPS: f64 = 256.0;
+/// Steps per contact time of the climb, for tolerances below and from a limit: their own error does not show beside it.
+const STEPS: [f64; 2] = [256.0, 128.0];
+const COARSE: f64 = 0.04;
 /// Part of the tolerance that the last two differences stay below.
 const SETTLED: f64 = 0.25;
 /// The same for histories, in tolerances, where the metric is a single number.
@@ -71,13 +72,14 @@ pub fn climb(
     cancel: Option<&AtomicBool>,
     progress: &mut impl FnMut(&str),
 ) -> Result<Climb, ChooseError> {
+    let steps = STEPS[usize::from(wish.tolerance >= COARSE)];
     let mut levels: Vec<Level> = Vec::new();
     let mut failure = String::from("no reason given");
     let mut settled = false;
     // How far histories are apart, for metrics that are single numbers.
     let mut apart: Vec<f64> = Vec::new();
     for modes in std::iter::once(0).chain(MODES) {
-        let candidate = prepared.at_steps(situation, modes, STEPS);
+        let candidate = prepared.at_steps(situation, modes, steps);
         progress(&format!("{} on the window", candidate.rung.name()));
         let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
         let mut trial = Trial::new(situation, &scene, &modelling)?;

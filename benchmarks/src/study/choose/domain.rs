@@ -2,19 +2,21 @@
 
 use super::candidate::Prepared;
 use super::situation::Situation;
+use gearbench_models::load::Profile;
 use gearbench_models::mount::Mount;
-use gearbench_models::scene::build::lever;
 use gearbench_models::scene::spec::Body;
+use std::f64::consts::{PI, TAU};
 
-/// Numbers of teeth, modules [m], face widths over module, and speeds of flanks along the line of action [m/s] of the
-/// scenes that choices were judged on.
-pub const TEETH: [u32; 2] = [14, 60];
-/// See [`TEETH`].
+/// Numbers of teeth of the gears that choices were judged on.
+pub const TEETH: [u32; 2] = [14, 56];
+/// Their modules [m].
 pub const MODULE: [f64; 2] = [1.5e-3, 10e-3];
-/// See [`TEETH`].
-pub const WIDTH: [f64; 2] = [1.5, 15.0];
-/// See [`TEETH`].
-pub const SPEED: f64 = 30.0;
+/// Their face widths over their modules.
+pub const WIDTH: [f64; 2] = [2.5, 7.5];
+/// Tooth pairs per second that pass at most [Hz].
+pub const FREQUENCY: f64 = 2500.0;
+/// The longest of the scenes [s].
+pub const LONGEST: f64 = 20e-3;
 
 /// Sentences on what is unusual about a scene; none when nothing is.
 #[must_use]
@@ -79,19 +81,32 @@ pub fn outside(situation: &Situation, prepared: &Prepared) -> Vec<String> {
                 WIDTH[1]
             ));
         }
-        let speed = (g.speed * lever(&g.body)).abs();
-        if speed > SPEED {
+        let speed = match &g.mount {
+            Mount::Driven(p) => p.value(0.0),
+            _ => g.speed,
+        };
+        let frequency = match &g.body {
+            Body::Gear(gear) => f64::from(gear.teeth()) * speed.abs() / TAU,
+            Body::Rack(_) => speed.abs() / (PI * module),
+        };
+        if frequency > FREQUENCY {
             found.push(format!(
-                "the flanks of `{name}` move at {speed:.1} m/s; checked were speeds to {SPEED} m/s"
+                "{frequency:.0} teeth of `{name}` pass in a second; checked were up to {FREQUENCY}"
             ));
         }
         match &g.mount {
             Mount::Revolute | Mount::Prismatic => {}
-            Mount::Fixed if matches!(g.body, Body::Rack(_)) => {}
-            _ => found.push(format!(
-                "the mount of `{name}` is none that was checked (free to turn, or a rack that is held)"
+            Mount::Fixed | Mount::Driven(Profile::Constant(_)) => {}
+            Mount::Driven(_) => found.push(format!(
+                "`{name}` is driven at a changing speed; checked were gears that are free, held, or driven at a constant one"
             )),
         }
+    }
+    if situation.duration > LONGEST {
+        found.push(format!(
+            "it lasts {:.3} s; checked were scenes of up to {LONGEST} s",
+            situation.duration
+        ));
     }
     for c in &situation.flexible.contacts {
         if c.friction.is_some() {

@@ -22,15 +22,19 @@
 //! | [`choice`] | the answer |
 //! | [`draw`] | scenes drawn at random, on which choices are judged |
 //! | [`judge`] | choices held against all candidates, tried one by one |
+//! | [`record`] | the answer as a record |
+//! | [`chosen`] | the scene file with the choice written in |
 
 pub mod candidate;
 pub mod choice;
+pub mod chosen;
 pub mod climb;
 pub mod domain;
 pub mod draw;
 pub mod judge;
 pub mod pick;
 pub mod reason;
+pub mod record;
 pub mod scout;
 pub mod situation;
 pub mod statics;

@@ -14,6 +14,7 @@ use super::trial::{Outcome, Trial};
 use super::wish::Wish;
 use crate::study::run::Method;
 use gearbench_integrators::Resolution;
+use gearbench_integrators::modal::resonance::SAFE;
 use std::sync::atomic::AtomicBool;
 
 /// Part of the tolerance that an estimate may use up.
@@ -22,6 +23,9 @@ const MARGIN: f64 = 0.9;
 const FINE: f64 = 512.0;
 /// A rung whose own fine solution is beyond this many tolerances is not tried further.
 const HOPE: f64 = 1.0;
+
+/// Most repeats of a timed run.
+const REPEATS: usize = 9;
 
 /// A rung with its own fine solution.
 struct Standing {
@@ -38,6 +42,10 @@ struct Picker<'a, 'p> {
     top: &'a Outcome,
     cancel: Option<&'a AtomicBool>,
     progress: &'p mut dyn FnMut(&str),
+    /// Cost of the cheapest adequate candidate so far [s].
+    cheapest: f64,
+    /// Least cost of elastic gears times their step [s^2].
+    per_step: Option<f64>,
 }
 
 impl Picker<'_, '_> {
@@ -94,10 +102,12 @@ impl Picker<'_, '_> {
         }
     }
 
-    /// Tries the candidates of a rung; the cheapest adequate one comes back.
+    /// Tries the candidates of a rung, whose own fine run has modes up to `highest` [Hz] and is `fine`; the cheapest
+    /// adequate one comes back.
     fn search(
         &mut self,
         candidates: &[Candidate],
+        fine: Option<(&Candidate, f64)>,
         tried: &mut Vec<Tried>,
     ) -> Result<Option<(Candidate, f64)>, ChooseError> {
         let mut best: Option<(Candidate, f64)> = None;
@@ -105,41 +115,88 @@ impl Picker<'_, '_> {
             let by_step = |c: &Candidate| matches!(c.method.resolution, Resolution::Step(_));
             a.method.text == b.method.text && by_step(a) == by_step(b)
         };
+        let mut kept = match fine {
+            Some((c, _)) => Some(Trial::new(self.situation, &c.scene, &c.modelling)?),
+            None => None,
+        };
         for row in candidates.chunk_by(same) {
-            let mut pending: Option<(&Candidate, f64, f64)> = None;
+            let mut pending: Option<(&Candidate, f64)> = None;
             for (i, candidate) in row.iter().enumerate() {
+                if self.too_dear(candidate) {
+                    break;
+                }
                 (self.progress)(&candidate.name());
-                let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
-                let mut trial = Trial::new(self.situation, &scene, &modelling)?;
+                // A step that carries all modes of the fine run leaves the model as it is.
+                let carries = |hz: f64| match candidate.method.resolution {
+                    Resolution::Step(h) => SAFE / (2.0 * h) > hz,
+                    Resolution::Tolerance(_) => false,
+                };
+                let reused = fine.is_some_and(|(_, hz)| carries(hz));
+                let mut own;
+                let trial = match kept.as_mut().filter(|_| reused) {
+                    Some(trial) => trial,
+                    None => {
+                        own = Trial::new(self.situation, &candidate.scene, &candidate.modelling)?;
+                        &mut own
+                    }
+                };
                 let outcome = trial.run(&candidate.method, self.window, self.cancel)?;
                 let error = self.error(outcome.error(self.wish.metric, self.top));
                 let adequate = self.adequate(error);
                 let mut cost = f64::NAN;
-                if adequate {
-                    let on_window = trial.cost(&candidate.method, self.window.end, self.cancel)?;
+                if outcome.usable() {
+                    // The cost of what does not do is for the picture only.
+                    let repeats = if adequate { REPEATS } else { 1 };
+                    let end = self.window.end;
+                    let on_window = trial.cost(&candidate.method, end, repeats, self.cancel)?;
                     cost = self.whole_cost(candidate, on_window);
+                    self.learn(candidate, cost);
                 }
                 tried.push(Tried {
                     candidate: candidate.clone(),
                     error,
                     cost_s: cost,
                     adequate,
+                    work: [outcome.row.steps, outcome.row.force_evaluations],
+                    failure: failure(&outcome),
                 });
                 if !adequate {
                     pending = None;
                     continue;
                 }
                 let last = i + 1 == row.len();
-                if let Some((c, _, cost)) = pending.or(last.then_some((candidate, error, cost))) {
+                if let Some((c, cost)) = pending.or(last.then_some((candidate, cost))) {
                     if best.as_ref().is_none_or(|(_, b)| cost < *b) {
                         best = Some((c.clone(), cost));
                     }
+                    self.cheapest = self.cheapest.min(cost);
                     break;
                 }
-                pending = Some((candidate, error, cost));
+                pending = Some((candidate, cost));
             }
         }
         Ok(best)
+    }
+
+    /// Keeps what a step of elastic gears costs.
+    fn learn(&mut self, candidate: &Candidate, cost: f64) {
+        if let (Some(_), Resolution::Step(h)) =
+            (candidate.rung.modes(), candidate.method.resolution)
+        {
+            let per_step = cost * h;
+            self.per_step = Some(self.per_step.map_or(per_step, |p: f64| p.min(per_step)));
+        }
+    }
+
+    /// Elastic gears whose steps alone cost more than the cheapest that is known to do: the confirming next shorter step
+    /// of something cheaper may still run.
+    fn too_dear(&self, candidate: &Candidate) -> bool {
+        match (candidate.rung.modes(), candidate.method.resolution) {
+            (Some(_), Resolution::Step(h)) => {
+                self.per_step.is_some_and(|p| p / (2.0 * h) > self.cheapest)
+            }
+            _ => false,
+        }
     }
 }
 
@@ -174,6 +231,8 @@ pub fn pick(
         top: &top.outcome,
         cancel,
         progress,
+        cheapest: f64::INFINITY,
+        per_step: None,
     };
     let mut standings = Vec::new();
     for fixed in &prepared.fixed {
@@ -205,7 +264,9 @@ pub fn pick(
             continue;
         }
         let own: Vec<Candidate> = (all.iter().filter(|c| c.rung == t.rung)).cloned().collect();
-        t.cheapest = picker.search(&own, &mut tried)?;
+        let level = (climb.levels.iter()).find(|l| l.candidate.rung == t.rung);
+        let fine = level.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
+        t.cheapest = picker.search(&own, fine, &mut tried)?;
     }
     let best = (standings.iter().enumerate())
         .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))

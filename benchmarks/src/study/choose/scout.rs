@@ -17,12 +17,14 @@ use std::sync::atomic::AtomicBool;
 
 /// Steps and samples of a scout run per contact time.
 const STEPS: f64 = 32.0;
-/// Samples per contact time on the window.
-const SAMPLES: f64 = 64.0;
+/// Samples per contact time around contacts, and between them.
+const SAMPLES: [f64; 2] = [40.0, 5.0];
+/// Contact times, and part of the time that has passed, by which contacts of other models may come earlier or later.
+const AROUND: [f64; 2] = [0.5, 0.02];
 /// Most samples of a run.
 const MOST_SAMPLES: f64 = 8000.0;
 /// Contact times of touching teeth in a window.
-const BUDGET: f64 = 30.0;
+const BUDGET: f64 = 12.0;
 /// Mesh cycles that a window of lasting contact holds, where these are not more than so many contact times.
 const CYCLES: f64 = 2.0;
 const MOST_BUDGET: f64 = 100.0;
@@ -54,7 +56,7 @@ impl Window {
     /// The first `end` seconds, recorded evenly.
     #[must_use]
     pub fn to(end: f64, contact_time: f64) -> Window {
-        let n = (SAMPLES * end / contact_time).clamp(200.0, MOST_SAMPLES) as usize;
+        let n = (SAMPLES[0] * end / contact_time).clamp(200.0, MOST_SAMPLES) as usize;
         Window {
             end,
             grid: (0..=n).map(|i| end * i as f64 / n as f64).collect(),
@@ -208,8 +210,24 @@ pub fn window(
         all_contacts: spells.len(),
         contact_ratio: if inside > 0.0 { total / inside } else { 1.0 },
         time_ratio: situation.duration / end,
+        grid: grid(end, time, &spells),
         ..Window::to(end, time)
     })
+}
+
+/// Times that are dense where something may touch: looking at modes costs more than stepping them in flight.
+fn grid(end: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f64> {
+    let evenly = Window::to(end, contact_time).grid;
+    let near = |t: f64| {
+        let margin = AROUND[0] * contact_time + AROUND[1] * t;
+        (spells.iter()).any(|[a, b]| t > a - margin && t < b + margin)
+    };
+    let every = (SAMPLES[0] / SAMPLES[1]) as usize;
+    let last = evenly.len() - 1;
+    (evenly.into_iter().enumerate())
+        .filter(|(i, t)| *i == last || i % every == 0 || near(*t))
+        .map(|(_, t)| t)
+        .collect()
 }
 
 /// How much larger the effect of a little more stiffness is in the whole scene than in the window, at least 1: errors

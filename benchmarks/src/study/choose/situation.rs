@@ -2,22 +2,38 @@
 //!
 //! The elastic gears of the scene are what all models are meant to stand for: their mesh, material, contact and
 //! damping. Where a scene has no elastic model, gears get a generated mesh and steel-like penalty; a Kelvin-Voigt ratio
-//! of its rigid model becomes a dashpot of the flanks. With penalty `p` [Pa/m] and dashpot `c` [N s/m^3] per area, gears
-//! without modes touch with `N = k (d + tau d')`, `tau = c/p`, for a penetration `d` of the undeformed flanks: a rigid
-//! pair of stiffness `k` has the damper `tau k`, its ratio is `tau omega / 2` at the frequency of the contact.
+//! of its rigid model becomes a dashpot of the flanks.
+//!
+//! **Damping.** With penalty `p` [Pa/m] and dashpot `c` [N s/m^3] per area, a patch of flanks of the stiffness `k_c` has
+//! the damper `tau k_c`, `tau = c/p`, in series with teeth that carry modal damping `zeta`. In a slow cycle a pair of the
+//! stiffness `k` then loses as much as one with the damper
+//!
+//! ```text
+//! c = k (tau k / k_c + (1 - k / k_c) 2 zeta / omega_t)
+//! ```
+//!
+//! with `omega_t` the first frequency of a tooth. That is the damper of rigid gears and movable teeth. Flat contact of the
+//! width `b` under the force `F`, on flanks of the relative radius `rho`, has the half width `a = (3 F rho / (2 p b))^(1/3)`
+//! and the stiffness `k_c = 2 a b p`.
 
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_models::contact::flank_points::PointContact;
 use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::{ContactSpec, Modelling, Parameters, SceneSpec, Value};
+use gearbench_models::scene::build::mesh_layout;
+use gearbench_models::scene::spec::{Body, ContactSpec, Modelling, Parameters, SceneSpec, Value};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
+
+use std::f64::consts::TAU;
 
 /// Penalty of generated meshes [Pa/m].
 pub const PENALTY: f64 = 1e15;
 /// Elements of generated meshes along a flank and over the width.
 pub const ELEMENTS: [(&str, f64); 2] = [("flank_elements", 12.0), ("width_elements", 2.0)];
+
+/// First frequency of a steel tooth times its module [Hz m].
+const TOOTH_SPEED: f64 = 244.0;
 
 /// What the elastic gears are made of.
 #[derive(Clone, Debug)]
@@ -113,13 +129,51 @@ impl Situation {
         }
     }
 
-    /// Time by which the dashpot of the flanks lets the force of a mesh run ahead of the penetration, `c/p` [s].
+    /// Time by which the force of a mesh runs ahead of the approach of its gears, the damper of a pair over its
+    /// stiffness `k` [N/m], under a force [N]; see the head of the module [s].
     #[must_use]
-    pub fn relaxation(&self, mesh: usize) -> f64 {
+    pub fn relaxation(&self, mesh: usize, k: f64, force: f64) -> f64 {
+        let ratio = (self.flexible.gears.iter())
+            .filter_map(|p| match p.get("damping_ratio") {
+                Some(Value::Number(zeta)) => Some(*zeta),
+                _ => None,
+            })
+            .fold(0.0, f64::max);
+        let teeth = 2.0 * ratio / (TAU * self.tooth_frequency());
         let points = self.flexible.contacts.get(mesh).and_then(|c| c.points);
-        points
-            .filter(|p| !p.hard)
-            .map_or(0.0, |p| p.damping / p.penalty)
+        let Some(points) = points.filter(|p| !p.hard) else {
+            return teeth;
+        };
+        let part = self
+            .patch(mesh, points.penalty, force)
+            .map_or(1.0, |patch| (k / patch).min(1.0));
+        part * points.damping / points.penalty + (1.0 - part) * teeth
+    }
+
+    /// Stiffness of a patch of contact at the pitch point [N/m].
+    fn patch(&self, mesh: usize, penalty: f64, force: f64) -> Option<f64> {
+        let mesh = self.scene.meshes.get(mesh)?;
+        let [a, b] = mesh.gears.map(|i| &self.scene.gears[i]);
+        let l = mesh_layout(a, b).ok()?;
+        let one = l.pitch_point;
+        let radius = match &b.body {
+            Body::Gear(_) => one * (l.length - one) / l.length,
+            Body::Rack(_) => one,
+        };
+        let half = (1.5 * force * radius / (penalty * l.face_width)).cbrt();
+        let k = 2.0 * half * l.face_width * penalty;
+        (k.is_finite() && k > 0.0).then_some(k)
+    }
+
+    /// First frequency of a tooth, by its size [Hz].
+    #[must_use]
+    pub fn tooth_frequency(&self) -> f64 {
+        let module = |g: &gearbench_models::scene::spec::GearSpec| match &g.body {
+            Body::Gear(g) => g.params().module,
+            Body::Rack(r) => r.params().module,
+        };
+        let largest = self.scene.gears.iter().map(module).fold(0.0, f64::max);
+        TOOTH_SPEED / largest
     }
 }
 

@@ -18,8 +18,6 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Time after which the processor time of repeated runs is known to a tenth [s].
 const LONG_ENOUGH: f64 = 0.04;
-/// Most repeats of a timed run.
-const REPEATS: usize = 9;
 
 /// A model that is ready to run.
 pub struct Trial<'a> {
@@ -27,6 +25,8 @@ pub struct Trial<'a> {
     modelling: &'a Modelling,
     situation: &'a Situation,
     scene: Scene,
+    /// No gear has modes.
+    rigid: bool,
     /// Time of the set-up [s].
     pub setup: Duration,
 }
@@ -80,6 +80,7 @@ impl<'a> Trial<'a> {
             spec,
             modelling,
             situation,
+            rigid: modelling.gears.iter().all(|g| g.id != "elastic"),
             scene,
             setup: begin.elapsed(),
         })
@@ -102,7 +103,8 @@ impl<'a> Trial<'a> {
             method,
             t_end: window.end,
             grid: &window.grid,
-            also_steps: true,
+            // The pace of modes is far finer than any jump of a dashpot asks for.
+            also_steps: self.rigid,
             forces: false,
             events: true,
             repeats: 0,
@@ -120,7 +122,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Time that a method takes to the end of a window without observers [s]: processor time over repeats where they
-    /// last long enough for its ticks, else the shortest of several.
+    /// last long enough for its ticks, else the shortest of `repeats`.
     ///
     /// # Errors
     /// A method that the model does not take, or an interruption.
@@ -128,6 +130,7 @@ impl<'a> Trial<'a> {
         &mut self,
         method: &Method,
         end: f64,
+        repeats: usize,
         cancel: Option<&AtomicBool>,
     ) -> Result<f64, ChooseError> {
         let (_, mut integrator) =
@@ -135,7 +138,9 @@ impl<'a> Trial<'a> {
         let mut shortest = f64::INFINITY;
         let (begin, start) = (Instant::now(), cpu_time());
         let mut runs = 0;
-        while runs < 2 || (runs < REPEATS && begin.elapsed().as_secs_f64() < LONG_ENOUGH) {
+        while runs < repeats.min(2)
+            || (runs < repeats && begin.elapsed().as_secs_f64() < LONG_ENOUGH)
+        {
             let mut state = self.scene.initial();
             let plan = TimePlan {
                 deadline: Some(Instant::now() + PATIENCE),
