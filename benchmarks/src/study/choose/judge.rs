@@ -35,7 +35,7 @@ const DEARER: f64 = 3.0;
 /// Cost over that of the cheapest adequate candidate up to which errors are looked at: first times are rough.
 const NEAR: f64 = 1.3;
 /// Bounds of a timed run: while nothing is adequate, and over the cheapest adequate one.
-const LONGEST: Duration = Duration::from_secs(60);
+const LONGEST: Duration = Duration::from_secs(20);
 /// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
 const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 
