@@ -66,12 +66,12 @@ pub struct Results {
     /// Static limits (loaded running).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
-    /// Choices of a model judged on random scenes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub choices: Vec<JudgedChoice>,
     /// The answer of a model choice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub choice: Option<crate::choice::ChoiceRecord>,
+    /// Choices of a model judged on random scenes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<JudgedChoice>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -92,8 +92,8 @@ impl Default for Results {
             references: Vec::new(),
             published: None,
             statics: Vec::new(),
-            choices: Vec::new(),
             choice: None,
+            choices: Vec::new(),
             runs: Vec::new(),
         }
     }

@@ -30,11 +30,11 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     if results.study == "penalty" {
         all.push((FILES[4].to_owned(), penalty(results)));
     }
-    if !results.choices.is_empty() {
-        all.push((FILES[6].to_owned(), choices(results)));
-    }
     if let Some(text) = crate::choice::csv(results) {
         all.push((FILES[5].to_owned(), text));
+    }
+    if !results.choices.is_empty() {
+        all.push((FILES[6].to_owned(), choices(results)));
     }
     if !results.statics.is_empty() {
         all.push((FILES[3].to_owned(), statics(results)));

@@ -21,10 +21,14 @@ pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
     if let Some(set) = &args.check.check {
         return choice_check::judge(set, args, command);
     }
-    // Without a set there is a scene: the command line asks for it.
-    let name = args.scene.as_deref().unwrap_or_default();
+    let Some(path) = &args.scene else {
+        return Err(Refusal::Input(miette::miette!(
+            help = "`gearbench list` names the shipped scenes",
+            "no scene is named"
+        )));
+    };
     // Models are built when they are tried: many a scene has full finite elements beside.
-    let scene = scene_file::load_for(name, scene_file::Selection::None)?;
+    let scene = scene_file::load_for(path, scene_file::Selection::None)?;
     let situation = Situation::of(&scene);
     let wish = Wish {
         metric: args.metric,

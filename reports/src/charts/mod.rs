@@ -54,8 +54,8 @@ pub(crate) const FILES: [&str; 17] = [
     "sweep_cycles.svg",
     "penalty.svg",
     "penalty_distance.svg",
-    "choice_check.svg",
     "choose.svg",
+    "choice_check.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.

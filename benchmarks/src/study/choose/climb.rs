@@ -3,7 +3,7 @@
 //! With `d_i` the distance of rung `i` to rung `i + 1` in the metric, the climb ends where the last two are both below a
 //! part of the tolerance, as errors grow over the scene; for a metric that is a single number the force histories must
 //! agree as well, since two numbers may meet by chance. What the top rung is still off is estimated as that of a
-//! geometric series, `d q / (1 - q)` with `q` the ratio of the last two.
+//! geometric series, `d q / (1 - q)` with `q` the ratio of the last two; that is to be as small.
 
 use super::candidate::{Candidate, MODES, Prepared};
 use super::choice::ChooseError;
@@ -21,7 +21,7 @@ const SETTLED: f64 = 0.25;
 /// The same for histories, in tolerances, where the metric is a single number.
 const HISTORY: f64 = 2.0;
 /// Bounds of the ratio of differences.
-const RATIO: [f64; 2] = [0.3, 0.8];
+const RATIO: [f64; 2] = [0.3, 0.7];
 
 /// A rung of elastic gears on the window.
 #[derive(Clone, Debug)]
@@ -105,7 +105,9 @@ pub fn climb(
         let differences = differences(&levels);
         let last =
             |x: &[f64], limit: f64| x.len() >= 2 && x.iter().rev().take(2).all(|d| *d <= limit);
-        settled = last(&differences, SETTLED * wish.tolerance / growth)
+        let small = SETTLED * wish.tolerance / growth;
+        settled = last(&differences, small)
+            && remaining(&differences) <= small
             && (!wish.metric.is_scalar() || last(&apart, HISTORY * wish.tolerance));
         if settled {
             break;
@@ -151,7 +153,7 @@ mod tests {
         // Differences 1, 1/2, 1/4: what is left after them is 1/4.
         assert!((remaining(&[1.0, 0.5, 0.25]) - 0.25).abs() < 1e-12);
         // Differences that grow promise nothing: the bound of the ratio speaks.
-        assert!((remaining(&[0.1, 0.2]) - 0.8).abs() < 1e-12);
+        assert!((remaining(&[0.1, 0.2]) - 0.2 * 0.7 / 0.3).abs() < 1e-12);
         // One that vanishes by chance counts as a part of the one before.
         assert!(remaining(&[0.1, 0.0]) > 0.01);
         assert_eq!(remaining(&[0.1]), 0.1);
