@@ -1,5 +1,6 @@
 //! The command line: definitions and help texts. What the commands do is the studies' business.
 
+mod choice_check;
 mod choose;
 mod precision;
 mod stability;
