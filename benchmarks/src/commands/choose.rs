@@ -129,6 +129,9 @@ fn summarise(choice: &Choice, wish: &Wish) {
                 let method = method.trim_start_matches(", ").to_string();
                 (seconds(*cost), format!("adequate with {method}"))
             }
+            (None, None) if r.adequate && choice.candidate.is_some() => {
+                (String::new(), "adequate, dearer".into())
+            }
             (None, None) if r.adequate => (String::new(), "no step tried keeps it".into()),
             (None, None) => (String::new(), "not adequate".into()),
         };

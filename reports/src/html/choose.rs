@@ -88,6 +88,7 @@ fn ladder(choice: &ChoiceRecord) -> String {
             (Some(f), ..) => f.clone(),
             (_, true, _) => "chosen".into(),
             (_, _, Some(_)) => "adequate".into(),
+            _ if r.adequate && choice.chosen.is_some() => "adequate, dearer".into(),
             _ if r.adequate => "no step tried keeps it".into(),
             _ => "not adequate".into(),
         })
@@ -126,7 +127,7 @@ fn ladder(choice: &ChoiceRecord) -> String {
             classes: (of(f).iter())
                 .map(|r| match (&r.failure, r.cheapest) {
                     (Some(_), _) => "failed",
-                    (None, None) => "inaccurate",
+                    (None, None) if !r.adequate => "inaccurate",
                     _ => "",
                 })
                 .collect(),

@@ -20,6 +20,9 @@ const COARSE: f64 = 0.04;
 const SETTLED: f64 = 0.25;
 /// The same for histories, in tolerances, where the metric is a single number.
 const HISTORY: f64 = 2.0;
+/// What reduced gears are off from full ones of the same mesh however many modes they have, histories and single
+/// numbers: no estimate goes below.
+const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
 const RATIO: [f64; 2] = [0.3, 0.7];
 
@@ -116,7 +119,8 @@ pub fn climb(
     if levels.len() < 2 {
         return Err(ChooseError::Ladder(failure));
     }
-    let remaining = remaining(&differences(&levels));
+    let floor = FLOOR[usize::from(wish.metric.is_scalar())];
+    let remaining = remaining(&differences(&levels)).max(floor);
     Ok(Climb {
         levels,
         remaining,

@@ -38,6 +38,8 @@ pub mod record;
 pub mod scout;
 pub mod situation;
 pub mod statics;
+#[cfg(test)]
+mod tests;
 pub mod trial;
 pub mod wish;
 

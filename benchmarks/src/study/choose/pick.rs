@@ -3,7 +3,8 @@
 //!
 //! A candidate is run on the window and held against the top rung, so that errors of model and integrator count as
 //! they come together. Candidates of an integrator are tried from the longest step on; the first one that keeps the
-//! tolerance with a margin counts when the next shorter one does as well: one that is right by chance is not.
+//! tolerance with a margin counts. On a window that is not the whole scene the next shorter step must keep it as well:
+//! one that is right by chance there may not be so later.
 
 use super::candidate::{Candidate, Fixed, Prepared, Rung};
 use super::choice::{Choice, ChooseError, Parts, RungTried, Tried};
@@ -64,7 +65,7 @@ impl Picker<'_, '_> {
         let method = match fixed.rung {
             Rung::MovableTeeth(_) => Method {
                 text: "dopri5".into(),
-                resolution: Resolution::Tolerance(1e-6),
+                resolution: Resolution::Tolerance(1e-5),
             },
             _ => Method {
                 text: "trigonometric".into(),
@@ -100,6 +101,25 @@ impl Picker<'_, '_> {
         } else {
             self.window.time_ratio
         }
+    }
+
+    /// Looks for the cheapest adequate candidate of a rung, where there is hope.
+    fn look(
+        &mut self,
+        rung: &mut RungTried,
+        all: &[Candidate],
+        tried: &mut Vec<Tried>,
+    ) -> Result<(), ChooseError> {
+        if rung.error > HOPE * self.wish.tolerance {
+            return Ok(());
+        }
+        let own: Vec<Candidate> = (all.iter().filter(|c| c.rung == rung.rung))
+            .cloned()
+            .collect();
+        let level = (self.climb.levels.iter()).find(|l| l.candidate.rung == rung.rung);
+        let fine = level.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
+        rung.cheapest = self.search(&own, fine, tried)?;
+        Ok(())
     }
 
     /// Tries the candidates of a rung, whose own fine run has modes up to `highest` [Hz] and is `fine`; the cheapest
@@ -164,7 +184,8 @@ impl Picker<'_, '_> {
                     pending = None;
                     continue;
                 }
-                let last = i + 1 == row.len();
+                // What was run over the whole scene needs nothing to confirm it.
+                let last = self.window.whole || i + 1 == row.len();
                 if let Some((c, cost)) = pending.or(last.then_some((candidate, cost))) {
                     if best.as_ref().is_none_or(|(_, b)| cost < *b) {
                         best = Some((c.clone(), cost));
@@ -234,14 +255,21 @@ pub fn pick(
         cheapest: f64::INFINITY,
         per_step: None,
     };
-    let mut standings = Vec::new();
+    let all = prepared.candidates(situation);
+    let (mut standings, mut tried) = (Vec::new(), Vec::new());
     for fixed in &prepared.fixed {
-        standings.push(picker.stand(fixed, prepared.swing.contact_time())?);
+        // Movable teeth never cost less than rigid ones.
+        if matches!(fixed.rung, Rung::MovableTeeth(_)) && picker.cheapest.is_finite() {
+            continue;
+        }
+        let mut standing = picker.stand(fixed, prepared.swing.contact_time())?;
+        picker.look(&mut standing.tried, &all, &mut tried)?;
+        standings.push(standing);
     }
     for level in &climb.levels {
         let distance = level.outcome.error(wish.metric, &top.outcome);
         let error = picker.error(distance);
-        standings.push(Standing {
+        let mut standing = Standing {
             tried: RungTried {
                 rung: level.candidate.rung.clone(),
                 method: level.candidate.method.clone(),
@@ -254,19 +282,9 @@ pub fn pick(
                 failure: None,
             },
             fine: Some(level.outcome.clone()),
-        });
-    }
-    let all = prepared.candidates(situation);
-    let mut tried = Vec::new();
-    for standing in &mut standings {
-        let t = &mut standing.tried;
-        if t.error > HOPE * wish.tolerance {
-            continue;
-        }
-        let own: Vec<Candidate> = (all.iter().filter(|c| c.rung == t.rung)).cloned().collect();
-        let level = (climb.levels.iter()).find(|l| l.candidate.rung == t.rung);
-        let fine = level.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
-        t.cheapest = picker.search(&own, fine, &mut tried)?;
+        };
+        picker.look(&mut standing.tried, &all, &mut tried)?;
+        standings.push(standing);
     }
     let best = (standings.iter().enumerate())
         .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))

@@ -25,7 +25,7 @@ pub struct Trial<'a> {
     modelling: &'a Modelling,
     situation: &'a Situation,
     scene: Scene,
-    /// No gear has modes.
+    /// No gear has coordinates but its hub's.
     rigid: bool,
     /// Time of the set-up [s].
     pub setup: Duration,
@@ -80,7 +80,7 @@ impl<'a> Trial<'a> {
             spec,
             modelling,
             situation,
-            rigid: modelling.gears.iter().all(|g| g.id != "elastic"),
+            rigid: modelling.gears.iter().all(|g| g.id == "rigid"),
             scene,
             setup: begin.elapsed(),
         })
@@ -103,7 +103,7 @@ impl<'a> Trial<'a> {
             method,
             t_end: window.end,
             grid: &window.grid,
-            // The pace of modes is far finer than any jump of a dashpot asks for.
+            // The pace of modes and of movable teeth is far finer than any jump of a dashpot asks for.
             also_steps: self.rigid,
             forces: false,
             events: true,

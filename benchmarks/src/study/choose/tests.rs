@@ -1,0 +1,116 @@
+//! Static calibration, candidates and domain on a coarse pair that reduces in a fraction of a second.
+
+use super::candidate::{Prepared, Rung, Stiffness, elastic};
+use super::{Situation, candidates, domain};
+use crate::scene_file::{Origin, SceneFile};
+use gearbench_integrators::Resolution;
+use gearbench_reference::statics::LoadedPair;
+use std::collections::BTreeSet;
+
+const SCENE: &str = r#"
+schema = 1
+name = "coarse"
+duration_s = 1.2e-4
+
+[gears.a]
+teeth = 18
+module_m = 0.002
+face_width_m = 0.006
+bore_radius_m = 0.007
+speed_rad_s = 20.0
+
+[gears.b]
+teeth = 24
+module_m = 0.002
+face_width_m = 0.006
+bore_radius_m = 0.01
+
+[[meshes]]
+gears = ["a", "b"]
+backlash_m = 80e-6
+start = { flank = "left", gap_m = 1e-6 }
+
+[[models]]
+model = "elastic"
+parameters = { flank_elements = 4, fillet_elements = 2, across_elements = 6, rim_elements = 2, width_elements = 1, modes = 30, damping_ratio = 0.01 }
+contact = { penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9 }
+"#;
+
+fn situation() -> Situation {
+    let file = SceneFile::unbuilt("coarse.toml", SCENE, Origin::Shipped, false);
+    Situation::of(&file.expect("a scene"))
+}
+
+/// Rigid gears with the stiffness of static solves carry what the elastic ones without modes carry, at positions and
+/// approaches that were not solved for.
+#[test]
+fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
+    let s = situation();
+    let p = Prepared::of(&s).expect("a scene that runs");
+    let found = p.statics.clone().expect("a stiffness");
+    assert!((1.0..1.5).contains(&found.exponent), "{}", found.exponent);
+    let rigid = p.best_rigid();
+    assert_eq!(rigid.rung, Rung::Rigid(Stiffness::Static));
+    let pair = |m| LoadedPair::new(&s.scene, m, s.models).expect("a pair");
+    let (mut one, mut two) = (pair(&rigid.modelling), pair(&elastic(&s, 0, None)));
+    let l = two.layout();
+    let (pitch, base) = (l.pitch_point, l.base_pitch);
+    for part in [-0.31, 0.013, 0.22] {
+        let (at, approach) = (pitch + part * base, 0.7 * found.approach);
+        let [a, b] = [&mut one, &mut two].map(|p| p.at_approach(at, approach).expect("rest").force);
+        assert!((a / b - 1.0).abs() < 0.02, "{part}: {a} N against {b} N");
+    }
+}
+
+/// The damper of rigid gears: of a lag that sits in the patch of contact alone a stiff pair sees a part, and modal
+/// damping fills the rest.
+#[test]
+fn dampers_of_rigid_gears_follow_the_flanks() {
+    let mut s = situation();
+    let lag = 2e9 / 2e15;
+    let (k, force) = (8e7, 300.0);
+    let both = s.relaxation(0, k, force);
+    for p in &mut s.flexible.gears {
+        p.remove("damping_ratio");
+    }
+    let flanks = s.relaxation(0, k, force);
+    assert!(flanks > 0.0 && flanks < lag && both > flanks);
+    // More force, larger patch, stiffer: less of the lag is seen; the cube root of the force.
+    let more = s.relaxation(0, k, 8.0 * force);
+    assert!((flanks / more - 2.0).abs() < 1e-9);
+    assert!(s.relaxation(0, 1e12, force) == lag);
+}
+
+#[test]
+fn candidates_are_distinct_and_go_from_cheap_to_dear() {
+    let s = situation();
+    let all = candidates(&s).expect("candidates");
+    let names: BTreeSet<String> = all.iter().map(super::Candidate::name).collect();
+    assert_eq!(names.len(), all.len());
+    assert!(matches!(all[0].rung, Rung::Rigid(_)));
+    assert_eq!(all[all.len() - 1].rung, Rung::Elastic { modes: 200 });
+    for pair in all.windows(2) {
+        let steps = [&pair[0], &pair[1]].map(|c| match c.method.resolution {
+            Resolution::Step(h) => Some(h),
+            Resolution::Tolerance(_) => None,
+        });
+        if pair[0].rung == pair[1].rung
+            && pair[0].method.text == pair[1].method.text
+            && let [Some(a), Some(b)] = steps
+        {
+            assert!(b < a, "{} before {}", pair[0].name(), pair[1].name());
+        }
+    }
+}
+
+#[test]
+fn scenes_outside_of_the_domain_are_told() {
+    let mut s = situation();
+    let p = Prepared::of(&s).expect("a scene that runs");
+    assert_eq!(domain::outside(&s, &p), Vec::<String>::new());
+    s.duration = 1.0;
+    s.scene.gears[0].speed = 5000.0;
+    let found = domain::outside(&s, &p).join("; ");
+    assert!(found.contains("it lasts 1.000 s"), "{found}");
+    assert!(found.contains("teeth of `a` pass in a second"), "{found}");
+}
