@@ -10,6 +10,7 @@
 mod ladder;
 mod metric;
 mod plan;
+mod references;
 #[cfg(test)]
 mod tests;
 
