@@ -33,7 +33,7 @@ fn start(dir: &Path) -> Child {
         .args(["stability", "spur_rotation", "--models", "rigid"])
         .args(["--integrators", "velocity-verlet,rk4,newmark"])
         .args(["--axis", "contact-stiffness=0.1:100:6"])
-        .args(["--steps", "5e-7:2e-4:10", "--duration", "1e-2"])
+        .args(["--steps", "5e-7:2e-4:10", "--duration", "2e-3"])
         .args(["--threads", "2", "--out", "map"])
         .current_dir(dir)
         .env("NO_COLOR", "1")
@@ -97,7 +97,7 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
     let wanted = runs(&whole.0);
 
     let mut random = Random(SEED);
-    let (mut partial, mut after_the_end) = (0, 0);
+    let (mut partial, mut progressed, mut after_the_end) = (0, 0, 0);
     for kill in 0..KILLS {
         let before = lines(&killed.0);
         let mut child = start(&killed.0);
@@ -115,8 +115,14 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
         let after = lines(&killed.0);
         assert!(after >= before, "kill {kill} lost finished runs");
         after_the_end += usize::from(ended);
-        partial += usize::from(after > 1 && after <= wanted.len());
+        let unfinished = after <= wanted.len();
+        partial += usize::from(after > 1 && unfinished);
+        progressed += usize::from(after > before && unfinished);
     }
+    assert!(
+        progressed >= 3,
+        "only {progressed} kills fell into work that left finished runs"
+    );
     assert!(
         partial >= KILLS / 2,
         "only {partial} of {KILLS} kills left a map half done ({after_the_end} came after its end)"

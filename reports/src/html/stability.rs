@@ -247,7 +247,8 @@ fn limits(maps: &[&Map]) -> String {
         "<section class=\"glance\">\n<h2>Largest stable steps</h2>\n{}<p class=\"note\">At the scene's own parameters: \
          the largest step up to which every run held, closed in on to 2\u{a0}% between the last that held and the \
          first that failed. Theory is linear, at the closed contact of largest force; a run that is short, damped or \
-         mostly in flight may survive a larger step, and one whose energy swings near the limit fails before it. \
+         mostly in flight may survive a larger step (Dormand-Prince grows so slowly beyond its limit that short runs do \
+         not show it), and one whose energy swings near the limit fails before it. \
          Accurate: within the tolerance against the model's own converged solution.</p>\n</section>\n",
         table(&columns, &grouped(&rows, |_| ""))
     )
