@@ -98,10 +98,11 @@ fn every_cell_has_a_label_whatever_the_threads() {
     let [verlet, newmark] = results.maps.as_slice() else {
         panic!("{} maps", results.maps.len())
     };
-    // One spring and two masses: omega h = 2. The run fails before, its energy swings there.
+    // One spring and two masses: omega h = 2. The run is called lost before, where its energy swings by 2 %: from
+    // about a sixth of the limit on.
     let limit = verlet.limit().unwrap();
     let ratio = verlet.ratio().unwrap();
-    assert!((0.5..1.1).contains(&ratio), "{limit:?}, {ratio}");
+    assert!((0.1..1.1).contains(&ratio), "{limit:?}, {ratio}");
     let (a, b) = (limit.stable_s.unwrap(), limit.unstable_s.unwrap());
     assert!(b / a <= gearbench_reports::stability::BRACKET);
     assert!(!verlet.refined.is_empty());
