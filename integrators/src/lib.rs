@@ -32,8 +32,10 @@
 //! | [`explicit`] | semi-implicit Euler, velocity Verlet, RK4, Dormand-Prince 5(4), Tsitouras 5(4) |
 //! | [`implicit`] | the generalised-alpha family (Newmark-beta, HHT-alpha), BDF, TR-BDF2, ESDIRK 3(4) |
 //! | [`modal`] | the trigonometric method: exact for linear oscillators, flight in one step |
+//! | [`coast`] | motion without contact in closed form, for the loops of all methods |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
+//! | [`linear_stability`] | the largest stable step of each method on linear systems |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
@@ -93,6 +95,7 @@
 //! ```
 
 mod bounds;
+pub mod coast;
 pub mod dense_solve;
 pub mod diffsol_adapter;
 pub mod equilibrium;
@@ -100,6 +103,7 @@ mod events;
 pub mod explicit;
 pub mod implicit;
 pub mod interpolation;
+pub mod linear_stability;
 pub mod method;
 pub mod modal;
 pub mod observers;
@@ -107,6 +111,7 @@ pub mod stepped;
 pub mod system;
 pub mod table;
 
+pub use coast::Coast;
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
@@ -116,4 +121,4 @@ pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Layout, ModalSplit, Outputs, Power, SecondOrderSystem, State,
 };
-pub use table::{METHODS, Method, method};
+pub use table::{METHODS, Method, method, stability};

@@ -280,6 +280,12 @@ pub trait Integrator {
     /// What the method declares.
     fn info(&self) -> &'static MethodInfo;
 
+    /// Crosses flights in one step of the system's own closed form ([`SecondOrderSystem::coast`]), or steps through
+    /// them; false where the method cannot do what is asked.
+    fn coast(&mut self, on: bool) -> bool {
+        !on
+    }
+
     /// Integrates from `s` to the end of the plan; `s` ends at the last accepted state, `work` counts also
     /// when the run fails.
     fn run(

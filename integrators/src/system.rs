@@ -12,6 +12,8 @@
 //!   memory-free force instead ([`SecondOrderSystem::begin`] says which).
 //! - Only `begin`, `switch` and `commit` change a state's memory, and only between steps.
 
+use crate::coast::Coast;
+
 /// A state: time [s], generalised coordinates, their rates, and what has history.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -206,6 +208,19 @@ pub trait SecondOrderSystem {
     /// The system as independent linear oscillators and a rest, for methods that are exact for the linear part;
     /// `None` where it is not one.
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        None
+    }
+
+    /// The motion from `s` on in closed form, while nothing touches and all loads are steady: the time until which that
+    /// surely holds, with the motion in `coast` where the time is `later` than a time; `s.t` where something touches
+    /// or nothing is known.
+    fn coast(&mut self, s: &State, _later: f64, _coast: &mut Coast) -> f64 {
+        s.t
+    }
+
+    /// Work [J] of steady loads and prescribed motions between two states of one flight, where it is known in closed
+    /// form; `from` and `to` have the memory of the flight.
+    fn steady_work(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
         None
     }
 

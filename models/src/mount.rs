@@ -81,6 +81,16 @@ impl Hub {
         }
     }
 
+    /// Acceleration of a body that moves as its hub does, under a `load` where it is free.
+    #[inline]
+    pub fn acceleration(&self, t: f64, load: f64) -> f64 {
+        if self.coordinates() > 0 {
+            load / self.inertia
+        } else {
+            self.prescribed_acceleration(t)
+        }
+    }
+
     /// Derivative of `x . n` with respect to the travel for a point `x` that moves with the hub: the lever
     /// arm about z [m], or the direction cosine for a slide [-].
     #[inline]

@@ -19,6 +19,9 @@ impl Results {
             (reference.series.validate())
                 .map_err(|e| format!("reference {}: {e}", reference.id))?;
         }
+        for map in &self.maps {
+            map.validate()?;
+        }
         for (i, run) in self.runs.iter().enumerate() {
             let name = || format!("run {} ({}, {})", i + 1, run.model_label(), run.integrator);
             if run.model.is_empty() || run.integrator.is_empty() {

@@ -89,7 +89,7 @@ pub struct JudgedChoice {
     pub tolerance: f64,
     /// What errors are against.
     pub reference: String,
-    /// What the reference itself may be off: the larger of what a halved step and fewer modes change [-].
+    /// What the reference itself may be off: the larger of what twice the step and fewer modes change [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_error: Option<f64>,
     /// Error of the densest elastic model, where the reference is another [-].

@@ -8,6 +8,7 @@
 pub use crate::choice_check::JudgedChoice;
 pub use crate::picture::{ContactPoint, ContactSnapshot, Outline};
 use crate::series::TimeSeries;
+use crate::stability::Map;
 pub use crate::steady::{Bearing, StaticCycle, Steady};
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +58,9 @@ pub struct Results {
     /// What the scene calls accurate enough.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
+    /// Keys of the metrics that the study is about, the first one above all (accuracy against cost).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<String>,
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
@@ -66,12 +70,15 @@ pub struct Results {
     /// Static limits (loaded running).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statics: Vec<StaticCycle>,
-    /// The answer of a model choice.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub choice: Option<crate::choice::ChoiceRecord>,
+    /// Maps of where methods fail (study of stability).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<Map>,
     /// Choices of a model judged on random scenes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<JudgedChoice>,
+    /// The answer of a model choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<crate::choice::ChoiceRecord>,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
@@ -89,11 +96,13 @@ impl Default for Results {
             created: String::new(),
             settings: Vec::new(),
             tolerance: None,
+            metrics: Vec::new(),
             references: Vec::new(),
             published: None,
             statics: Vec::new(),
-            choice: None,
+            maps: Vec::new(),
             choices: Vec::new(),
+            choice: None,
             runs: Vec::new(),
         }
     }
@@ -291,6 +300,10 @@ pub struct Run {
     /// Calibration of the stiffness, such as `impact`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<String>,
+    /// Id of the reference to whose history its constants were fitted, where that is one of this record: its error
+    /// there is the rest of a fit, not a prediction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fitted_to: Option<String>,
     /// Dynamic modes of the gear that has most of them (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,

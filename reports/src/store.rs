@@ -160,7 +160,10 @@ fn file_names(results: &Results) -> Vec<String> {
         .chain(
             FILES
                 .iter()
-                .chain(&study_csv::FILES)
+                .chain(study_csv::FILES)
+                .chain(&crate::charts::stability::FILES)
+                .copied()
+                .chain(crate::charts::precision::files())
                 .map(ToString::to_string),
         )
         .collect()

@@ -1,48 +1,60 @@
 //! Tables of studies as CSV, SI units in the header.
 
 use crate::record::{Results, Run};
+use crate::stability::{Cell, Columns, Map};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
-pub(crate) const FILES: [&str; 7] = [
+pub(crate) const FILES: &[&str] = &[
     "modes.csv",
     "sweep.csv",
     "sweep_cycles.csv",
     "statics.csv",
     "penalty.csv",
-    "choose.csv",
+    "precision.csv",
+    "stability.csv",
+    "stability_limits.csv",
     "choice_check.csv",
+    "choose.csv",
 ];
 
 /// The tables of a record: name, text.
 pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
-    let mut all = Vec::new();
+    let mut all: Vec<(String, String)> = Vec::new();
     if results.study == "modes" {
-        all.push((FILES[0].to_owned(), modes(results)));
+        all.push(("modes.csv".to_owned(), modes(results)));
     }
     let steady: Vec<(&Run, &Steady)> = (results.runs.iter())
         .filter_map(|r| Some((r, r.steady.as_ref()?)))
         .collect();
     if !steady.is_empty() {
-        all.push((FILES[1].to_owned(), sweep(&steady)));
-        all.push((FILES[2].to_owned(), cycles(&steady)));
+        all.push(("sweep.csv".to_owned(), sweep(&steady)));
+        all.push(("sweep_cycles.csv".to_owned(), cycles(&steady)));
     }
     if results.study == "penalty" {
-        all.push((FILES[4].to_owned(), penalty(results)));
+        all.push(("penalty.csv".to_owned(), penalty(results)));
     }
-    if let Some(text) = crate::choice::csv(results) {
-        all.push((FILES[5].to_owned(), text));
+    if results.study == "precision" {
+        let table = crate::precision_csv::precision(results);
+        all.push(("precision.csv".to_owned(), table));
+    }
+    if !results.maps.is_empty() {
+        all.push(("stability.csv".to_owned(), stability(results)));
+        all.push(("stability_limits.csv".to_owned(), stability_limits(results)));
     }
     if !results.choices.is_empty() {
-        all.push((FILES[6].to_owned(), choices(results)));
+        all.push(("choice_check.csv".to_owned(), choices(results)));
+    }
+    if let Some(text) = crate::choice::csv(results) {
+        all.push(("choose.csv".to_owned(), text));
     }
     if !results.statics.is_empty() {
-        all.push((FILES[3].to_owned(), statics(results)));
+        all.push(("statics.csv".to_owned(), statics(results)));
     }
     all
 }
 
-fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub(crate) fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory cannot fail.
     let _ = writer.write_record(header);
@@ -53,7 +65,7 @@ fn write(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 }
 
 /// A number, or nothing where there is none.
-fn number(x: Option<f64>) -> String {
+pub(crate) fn number(x: Option<f64>) -> String {
     x.filter(|x| x.is_finite())
         .map_or(String::new(), |x| format!("{x:.9e}"))
 }
@@ -198,6 +210,104 @@ fn penalty(results: &Results) -> String {
             number(r.step),
             number(Some(r.wall_s)),
         ]
+    });
+    write(&header, rows)
+}
+
+/// One line per run of a map; runs that close in on the largest stable step follow the cells of their map.
+fn stability(results: &Results) -> String {
+    let header = [
+        "set",
+        "model",
+        "variant",
+        "integrator",
+        "axis_1",
+        "value_1",
+        "axis_2",
+        "value_2",
+        "step_s",
+        "rtol",
+        "closing_in",
+        "status",
+        "error",
+        "energy_rel",
+        "reached_s",
+        "steps",
+        "rejected",
+        "force_evaluations",
+        "newton_iterations",
+        "message",
+    ];
+    let line = |map: &Map, row: usize, cell: &Cell, closing_in: bool| {
+        let values = map.values(row);
+        let axis = |i: usize| map.axes.get(i).map_or(String::new(), |a| a.id.clone());
+        let at = |columns: Columns| number((map.columns == columns).then_some(cell.at));
+        vec![
+            (map.set + 1).to_string(),
+            map.model.clone(),
+            map.variant.clone().unwrap_or_default(),
+            map.integrator.clone(),
+            axis(0),
+            number(values.first().copied()),
+            axis(1),
+            number(values.get(1).copied()),
+            at(Columns::Step),
+            at(Columns::Tolerance),
+            closing_in.to_string(),
+            cell.status.to_string(),
+            number(cell.error),
+            number(cell.energy_rel),
+            number(cell.reached_s),
+            cell.steps.to_string(),
+            cell.rejected.to_string(),
+            cell.force_evaluations.to_string(),
+            cell.newton_iterations.to_string(),
+            cell.message.clone().unwrap_or_default(),
+        ]
+    };
+    let rows = results.maps.iter().flat_map(|map| {
+        let columns = map.at.len().max(1);
+        let cells = map.cells.iter().enumerate();
+        let cells = cells.map(move |(i, c)| line(map, i / columns, c, false));
+        let own = map.own_row();
+        cells.chain(map.refined.iter().map(move |c| line(map, own, c, true)))
+    });
+    write(&header, rows)
+}
+
+/// The largest stable step of every map at the scene's own parameters.
+fn stability_limits(results: &Results) -> String {
+    let header = [
+        "set",
+        "model",
+        "variant",
+        "integrator",
+        "largest_stable_s",
+        "next_unstable_s",
+        "failing_with",
+        "holds_again_beyond",
+        "largest_accurate_s",
+        "theory_s",
+        "theory",
+        "ratio",
+    ];
+    let rows = results.maps.iter().filter_map(|map| {
+        let limit = map.limit()?;
+        let theory = map.theory(map.own_row());
+        Some(vec![
+            (map.set + 1).to_string(),
+            map.model.clone(),
+            map.variant.clone().unwrap_or_default(),
+            map.integrator.clone(),
+            number(limit.stable_s),
+            number(limit.unstable_s),
+            limit.status.map_or(String::new(), |s| s.to_string()),
+            limit.holds_again.to_string(),
+            number(limit.accurate_s),
+            number(theory.map(|t| t.0)),
+            theory.map_or(String::new(), |t| t.1.to_owned()),
+            number(map.ratio()),
+        ])
     });
     write(&header, rows)
 }

@@ -158,6 +158,8 @@ pub fn metric_name(key: &str) -> &str {
         "force_l2_aligned" => "time-aligned force-history error",
         "peak_force_rel" => "peak-force error",
         "impulse_rel" => "impulse error",
+        "rebound_rel" => "rebound error",
+        "transmission_error_l2" => "transmission-error error",
         "energy_drift_rel" => "energy drift",
         "peak_force_n" => "peak force",
         "impulse_ns" => "impulse",

@@ -26,6 +26,7 @@ pub const ELASTIC_TOY: Model = Model {
         takes("residual_m_per_n", "residual compliance of a node; 0: none"),
         takes("damping_ratio", "of all modes"),
         takes("spread_m", "length of the local kernel"),
+        takes("sleep", "share of an impact's energy"),
     ],
     build: build_toy,
 };
@@ -38,6 +39,7 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         context.placement,
         Arc::new(data),
     )
+    .and_then(|model| model.with_sleep(number(context, "sleep", 0.0)))
     .map_err(|e| BuildError::gear(context.name, e))?;
     Ok(Box::new(model))
 }

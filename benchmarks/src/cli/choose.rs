@@ -1,5 +1,6 @@
 //! Arguments of `choose`.
 
+use super::choice_check::ChoiceCheck;
 use crate::study::choose::Metric;
 use clap::Args;
 use std::path::PathBuf;
@@ -9,16 +10,16 @@ Examples:
   gearbench choose spur_impact --metric force-aligned --tolerance 0.05
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
-  gearbench choose --draw tuning:7 > scene.toml      scene 7 of the set `tuning`, drawn at random
-  gearbench choose --check tuning --scenes 1..12     judge choices against all candidates, tried one by one
-  gearbench choose --check held-out --threads 2
 
 No finite-element transient runs: a ladder of models is climbed on a short part of the scene, and differences between
 its rungs estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
 `gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate.
 
-Sets of random scenes and their seeds stand in benchmarks/choose/sets.toml; those of `held-out` were never looked at
-while the rules of the choice were made.";
+On random scenes, whose seeds stand in benchmarks/choose/sets.toml:
+  gearbench choose --draw tuning:7 > scene.toml     scene 7 of the set `tuning`
+  gearbench choose --check tuning --scenes 1..12    choices judged beside all candidates, tried one by one
+  gearbench choose --check held-out --threads 2     on the set that no rule was made on
+Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
 
 /// Arguments of `choose`.
 #[derive(Args, Clone, Debug)]
@@ -36,42 +37,9 @@ pub struct Choose {
     /// Folder to write to [default: out/SCENE/choose]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    #[command(flatten)]
     /// Judging on random scenes.
+    #[command(flatten)]
     pub check: ChoiceCheck,
-}
-
-/// Judging choices on random scenes.
-#[derive(Args, Clone, Debug)]
-pub struct ChoiceCheck {
-    /// Judge the choice on a set of random scenes, `tuning` or `held-out`
-    #[arg(long, value_name = "SET")]
-    pub check: Option<String>,
-    /// Scenes of the set, from the first to the last [default: all]
-    #[arg(long, value_name = "A..B", requires = "check", value_parser = range)]
-    pub scenes: Option<[usize; 2]>,
-    /// Scenes that are judged at the same time
-    #[arg(long, value_name = "N", requires = "check", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
-    pub threads: u32,
-    /// Print a random scene as a scene file, for example tuning:7
-    #[arg(long, value_name = "SET:NUMBER", conflicts_with = "check", value_parser = one)]
-    pub draw: Option<(String, usize)>,
-}
-
-fn range(text: &str) -> Result<[usize; 2], String> {
-    let (a, b) = text.split_once("..").unwrap_or((text, text));
-    match (a.trim().parse(), b.trim().parse()) {
-        (Ok(a), Ok(b)) if 1 <= a && a <= b => Ok([a, b]),
-        _ => Err("expected two numbers from 1 on, for example 1..12, both ends included".into()),
-    }
-}
-
-fn one(text: &str) -> Result<(String, usize), String> {
-    let parts = text.split_once(':');
-    match parts.map(|(set, number)| (set, number.trim().parse())) {
-        Some((set, Ok(number))) if !set.is_empty() => Ok((set.to_owned(), number)),
-        _ => Err("expected a set and a number, for example tuning:7".into()),
-    }
 }
 
 fn metric(text: &str) -> Result<Metric, String> {

@@ -1,5 +1,6 @@
 //! The command line: definitions and help texts. What the commands do is the studies' business.
 
+mod choice_check;
 mod choose;
 mod precision;
 mod stability;
@@ -80,7 +81,7 @@ pub enum Command {
 const COMPARE_EXAMPLES: &str = "\
 Examples:
   gearbench compare spur_impact --integrators dopri5,bdf
-  gearbench compare spur_impact --integrators dopri5@1e-9,rk4@2e-7
+  gearbench compare spur_impact --integrators dopri5@1e-9,rk4@200ns
   gearbench compare spur_impact --integrators 'generalised-alpha(rho_inf=0.5)@1e-6'
   gearbench compare spur_impact --models rigid,rigid-iso6336 --out out/norm
   gearbench compare hammer --no-events --repeats 1
@@ -100,8 +101,9 @@ pub struct Compare {
     pub models: Option<String>,
     /// Integrators between commas: id, id(name=value), each optionally with @STEP or @RTOL
     ///
-    /// The value after @ is a step in seconds for fixed-step methods and a relative tolerance for adaptive
-    /// ones; left out, the scene's own. [default: those of the scene's study]
+    /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
+    /// methods of fixed steps and a relative tolerance for adaptive ones; left out, the scene's own.
+    /// [default: those of the scene's study]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
     /// Folder to write to [default: out/SCENE/compare]

@@ -45,7 +45,8 @@ pub fn print(set: &str, number: usize) -> Result<ExitCode, Refusal> {
 
 /// Judges choices on a set of random scenes and writes the folder.
 pub fn judge(name: &str, args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
-    let set = draw::set(name).map_err(refuse_draw)?;
+    let mut set = draw::set(name).map_err(refuse_draw)?;
+    set.full_order = args.check.full_order.unwrap_or(set.full_order);
     let scenes = args.check.scenes.unwrap_or([1, set.scenes]);
     if scenes[1] > set.scenes {
         return Err(refuse_draw(DrawError::Number {
@@ -88,6 +89,10 @@ pub fn judge(name: &str, args: &Choose, command: &str) -> Result<ExitCode, Refus
         settings: vec![
             ("seed".into(), set.seed.to_string()),
             ("scenes".into(), format!("{} to {}", scenes[0], scenes[1])),
+            (
+                "against full finite elements".into(),
+                format!("the first {} scenes of one impact", set.full_order),
+            ),
             (
                 "judged at the same time".into(),
                 args.check.threads.to_string(),

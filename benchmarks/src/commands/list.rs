@@ -3,6 +3,7 @@
 use super::{Refusal, say};
 use crate::models::models;
 use crate::scene_file::{self, SHIPPED};
+use gearbench_integrators::table::COAST;
 use gearbench_integrators::{METHODS, Stepping};
 use gearbench_reference::REFERENCES;
 use std::process::ExitCode;
@@ -49,6 +50,10 @@ pub fn run() -> Result<ExitCode, Refusal> {
             ));
         }
     }
+    say(&format!(
+        "  all take {} in {{0, 1}}, default {}; {}",
+        COAST.name, COAST.default, COAST.meaning
+    ));
     say("\nreferences (reference = \"ID\" in a scene)");
     for r in REFERENCES {
         say(&format!("  {:<24} {}", r.id, r.title));

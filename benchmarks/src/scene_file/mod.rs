@@ -5,7 +5,8 @@
 //! | `reader`, `suggest`, `error` | typed access with places, "did you mean", refusals with line and way out |
 //! | `gear`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `contact`, [`calibration`] | `[[models]]`, `contact = { .. }`, fitted constants |
-//! | `study_plan` | `[study]`, `tolerance` |
+//! | `study_plan`, `precision_plan` | `[study]`, `tolerance` |
+//! | [`stability`] | `[study] stability` |
 //! | `locate` | the line that an error of the assembly is about |
 //! | [`shipped`] | the scenes in the program |
 //!
@@ -20,9 +21,11 @@ mod gear;
 mod locate;
 mod mesh;
 mod model;
+mod precision_plan;
 mod profile;
 mod reader;
 pub mod shipped;
+pub mod stability;
 mod study_plan;
 mod suggest;
 #[cfg(test)]
@@ -31,6 +34,7 @@ mod tests;
 pub use calibration::Calibration;
 pub use error::SceneError;
 pub use model::{CalibrationUse, ModelChoice};
+pub use precision_plan::Precision;
 pub use shipped::SHIPPED;
 pub use study_plan::{QUANTITIES, Study, Sweep};
 
@@ -131,6 +135,8 @@ pub enum Selection<'a> {
     Labels(Option<&'a str>),
     /// None yet: who builds them later says what is wrong with them.
     None,
+    /// As [`SceneFile::select_precision`] takes them.
+    Precision(Option<&'a str>),
 }
 
 /// As [`load`], but builds only the models that are wanted.
@@ -151,6 +157,7 @@ fn load_with(
         Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
         Selection::None => {}
         Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
+        Selection::Precision(labels) => file.check(&file.select_precision(labels)?, calibrated)?,
     }
     Ok(file)
 }
@@ -423,6 +430,15 @@ impl SceneFile {
                 })
             })
             .collect()
+    }
+
+    /// The same for accuracy against cost, which may have models of its own by default.
+    ///
+    /// # Errors
+    /// [`SceneError`] lists the labels there are.
+    pub fn select_precision(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
+        let own = self.study.precision.models.join(",");
+        self.select(labels.or((!own.is_empty()).then_some(own.as_str())))
     }
 
     /// Gears and meshes as a model needs them: a calibration brings its own gap at the start.

@@ -1,7 +1,9 @@
 //! `[study]` and `tolerance`: what is compared, and what counts as accurate enough.
 
 use super::error::SceneError;
+use super::precision_plan::{Precision, precision};
 use super::reader::{Entry, Key, key};
+use super::stability::{self, StabilitySet};
 use crate::study::run::Method;
 use gearbench_integrators::{METHODS, Resolution, Stepping};
 use gearbench_reports::record::Tolerance;
@@ -35,6 +37,14 @@ pub(super) static STUDY: &[Key] = &[
     key(
         "sweep",
         "speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, settle_s }",
+    ),
+    key(
+        "stability",
+        "maps of `gearbench stability`, one set or a list: { models, integrators, duration_s, step_s, axes }",
+    ),
+    key(
+        "precision",
+        "defaults of `gearbench precision`: { models, integrators, modes, factors, steps_s, rtols, metrics, duration_s }",
     ),
 ];
 pub(super) static SWEEP: &[Key] = &[
@@ -114,6 +124,10 @@ pub struct Study {
     pub published: Option<String>,
     /// Speeds of a sweep.
     pub sweep: Sweep,
+    /// Maps of where methods fail.
+    pub stability: Vec<StabilitySet>,
+    /// Accuracy against cost.
+    pub precision: Precision,
 }
 
 /// Speeds at which a sweep runs.
@@ -151,6 +165,8 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
         reference_model: None,
         published: None,
         sweep: Sweep::default(),
+        stability: Vec::new(),
+        precision: Precision::default(),
     };
     let Some(entry) = entry else { return Ok(study) };
     let s = entry.section("[study]", STUDY)?;
@@ -187,6 +203,12 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
     }
     if let Some(e) = s.get("sweep") {
         study.sweep = sweep(&e)?;
+    }
+    if let Some(e) = s.get("stability") {
+        study.stability = stability::sets(&e, labels)?;
+    }
+    if let Some(e) = s.get("precision") {
+        study.precision = precision(&e, labels)?;
     }
     Ok(study)
 }
@@ -235,7 +257,7 @@ fn sweep(entry: &Entry<'_>) -> Result<Sweep, SceneError> {
 }
 
 /// A list of words, each known and none twice.
-fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
+pub(super) fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, SceneError> {
     let mut found: Vec<String> = Vec::new();
     for member in entry.list()? {
         let text = member.text()?;

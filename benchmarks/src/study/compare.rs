@@ -210,14 +210,8 @@ pub fn compare(
     mut progress: impl FnMut(usize, &str),
 ) -> Result<Results, RunError> {
     let grid = plan.grid();
-    let tight = SELF.map(|(rtol, _)| Method {
-        text: "dopri5".into(),
-        resolution: Resolution::Tolerance(rtol),
-    });
-    let exact_modes = [EXACT_MODES; 2].map(|rtol| Method {
-        text: "trigonometric".into(),
-        resolution: Resolution::Tolerance(rtol),
-    });
+    let tight = tight();
+    let exact_modes = SELF.map(|(_, timeout)| (exact_for_modes(EXACT_MODES), timeout));
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
     let mut references: Vec<ReferenceSeries> = plan.reference.iter().cloned().collect();
@@ -324,18 +318,38 @@ pub fn compare(
     })
 }
 
-/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
-const SMALL: usize = 2000;
+/// How converged solutions of gears without modes are computed, the best first, with the time each may take.
+pub(super) fn tight() -> [(Method, Duration); 2] {
+    SELF.map(|(rtol, timeout)| {
+        let method = Method {
+            text: "dopri5".into(),
+            resolution: Resolution::Tolerance(rtol),
+        };
+        (method, timeout)
+    })
+}
 
-/// The model's own converged solution; `None` when it is not to be had in reasonable time.
-fn converged<'a>(
+/// The method that is exact for modes, under a tolerance.
+pub(super) fn exact_for_modes(rtol: f64) -> Method {
+    Method {
+        text: "trigonometric".into(),
+        resolution: Resolution::Tolerance(rtol),
+    }
+}
+
+/// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
+pub(super) const SMALL: usize = 2000;
+
+/// The model's own converged solution by the first of these methods that reaches the end in its time; `None` when it
+/// is not to be had in reasonable time.
+pub(super) fn converged<'a>(
     job: &impl Fn(&'a Method) -> Job<'a>,
-    tight: &'a [Method; 2],
+    tight: &'a [(Method, Duration)],
 ) -> Result<Option<TimeSeries>, RunError> {
-    for (method, (_, timeout)) in tight.iter().zip(SELF) {
+    for (method, timeout) in tight {
         let row = run(&Job {
             repeats: 0,
-            timeout,
+            timeout: *timeout,
             events: true,
             ..job(method)
         })?;
@@ -429,18 +443,17 @@ fn measure_against(
     }
 }
 
-/// Integrators asked for on the command line: `id`, `id(name=value)`, each optionally followed by `@` and a
-/// step [s] (fixed-step methods) or a tolerance (adaptive ones). Without `@` the scene's own resolution for
-/// that method is taken, or that of its nearest kin.
+/// Integrators asked for on the command line: `id`, `id(name=value)`, each optionally followed by `@` and a step with
+/// its unit (`500ns`, `1us`, `2e-7s`) or a bare number, which is a step in seconds for methods of fixed steps and a
+/// tolerance for adaptive ones. Without `@` the scene's own resolution for that method is taken, or that of its
+/// nearest kin.
 pub fn methods_from(text: &str, scene: &[Method]) -> Result<Vec<Method>, String> {
     let mut found = Vec::new();
     for part in split_outside_brackets(text) {
         let (name, resolution) = match part.split_once('@') {
             Some((name, value)) => {
-                let x: f64 = value
-                    .trim()
-                    .parse()
-                    .map_err(|_| format!("`{part}`: `{value}` after @ is not a number"))?;
+                let x = Value::parse(value)
+                    .ok_or_else(|| format!("`{part}`: `{value}` after @ is not a number"))?;
                 (name.trim(), Some(x))
             }
             None => (part, None),
@@ -449,14 +462,25 @@ pub fn methods_from(text: &str, scene: &[Method]) -> Result<Vec<Method>, String>
         let adaptive = |r: &Resolution| matches!(r, Resolution::Tolerance(_));
         use gearbench_integrators::Stepping;
         let resolution = match resolution {
-            Some(x) if !(x > 0.0 && x.is_finite()) => {
+            Some(Value::Time(x) | Value::Bare(x)) if !(x > 0.0 && x.is_finite()) => {
                 return Err(format!("`{part}`: a step or tolerance must be positive"));
             }
-            // A method that can do both takes small numbers that look like tolerances as such only when
-            // it is declared adaptive; its fixed-step form is for convergence tests.
-            Some(x) => match row.info.stepping {
+            Some(Value::Time(_)) if row.info.stepping == Stepping::Adaptive => {
+                return Err(format!(
+                    "`{part}`: {} chooses its steps; give a tolerance, for example {name}@1e-6",
+                    row.info.id
+                ));
+            }
+            Some(Value::Time(x)) => Resolution::Step(x),
+            // Of a method that can do both a bare number is the tolerance.
+            Some(Value::Bare(x)) => match row.info.stepping {
                 Stepping::Fixed => Resolution::Step(x),
-                Stepping::Adaptive | Stepping::Both => Resolution::Tolerance(x),
+                Stepping::Adaptive | Stepping::Both if x < 1.0 => Resolution::Tolerance(x),
+                Stepping::Adaptive | Stepping::Both => {
+                    return Err(format!(
+                        "`{part}`: a tolerance is less than 1; a step has a unit, as in @1us"
+                    ));
+                }
             },
             None => scene
                 .iter()
@@ -490,12 +514,46 @@ pub fn methods_from(text: &str, scene: &[Method]) -> Result<Vec<Method>, String>
     Ok(found)
 }
 
+/// What stands after an `@`.
+enum Value {
+    /// A number with a unit of time, in seconds.
+    Time(f64),
+    /// A number.
+    Bare(f64),
+}
+
+impl Value {
+    fn parse(text: &str) -> Option<Value> {
+        let text = text.trim();
+        match text.parse() {
+            Ok(x) => Some(Value::Bare(x)),
+            Err(_) => seconds(text).map(Value::Time),
+        }
+    }
+}
+
+/// A time with its unit: `500ns`, `1us`, `0.5 ms`, `2e-7s` [s].
+pub fn seconds(text: &str) -> Option<f64> {
+    const UNITS: [(&str, f64); 6] = [
+        ("ns", 1e-9),
+        ("us", 1e-6),
+        ("\u{b5}s", 1e-6),
+        ("\u{3bc}s", 1e-6),
+        ("ms", 1e-3),
+        ("s", 1.0),
+    ];
+    UNITS.iter().find_map(|(unit, factor)| {
+        let number = text.trim().strip_suffix(unit)?.trim_end();
+        Some(factor * number.parse::<f64>().ok()?)
+    })
+}
+
 fn id_of(text: &str) -> &str {
     text.split('(').next().unwrap_or(text).trim()
 }
 
 /// Splits at commas that are not inside brackets.
-fn split_outside_brackets(text: &str) -> Vec<&str> {
+pub(super) fn split_outside_brackets(text: &str) -> Vec<&str> {
     let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0i32);
     for (i, c) in text.char_indices() {
         match c {
@@ -545,6 +603,35 @@ mod tests {
         ];
         for (got, (text, resolution)) in m.iter().zip(want) {
             assert_eq!((got.text.as_str(), got.resolution), (text, resolution));
+        }
+    }
+
+    #[test]
+    fn a_unit_makes_it_a_step() {
+        let m = methods_from(
+            "trigonometric@1us,dopri5@2e-7s, rk4@500ns,hht-alpha@0.5 \u{b5}s,trigonometric@1e-4,bdf@1e-6",
+            &scene(),
+        )
+        .unwrap();
+        let want = [
+            Resolution::Step(1e-6),
+            Resolution::Step(2e-7),
+            Resolution::Step(500.0 * 1e-9),
+            Resolution::Step(0.5 * 1e-6),
+            Resolution::Tolerance(1e-4),
+            Resolution::Tolerance(1e-6),
+        ];
+        assert_eq!(m.iter().map(|m| m.resolution).collect::<Vec<_>>(), want);
+        for (text, says) in [
+            ("bdf@1us", "chooses its steps"),
+            ("rk4@-1us", "positive"),
+            ("dopri5@2", "less than 1"),
+            ("rk4@1 furlong", "not a number"),
+            ("rk4@us", "not a number"),
+            ("rk4@infs", "positive"),
+        ] {
+            let e = methods_from(text, &scene()).unwrap_err();
+            assert!(e.contains(says), "{text}: {e}");
         }
     }
 

@@ -5,6 +5,7 @@
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
+//! | [`limits`] | the largest stable step of a method on a scene: theory, and what is found |
 //! | [`modes`] | error of the elastic model over the number of modes, against full finite elements |
 //! | [`penalty`] | force, impulse and transmission error over the penalty, beside hard contact |
 //! | [`precision`] | error against cost: models, integrators, resolutions, mode counts |
@@ -18,6 +19,7 @@ pub mod choose;
 pub mod compare;
 pub mod history;
 pub mod identify;
+pub mod limits;
 pub mod machine;
 pub mod modes;
 pub mod penalty;

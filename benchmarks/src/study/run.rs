@@ -23,6 +23,8 @@ use std::time::{Duration, Instant};
 
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
 const LONG: f64 = 1.0;
+/// Timed repeats of a run at most, however short it is.
+const MOST_REPEATS: usize = 300;
 /// Observes a run and stops it once its energy is mostly made up: an unstable run would otherwise go on to
 /// ever larger numbers and ever more impacts.
 struct Watch<'a> {
@@ -123,14 +125,29 @@ pub enum RunError {
 
 /// Runs a job and fills a row; model names and metrics are the caller's.
 pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
+    run_timed(job, Duration::ZERO)
+}
+
+/// The same, with further repeats of a short run until those that are timed took this long together: the median of
+/// three times of some microseconds says little.
+pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
     let started = Instant::now();
     let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
     let setup = started.elapsed();
-    run_in(job, &mut scene, setup)
+    timed_in(job, &mut scene, setup, together)
 }
 
 /// [`run`] in a scene that has been built from the job's scene and models already, which took `setup`.
 pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, RunError> {
+    timed_in(job, scene, setup, Duration::ZERO)
+}
+
+fn timed_in(
+    job: &Job<'_>,
+    scene: &mut Scene,
+    setup: Duration,
+    together: Duration,
+) -> Result<Run, RunError> {
     let (row, mut method) =
         gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
     if row.info.linear_part && scene.modal().is_none() {
@@ -184,8 +201,13 @@ pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, 
     } else {
         job.repeats
     };
-    let mut walls = Vec::new();
-    for _ in 0..repeats {
+    let mut walls: Vec<f64> = Vec::new();
+    let more = |walls: &[f64]| {
+        let short =
+            walls.len() < MOST_REPEATS && walls.iter().sum::<f64>() < together.as_secs_f64();
+        walls.len() < repeats as usize || (repeats > 0 && short)
+    };
+    while more(&walls) {
         let mut s = scene.initial();
         let plan = job.plan();
         let begin = Instant::now();
@@ -198,6 +220,7 @@ pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, 
             return Err(RunError::Interrupted);
         }
     }
+    let repeats = walls.len() as u32;
     if walls.is_empty() {
         walls.push(observed);
     }

@@ -47,12 +47,17 @@ pub enum Solver {
 pub struct Diffsol {
     info: &'static MethodInfo,
     solver: Solver,
+    coasts: bool,
 }
 
 impl Diffsol {
     /// Gives a solver its declaration.
     pub fn new(info: &'static MethodInfo, solver: Solver) -> Self {
-        Diffsol { info, solver }
+        Diffsol {
+            info,
+            solver,
+            coasts: false,
+        }
     }
 
     /// The first step after a restart goes with this power of the tolerance; BDF starts at order one.
@@ -126,6 +131,11 @@ impl Integrator for Diffsol {
         self.info
     }
 
+    fn coast(&mut self, on: bool) -> bool {
+        self.coasts = on;
+        true
+    }
+
     fn run(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -193,7 +203,7 @@ impl Integrator for Diffsol {
         let result = match kernel::start(self.solver, &problem) {
             Ok(mut kernel) => {
                 let first = |s: &State| first_step(&**shared.sys.borrow(), s, plan, rtol, exponent);
-                Session::new(&shared, s, plan, sink, work).run(&mut *kernel, &first)
+                Session::new(&shared, s, plan, sink, work, self.coasts).run(&mut *kernel, &first)
             }
             Err(e) => Err(Failed::Library(e)),
         };

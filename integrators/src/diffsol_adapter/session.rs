@@ -3,6 +3,7 @@
 use super::Shared;
 use super::kernel::{Counts, Kernel, KernelDense, copy, read};
 use crate::bounds::Bounds;
+use crate::coast::{CoastDense, Coasting};
 use crate::events::{Root, Watch};
 use crate::method::{AcceptedStep, Control, Sink, StepError, TimePlan, Work};
 use crate::stepped::{MAX_EVENTS_AT_ONCE, first_not_finite, resolution_of_time};
@@ -57,6 +58,7 @@ pub(super) struct Session<'x, 'a> {
     to: State,
     y: RefCell<NalgebraVec<f64>>,
     seen: Counts,
+    coasting: Coasting,
 }
 
 impl<'x, 'a> Session<'x, 'a> {
@@ -66,6 +68,7 @@ impl<'x, 'a> Session<'x, 'a> {
         plan: &'x TimePlan<'x>,
         sink: &'x mut dyn Sink,
         work: &'x mut Work,
+        coasts: bool,
     ) -> Self {
         let sys = shared.sys.borrow();
         let layout = sys.layout();
@@ -83,6 +86,7 @@ impl<'x, 'a> Session<'x, 'a> {
             to: s.clone(),
             y: RefCell::new(NalgebraVec::zeros(2 * layout.n, NalgebraContext::default())),
             seen: Counts::default(),
+            coasting: Coasting::new(coasts),
             s,
         }
     }
@@ -102,15 +106,27 @@ impl<'x, 'a> Session<'x, 'a> {
             // diffsol takes a stop time within a hundred units of rounding for reached.
             let least = 200.0 * f64::EPSILON * (self.s.t.abs() + h);
             let mut last = h;
-            if stop - self.s.t <= least.max(resolution_of_time(self.s.t, self.plan)) {
+            self.coasting.hope();
+            if let Some(next) = self.coast(h, stop)? {
+                if matches!(next, Next::End) {
+                    return Ok(());
+                }
+            } else if stop - self.s.t <= least.max(resolution_of_time(self.s.t, self.plan)) {
                 self.s.t = stop;
-                self.between(false);
+                self.between(false, false);
             } else {
                 kernel.stop_at(stop)?;
                 loop {
                     let cut = kernel.step_size();
                     match self.step(kernel, stop)? {
-                        Next::Step => last = cut,
+                        Next::Step => {
+                            last = cut;
+                            match self.coast(kernel.step_size(), stop)? {
+                                None => {}
+                                Some(Next::End) => return Ok(()),
+                                Some(_) => break,
+                            }
+                        }
                         Next::Restart => {
                             // The step before one that was cut short says more about the pace.
                             last = last.max(cut);
@@ -131,6 +147,53 @@ impl<'x, 'a> Session<'x, 'a> {
                 shared.rhs(y, s.t, dy);
             });
         }
+    }
+
+    /// Crosses a flight that is longer than a step of size `h` and ends by `stop`, and what follows from that; `None`
+    /// where there is none.
+    fn coast(&mut self, h: f64, stop: f64) -> Result<Option<Next>, Failed> {
+        let shared = self.shared;
+        let later = self.s.t + h;
+        if !self.coasting.on || later >= stop {
+            return Ok(None);
+        }
+        let until = {
+            let mut sys = shared.sys.borrow_mut();
+            self.coasting.reach(&mut **sys, self.s, later).min(stop)
+        };
+        if until <= later {
+            return Ok(None);
+        }
+        self.bounds.check(self.plan, self.s.t, self.work)?;
+        let (to, coast) = (&mut self.to, &self.coasting.coast);
+        to.t = until;
+        coast.at(until, &mut to.q, &mut to.v);
+        if let Some(dof) = first_not_finite(to) {
+            return Err(StepError::NonFinite { t: until, dof }.into());
+        }
+        let step = AcceptedStep {
+            from: self.s,
+            to: &self.to,
+            dense: &CoastDense {
+                coast,
+                from: self.s.t,
+                to: until,
+            },
+            flight: true,
+        };
+        let control = self.sink.accepted(&mut **shared.sys.borrow_mut(), &step);
+        self.work.steps += 1;
+        self.events_here = 0;
+        std::mem::swap(self.s, &mut self.to);
+        if control == Control::Stop {
+            return Ok(Some(Next::End));
+        }
+        self.between(false, true);
+        Ok(Some(if self.s.t >= self.plan.t_end {
+            Next::End
+        } else {
+            Next::Restart
+        }))
     }
 
     /// One step of the solver and what follows from it.
@@ -197,7 +260,7 @@ impl<'x, 'a> Session<'x, 'a> {
         } else {
             self.events_here = 0;
         }
-        let restart = self.between(located);
+        let restart = self.between(located, false);
         Ok(if self.s.t >= self.plan.t_end {
             Next::End
         } else if restart {
@@ -237,15 +300,15 @@ impl<'x, 'a> Session<'x, 'a> {
     }
 
     /// What happens to a state between two steps: switches, `commit`, the next knot. True when the solver
-    /// has to start afresh.
-    fn between(&mut self, located: bool) -> bool {
+    /// has to start afresh, as after a coast.
+    fn between(&mut self, located: bool, coasted: bool) -> bool {
         let mut sys = self.shared.sys.borrow_mut();
         let s = &mut *self.s;
         let keep = self.sink.wants_restarts();
         if keep {
             self.to.copy_from(s);
         }
-        let mut restart = located;
+        let mut restart = located || coasted;
         if located {
             self.work.events += self.watch.falling.len() as u64;
             for &guard in &self.watch.falling {
@@ -253,6 +316,9 @@ impl<'x, 'a> Session<'x, 'a> {
             }
         }
         restart |= sys.commit(s) == Change::Restart;
+        if coasted && self.events {
+            sys.begin(s, true);
+        }
         if s.t >= self.knot {
             self.knot = sys.next_knot(s.t);
             restart = true;

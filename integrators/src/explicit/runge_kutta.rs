@@ -6,6 +6,7 @@
 //! 19; interpolant from L. F. Shampine, *Math. Comp.* 46 (1986) 135.
 
 use crate::interpolation::hermite_with_acceleration;
+use crate::linear_stability::Stability;
 use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
 use crate::system::{At, SecondOrderSystem, State};
 
@@ -143,6 +144,26 @@ impl RungeKutta {
     /// Dormand-Prince 5(4), at fixed steps or under a tolerance.
     pub fn dopri5() -> Self {
         Self::of(&DOPRI5, &DOPRI5_TABLEAU)
+    }
+
+    /// Its stability polynomial `R(z) = 1 + sum_k z^(k+1) b^T A^k 1`.
+    #[must_use]
+    pub fn stability(&self) -> Stability {
+        let tb = self.tableau;
+        let mut power = vec![1.0; tb.stages];
+        let mut coefficients = vec![1.0];
+        for _ in 0..tb.stages {
+            coefficients.push(tb.b.iter().zip(&power).map(|(b, x)| b * x).sum());
+            let next =
+                tb.a.iter()
+                    .map(|row| row.iter().zip(&power).map(|(a, x)| a * x).sum());
+            power = next.collect();
+        }
+        // Stages that only serve the step control leave a zero.
+        while coefficients.last() == Some(&0.0) {
+            coefficients.pop();
+        }
+        Stability::Polynomial(coefficients)
     }
 
     fn of(info: &'static MethodInfo, tableau: &'static Tableau) -> Self {

@@ -21,6 +21,7 @@
 //! G. M. Hulbert, *J. Appl. Mech.* 60 (1993) 371.
 
 use crate::interpolation::hermite_with_acceleration;
+use crate::linear_stability::{Flip, Stability};
 use crate::method::{MethodInfo, OneStep, Parameter, StepError, Stepping, Tolerance, Work};
 use crate::system::{At, Coeffs, SecondOrderSystem, State};
 
@@ -124,6 +125,22 @@ impl GeneralisedAlpha {
             0.25 * (1.0 + af - am).powi(2),
             0.5 + af - am,
         )
+    }
+
+    /// Where it is stable on linear systems. At `z = -1` the recurrence gives, for `gamma = 1/2`, a velocity of zero and
+    /// `4 M - (1 - 4 beta) h^2 K`, so that dampers do not matter; with the parameters of HHT-alpha and generalised-alpha
+    /// `beta' >= gamma' / 2` holds, which no step exceeds.
+    #[must_use]
+    pub fn stability(&self) -> Stability {
+        let newmark = self.alpha_m == 0.0 && self.alpha_f == 0.0 && self.gamma == 0.5;
+        if newmark && self.beta < 0.25 {
+            Stability::Flip(Flip {
+                d: 0.0,
+                k: 1.0 - 4.0 * self.beta,
+            })
+        } else {
+            Stability::Unconditional
+        }
     }
 
     fn of(info: &'static MethodInfo, alpha_m: f64, alpha_f: f64, beta: f64, gamma: f64) -> Self {

@@ -71,6 +71,18 @@ pub enum Filter {
     All,
 }
 
+impl Filter {
+    /// Phase `omega h` [rad] above which oscillators are filtered.
+    #[must_use]
+    pub fn from(self) -> f64 {
+        match self {
+            Filter::None => f64::INFINITY,
+            Filter::Fast => SAFE * std::f64::consts::PI,
+            Filter::All => 0.0,
+        }
+    }
+}
+
 /// The rest at one end of a step.
 #[derive(Clone, Debug, Default)]
 struct Kick {
@@ -115,11 +127,7 @@ impl Trigonometric {
     /// With its filter: none, for oscillators beyond what is safe, for all.
     pub fn new(filter: Filter) -> Self {
         Trigonometric {
-            filter_from: match filter {
-                Filter::None => f64::INFINITY,
-                Filter::Fast => SAFE * std::f64::consts::PI,
-                Filter::All => 0.0,
-            },
+            filter_from: filter.from(),
             omega: Vec::new(),
             zeta: Vec::new(),
             longest: f64::INFINITY,

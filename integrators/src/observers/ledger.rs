@@ -70,6 +70,10 @@ impl Ledger {
             parametric += weight * h * self.out.power.parametric;
             damped |= self.out.power.dissipated > 0.0;
         }
+        // Where the system knows the work itself, no swinging spoils it.
+        if let Some(work) = sys.steady_work(step.from.at(), step.to.at()) {
+            (external, parametric) = (work, 0.0);
+        }
         let before = self.end.total();
         sys.output(step.to.at(), &mut self.out);
         self.end = self.out.energy;

@@ -1,7 +1,7 @@
 //! Gears that hammer within their backlash: impacts with an exact piecewise solution.
 
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Energy, Layout, Method, ModalSplit, Outputs, Power,
+    AcceptedStep, At, Change, Coast, Control, Energy, Layout, Method, ModalSplit, Outputs, Power,
     SecondOrderSystem, Sink, State, TimePlan, Work,
 };
 
@@ -194,6 +194,17 @@ impl SecondOrderSystem for Hammer {
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
+    }
+    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
+        let until = self.free_until(s);
+        if until > later {
+            coast.begin(s.t);
+            for i in 0..2 {
+                coast.swing(0.0, 0.0, [s.q[i], s.v[i]], 0.0);
+                coast.moves(i, 1.0);
+            }
+        }
+        until
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         let n = self.line_force(at);

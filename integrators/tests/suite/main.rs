@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
+mod coast;
 mod contact_order;
 mod dense_output;
 mod energy_and_momentum;

@@ -6,6 +6,7 @@
 //! models.
 
 pub mod elastic;
+pub mod flight;
 pub mod movable_teeth;
 pub mod placement;
 pub mod rigid;
@@ -16,8 +17,10 @@ use crate::contact::candidate::{Point, Tooth};
 use crate::contact::flank_points::Flanks;
 use crate::contact::row::Row;
 use crate::gear::elastic::NormalField;
+use crate::gear::flight::Flight;
 use crate::geometry::Side;
 use crate::mount::{Hub, Wrench};
+use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
 
 /// How a mesh sees a gear: enough to know the path coordinate and contact radius of a tooth.
@@ -339,6 +342,41 @@ pub trait GearModel {
     /// A method lets the [`Self::oscillators`] give less than `1/omega^2` to forces that last, by `lag` per unit of
     /// acceleration [s^2]; gears with a residual compliance give the rest by it. `None`: nothing is left out.
     fn set_lag(&mut self, _lag: Option<&[f64]>) {}
+
+    /// Its flight from a state under a steady `load` on a free hub; `None` where its motion is not known in closed form.
+    fn flight(&self, _at: At<'_>, _load: f64) -> Option<Flight> {
+        None
+    }
+
+    /// Adds that motion to a coast, its coordinates from `first` on; called where there is a [`Self::flight`].
+    fn coast(&self, _at: At<'_>, _load: f64, _first: usize, _coast: &mut Coast) {}
+
+    /// Share of the energy of the next impact below which its oscillators are put to rest in flight; 0: never.
+    fn sleep(&self) -> f64 {
+        0.0
+    }
+
+    /// Puts its oscillators to rest, about the deflection of a steady `load`; its momentum stays. The slices are its own.
+    /// False when they rested, up to rounding.
+    fn put_to_rest(
+        &self,
+        _t: f64,
+        _load: f64,
+        _q: &mut [f64],
+        _v: &mut [f64],
+        _memory: &mut [f64],
+    ) -> bool {
+        false
+    }
+
+    /// Work of a steady `load` on a free hub, or of a prescribed motion on the gear's own coordinates, between two states
+    /// of a flight [J].
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+        if self.hub().coordinates() == 0 || load == 0.0 {
+            return 0.0;
+        }
+        load * (self.hub_state(to).travel - self.hub_state(from).travel)
+    }
 
     /// Hub motion and momentum of the whole gear.
     fn hub_state(&self, at: At<'_>) -> HubState;

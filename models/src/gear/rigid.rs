@@ -2,11 +2,13 @@
 //!
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the lever arm is the base radius.
 
+use super::flight::Flight;
 use super::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
 use crate::Vec3;
 use crate::contact::candidate::{Point, Tooth};
 use crate::contact::row::Row;
 use crate::mount::Hub;
+use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 
 /// A rigid gear or rack.
@@ -176,6 +178,26 @@ impl GearModel for Rigid {
             omega: own,
             zeta: own,
         })
+    }
+
+    fn flight(&self, at: At<'_>, load: f64) -> Option<Flight> {
+        let hub = &self.hub;
+        Some(Flight {
+            frame: [
+                hub.travel(at.t, at.q),
+                hub.speed(at.t, at.v),
+                hub.acceleration(at.t, load),
+            ],
+            ..Flight::default()
+        })
+    }
+
+    fn coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        if self.hub.coordinates() > 0 {
+            let acceleration = self.hub.acceleration(at.t, load);
+            coast.swing(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
+            coast.moves(first, 1.0);
+        }
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {

@@ -1,7 +1,6 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
 use super::contacts::Workspace;
-use super::modal::Split;
 use super::nodal::Nodal;
 use super::outputs::channel_names;
 use super::points::flank_points;
@@ -594,11 +593,14 @@ impl Scene {
         {
             mass.clear();
         }
-        let split = Split::of(&gears, n);
+        let oscillators = gears.iter().all(|g| g.model.oscillators().is_some());
+        let sleeps = gears.iter().any(|g| g.model.sleep() > 0.0);
         Scene {
             gears,
             meshes,
-            split,
+            oscillators,
+            sleeps,
+            flights: Vec::new(),
             channels,
             magnitudes: scales.magnitudes(),
             pace,

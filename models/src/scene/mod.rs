@@ -15,6 +15,7 @@ pub mod spec;
 
 mod condensed;
 mod contacts;
+mod flight;
 mod modal;
 mod nodal;
 mod nodal_tangent;
@@ -27,12 +28,12 @@ pub use contacts::ContactForce;
 use crate::contact::law::{Friction, Law};
 use crate::contact::lines_of_action::LineClearance;
 use crate::contact::search::{ContactSearch, Party};
+use crate::gear::flight::Flight;
 use crate::gear::{GearModel, Magnitudes};
 use crate::load::{Load, Profile};
 use crate::mount::Mount;
 use contacts::Workspace;
 use gearbench_integrators::system::{At, State};
-use modal::Split;
 
 /// A gear in the scene.
 pub struct SceneGear {
@@ -175,8 +176,12 @@ pub struct Scene {
     mass: Vec<f64>,
     inverse_mass: Vec<f64>,
     work: Workspace,
-    /// What the split into oscillators and a rest needs; `None` where a gear is no oscillators.
-    split: Option<Split>,
+    /// All gears are oscillators.
+    oscillators: bool,
+    /// A gear may be put to rest in flight.
+    sleeps: bool,
+    /// Buffer of [`Self::flight_until`].
+    flights: Vec<Flight>,
     initial: State,
     phases: Vec<f64>,
 }

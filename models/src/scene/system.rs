@@ -6,6 +6,7 @@ use crate::contact::candidate::Candidate;
 use crate::contact::law::Law;
 use crate::contact::row::Row;
 use crate::contact::search::Wanted;
+use gearbench_integrators::Coast;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{
     At, Change, Coeffs, Layout, ModalSplit, Outputs, SecondOrderSystem, Singular, State,
@@ -232,11 +233,15 @@ impl SecondOrderSystem for Scene {
     }
 
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        if self.split.is_some() {
-            Some(self)
-        } else {
-            None
-        }
+        if self.oscillators { Some(self) } else { None }
+    }
+
+    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
+        self.coast_from(s.at(), later, coast)
+    }
+
+    fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+        self.work_of_flight(from, to)
     }
 
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
@@ -394,6 +399,9 @@ impl SecondOrderSystem for Scene {
         }
         if s.memory[0] == 0.0 && self.tracks {
             self.track_modes(s);
+        }
+        if self.sleeps && self.fall_asleep(s) {
+            change = Change::Restart;
         }
         change
     }

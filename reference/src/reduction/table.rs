@@ -22,7 +22,7 @@ const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
 }
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 17] = mesh_source::with_own(&[
+static PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     optional(
         "reduction",
         "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",
@@ -56,6 +56,10 @@ static PARAMETERS: [ParameterInfo; 17] = mesh_source::with_own(&[
     optional(
         "spin_terms",
         "centrifugal and Coriolis terms, which couple the modes: \"auto\" (default: from a spin rate of 1 % of the lowest frequency), \"full\" or \"none\"",
+    ),
+    optional(
+        "sleep",
+        "modes are put to rest in flight below this share of the energy of the next impact; default 0: never",
     ),
 ]);
 
@@ -201,6 +205,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ));
     }
     let damping = damping(&reader)?;
+    let sleep = reader.number("sleep", Some(0.0))?.unwrap_or(0.0);
     let spin = match reader.text("spin_terms")? {
         None | Some("auto") => SpinTerms::Auto,
         Some("full") => SpinTerms::Full,
@@ -247,7 +252,9 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     );
     let gear = gear.map_err(|e| reader.error("mesh", e))?;
     let gear = gear.with_spin_terms(spin);
-    Ok(Box::new(gear.map_err(|e| reader.error("spin_terms", e))?))
+    let gear = gear.map_err(|e| reader.error("spin_terms", e))?;
+    let gear = gear.with_sleep(sleep);
+    Ok(Box::new(gear.map_err(|e| reader.error("sleep", e))?))
 }
 
 #[cfg(test)]
@@ -342,6 +349,7 @@ mod tests {
             (vec![("damping_ratio", number(1.5))], "damp less"),
             (vec![("modes", number(1.5))], "whole number"),
             (vec![("spin_terms", word("some"))], "expected \"auto\""),
+            (vec![("sleep", number(1.0))], "[0, 1)"),
         ] {
             let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
             assert!(e.contains(message), "{e}");

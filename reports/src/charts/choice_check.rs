@@ -31,18 +31,23 @@ pub fn applies(view: &View<'_>) -> bool {
     !view.results.choices.is_empty()
 }
 
-/// Scenes in the order of the chart: by kind, within a kind by number; and where kinds begin.
-fn ordered<'a>(view: &View<'a>) -> (Vec<(f64, &'a JudgedChoice)>, Vec<(f64, String)>) {
+/// Scenes at their places on the chart: by kind, within a kind by number.
+fn ordered<'a>(view: &View<'a>) -> Vec<(f64, &'a JudgedChoice)> {
     let mut all: Vec<&JudgedChoice> = view.results.choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
-    let mut starts: Vec<(f64, String)> = Vec::new();
-    for (i, s) in all.iter().enumerate() {
-        if i == 0 || all[i - 1].kind != s.kind {
-            starts.push((i as f64 + 0.5, s.kind.clone()));
+    let placed = all.into_iter().enumerate();
+    placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
+}
+
+/// Where kinds begin.
+fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
+    let mut found: Vec<(f64, String)> = Vec::new();
+    for (x, s) in scenes {
+        if found.last().is_none_or(|(_, kind)| *kind != s.kind) {
+            found.push((x - 0.5, s.kind.clone()));
         }
     }
-    let placed = all.into_iter().enumerate();
-    (placed.map(|(i, s)| (i as f64 + 1.0, s)).collect(), starts)
+    found
 }
 
 /// The chart of a check.
@@ -50,7 +55,7 @@ fn ordered<'a>(view: &View<'a>) -> (Vec<(f64, &'a JudgedChoice)>, Vec<(f64, Stri
 /// # Errors
 /// [`DrawError`] when the backend refuses.
 pub fn choice_check(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
-    let (scenes, starts) = ordered(view);
+    let scenes = ordered(view);
     let n = scenes.len() as f64;
     let x = Axis::linear(0.0, n + 1.0);
     let points = |keep: &dyn Fn(&JudgedChoice) -> bool,
@@ -90,7 +95,7 @@ pub fn choice_check(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         "cost / cheapest adequate",
         false,
     );
-    cost.verticals = starts;
+    cost.verticals = starts(&scenes);
     cost.limits = vec![(DEAR, "2 times".into())];
     if let Some(median) = quantile(&ratios, 0.5) {
         cost.limits.push((median, format!("median {median:.2}")));

@@ -11,6 +11,8 @@ use crate::view::{NOTHING, View, metric_name, resolution};
 
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
+/// Font size of the names of points.
+const LABEL: f64 = 11.5;
 const BARS_LEFT: f64 = 262.0;
 const BARS_RIGHT: f64 = 110.0;
 
@@ -329,16 +331,14 @@ fn tolerance_line(c: &mut Canvas<'_>, frame: &Frame, limit: f64, unit: &str) -> 
     Rect::new(x - 12.0 - width, y - 18.0, x, y + 2.0)
 }
 
-/// Writes a label beside its point where there is room; the table has those that find none.
-fn point_label(
-    c: &mut Canvas<'_>,
+/// Takes the free place for a label next to its point; false where there is none.
+pub(super) fn label_place(
     text: &str,
     (x, y): (f64, f64),
     area: &Rect,
     taken: &mut Vec<Rect>,
-) {
-    let size = 11.5;
-    let width = text_width(text, size) + 2.0;
+) -> bool {
+    let width = text_width(text, LABEL) + 2.0;
     let boxed = |left: f64, middle: f64| Rect::new(left, middle - 6.5, left + width, middle + 6.5);
     let mut places = vec![boxed(x + 9.0, y), boxed(x - 9.0 - width, y)];
     for level in 1..=5 {
@@ -350,18 +350,28 @@ fn point_label(
     let free = places
         .into_iter()
         .find(|r| area.contains(r) && !taken.iter().any(|t| t.overlaps(r)));
-    if let Some(r) = free {
+    taken.extend(free);
+    free.is_some()
+}
+
+/// Writes a label beside its point where there is room; the table has those that find none.
+pub(super) fn point_label(
+    c: &mut Canvas<'_>,
+    text: &str,
+    (x, y): (f64, f64),
+    area: &Rect,
+    taken: &mut Vec<Rect>,
+) {
+    if label_place(text, (x, y), area, taken)
+        && let Some(r) = taken.last()
+    {
         let middle = 0.5 * (r.y0 + r.y1);
         if (middle - y).abs() > 20.0 {
             let toward = if middle < y { r.y1 } else { r.y0 };
             let foot = x.clamp(r.x0 + 3.0, r.x1 - 3.0);
             c.line(&[(x, y), (foot, toward)], Stroke::new(Ink::PALE, 0.8));
         }
-        c.text(
-            text,
-            (r.x0, middle),
-            Type::new(size, Anchor::Start).ink(Ink::GREY),
-        );
-        taken.push(r);
+        let kind = Type::new(LABEL, Anchor::Start).ink(Ink::GREY);
+        c.text(text, (r.x0, middle), kind);
     }
 }

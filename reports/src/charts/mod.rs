@@ -14,6 +14,9 @@ mod lines;
 mod mesh;
 mod modes;
 pub(crate) mod penalty;
+pub(crate) mod precision;
+mod precision_marks;
+pub(crate) mod stability;
 mod stiffness;
 mod style;
 pub(crate) mod sweep;
@@ -38,7 +41,7 @@ pub struct Chart {
 }
 
 /// File names that charts of a record can have.
-pub(crate) const FILES: [&str; 17] = [
+pub(crate) const FILES: &[&str] = &[
     "force.svg",
     "speeds.svg",
     "mesh.svg",
@@ -54,8 +57,8 @@ pub(crate) const FILES: [&str; 17] = [
     "sweep_cycles.svg",
     "penalty.svg",
     "penalty_distance.svg",
-    "choose.svg",
     "choice_check.svg",
+    "choose.svg",
 ];
 
 /// The charts a record has data for, in the order of the report.
@@ -77,11 +80,17 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
         all.extend(histories::force(&view)?);
         return Ok(all);
     }
+    if stability::applies(&view) {
+        return stability::stability(&view);
+    }
     if choice_check::applies(&view) {
         return choice_check::choice_check(&view);
     }
     if sweep::applies(&view) {
         return sweep::sweep(&view);
+    }
+    if precision::applies(results) {
+        return precision::precision(&view);
     }
     let all = [
         histories::force(&view)?,

@@ -29,9 +29,11 @@ pub enum Marker {
     Diamond,
     /// Triangle, point down.
     Wedge,
+    /// Star of five points.
+    Star,
 }
 
-const LOOKS: [Look; 7] = [
+const LOOKS: [Look; 8] = [
     Look {
         ink: Ink(0xd5, 0x5e, 0x00, 1.0),
         dash: &[8.0, 3.5],
@@ -66,6 +68,11 @@ const LOOKS: [Look; 7] = [
         ink: Ink(0x6b, 0x4a, 0x9c, 1.0),
         dash: &[4.0, 4.0],
         marker: Marker::Square,
+    },
+    Look {
+        ink: Ink(0x5a, 0x3a, 0x22, 1.0),
+        dash: &[10.0, 2.5],
+        marker: Marker::Triangle,
     },
 ];
 
@@ -113,6 +120,13 @@ pub fn marker(c: &mut Canvas<'_>, at: (f64, f64), r: f64, look: Look, filled: bo
             (x + r, y - 0.8 * r),
             (x - r, y - 0.8 * r),
         ],
+        Marker::Star => (0..10)
+            .map(|k| {
+                let radius = if k % 2 == 0 { 1.35 * r } else { 0.58 * r };
+                let (sin, cos) = (std::f64::consts::PI * 0.2 * f64::from(k)).sin_cos();
+                (x + radius * sin, y - radius * cos)
+            })
+            .collect(),
         Marker::Diamond => {
             let s = 1.2 * r;
             vec![(x, y - s), (x + s, y), (x, y + s), (x - s, y)]

@@ -156,7 +156,7 @@ pub fn scenes(view: &View<'_>) -> String {
         "<section>\n<h2>Scenes</h2>\n{}<p class=\"note\">{}</p>\n</section>\n",
         table(&columns, &rows),
         escape(
-            "Its own error: what a halved step or fewer modes change in the densest elastic model; against full finite \
+            "Its own error: what twice the step or fewer modes change in the densest elastic model; against full finite \
              elements nothing is stated."
         )
     )

@@ -8,7 +8,9 @@ mod choose;
 mod finding;
 mod modes;
 mod penalty;
+mod precision;
 mod sections;
+mod stability;
 mod sweep;
 mod table;
 mod timing;
@@ -65,7 +67,9 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             "modes" => modes::finding(&view),
             "sweep" => sweep::finding(&view),
             "penalty" => penalty::finding(&view),
+            "stability" => stability::finding(&view),
             "choice-check" => choice_check::finding(&view),
+            "precision" => precision::finding(&view),
             _ => finding::finding(&view),
         }
     ));
@@ -74,7 +78,9 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
         "modes" => modes::tables(&view),
         "sweep" => sweep::tables(&view),
         "penalty" => penalty::tables(&view),
+        "stability" => stability::tables(&view),
         "choice-check" => choice_check::tables(&view),
+        "precision" => precision::tables(&view),
         _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -87,16 +93,20 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             escape(&chart.caption),
         ));
     }
-    if results.study == "sweep" {
-        out.push_str(&sweep::speeds(&view));
-    } else if results.study == "choice-check" {
-        out.push_str(&choice_check::scenes(&view));
-    } else if results.study != "choose" {
-        out.push_str(&sections::metrics(&view));
-        out.push_str(&sections::work(&view));
-        out.push_str(&sections::ledger(&view));
+    match results.study.as_str() {
+        "sweep" => out.push_str(&sweep::speeds(&view)),
+        "choice-check" => out.push_str(&choice_check::scenes(&view)),
+        "precision" => out.push_str(&precision::runs(&view)),
+        "stability" | "choose" => {}
+        _ => {
+            out.push_str(&sections::metrics(&view));
+            out.push_str(&sections::work(&view));
+            out.push_str(&sections::ledger(&view));
+        }
     }
-    out.push_str(&sections::failures(&view));
+    if !["stability", "precision"].contains(&results.study.as_str()) {
+        out.push_str(&sections::failures(&view));
+    }
     out.push_str(&sections::setting(&view));
     out.push_str("</main>\n</body>\n</html>\n");
     out

@@ -12,7 +12,7 @@ use gearbench_models::scene::spec::SceneSpec;
 use gearbench_tests::*;
 
 /// Case A in the middle of `backlash`, hammering.
-fn hammer(backlash: f64) -> SceneSpec {
+pub fn hammer(backlash: f64) -> SceneSpec {
     let mut a = case_a(0.0);
     a.meshes[0].start.gap = 0.0;
     let mut spec = at_backlash(a, backlash);
@@ -160,11 +160,22 @@ fn gears_with_teeth_of_their_own_have_no_split() {
 }
 
 /// Counts impacts by the contact force at the ends of steps.
-struct Impacts {
+pub struct Impacts {
     force: usize,
     out: Outputs,
     closed: bool,
-    number: u32,
+    pub number: u32,
+}
+
+impl Impacts {
+    pub fn of(scene: &Scene) -> Self {
+        Impacts {
+            force: scene.channel("force:0").unwrap(),
+            out: Outputs::default(),
+            closed: false,
+            number: 0,
+        }
+    }
 }
 
 impl Sink for Impacts {
@@ -190,12 +201,7 @@ fn the_cost_of_hammering_follows_contact_time() {
                     ..TimePlan::new(0.02 * stretch, resolution)
                 };
                 let (mut s, mut work) = (scene.initial(), Work::default());
-                let mut impacts = Impacts {
-                    force: scene.channel("force:0").unwrap(),
-                    out: Outputs::default(),
-                    closed: false,
-                    number: 0,
-                };
+                let mut impacts = Impacts::of(&scene);
                 let (_, mut m) = method("trigonometric").unwrap();
                 m.run(&mut scene, &mut s, &plan, &mut impacts, &mut work)
                     .unwrap();

@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout)]
 
 mod bearings;
+mod coast;
 mod flank_points;
 mod flight;
 mod force;
@@ -13,6 +14,7 @@ mod movable_teeth;
 mod nodal;
 mod refusals;
 mod rows;
+mod sleep;
 mod statics;
 mod tangents;
 mod tooth_springs;

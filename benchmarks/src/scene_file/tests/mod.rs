@@ -1,9 +1,11 @@
 //! Tests of the scene format: what is read, what is refused and in which words, what never panics.
 
+mod precision;
 mod refusals;
 mod refused_models;
 mod robustness;
 mod shipped_scenes;
+mod stability;
 mod values;
 
 use super::{Origin, SceneError, SceneFile};
@@ -90,6 +92,9 @@ fn the_format_is_described() {
         super::study_plan::STUDY,
         super::study_plan::INTEGRATOR,
         super::study_plan::TOLERANCE,
+        super::stability::STABILITY,
+        super::stability::SPAN,
+        super::stability::AXIS,
     ];
     let tables = tables.into_iter().chain(super::profile::tables());
     let whole = |text: &str, key: &str| {

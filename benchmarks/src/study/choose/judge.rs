@@ -25,6 +25,7 @@ use crate::study::run::RunError;
 use gearbench_integrators::Resolution;
 use gearbench_models::scene::spec::Body;
 use gearbench_reports::choice_check::{JudgedChoice, Outcome, TriedCandidate};
+use gearbench_reports::record::Status;
 use measure::{Ready, grid, side_by_side};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -34,9 +35,9 @@ const DEARER: f64 = 3.0;
 /// Cost over that of the cheapest adequate candidate up to which errors are looked at: first times are rough.
 const NEAR: f64 = 1.3;
 /// Bounds of a timed run: while nothing is adequate, and over the cheapest adequate one.
-const LONGEST: Duration = Duration::from_secs(60);
-/// See [`LONGEST`].
-const TIMES_CHEAPEST: f64 = 20.0;
+const LONGEST: Duration = Duration::from_secs(20);
+/// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
+const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 
 /// Why a scene could not be judged, or a set not be gone through.
 #[derive(Debug, thiserror::Error)]
@@ -217,7 +218,7 @@ fn judge_into(
         .map(|c| c.predicted_cost_s)
         .filter(|c| c.is_finite());
     let mut ready = Ready::new(&situation, &chosen.scene, &chosen.modelling, cancel)?;
-    let seen = ready.observe(&chosen.method, &times)?;
+    let seen = ready.observe(&chosen.method, &times, LONGEST)?;
     row.error = seen.error(metric, &truth.run);
     let adequate = row.error.is_some_and(|e| e <= drawn.tolerance);
     row.outcome = if adequate {
@@ -297,29 +298,29 @@ fn try_one(
             return Ok(tried);
         }
     };
-    let limit = least.map_or(LONGEST, |c| {
-        Duration::from_secs_f64(0.05 + TIMES_CHEAPEST * c).min(LONGEST)
-    });
-    let begin = Instant::now();
-    let cost = match ready.time(&candidate.method, limit)? {
-        Some(cost) => cost,
-        // Cut short, or failed: the observed run says which.
-        None if begin.elapsed() >= limit => {
-            tried.cost_s = least.map(|c| TIMES_CHEAPEST * c);
-            tried.status = DEAR.into();
-            return Ok(tried);
+    // What is adequate has a cost to compare; before anything is, errors come first.
+    if let Some(least) = least {
+        let (factor, slack) = TIMES_CHEAPEST;
+        let limit = Duration::from_secs_f64(slack + factor * least).min(LONGEST);
+        let begin = Instant::now();
+        match ready.time(&candidate.method, limit)? {
+            Some(cost) => {
+                tried.cost_s = Some(cost);
+                if cost > NEAR * least {
+                    tried.status = DEAR.into();
+                    return Ok(tried);
+                }
+            }
+            None if begin.elapsed() >= limit => {
+                tried.cost_s = Some(factor * least);
+                tried.status = DEAR.into();
+                return Ok(tried);
+            }
+            // It failed: the observed run says how.
+            None => {}
         }
-        None => f64::INFINITY,
-    };
-    tried.cost_s = Some(cost).filter(|c| c.is_finite());
-    if let Some(least) = least
-        && cost.is_finite()
-        && cost > NEAR * least
-    {
-        tried.status = DEAR.into();
-        return Ok(tried);
     }
-    let seen = match ready.observe(&candidate.method, times) {
+    let seen = match ready.observe(&candidate.method, times, LONGEST) {
         Ok(seen) => seen,
         Err(JudgeError::Run(RunError::NoLinearPart(e) | RunError::Method(e))) => {
             tried.status = e;
@@ -332,14 +333,17 @@ fn try_one(
         tried.status = seen.status.to_string();
         return Ok(tried);
     };
-    if e > tolerance || !cost.is_finite() {
+    if e > tolerance {
         tried.status = INADEQUATE.into();
         return Ok(tried);
     }
+    // Also a second look at what may be the cheapest.
+    let Some(cost) = ready.time(&candidate.method, LONGEST)? else {
+        tried.status = Status::Timeout.to_string();
+        return Ok(tried);
+    };
+    let cost = tried.cost_s.map_or(cost, |c| c.min(cost));
     tried.status = ADEQUATE.into();
-    // A second look at what may be the cheapest.
-    let again = ready.time(&candidate.method, LONGEST)?.unwrap_or(cost);
-    let cost = cost.min(again);
     tried.cost_s = Some(cost);
     if least.is_none_or(|c| cost < c) {
         *best = Some(Best {
@@ -354,8 +358,9 @@ fn try_one(
 /// Order in which candidates are tried, so that cheap ones come first and dear ones need not be run: steps, by what one
 /// costs with so many coordinates. Only an order; nothing is judged by it.
 fn effort(c: &Candidate) -> f64 {
-    // A step of rigid gears, of movable teeth, of elastic gears, and of each of their modes.
-    let (rigid, teeth, elastic, mode) = (1.0, 5.0, 30.0, 0.5);
+    // A step of rigid gears, of movable teeth (which swing faster than steps say), of elastic gears, of each of their
+    // modes.
+    let (rigid, teeth, elastic, mode) = (1.0, 100.0, 30.0, 0.5);
     let step = match &c.rung {
         Rung::Rigid(_) => rigid,
         Rung::MovableTeeth(_) => teeth,

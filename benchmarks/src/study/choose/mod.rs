@@ -20,10 +20,10 @@
 //! | [`domain`] | what the choice has been checked on |
 //! | [`reason`] | the reason in plain words |
 //! | [`choice`] | the answer |
-//! | [`record`] | the answer as a record |
-//! | [`chosen`] | the scene file with the choice written in |
 //! | [`draw`] | scenes drawn at random, on which choices are judged |
 //! | [`judge`] | choices held against all candidates, tried one by one |
+//! | [`record`] | the answer as a record |
+//! | [`chosen`] | the scene file with the choice written in |
 
 pub mod candidate;
 pub mod choice;

@@ -1,1 +1,355 @@
-//! The study of accuracy against cost.
+//! The study of accuracy against cost: every model under every integrator at a ladder of steps or tolerances, elastic
+//! models with a ladder of mode counts as well.
+//!
+//! Two errors, never mixed. Against the model's own converged solution (`self`, one per number of modes) a run shows
+//! what its integrator loses; against a reference (stored finite elements, a full model of the scene on a fine step,
+//! or, where there is neither, the elastic model with the most modes) it shows what the model and its resolution lose
+//! together, and its distance to the reference is what a user of the model gets. References are computed once, before
+//! all runs. Every failure is a row. Runs are timed without observers, short ones often enough for a median.
+
+mod ladder;
+mod metric;
+mod plan;
+#[cfg(test)]
+mod tests;
+
+pub use metric::{METRICS, metric_keys};
+pub use plan::{Asked, COUNTS, Full, Plan, Variant};
+
+use super::compare::{
+    LEFT_OUT, SMALL, converged, exact_for_modes, thin, tight, variant as variant_name,
+};
+use super::machine;
+use super::run::{Job, Method, RunError, run, run_timed};
+use gearbench_integrators::Resolution;
+use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Status};
+use gearbench_reports::series::TimeSeries;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// Tolerances tried for the converged solution of gears with modes and the time each may take. A hundredth of the
+/// finest tolerance of a ladder, where that is affordable.
+const EXACT_MODES: [(f64, Duration); 3] = [
+    (1e-6, Duration::from_secs(8)),
+    (1e-4, Duration::from_secs(20)),
+    (1e-3, Duration::from_secs(20)),
+];
+/// Step of the converged solution of a full model that is no reference over the finest of its ladder.
+const FINER: f64 = 0.5;
+/// So many times longer than others a reference may take.
+const PATIENCE: u32 = 10;
+
+/// The setting that says which rungs were left out.
+const TOO_FINE: &str = "left out: finer than a run that took too long";
+
+/// Runs the study. `progress` is told the runs done and the name of the next.
+///
+/// # Errors
+/// [`RunError`] when a model cannot be built, a reference does not reach the end, or the user interrupts.
+pub fn study(
+    plan: &Plan<'_>,
+    cancel: Option<&AtomicBool>,
+    mut progress: impl FnMut(usize, &str),
+) -> Result<Results, RunError> {
+    let study = Study {
+        plan,
+        grid: plan.grid(),
+        cancel,
+    };
+    let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
+    for full in &plan.fulls {
+        progress(computed.len(), &format!("reference {}", full.id));
+        computed.push(study.reference(full)?);
+    }
+    let mut references: Vec<(&str, &TimeSeries)> = Vec::new();
+    references.extend(plan.external.iter().map(|e| (e.id.as_str(), &e.series)));
+    references.extend(computed.iter().map(|(r, s)| (r.id.as_str(), s)));
+
+    let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
+    let mut notes: Vec<(String, String)> = Vec::new();
+    let mut done = plan.fulls.len();
+    for variant in &plan.variants {
+        let mut own: Option<Option<TimeSeries>> = None;
+        // Integrators that cannot run this model, or whose steps have become too many.
+        let mut closed: Vec<&str> = Vec::new();
+        for method in &variant.methods {
+            done += 1;
+            if closed.contains(&method.text.as_str()) {
+                continue;
+            }
+            let label = variant.label();
+            progress(done - 1, &format!("{label}, {}", method.text));
+            let job = study.job(&variant.entry.scene, &variant.entry.modelling, method);
+            let mut row = match run_timed(&job, plan.timed) {
+                Err(RunError::NoLinearPart(id)) => {
+                    note(
+                        &mut notes,
+                        LEFT_OUT,
+                        format!("{} under {id}", variant.entry.label),
+                    );
+                    closed.push(&method.text);
+                    continue;
+                }
+                other => other?,
+            };
+            let own = match &mut own {
+                Some(own) => own,
+                none => {
+                    progress(done - 1, &format!("{label}, converged solution"));
+                    none.insert(study.own_solution(variant, &row, &references)?)
+                }
+            };
+            let steps = matches!(method.resolution, Resolution::Step(_));
+            if row.status == Status::Timeout && !finest(variant, method) {
+                let kind = if steps { "steps" } else { "tolerances" };
+                note(
+                    &mut notes,
+                    TOO_FINE,
+                    format!("{label} under {}, finer {kind}", method.text),
+                );
+                closed.push(&method.text);
+            }
+            fill(&mut row, variant);
+            measure_against(&mut row, variant, &references, own.as_ref());
+            runs.push(row);
+        }
+    }
+    progress(done, "report");
+    let computed = computed.into_iter().map(|(r, _)| r);
+    Ok(Results {
+        scene: plan.name.clone(),
+        title: plan.title.clone(),
+        study: "precision".into(),
+        command: plan.command.clone(),
+        machine: machine::machine(),
+        commit: machine::COMMIT.into(),
+        created: machine::now(),
+        settings: [plan.settings.clone(), notes].concat(),
+        metrics: plan.metrics.clone(),
+        references: plan.external.iter().cloned().chain(computed).collect(),
+        runs,
+        ..Results::default()
+    })
+}
+
+/// Adds a setting, or to the one of its name.
+fn note(notes: &mut Vec<(String, String)>, what: &str, text: String) {
+    match notes.iter_mut().find(|(w, _)| w == what) {
+        Some((_, told)) if told.contains(&text) => {}
+        Some((_, told)) => {
+            told.push_str("; ");
+            told.push_str(&text);
+        }
+        None => notes.push((what.to_owned(), text)),
+    }
+}
+
+/// Whether a method is the last of its ladder.
+fn finest(variant: &Variant, method: &Method) -> bool {
+    let last = variant.methods.iter().rfind(|m| m.text == method.text);
+    last == Some(method)
+}
+
+/// What the caller of a run knows of it. Histories and pictures of hundreds of runs are nobody's business.
+fn fill(row: &mut Run, variant: &Variant) {
+    let entry = &variant.entry;
+    row.model.clone_from(&entry.model);
+    row.variant = variant_name(entry);
+    row.calibration.clone_from(&entry.calibration);
+    row.published_s = entry.published;
+    row.fitted_to.clone_from(&variant.fitted_to);
+    // The modes that were kept, as the model says.
+    row.modes = row.modes.or(variant.modes);
+    row.contacts = None;
+}
+
+fn measure_against(
+    row: &mut Run,
+    variant: &Variant,
+    references: &[(&str, &TimeSeries)],
+    own: Option<&TimeSeries>,
+) {
+    let Some(series) = row.series.take() else {
+        return;
+    };
+    for (id, reference) in references {
+        if variant.against.iter().any(|a| a == id) {
+            row.metrics
+                .push(measure(&series, &row.ledger, reference, id));
+        }
+    }
+    if let Some(own) = own {
+        row.metrics.push(measure(&series, &row.ledger, own, "self"));
+    }
+}
+
+impl Plan<'_> {
+    /// Even times, and those of the stored reference.
+    fn grid(&self) -> Vec<f64> {
+        let n = self.samples.max(2) - 1;
+        let even = (0..=n).map(|i| self.duration * i as f64 / n as f64);
+        let external = (self.external.iter())
+            .flat_map(|r| r.series.time_s.iter().copied())
+            .filter(|t| *t <= self.duration);
+        let mut grid: Vec<f64> = even.chain(external).collect();
+        grid.sort_by(f64::total_cmp);
+        grid.dedup();
+        grid
+    }
+}
+
+/// What all runs share.
+struct Study<'a> {
+    plan: &'a Plan<'a>,
+    grid: Vec<f64>,
+    cancel: Option<&'a AtomicBool>,
+}
+
+impl Study<'_> {
+    fn job<'j>(
+        &'j self,
+        scene: &'j SceneSpec,
+        modelling: &'j Modelling,
+        method: &'j Method,
+    ) -> Job<'j> {
+        Job {
+            scene,
+            modelling,
+            models: self.plan.models,
+            method,
+            t_end: self.plan.duration,
+            grid: &self.grid,
+            also_steps: true,
+            forces: false,
+            events: self.plan.events,
+            repeats: self.plan.repeats,
+            timeout: self.plan.timeout,
+            max_steps: self.plan.max_steps,
+            cancel: self.cancel,
+        }
+    }
+
+    /// A reference as the record keeps it, and its whole history.
+    fn reference(&self, full: &Full) -> Result<(ReferenceSeries, TimeSeries), RunError> {
+        let entry = &full.entry;
+        let (series, method, dofs) = match &full.method {
+            Some(method) => {
+                let row = run(&Job {
+                    repeats: 0,
+                    timeout: PATIENCE * self.plan.timeout,
+                    max_steps: u64::MAX,
+                    events: true,
+                    ..self.job(&entry.scene, &entry.modelling, method)
+                })?;
+                if row.status.is_failure() {
+                    return Err(RunError::Reference(format!(
+                        "{} under {} did not reach the end: {}",
+                        full.id,
+                        method.text,
+                        row.message.as_deref().unwrap_or("no reason given")
+                    )));
+                }
+                (row.series, method.clone(), row.dofs)
+            }
+            None => {
+                let (method, series) = self.exact(&entry.scene, &entry.modelling)?.unzip();
+                (
+                    series,
+                    method.unwrap_or_else(|| exact_for_modes(EXACT_MODES[0].0)),
+                    0,
+                )
+            }
+        };
+        let Some(series) = series else {
+            return Err(RunError::Reference(format!(
+                "{} has no converged solution within its time; shorten the scene, or name another reference",
+                full.id
+            )));
+        };
+        let resolution = match method.resolution {
+            Resolution::Step(h) => format!("step {h:.1e} s"),
+            Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
+        };
+        let coordinates = if dofs > 0 {
+            format!("{dofs} coordinates ")
+        } else {
+            String::new()
+        };
+        let record = ReferenceSeries {
+            id: full.id.clone(),
+            title: full.title.clone(),
+            source: format!(
+                "computed for this record: {coordinates}under {}, {resolution}",
+                method.text
+            ),
+            series: thin(&series),
+            ..ReferenceSeries::default()
+        };
+        Ok((record, series))
+    }
+
+    /// The converged solution of gears with modes, by the finest tolerance that its time allows.
+    fn exact(
+        &self,
+        scene: &SceneSpec,
+        modelling: &Modelling,
+    ) -> Result<Option<(Method, TimeSeries)>, RunError> {
+        for (rtol, timeout) in EXACT_MODES {
+            let tries = [(exact_for_modes(rtol), timeout)];
+            let job = |method| Job {
+                max_steps: u64::MAX,
+                ..self.job(scene, modelling, method)
+            };
+            if let Some(series) = converged(&job, &tries)? {
+                let [(method, _)] = tries;
+                return Ok(Some((method, series)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The model's own converged solution; `row` says how large the model is.
+    fn own_solution(
+        &self,
+        variant: &Variant,
+        row: &Run,
+        references: &[(&str, &TimeSeries)],
+    ) -> Result<Option<TimeSeries>, RunError> {
+        let entry = &variant.entry;
+        // A model that is a reference has its converged solution already.
+        let reference = self.plan.fulls.iter().find(|f| {
+            f.entry.label == entry.label
+                && (f.method.is_some() || f.entry.modelling.gears == entry.modelling.gears)
+        });
+        if let Some(full) = reference {
+            let found = references.iter().find(|(id, _)| *id == full.id);
+            return Ok(found.map(|(_, series)| (*series).clone()));
+        }
+        if row.modes.is_some() {
+            let found = self.exact(&entry.scene, &entry.modelling)?;
+            return Ok(found.map(|(_, series)| series));
+        }
+        let job = |method| Job {
+            max_steps: u64::MAX,
+            ..self.job(&entry.scene, &entry.modelling, method)
+        };
+        if row.dofs <= SMALL {
+            return converged(&job, &tight());
+        }
+        // A full model: its own integrator on half the finest step.
+        let steps = variant.methods.iter().filter_map(|m| match m.resolution {
+            Resolution::Step(h) => Some((h, m)),
+            Resolution::Tolerance(_) => None,
+        });
+        let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return Ok(None);
+        };
+        let finer = Method {
+            text: method.text.clone(),
+            resolution: Resolution::Step(FINER * h),
+        };
+        converged(&job, &[(finer, PATIENCE * self.plan.timeout)])
+    }
+}

@@ -9,9 +9,11 @@ use crate::Vec3;
 use crate::contact::candidate::{Locus, Point, Tooth};
 use crate::contact::flank_points::Flanks;
 use crate::contact::row::Row;
+use crate::gear::flight::Flight;
 use crate::gear::placement::Placement;
 use crate::gear::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
 use crate::mount::{Hub, Mount, Wrench};
+use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use std::sync::Arc;
 
@@ -32,9 +34,11 @@ pub struct Elastic {
     /// Largest shape of each mode at a flank node [1/sqrt(kg)].
     largest: Vec<f64>,
     /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
-    softest: f64,
+    pub(super) softest: f64,
     /// Largest residual displacement of a flank node by unit load on the hub.
-    hub_reach: f64,
+    pub(super) hub_reach: f64,
+    /// Share of the energy of an impact below which modes are put to rest in flight.
+    pub(super) sleep: f64,
     pub(super) spin: Spin,
     pub(super) lagging: Lagging,
 }
@@ -107,6 +111,7 @@ impl Elastic {
             largest,
             softest,
             hub_reach,
+            sleep: 0.0,
             spin: Spin::default(),
             lagging: Lagging::default(),
         })
@@ -506,6 +511,33 @@ impl GearModel for Elastic {
             omega: &self.omega,
             zeta: &self.zeta,
         })
+    }
+
+    fn flight(&self, at: At<'_>, load: f64) -> Option<Flight> {
+        self.flight_of(at, load)
+    }
+
+    fn coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        self.add_coast(at, load, first, coast);
+    }
+
+    fn sleep(&self) -> f64 {
+        self.sleep
+    }
+
+    fn put_to_rest(
+        &self,
+        t: f64,
+        load: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        _memory: &mut [f64],
+    ) -> bool {
+        self.rest_modes(t, load, q, v)
+    }
+
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+        self.work_of(from, to, load)
     }
 
     fn uses_engagement(&self) -> bool {

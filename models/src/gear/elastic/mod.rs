@@ -19,6 +19,7 @@
 //! steel tooth. Gears that turn fast have the centrifugal and Coriolis terms of [`inertia`] as well.
 
 mod field;
+mod flight;
 mod gear;
 pub mod inertia;
 mod kernels;

@@ -18,7 +18,9 @@
 //! not act on the body. So the state is `[phi, R, window teeth...]`: exact, at a cost that does not grow with
 //! the number of teeth. When the gear turns by a tooth the window moves by one: the tooth that leaves joins
 //! the mean, the tooth that enters takes its place, momentum and energy are kept (`deviations`). With
-//! unequal teeth all are integrated.
+//! unequal teeth all are integrated. **Bound**: rounding. Integrated or not, a tooth obeys the same equation, so that the
+//! motion is the same but for the error of the method, which has fewer teeth to make it on; in flight (`flight`) no
+//! tooth is integrated.
 //!
 //! A rack is the same with travel for angles and `r_d = 1`.
 //!
@@ -27,12 +29,14 @@
 //! parametric.
 
 mod deviations;
+mod flight;
 mod parameters;
 mod reaction;
 mod springs;
 
 pub use parameters::{PARAMETERS, build};
 
+use super::flight::Flight;
 use super::{Coordinates, GearModel, HubState, Magnitudes, MeshView};
 use crate::Vec3;
 use crate::contact::candidate::{Point, Tooth};
@@ -40,6 +44,7 @@ use crate::contact::row::Row;
 use crate::geometry::Side;
 use crate::mount::{Hub, Wrench};
 use deviations::{Deviations, Exchange};
+use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
 use springs::{RadiusStiffness, ToothSprings};
 
@@ -85,6 +90,8 @@ pub struct MovableTeeth {
     /// Converts a deflection on the line of action to an angle.
     lever: f64,
     all_wanted: bool,
+    /// Share of the energy of an impact below which teeth are put to rest in flight.
+    sleep: f64,
     integrated: Integrated,
     views: Vec<MeshView>,
     /// Number of teeth in windows.
@@ -629,6 +636,33 @@ impl GearModel for MovableTeeth {
             speed,
             momentum: self.body * speed + teeth,
         }
+    }
+
+    fn flight(&self, at: At<'_>, load: f64) -> Option<Flight> {
+        self.flight_of(at, load)
+    }
+
+    fn coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        self.add_coast(at, load, first, coast);
+    }
+
+    fn sleep(&self) -> f64 {
+        self.sleep
+    }
+
+    fn put_to_rest(
+        &self,
+        t: f64,
+        load: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        memory: &mut [f64],
+    ) -> bool {
+        self.rest_teeth(t, load, q, v, memory)
+    }
+
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+        self.work_of(from, to, load)
     }
 
     fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {

@@ -45,6 +45,11 @@ pub static PARAMETERS: &[ParameterInfo] = &[
         meaning: "\"active\" (default): teeth near a mesh one by one, the rest in closed form; \"all\"",
         required: false,
     },
+    ParameterInfo {
+        key: "sleep",
+        meaning: "teeth are put to rest in flight below this share of the energy of the next impact; default 0: never",
+        required: false,
+    },
 ];
 
 fn positive(key: &str, x: &[f64], zero_allowed: bool) -> Result<(), BuildError> {
@@ -190,6 +195,18 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         }
     };
 
+    let sleep = match context.parameters.get("sleep") {
+        None => 0.0,
+        Some(Value::Number(x)) if (0.0..1.0).contains(x) => *x,
+        Some(_) => {
+            return Err(BuildError::parameter(
+                MODEL,
+                "sleep",
+                "expected a number of at least 0 and less than 1, for example 1e-12",
+            ));
+        }
+    };
+
     let uniform = stiffness.len() == 1 && mass.len() == 1 && damping.len() == 1;
     let springs = if uniform {
         ToothSprings {
@@ -234,6 +251,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         springs,
         lever: context.lever,
         all_wanted,
+        sleep,
         integrated: Integrated::All,
         views: Vec::new(),
         slots: 0,

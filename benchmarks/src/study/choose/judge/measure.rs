@@ -5,16 +5,17 @@ use super::super::wish::Metric;
 use super::JudgeError;
 use crate::study::machine::cpu_time;
 use crate::study::run::{Job, Method, RunError, run_in};
-use gearbench_integrators::{NullSink, TimePlan, Work};
+use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::{Ledger, Status};
 use gearbench_reports::series::TimeSeries;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Bound of one integration that is observed: far beyond all that are of use.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// Bound of one integration of a reference.
+pub const PATIENCE: Duration = Duration::from_secs(600);
 /// Time on a processor from which the ticks of its clock do not matter [s].
 const TICKS: f64 = 0.05;
 /// Time that a batch of repeats takes at least [s].
@@ -22,13 +23,34 @@ const BATCH: f64 = 2e-3;
 
 /// Times at which histories are compared: so many per contact time, within bounds.
 pub fn grid(duration: f64, contact_time: f64) -> Vec<f64> {
-    const SAMPLES: f64 = 100.0;
-    const BOUNDS: [f64; 2] = [400.0, 12_000.0];
+    const SAMPLES: f64 = 64.0;
+    const BOUNDS: [f64; 2] = [400.0, 8000.0];
     let n = (SAMPLES * duration / contact_time).clamp(BOUNDS[0], BOUNDS[1]);
     let n = n.ceil() as u32;
     (0..=n)
         .map(|i| duration * f64::from(i) / f64::from(n))
         .collect()
+}
+
+/// Ends a run whose numbers have no meaning any more [rad/s, m/s]: an unstable one would go on for ever, as teeth that
+/// spin that fast pass by the thousand in every step. Costs nothing beside a step.
+const MEANINGLESS: f64 = 1e6;
+
+/// Watches a timed run for that alone.
+#[derive(Default)]
+struct Guard {
+    lost: bool,
+}
+
+impl Sink for Guard {
+    fn accepted(&mut self, _: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let sound = |v: &f64| v.abs() < MEANINGLESS;
+        if step.to.v.iter().all(sound) {
+            return Control::Continue;
+        }
+        self.lost = true;
+        Control::Stop
+    }
 }
 
 /// What a run gave.
@@ -93,7 +115,12 @@ impl<'a> Ready<'a> {
     ///
     /// # Errors
     /// A method that the model does not take, or an interruption; a run that fails is a result.
-    pub fn observe(&mut self, method: &Method, grid: &[f64]) -> Result<Observed, JudgeError> {
+    pub fn observe(
+        &mut self,
+        method: &Method,
+        grid: &[f64],
+        timeout: Duration,
+    ) -> Result<Observed, JudgeError> {
         let job = Job {
             scene: self.spec,
             modelling: self.modelling,
@@ -106,7 +133,7 @@ impl<'a> Ready<'a> {
             forces: false,
             events: true,
             repeats: 0,
-            timeout: PATIENCE,
+            timeout,
             max_steps: u64::MAX,
             cancel: self.cancel,
         };
@@ -130,6 +157,9 @@ impl<'a> Ready<'a> {
         let mut shortest = f64::INFINITY;
         let begin = Instant::now();
         loop {
+            if let Some(true) = self.cancel.map(|c| c.load(Ordering::Relaxed)) {
+                return Err(RunError::Interrupted.into());
+            }
             let mut state = self.scene.initial();
             let plan = TimePlan {
                 deadline: Some(Instant::now() + limit),
@@ -138,10 +168,10 @@ impl<'a> Ready<'a> {
             };
             let (one, start) = (Instant::now(), cpu_time());
             let mut work = Work::default();
-            let ended =
-                integrator.run(&mut self.scene, &mut state, &plan, &mut NullSink, &mut work);
+            let mut guard = Guard::default();
+            let ended = integrator.run(&mut self.scene, &mut state, &plan, &mut guard, &mut work);
             let wall = one.elapsed().as_secs_f64();
-            if ended.is_err() {
+            if ended.is_err() || guard.lost {
                 return Ok(None);
             }
             let on_processor = match (start, cpu_time()) {

@@ -4,7 +4,7 @@ use super::super::candidate::{DENSEST, densest, elastic, full};
 use super::super::situation::Situation;
 use super::super::wish::Metric;
 use super::JudgeError;
-use super::measure::{Observed, Ready};
+use super::measure::{Observed, PATIENCE, Ready};
 use crate::study::run::Method;
 use gearbench_integrators::Resolution;
 use gearbench_models::scene::spec::Modelling;
@@ -12,6 +12,7 @@ use std::sync::atomic::AtomicBool;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.
 const FEWER: usize = 200;
+const _: () = assert!(FEWER < DENSEST);
 /// Steps of full finite elements per contact time, and their method.
 const FULL: (&str, f64) = ("newmark", 500.0);
 
@@ -21,7 +22,7 @@ pub struct Reference {
     pub name: &'static str,
     /// Its run.
     pub run: Observed,
-    /// The larger of what a halved step and fewer modes change; for the densest elastic model.
+    /// The larger of what twice the step and fewer modes change; for the densest elastic model.
     pub own_error: Option<f64>,
     /// Error of the densest elastic model, where that is not the reference.
     pub densest_error: Option<f64>,
@@ -46,7 +47,7 @@ pub fn reference(
     let dense = densest(situation)?;
     let run = |modelling: &Modelling, method: &Method| -> Result<Observed, JudgeError> {
         let mut ready = Ready::new(situation, &dense.scene, modelling, cancel)?;
-        let seen = ready.observe(method, grid)?;
+        let seen = ready.observe(method, grid, PATIENCE)?;
         if seen.status.is_failure() {
             return Err(JudgeError::Reference {
                 method: method.text.clone(),
@@ -55,14 +56,7 @@ pub fn reference(
         }
         Ok(seen)
     };
-    let half = Method {
-        text: dense.method.text.clone(),
-        resolution: match dense.method.resolution {
-            Resolution::Step(h) => Resolution::Step(0.5 * h),
-            Resolution::Tolerance(r) => Resolution::Tolerance(0.1 * r),
-        },
-    };
-    let fine = run(&dense.modelling, &half)?;
+    let fine = run(&dense.modelling, &dense.method)?;
     if full_order {
         let (method, steps) = FULL;
         let method = Method {
@@ -77,12 +71,18 @@ pub fn reference(
             run,
         });
     }
-    let coarse = run(&dense.modelling, &dense.method)?;
     let step = match dense.method.resolution {
         Resolution::Step(h) => Some(h),
         Resolution::Tolerance(_) => None,
     };
-    debug_assert!(FEWER < DENSEST);
+    let doubled = Method {
+        text: dense.method.text.clone(),
+        resolution: match dense.method.resolution {
+            Resolution::Step(h) => Resolution::Step(2.0 * h),
+            Resolution::Tolerance(r) => Resolution::Tolerance(10.0 * r),
+        },
+    };
+    let coarse = run(&dense.modelling, &doubled)?;
     let fewer = run(&elastic(situation, FEWER, step), &dense.method)?;
     let own = [coarse, fewer]
         .iter()

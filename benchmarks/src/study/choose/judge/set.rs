@@ -31,6 +31,7 @@ pub struct Plan {
 struct Header {
     set: String,
     seed: u64,
+    full_order: usize,
     commit: String,
 }
 
@@ -39,6 +40,7 @@ impl Header {
         Header {
             set: set.name.clone(),
             seed: set.seed,
+            full_order: set.full_order,
             commit: COMMIT.into(),
         }
     }
@@ -141,19 +143,14 @@ pub fn check(
         for _ in 0..plan.threads.clamp(1, open.len().max(1)) {
             scope.spawn(|| {
                 while let Some(number) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let mut failed_now = None;
-                    if failed
-                        .lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .is_some()
-                    {
+                    let mut stop = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                    if stop.is_some() {
                         return;
                     }
+                    drop(stop);
                     if let Err(e) = one(*number) {
-                        failed_now = Some(e);
-                    }
-                    if let Some(e) = failed_now {
-                        *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(e);
+                        stop = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                        *stop = Some(e);
                         return;
                     }
                 }
@@ -180,6 +177,7 @@ mod tests {
         let header = Header {
             set: "tuning".into(),
             seed: 7,
+            full_order: 0,
             commit: "abc".into(),
         };
         let row = |number| JudgedChoice {

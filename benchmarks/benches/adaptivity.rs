@@ -1,0 +1,227 @@
+//! What adaptivity inside a run saves and what it changes: `cargo bench -p gearbench --bench adaptivity [-- --store FILE]`.
+//!
+//! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
+//! one step of the closed form (`coast`), then with teeth and modes put to rest in flight (`sleep`): steps, force
+//! evaluations, wall time side by side by turns, and how far the impulse of the contact force and the last speeds are
+//! from those without the switch.
+
+use gearbench::scene_file::{self, SceneFile};
+use gearbench_integrators::observers::Tee;
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::system::{Outputs, SecondOrderSystem};
+use gearbench_integrators::{
+    AcceptedStep, Control, NullSink, Resolution, Sink, State, TimePlan, Work,
+};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec;
+use serde_json::{Value, json};
+use std::time::Instant;
+
+const REPEATS: usize = 7;
+
+/// Impulse of the contact force by the trapezoid rule over accepted steps.
+#[derive(Default)]
+struct Impulse {
+    force: usize,
+    last: f64,
+    sum: f64,
+    out: Outputs,
+}
+
+impl Sink for Impulse {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        sys.output(step.to.at(), &mut self.out);
+        let force = self.out.channels[self.force];
+        self.sum += 0.5 * (step.to.t - step.from.t) * (self.last + force);
+        self.last = force;
+        Control::Continue
+    }
+}
+
+/// A scene with a method, and whether its gears may sleep.
+struct Candidate {
+    scene: Scene,
+    method: String,
+    times: Vec<f64>,
+}
+
+/// What a run is judged by.
+struct Found {
+    work: Work,
+    impulse: f64,
+    speed: f64,
+    residual: f64,
+}
+
+fn run(scene: &mut Scene, text: &str, plan: &TimePlan<'_>, sink: &mut dyn Sink) -> (State, Work) {
+    let (_, mut method) = gearbench_integrators::method(text).unwrap_or_else(|e| panic!("{e}"));
+    let (mut state, mut work) = (scene.initial(), Work::default());
+    let done = method.run(scene, &mut state, plan, sink, &mut work);
+    done.unwrap_or_else(|e| panic!("{text}: {e}"));
+    (state, work)
+}
+
+fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
+    let scene = &mut candidate.scene;
+    let mut ledger = Ledger::default();
+    let mut impulse = Impulse {
+        force: scene.channel("force:0").unwrap_or(0),
+        ..Impulse::default()
+    };
+    let mut sinks = Tee(vec![&mut ledger, &mut impulse]);
+    let (state, work) = run(scene, &candidate.method, plan, &mut sinks);
+    ledger.close(scene, &state);
+    let pinion = &scene.gears()[0];
+    let momentum = pinion.model.hub_state(pinion.at(state.at())).momentum;
+    Found {
+        work,
+        impulse: impulse.sum,
+        speed: momentum / pinion.model.hub().inertia,
+        residual: ledger.residual_relative(),
+    }
+}
+
+fn built(file: &SceneFile, label: &str, sleep: f64) -> Scene {
+    let choice = file
+        .model(label)
+        .unwrap_or_else(|| panic!("no model {label}"));
+    let mut modelling = choice.modelling.clone();
+    for gear in &mut modelling.gears {
+        if sleep > 0.0 {
+            let value = spec::Value::Number(sleep);
+            gear.parameters.insert("sleep".into(), value);
+        }
+    }
+    let scene = Scene::build(
+        &file.spec_for(choice),
+        &modelling,
+        gearbench::models::models(),
+    );
+    scene.unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[allow(clippy::print_stdout)]
+fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
+    let found = [0, 1].map(|k| judged(&mut pair[k], plan));
+    // By turns, so that both see the same machine.
+    for _ in 0..REPEATS {
+        for candidate in &mut pair {
+            let begin = Instant::now();
+            run(&mut candidate.scene, &candidate.method, plan, &mut NullSink);
+            candidate.times.push(begin.elapsed().as_secs_f64());
+        }
+    }
+    let [off, on] = pair.map(|mut c| {
+        c.times.sort_by(f64::total_cmp);
+        c.times[REPEATS / 2]
+    });
+    let relative = |of: &dyn Fn(&Found) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
+    let (impulse, speed) = (relative(&|f| f.impulse), relative(&|f| f.speed));
+    let [a, b] = &found;
+    println!(
+        "{what:<58} {:>8} {:>7} {:>9} {:>7} {:>9.2} {:>8.2} {:>7.2} {:>9.1e} {:>9.1e} {:>9.1e}",
+        a.work.steps,
+        b.work.steps,
+        a.work.force_evaluations,
+        b.work.force_evaluations,
+        1e3 * off,
+        1e3 * on,
+        off / on,
+        impulse,
+        speed,
+        b.residual
+    );
+    json!({
+        "what": what,
+        "steps": [a.work.steps, b.work.steps],
+        "force_evaluations": [a.work.force_evaluations, b.work.force_evaluations],
+        "wall_s": [off, on],
+        "ratio": off / on,
+        "impulse_differs_rel": impulse,
+        "speed_differs_rel": speed,
+        "energy_residual_rel": [a.residual, b.residual],
+    })
+}
+
+#[allow(clippy::print_stdout)]
+fn main() {
+    let mut words = std::env::args().skip(1);
+    let mut store = None;
+    while let Some(word) = words.next() {
+        if word == "--store" {
+            store = words.next();
+        }
+    }
+    let file = scene_file::load("hammer").unwrap_or_else(|e| panic!("{e:?}"));
+    println!(
+        "{:<58} {:>16} {:>17} {:>18} {:>7} {:>9} {:>9} {:>9}",
+        "hammer: off and on",
+        "steps",
+        "evaluations",
+        "wall [ms]",
+        "ratio",
+        "impulse",
+        "speed",
+        "energy"
+    );
+    let mut rows = Vec::new();
+    let candidate = |label: &str, method: &str, sleep: f64| Candidate {
+        scene: built(&file, label, sleep),
+        method: method.to_owned(),
+        times: Vec::new(),
+    };
+    let (step, rtol) = (Resolution::Step, Resolution::Tolerance);
+    let cases = [
+        ("rigid", "velocity-verlet", step(1e-6)),
+        ("rigid", "rk4", step(2e-6)),
+        ("rigid", "hht-alpha", step(1e-6)),
+        ("rigid", "dopri5", rtol(1e-6)),
+        ("rigid", "bdf", rtol(1e-6)),
+        ("movable-teeth", "velocity-verlet", step(1e-6)),
+        ("movable-teeth", "hht-alpha", step(1e-6)),
+        ("movable-teeth", "dopri5", rtol(1e-6)),
+        ("movable-teeth", "bdf", rtol(1e-6)),
+        ("elastic", "velocity-verlet", step(1e-7)),
+        ("elastic", "rk4", step(2e-7)),
+    ];
+    for (label, method, resolution) in cases {
+        // Elastic gears cost more: a part of the duration, of several impacts.
+        let part = if label == "elastic" { 0.08 } else { 1.0 };
+        let plan = TimePlan::new(part * file.duration, resolution);
+        let pair = [
+            candidate(label, method, 0.0),
+            candidate(label, &format!("{method}(coast=1)"), 0.0),
+        ];
+        let what = format!("coast, {label}, {method}, {resolution:?}");
+        rows.push(compare(&what, &plan, pair));
+    }
+    for (label, method, resolution, sleep) in [
+        (
+            "movable-teeth",
+            "velocity-verlet(coast=1)",
+            step(1e-6),
+            1e-6,
+        ),
+        ("movable-teeth", "dopri5(coast=1)", rtol(1e-6), 1e-6),
+        ("elastic", "trigonometric", step(1e-6), 1e-4),
+    ] {
+        let plan = TimePlan::new(file.duration, resolution);
+        let pair = [
+            candidate(label, method, 0.0),
+            candidate(label, method, sleep),
+        ];
+        let what = format!("sleep {sleep:.0e}, {label}, {method}");
+        rows.push(compare(&what, &plan, pair));
+    }
+    if let Some(file) = store {
+        let figures = json!({
+            "command": "cargo bench -p gearbench --bench adaptivity -- --store FILE",
+            "machine": gearbench::study::machine::machine(),
+            "date": gearbench::study::machine::now(),
+            "commit": gearbench::study::machine::COMMIT,
+            "rows": rows,
+        });
+        let text = format!("{figures:#}\n");
+        std::fs::write(&file, text).unwrap_or_else(|e| panic!("{file}: {e}"));
+    }
+}

@@ -1,0 +1,146 @@
+//! Theory as lines over the step.
+
+use super::frozen::Frozen;
+use super::{LimitError, LineKind, StepLine};
+use gearbench_integrators::linear_stability::{Kicks, Stability};
+use gearbench_integrators::stability;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use nalgebra::DMatrix;
+use std::f64::consts::PI;
+
+/// Multiples of pi that are marked.
+const RESONANCES: u32 = 3;
+
+/// Lines over the fixed step of a method, named as in a scene: the largest stable step, the resonances of the
+/// trigonometric method, the limit that the penalty alone would set. None for methods that choose their steps; no
+/// [`LineKind::Stability`] for those that are stable at every step.
+///
+/// [`Frozen::lines`] serves several methods of one scene without running it again.
+///
+/// # Errors
+/// [`LimitError`]
+pub fn theory(
+    scene: &SceneSpec,
+    modelling: &Modelling,
+    models: &[Model],
+    method: &str,
+) -> Result<Vec<StepLine>, LimitError> {
+    let (_, stability) = stability(method).map_err(LimitError::Method)?;
+    if matches!(stability, Stability::Controlled | Stability::Unconditional) {
+        return Ok(Vec::new());
+    }
+    Frozen::new(scene, modelling, models)?.lines(method)
+}
+
+impl Frozen {
+    /// As [`theory`].
+    ///
+    /// # Errors
+    /// [`LimitError`]
+    pub fn lines(&mut self, method: &str) -> Result<Vec<StepLine>, LimitError> {
+        let (row, stability) = stability(method).map_err(LimitError::Method)?;
+        let mut lines = Vec::new();
+        if let Some(step_s) = self.largest_step(&stability)? {
+            lines.push(StepLine {
+                label: format!("stability limit of {}", row.info.name),
+                step_s,
+                kind: LineKind::Stability,
+            });
+        }
+        if let Stability::Kicks(_) = &stability
+            && let Some(omega) = self.oscillators()
+        {
+            let highest = omega.into_iter().fold(0.0, f64::max);
+            for k in (1..=RESONANCES).filter(|_| highest > 0.0) {
+                lines.push(StepLine {
+                    label: match k {
+                        1 => "fastest mode: omega h = pi".into(),
+                        k => format!("fastest mode: omega h = {k} pi"),
+                    },
+                    step_s: f64::from(k) * PI / highest,
+                    kind: LineKind::Resonance,
+                });
+            }
+        }
+        let penalty = self
+            .penalty_frequency()
+            .and_then(|w| stability.largest_step(w, 0.0));
+        if let Some(step_s) = penalty {
+            lines.push(StepLine {
+                label: "limit of the penalty alone, sqrt(k/m)".into(),
+                step_s,
+                kind: LineKind::Penalty,
+            });
+        }
+        Ok(lines)
+    }
+
+    /// The largest stable step [s]; `None` where every step is, or where none is marked: for the trigonometric method
+    /// no limit below the first resonance.
+    ///
+    /// # Errors
+    /// [`LimitError`]
+    pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
+        match stability {
+            Stability::Kicks(kicks) => self.largest_kick(*kicks),
+            Stability::Controlled | Stability::Unconditional => Ok(None),
+            other => self.linear()?.largest_step(other),
+        }
+    }
+
+    /// The largest step between kicks, up to the first resonance: where `2 + 2 cos - h^2 S F K_c F S` loses
+    /// definiteness.
+    fn largest_kick(&mut self, kicks: Kicks) -> Result<Option<f64>, LimitError> {
+        let Some(omega) = self.oscillators() else {
+            return Ok(None);
+        };
+        // Without what steps leave out.
+        let rest = self.rest(&omega, kicks, f64::MIN_POSITIVE)?;
+        let stiffest = rest.symmetric_eigenvalues().max();
+        if stiffest <= 0.0 {
+            return Ok(None);
+        }
+        let highest = omega.iter().copied().fold(0.0, f64::max);
+        let mut stable = |h: f64| -> Result<bool, LimitError> {
+            let Some(weights) = omega
+                .iter()
+                .map(|w| kicks.weights(*w, h))
+                .collect::<Option<Vec<_>>>()
+            else {
+                return Ok(false);
+            };
+            let rest = self.rest(&omega, kicks, h)?;
+            let n = omega.len();
+            let matrix = DMatrix::from_fn(n, n, |i, j| {
+                let own = if i == j { weights[i][0] } else { 0.0 };
+                own - weights[i][1] * weights[j][1] * rest[(i, j)]
+            });
+            Ok(matrix.cholesky().is_some())
+        };
+        // The kicks soften with the step, so the limit lies above that of the contact alone; look outwards from there.
+        let last = if highest > 0.0 {
+            PI / highest
+        } else {
+            f64::INFINITY
+        };
+        let mut low = 0.0;
+        let mut high = (0.05 / stiffest.sqrt()).min(0.02 * last);
+        while stable(high)? {
+            low = high;
+            high *= 1.25;
+            if high >= last || high * stiffest.sqrt() > 1e3 {
+                return Ok(None);
+            }
+        }
+        while high - low > 1e-4 * high {
+            let h = 0.5 * (low + high);
+            if stable(h)? {
+                low = h;
+            } else {
+                high = h;
+            }
+        }
+        Ok(Some(low))
+    }
+}

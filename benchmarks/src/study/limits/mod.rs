@@ -1,0 +1,62 @@
+//! The largest stable step of a method on a scene: what linear theory says, and what the method as implemented does.
+//!
+//! A scene is linear as long as its contacts neither open nor close. At such a state ([`Frozen`]) it is
+//! `M q'' + D q' + K q = 0`, for which [`linear_stability`](gearbench_integrators::linear_stability) knows the limit of
+//! every method. **The state** is the one of the largest contact force, among those with the most tooth pairs in
+//! contact, of a run from the scene's start through its first contact (until the teeth part again or the first gear has
+//! turned by a pitch); the open state beside it has the contacts left out. The limit is the smaller one. A run that
+//! leaves contact half of the time may survive a step somewhat larger; one that finds a stiffer contact later may not.
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`frozen`] | the state, the matrices there |
+//! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
+//! | [`lines`] | [`theory`]: limits, resonances and penalty frequency as lines over the step |
+
+pub mod frozen;
+pub mod linear;
+pub mod lines;
+
+#[cfg(test)]
+mod tests;
+
+pub use frozen::Frozen;
+pub use lines::theory;
+
+use gearbench_models::scene::spec::BuildError;
+
+/// What a line over the step marks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineKind {
+    /// The largest stable step.
+    Stability,
+    /// `omega h` is a multiple of pi for the fastest mode.
+    Resonance,
+    /// The largest step that is stable for the masses of the bodies on the penalty of the contact alone.
+    Penalty,
+}
+
+/// A step that theory marks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepLine {
+    /// What it is, in words.
+    pub label: String,
+    /// Where [s].
+    pub step_s: f64,
+    /// Its kind.
+    pub kind: LineKind,
+}
+
+/// Why there is no limit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LimitError {
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The integrator is not known or its parameters are wrong.
+    #[error("{0}")]
+    Method(String),
+    /// The matrices at the state are no matrices of a vibrating system.
+    #[error("the scene cannot be linearised where its contact force is largest: {0}")]
+    Matrices(&'static str),
+}

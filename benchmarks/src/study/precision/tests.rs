@@ -1,0 +1,210 @@
+//! The study on small scenes.
+
+use super::*;
+use crate::scene_file::{Selection, load_for};
+
+/// The rigid gears of the impact, a few rungs.
+fn small(asked: &Asked) -> Results {
+    let scene = load_for(
+        "spur_impact",
+        Selection::Labels(Some("rigid,rigid-iso6336")),
+    )
+    .unwrap();
+    let choices = scene.select(Some("rigid,rigid-iso6336")).unwrap();
+    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+    let plan = Plan {
+        timeout: Duration::from_secs(10),
+        ..Plan::of(&scene, &choices, Some(&reference), asked).unwrap()
+    };
+    let total = plan.len();
+    let mut last = 0;
+    let results = study(&plan, None, |done, _| {
+        assert!(done >= last && done <= total);
+        last = done;
+    })
+    .unwrap();
+    assert_eq!(last, total);
+    results
+}
+
+#[test]
+fn every_rung_is_a_row_with_both_errors() {
+    let asked = Asked {
+        integrators: Some("velocity-verlet,dopri5,rk4@1us".into()),
+        steps: vec![1e-4, 2e-6, 5e-7],
+        rtols: vec![1e-3, 1e-6],
+        ..Asked::default()
+    };
+    let results = small(&asked);
+    assert_eq!(results.runs.len(), 2 * (3 + 2 + 1));
+    assert_eq!(results.metrics, ["force_l2_aligned"]);
+    assert_eq!(results.references[0].id, "calculix");
+    assert!(results.validate().is_ok());
+    let of = |variant: Option<&str>, integrator: &str| -> Vec<&Run> {
+        let mine = |r: &&Run| r.variant.as_deref() == variant && r.integrator == integrator;
+        results.runs.iter().filter(mine).collect()
+    };
+    for variant in [None, Some("iso6336")] {
+        // The fitted model says so, the other has nothing to say.
+        let fitted = variant.is_none().then(|| "calculix".to_owned());
+        let verlet = of(variant, "velocity-verlet");
+        assert!(verlet.iter().all(|r| r.fitted_to == fitted));
+        let steps: Vec<_> = verlet.iter().map(|r| r.step.unwrap()).collect();
+        assert_eq!(steps, [1e-4, 2e-6, 5e-7]);
+        // The integration error falls with the square of the step, the model's error stays.
+        let error = |r: &Run, id: &str| r.against(id).and_then(|m| m.force_l2).unwrap();
+        let ratio = error(verlet[1], "self") / error(verlet[2], "self");
+        assert!((8.0..32.0).contains(&ratio), "{ratio}");
+        let (coarse, fine) = (error(verlet[1], "calculix"), error(verlet[2], "calculix"));
+        assert!((coarse - fine).abs() < 0.05 * fine, "{coarse} {fine}");
+        assert!(error(verlet[2], "self") < 0.01 * fine);
+        let adaptive = of(variant, "dopri5");
+        assert!(error(adaptive[1], "self") < 1e-4);
+    }
+    let own = |r: &&Run| {
+        r.against("calculix")
+            .and_then(|m| m.force_l2_aligned)
+            .unwrap()
+    };
+    let errors = [of(None, "dopri5"), of(Some("iso6336"), "dopri5")].map(|r| own(&r[1]));
+    assert!(errors[0] < 0.06 && errors[1] > errors[0], "{errors:?}");
+    // Timed more than once, and without histories.
+    assert!(
+        results
+            .runs
+            .iter()
+            .all(|r| r.series.is_none() && r.contacts.is_none())
+    );
+}
+
+#[test]
+fn short_runs_are_repeated_until_their_times_count() {
+    let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
+    let choices = scene.select(Some("rigid")).unwrap();
+    let asked = Asked {
+        integrators: Some("rk4@2us".into()),
+        ..Asked::default()
+    };
+    let plan = Plan {
+        repeats: 2,
+        timed: Duration::from_millis(5),
+        ..Plan::of(&scene, &choices, None, &asked).unwrap()
+    };
+    let results = study(&plan, None, |_, _| {}).unwrap();
+    let run = &results.runs[0];
+    assert!(run.repeats > 2, "{}", run.repeats);
+    assert!(f64::from(run.repeats) * run.wall_spread_s.unwrap()[1] >= 4e-3 || run.repeats == 300);
+}
+
+#[test]
+fn a_ladder_ends_where_a_run_takes_too_long() {
+    let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
+    let choices = scene.select(Some("rigid")).unwrap();
+    let asked = Asked {
+        integrators: Some("rk4".into()),
+        steps: vec![1e-6, 1e-8, 1e-9, 1e-10],
+        ..Asked::default()
+    };
+    let plan = Plan {
+        max_steps: 1000,
+        ..Plan::of(&scene, &choices, None, &asked).unwrap()
+    };
+    let results = study(&plan, None, |_, _| {}).unwrap();
+    let statuses: Vec<Status> = results.runs.iter().map(|r| r.status).collect();
+    assert_eq!(statuses, [Status::Converged, Status::Timeout]);
+    let said = results.settings.iter().find(|(w, _)| w == TOO_FINE);
+    assert!(
+        said.is_some_and(|(_, t)| t.contains("rigid under rk4")),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn references_go_with_their_contact() {
+    let labels = "rigid,elastic,elastic-nodes,elastic-nodes-hard,fe";
+    let scene = crate::scene_file::load_unbuilt("spur_impact").unwrap();
+    let choices = scene.select(Some(labels)).unwrap();
+    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+    let plan = Plan::of(&scene, &choices, Some(&reference), &Asked::default()).unwrap();
+    let against = |label: &str| {
+        let v = plan
+            .variants
+            .iter()
+            .find(|v| v.entry.label == label)
+            .unwrap();
+        v.against.join(" ")
+    };
+    assert_eq!(against("rigid"), "calculix fe");
+    assert_eq!(against("elastic"), "calculix fe");
+    assert_eq!(against("elastic-nodes"), "calculix fe");
+    assert_eq!(against("elastic-nodes-hard"), "");
+    let counts: Vec<_> = (plan.variants.iter())
+        .filter(|v| v.entry.label == "elastic")
+        .map(|v| v.modes.unwrap())
+        .collect();
+    assert_eq!(counts, COUNTS);
+
+    // The rack has two contacts that have nothing to do with each other.
+    let scene = crate::scene_file::load_unbuilt("rack_pinion").unwrap();
+    let choices = scene
+        .select(Some("elastic-nodes,elastic,rigid,fe,fe-nodes"))
+        .unwrap();
+    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+    let plan = Plan::of(&scene, &choices, Some(&reference), &Asked::default()).unwrap();
+    let against = |label: &str| {
+        let v = plan
+            .variants
+            .iter()
+            .find(|v| v.entry.label == label)
+            .unwrap();
+        v.against.join(" ")
+    };
+    assert_eq!(against("elastic-nodes"), "fe-nodes");
+    assert_eq!(against("elastic"), "calculix fe");
+    assert_eq!(against("rigid"), "calculix fe");
+
+    // Named on the command line, the reference stands for all, and the settings say where contacts differ.
+    let asked = Asked {
+        against: vec!["fe".into()],
+        ..Asked::default()
+    };
+    let plan = Plan::of(&scene, &choices, Some(&reference), &asked).unwrap();
+    assert!(plan.variants.iter().all(|v| v.against == ["fe"]) && plan.external.is_none());
+    let said = |label: &str| {
+        let what = format!("model {label} is held against");
+        plan.settings
+            .iter()
+            .find(|(w, _)| *w == what)
+            .unwrap()
+            .1
+            .clone()
+    };
+    assert_eq!(said("elastic"), "fe");
+    assert_eq!(said("elastic-nodes"), "fe (another contact)");
+    let asked = Asked {
+        against: vec!["abaqus".into()],
+        ..Asked::default()
+    };
+    let e = Plan::of(&scene, &choices, Some(&reference), &asked).unwrap_err();
+    assert!(e.contains("calculix") && e.contains("fe-nodes"), "{e}");
+}
+
+#[test]
+fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
+    let scene = crate::scene_file::load_unbuilt("hammer").unwrap();
+    let choices = scene.select(None).unwrap();
+    let plan = Plan::of(&scene, &choices, None, &Asked::default()).unwrap();
+    let ids: Vec<_> = plan.fulls.iter().map(|f| f.id.as_str()).collect();
+    assert_eq!(ids, ["elastic"]);
+    let most = plan.variants.iter().filter_map(|v| v.modes).max();
+    assert!(
+        plan.fulls[0]
+            .title
+            .contains(&format!("{} modes", most.unwrap()))
+    );
+    assert!(plan.variants.iter().all(|v| v.against == ["elastic"]));
+    // A scene of rigid gears has nothing to be held against but itself.
+    let choices = scene.select(Some("rigid")).unwrap();
+    let plan = Plan::of(&scene, &choices, None, &Asked::default()).unwrap();
+    assert!(plan.fulls.is_empty() && plan.variants.iter().all(|v| v.against.is_empty()));
+}

@@ -1,0 +1,487 @@
+//! The parameters that a map goes over: what they change, which models and methods have them, what the scene's own
+//! value is.
+
+use gearbench_models::contact::law::Damping;
+use gearbench_models::load::Profile;
+use gearbench_models::mount::Mount;
+use gearbench_models::scene::build::{mesh_layout, stiffness_curve};
+use gearbench_models::scene::spec::{
+    BuildError, ContactSpec, GearSpec, ModelSpec, Modelling, SceneSpec, Value,
+};
+use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
+
+/// Points at which a computed stiffness is sampled before it is scaled.
+const SAMPLES: usize = 97;
+/// Ids of the models with what an axis changes in them.
+const MOVABLE_TEETH: &str = "movable-teeth";
+const ELASTIC: &str = "elastic";
+const FULL: &str = "fe";
+/// Their parameters.
+const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
+const DAMPING_RATIO: &str = "damping_ratio";
+const MODES: &str = "modes";
+/// Modes of the elastic model when nobody says.
+const DEFAULT_MODES: f64 = 100.0;
+
+/// A parameter of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Axis {
+    /// Factor on stiffness or penalty of all contacts.
+    ContactStiffness,
+    /// Spring of a movable tooth [N/m].
+    ToothStiffness,
+    /// Damping ratio: of the modes of elastic gears, else of the contact.
+    Damping,
+    /// Factor on initial speeds and prescribed motions.
+    Speed,
+    /// Modes of elastic gears.
+    Modes,
+    /// Spectral radius at infinite step of generalised-alpha.
+    RhoInf,
+    /// Alpha of HHT.
+    HhtAlpha,
+}
+
+/// One run's scene, models and integrator.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Gears and meshes.
+    pub scene: SceneSpec,
+    /// Their models.
+    pub modelling: Modelling,
+    /// Integrator, `id` or `id(name=value)`.
+    pub method: String,
+}
+
+/// Why a parameter does not go with a model or a method.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AxisError {
+    /// The model or the method has no such parameter.
+    #[error("{0}")]
+    Without(String),
+    /// The stiffness to be scaled cannot be computed.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+fn without<T>(why: impl Into<String>) -> Result<T, AxisError> {
+    Err(AxisError::Without(why.into()))
+}
+
+impl Axis {
+    /// All of them.
+    pub const ALL: [Axis; 7] = [
+        Axis::ContactStiffness,
+        Axis::ToothStiffness,
+        Axis::Damping,
+        Axis::Speed,
+        Axis::Modes,
+        Axis::RhoInf,
+        Axis::HhtAlpha,
+    ];
+
+    /// The word of scenes and of the command line.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Axis::ContactStiffness => "contact-stiffness",
+            Axis::ToothStiffness => "tooth-stiffness",
+            Axis::Damping => "damping",
+            Axis::Speed => "speed",
+            Axis::Modes => "modes",
+            Axis::RhoInf => "rho-inf",
+            Axis::HhtAlpha => "hht-alpha",
+        }
+    }
+
+    /// Name on axes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Axis::ContactStiffness => "contact stiffness over the scene's",
+            Axis::ToothStiffness => "tooth stiffness",
+            Axis::Damping => "damping ratio",
+            Axis::Speed => "speed over the scene's",
+            Axis::Modes => "modes per gear",
+            Axis::RhoInf => "rho_inf",
+            Axis::HhtAlpha => "alpha",
+        }
+    }
+
+    /// Unit, empty for ratios and counts.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Axis::ToothStiffness => "N/m",
+            _ => "",
+        }
+    }
+
+    /// Smallest and largest value that makes sense.
+    #[must_use]
+    pub fn range(self) -> [f64; 2] {
+        match self {
+            Axis::ContactStiffness | Axis::Speed => [1e-9, 1e9],
+            Axis::ToothStiffness => [1.0, 1e18],
+            Axis::Damping => [0.0, 0.999],
+            Axis::Modes => [0.0, 2000.0],
+            Axis::RhoInf => [0.0, 1.0],
+            Axis::HhtAlpha => [0.0, 1.0 / 3.0],
+        }
+    }
+
+    /// Values when nobody says; empty where there are none that go with every scene.
+    #[must_use]
+    pub fn defaults(self) -> Vec<f64> {
+        match self {
+            Axis::ContactStiffness => spaced(0.1, 100.0, 7),
+            Axis::Speed => spaced(0.25, 4.0, 5),
+            Axis::Damping => vec![0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5],
+            Axis::Modes => vec![0.0, 10.0, 25.0, 50.0, 100.0, 200.0],
+            Axis::RhoInf => vec![0.0, 0.2, 0.4, 0.6, 0.8, 1.0],
+            Axis::HhtAlpha => vec![0.0, 0.05, 0.1, 0.2, 0.3],
+            Axis::ToothStiffness => Vec::new(),
+        }
+    }
+
+    /// Whether values are whole numbers.
+    #[must_use]
+    pub fn is_count(self) -> bool {
+        self == Axis::Modes
+    }
+
+    /// Whether the parameter is the integrator's: the model's own solution does not depend on it.
+    #[must_use]
+    pub fn is_of_method(self) -> bool {
+        matches!(self, Axis::RhoInf | Axis::HhtAlpha)
+    }
+
+    /// The value that a setup has.
+    ///
+    /// # Errors
+    /// [`AxisError::Without`] says why the parameter does not go with it.
+    pub fn own(self, setup: &Setup) -> Result<f64, AxisError> {
+        let gears = &setup.modelling.gears;
+        let of = |id: &str| gears.iter().find(|g| g.id == id);
+        match self {
+            Axis::Speed => {
+                let moves = |g: &GearSpec| g.speed != 0.0 || matches!(g.mount, Mount::Driven(_));
+                if setup.scene.gears.iter().any(moves) {
+                    Ok(1.0)
+                } else {
+                    without("no gear of the scene has a speed")
+                }
+            }
+            Axis::ContactStiffness => {
+                let hard = |c: &ContactSpec| c.points.is_some_and(|p| p.hard);
+                if setup.modelling.contacts.iter().any(hard) {
+                    return without("hard contact has no stiffness");
+                }
+                Ok(1.0)
+            }
+            Axis::ToothStiffness => {
+                match of(MOVABLE_TEETH).map(|g| g.parameters.get(TOOTH_STIFFNESS)) {
+                    Some(Some(Value::Number(k))) => Ok(*k),
+                    Some(_) => without("its teeth have stiffnesses of their own"),
+                    None => without("its teeth are no springs"),
+                }
+            }
+            Axis::Damping if of(ELASTIC).is_some() => match of(ELASTIC) {
+                Some(g) if g.parameters.contains_key("rayleigh") => {
+                    without("its modes have Rayleigh damping, which is no ratio")
+                }
+                Some(g) => Ok(number(g, DAMPING_RATIO).unwrap_or(0.0)),
+                None => without("it has no modes"),
+            },
+            Axis::Damping if of(FULL).is_some() => {
+                without("full finite elements have no damping ratio")
+            }
+            Axis::Damping => {
+                let mut ratios = setup.modelling.contacts.iter().map(|c| match c.damping {
+                    _ if c.exponent != 1.0 => None,
+                    Damping::None => Some(0.0),
+                    Damping::KelvinVoigtRatio { ratio } => Some(ratio),
+                    _ => None,
+                });
+                match ratios.next() {
+                    Some(Some(ratio)) if ratios.all(|r| r == Some(ratio)) => Ok(ratio),
+                    _ => without(
+                        "the damping of its contact is not given as a ratio of critical damping",
+                    ),
+                }
+            }
+            Axis::Modes => match of(ELASTIC) {
+                Some(g) if g.parameters.contains_key("target_error") => {
+                    without("its modes follow from `target_error`")
+                }
+                Some(g) => Ok(number(g, MODES).unwrap_or(DEFAULT_MODES)),
+                None => without("it has no modes"),
+            },
+            Axis::RhoInf => of_method(&setup.method, "generalised-alpha", "rho_inf"),
+            Axis::HhtAlpha => of_method(&setup.method, "hht-alpha", "alpha"),
+        }
+    }
+
+    /// Gives a setup another value; its own leaves it as it is, bit for bit.
+    ///
+    /// # Errors
+    /// [`AxisError`].
+    pub fn apply(self, value: f64, setup: &mut Setup) -> Result<(), AxisError> {
+        if self.own(setup)? == value {
+            return Ok(());
+        }
+        let Setup {
+            scene,
+            modelling,
+            method,
+        } = setup;
+        let with_modes = modelling.gears.iter().any(|g| g.id == ELASTIC);
+        let mut every = |id: &str, key: &str| {
+            for gear in modelling.gears.iter_mut().filter(|g| g.id == id) {
+                gear.parameters.insert(key.into(), Value::Number(value));
+            }
+        };
+        match self {
+            Axis::ContactStiffness => return stiffen(value, scene, modelling),
+            Axis::ToothStiffness => every(MOVABLE_TEETH, TOOTH_STIFFNESS),
+            Axis::Modes => every(ELASTIC, MODES),
+            Axis::Damping if with_modes => every(ELASTIC, DAMPING_RATIO),
+            Axis::Damping => {
+                for contact in &mut modelling.contacts {
+                    contact.damping = if value == 0.0 {
+                        Damping::None
+                    } else {
+                        Damping::KelvinVoigtRatio { ratio: value }
+                    };
+                }
+            }
+            Axis::Speed => {
+                for gear in &mut scene.gears {
+                    gear.speed *= value;
+                    if let Mount::Driven(profile) = &mut gear.mount {
+                        scale(profile, value);
+                    }
+                }
+            }
+            Axis::RhoInf => *method = with_parameter(method, "rho_inf", value),
+            Axis::HhtAlpha => *method = with_parameter(method, "alpha", value),
+        }
+        Ok(())
+    }
+}
+
+/// Values from one end to the other, evenly over the decades, ends exact.
+#[must_use]
+pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
+    let last = points.max(2) - 1;
+    let at = |i: usize| match i {
+        0 => from,
+        i if i == last => to,
+        i => from * ((to / from).ln() * i as f64 / last as f64).exp(),
+    };
+    (0..=last).map(at).collect()
+}
+
+fn number(gear: &ModelSpec, key: &str) -> Option<f64> {
+    match gear.parameters.get(key) {
+        Some(Value::Number(x)) => Some(*x),
+        _ => None,
+    }
+}
+
+/// Multiplies all contact stiffnesses and penalties.
+fn stiffen(factor: f64, scene: &SceneSpec, modelling: &mut Modelling) -> Result<(), AxisError> {
+    for (contact, mesh) in modelling.contacts.iter_mut().zip(&scene.meshes) {
+        if let Some(points) = &mut contact.points {
+            points.penalty *= factor;
+        }
+        match &mut contact.stiffness {
+            PairStiffness::Constant { per_width, .. } => *per_width *= factor,
+            PairStiffness::Table { k, .. } => k.iter_mut().for_each(|k| *k *= factor),
+            // Flank points have their penalty; what a norm says is not asked.
+            _ if contact.points.is_some() => {}
+            _ => {
+                let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
+                contact.stiffness = scaled_table(factor, a, b, contact)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A computed stiffness, sampled and scaled.
+fn scaled_table(
+    factor: f64,
+    a: &GearSpec,
+    b: &GearSpec,
+    contact: &ContactSpec,
+) -> Result<PairStiffness, BuildError> {
+    let layout = mesh_layout(a, b)?;
+    let curve = stiffness_curve(a, b, &layout, contact)
+        .map_err(|e| BuildError::mesh(&a.name, &b.name, e.to_string()))?;
+    let [start, end] = layout.path;
+    let last = SAMPLES - 1;
+    let s: Vec<f64> = (0..=last)
+        .map(|i| start + (end - start) * i as f64 / last as f64)
+        .collect();
+    Ok(PairStiffness::Table {
+        k: s.iter().map(|s| factor * curve.eval(*s).0).collect(),
+        s,
+        of: curve.of(),
+        ends: Ends::Clamped,
+        interpolation: Interpolation::Cubic,
+    })
+}
+
+fn scale(profile: &mut Profile, factor: f64) {
+    match profile {
+        Profile::Constant(x) => *x *= factor,
+        Profile::Ramp { from, to, .. } => {
+            *from *= factor;
+            *to *= factor;
+        }
+        Profile::Table { value, .. } => value.iter_mut().for_each(|x| *x *= factor),
+    }
+}
+
+/// Id and given parameters of `id(name=value, ...)`.
+fn parts(method: &str) -> (&str, Vec<(&str, &str)>) {
+    let (id, rest) = method.split_once('(').unwrap_or((method, ""));
+    let given = (rest.trim_end_matches([')', ' ']).split(','))
+        .filter_map(|p| p.split_once('='))
+        .map(|(name, value)| (name.trim(), value.trim()))
+        .collect();
+    (id.trim(), given)
+}
+
+/// The value of a method's parameter, given or default.
+fn of_method(method: &str, id: &str, name: &str) -> Result<f64, AxisError> {
+    let (own, given) = parts(method);
+    if own != id {
+        return without(format!("{name} is a parameter of {id}"));
+    }
+    let row = gearbench_integrators::METHODS
+        .iter()
+        .find(|m| m.info.id == id);
+    let default = row
+        .and_then(|m| m.info.parameters.iter().find(|p| p.name == name))
+        .map(|p| p.default);
+    let value = given.iter().find(|(n, _)| *n == name);
+    match value.and_then(|(_, v)| v.parse().ok()).or(default) {
+        Some(value) => Ok(value),
+        None => without(format!("{id} has no parameter {name}")),
+    }
+}
+
+/// The method with one parameter at another value.
+fn with_parameter(method: &str, name: &str, value: f64) -> String {
+    let (id, given) = parts(method);
+    let mut all: Vec<String> = (given.iter())
+        .filter(|(n, _)| *n != name)
+        .map(|(n, v)| format!("{n}={v}"))
+        .collect();
+    all.push(format!("{name}={value}"));
+    format!("{id}({})", all.join(","))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{Selection, load_for};
+    use gearbench_models::scene::Scene;
+
+    fn setup(scene: &str, label: &str, method: &str) -> Setup {
+        let file = load_for(scene, Selection::Labels(Some(label))).unwrap();
+        let choice = file.model(label).unwrap();
+        Setup {
+            scene: file.spec_for(choice),
+            modelling: choice.modelling.clone(),
+            method: method.into(),
+        }
+    }
+
+    #[test]
+    fn every_axis_reads_back_what_it_wrote() {
+        let cases = [
+            (
+                "spur_rotation",
+                "movable-teeth-5.6e10",
+                Axis::ToothStiffness,
+                5.6e10,
+            ),
+            ("spur_rotation", "movable-teeth-5.6e10", Axis::Damping, 0.05),
+            ("hammer", "rigid", Axis::Damping, 0.05),
+            ("hammer", "rigid", Axis::Speed, 1.0),
+            ("spur_impact", "rigid", Axis::ContactStiffness, 1.0),
+            ("spur_impact", "rigid", Axis::RhoInf, 0.8),
+        ];
+        for (scene, label, axis, own) in cases {
+            let before = setup(scene, label, "generalised-alpha(rho_inf=0.8)");
+            assert_eq!(axis.own(&before), Ok(own), "{scene} {label} {axis:?}");
+            let text = format!("{before:?}");
+            let mut after = before.clone();
+            axis.apply(own, &mut after).unwrap();
+            assert_eq!(format!("{after:?}"), text, "its own value changes nothing");
+            axis.apply(0.3, &mut after).unwrap();
+            assert_ne!(format!("{after:?}"), text);
+            if !matches!(axis, Axis::ContactStiffness | Axis::Speed) {
+                assert_eq!(axis.own(&after), Ok(0.3), "{axis:?}");
+            }
+        }
+    }
+
+    /// A factor on the stiffness of a norm is the factor on the force at a small penetration.
+    #[test]
+    fn a_computed_stiffness_is_scaled_point_by_point() {
+        let before = setup("spur_rotation", "rigid", "rk4");
+        let mut after = before.clone();
+        Axis::ContactStiffness.apply(7.0, &mut after).unwrap();
+        let curve = |s: &Setup| {
+            let [a, b] = s.scene.meshes[0].gears.map(|i| &s.scene.gears[i]);
+            let l = mesh_layout(a, b).unwrap();
+            (
+                l.path,
+                stiffness_curve(a, b, &l, &s.modelling.contacts[0]).unwrap(),
+            )
+        };
+        let ((path, soft), (_, stiff)) = (curve(&before), curve(&after));
+        for i in 0..=50 {
+            let s = path[0] + (path[1] - path[0]) * f64::from(i) / 50.0;
+            let ratio = stiff.eval(s).0 / soft.eval(s).0;
+            assert!((ratio - 7.0).abs() < 7e-4, "{ratio} at {i}");
+        }
+        Scene::build(&after.scene, &after.modelling, crate::models::models()).unwrap();
+    }
+
+    #[test]
+    fn what_does_not_go_says_why() {
+        let rigid = setup("spur_impact", "rigid", "rk4");
+        for (axis, word) in [
+            (Axis::ToothStiffness, "springs"),
+            (Axis::Modes, "no modes"),
+            (Axis::RhoInf, "generalised-alpha"),
+            (Axis::HhtAlpha, "hht-alpha"),
+        ] {
+            let e = axis.own(&rigid).unwrap_err().to_string();
+            assert!(e.contains(word), "{axis:?}: {e}");
+        }
+    }
+
+    #[test]
+    fn parameters_of_methods() {
+        assert_eq!(with_parameter("newmark", "beta", 0.3), "newmark(beta=0.3)");
+        assert_eq!(with_parameter("x(a=1, b=2)", "a", 0.25), "x(b=2,a=0.25)");
+        assert_eq!(
+            of_method("hht-alpha(alpha=0.1)", "hht-alpha", "alpha"),
+            Ok(0.1)
+        );
+        for axis in Axis::ALL {
+            let [low, high] = axis.range();
+            let values = axis.defaults();
+            assert!(values.iter().all(|x| (low..=high).contains(x)), "{axis:?}");
+            assert!(values.windows(2).all(|w| w[0] < w[1]), "{axis:?}");
+        }
+        let s = spaced(1e-8, 1e-5, 4);
+        assert!((s[1] / 1e-7 - 1.0).abs() < 1e-12 && s[3] == 1e-5);
+    }
+}

@@ -1,0 +1,216 @@
+//! The motion of a system on which nothing but steady loads acts, in closed form.
+//!
+//! Coordinates are sums of *swings*, independent oscillators under constant loads:
+//!
+//! ```text
+//! q_i(t) = sum_j w_ij x_j(t - t0),    x'' + 2 zeta omega x' + omega^2 x = g
+//! ```
+//!
+//! with the solution of [`propagator`](crate::modal::propagator); `omega = 0` is the quadratic motion of a body. A
+//! system that knows its motion so fills a [`Coast`] ([`SecondOrderSystem::coast`]), and the loop of any method goes along
+//! it in one step ([`Integrator::coast`](crate::Integrator::coast)). It is exact up to rounding, at both ends and inside.
+
+use crate::method::Dense;
+use crate::modal::propagator::coefficients;
+use crate::system::{SecondOrderSystem, State};
+
+/// Attempts to coast that are left out after vain ones, at most.
+const PATIENCE: u32 = 8;
+
+/// One oscillator under a constant load and what it moves.
+#[derive(Clone, Copy, Debug)]
+struct Swing {
+    omega: f64,
+    zeta: f64,
+    /// Place and speed at the start.
+    start: [f64; 2],
+    load: f64,
+    /// End of its terms in [`Coast::terms`].
+    terms: usize,
+}
+
+impl Swing {
+    /// Place and speed after a time [s].
+    #[inline]
+    fn at(&self, t: f64) -> [f64; 2] {
+        let [x, v] = self.start;
+        // At rest about the deflection of its load: a cosine would only round.
+        if self.omega > 0.0 && v == 0.0 && x == self.load / (self.omega * self.omega) {
+            return self.start;
+        }
+        let c = coefficients(self.omega, self.zeta, t);
+        [
+            c.qq * x + c.qv * v + c.qg * self.load,
+            c.vq * x + c.vv * v + c.qv * self.load,
+        ]
+    }
+}
+
+/// A motion in closed form from a time on. Buffers stay from one to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Coast {
+    start: f64,
+    swings: Vec<Swing>,
+    /// Coordinate and weight.
+    terms: Vec<(u32, f64)>,
+}
+
+impl Coast {
+    /// Starts afresh at a time [s], with nothing that moves.
+    pub fn begin(&mut self, t: f64) {
+        self.start = t;
+        self.swings.clear();
+        self.terms.clear();
+    }
+
+    /// Adds `x'' + 2 zeta omega x' + omega^2 x = load` from `start = [x, x']`; `zeta` lies in [0, 1).
+    /// [`Self::moves`] says what it moves.
+    pub fn swing(&mut self, omega: f64, zeta: f64, start: [f64; 2], load: f64) {
+        self.swings.push(Swing {
+            omega,
+            zeta,
+            start,
+            load,
+            terms: self.terms.len(),
+        });
+    }
+
+    /// The swing added last moves a coordinate with a weight.
+    pub fn moves(&mut self, coordinate: usize, weight: f64) {
+        self.terms.push((coordinate as u32, weight));
+        if let Some(swing) = self.swings.last_mut() {
+            swing.terms = self.terms.len();
+        }
+    }
+
+    /// Coordinates and velocities at a time [s].
+    pub fn at(&self, t: f64, q: &mut [f64], v: &mut [f64]) {
+        q.fill(0.0);
+        v.fill(0.0);
+        let mut first = 0;
+        for swing in &self.swings {
+            let [x, u] = swing.at(t - self.start);
+            for &(i, weight) in &self.terms[first..swing.terms] {
+                q[i as usize] += weight * x;
+                v[i as usize] += weight * u;
+            }
+            first = swing.terms;
+        }
+    }
+}
+
+/// A coast over one step: its dense output.
+pub(crate) struct CoastDense<'a> {
+    pub(crate) coast: &'a Coast,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+}
+
+impl Dense for CoastDense<'_> {
+    fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]) {
+        self.coast
+            .at(self.from + theta * (self.to - self.from), q, v);
+    }
+}
+
+/// When a loop asks its system for a coast: after each restart at once, else with growing patience, so that contact
+/// pays for few vain questions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Coasting {
+    /// Off by default.
+    pub(crate) on: bool,
+    pub(crate) coast: Coast,
+    skip: u32,
+    patience: u32,
+}
+
+impl Coasting {
+    /// Asks, or not.
+    pub(crate) fn new(on: bool) -> Self {
+        Coasting {
+            on,
+            ..Coasting::default()
+        }
+    }
+
+    /// The next question is asked at once.
+    pub(crate) fn hope(&mut self) {
+        (self.skip, self.patience) = (0, 1);
+    }
+
+    /// A time until which [`Self::coast`] holds from `s` on, if it is later than a time; `s.t` where it is not.
+    pub(crate) fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
+        if !self.on {
+            return s.t;
+        }
+        if self.skip > 0 {
+            self.skip -= 1;
+            return s.t;
+        }
+        let until = sys.coast(s, later, &mut self.coast);
+        if until > later {
+            self.hope();
+            return until;
+        }
+        self.skip = self.patience;
+        self.patience = (2 * self.patience).clamp(1, PATIENCE);
+        s.t
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two masses on a spring, pulled: the centre of mass accelerates, the stretch swings about that of the load.
+    #[test]
+    fn swings_add_up_to_the_motion_of_coupled_masses() {
+        let (m, k, pull) = ([2.0, 3.0], 7.0, 1.5);
+        let total: f64 = m[0] + m[1];
+        let reduced = m[0] * m[1] / total;
+        let (q0, v0) = ([0.1, 0.4], [1.0, -0.5]);
+        let mut coast = Coast::default();
+        coast.begin(2.0);
+        let centre = |x: [f64; 2]| (m[0] * x[0] + m[1] * x[1]) / total;
+        coast.swing(0.0, 0.0, [centre(q0), centre(v0)], pull / total);
+        coast.moves(0, 1.0);
+        coast.moves(1, 1.0);
+        let start = [q0[1] - q0[0], v0[1] - v0[0]];
+        coast.swing((k / reduced).sqrt(), 0.0, start, -pull / m[0]);
+        coast.moves(0, -m[1] / total);
+        coast.moves(1, m[0] / total);
+        let at = |t: f64| {
+            let (mut q, mut v) = ([0.0; 2], [0.0; 2]);
+            coast.at(2.0 + t, &mut q, &mut v);
+            (q, v)
+        };
+        let (q, v) = at(0.0);
+        for i in 0..2 {
+            assert!((q[i] - q0[i]).abs() < 1e-15 && (v[i] - v0[i]).abs() < 1e-15);
+        }
+        // Differences of the closed form satisfy Newton's law.
+        let h = 1e-4;
+        for t in [0.3, 1.7, 20.0] {
+            let (q, _) = at(t);
+            let (ahead, behind) = (at(t + h).1, at(t - h).1);
+            for (i, load) in [pull, 0.0].into_iter().enumerate() {
+                let a = (ahead[i] - behind[i]) / (2.0 * h);
+                let spring = k * (q[1] - q[0]) * [1.0, -1.0][i];
+                assert!((m[i] * a - spring - load).abs() < 1e-6, "{t} {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_rests_under_its_load_stays_to_the_last_bit() {
+        let mut coast = Coast::default();
+        coast.begin(0.0);
+        let (omega, load) = (3e5_f64, 17.0);
+        let q0 = load / (omega * omega);
+        coast.swing(omega, 0.01, [q0, 0.0], load);
+        coast.moves(0, 1.0);
+        let (mut q, mut v) = ([0.0], [0.0]);
+        coast.at(1.2345, &mut q, &mut v);
+        assert_eq!((q[0], v[0]), (q0, 0.0));
+    }
+}

@@ -1,0 +1,68 @@
+//! Stability of kicks between exact oscillators.
+//!
+//! Without damping a kick-drift-kick step of `q'' + Omega^2 q = -K_c q` (unit masses) has the recurrence
+//!
+//! ```text
+//! q_{n+1} - 2 cos(h Omega) q_n + q_{n-1} = -h^2 sinc(h Omega) F K_c F q_n,   F the filter
+//! ```
+//!
+//! (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, XIII.2). As long as `sinc > 0`, up to
+//! `omega h = pi`, the matrix of the right side is similar to a symmetric one, so that `z + 1/z` is real and the limit is
+//! the first `h` at which
+//!
+//! ```text
+//! 2 + 2 cos(h Omega) - h^2 S F K_c F S,   S = sqrt(sinc(h Omega))
+//! ```
+//!
+//! loses definiteness (`z = -1`). For a free mass that is `4 = h^2 omega_c^2`. Beyond `pi` eigenvalues of both signs meet
+//! and resonate; steps there are beside the point of the method (see [`resonance`](crate::modal::resonance)).
+//!
+//! Where the system gives what the kicks leave out as local compliance ([`ModalSplit::prepare`](crate::ModalSplit)),
+//! `K_c` depends on `h` through [`Kicks::lag`].
+
+use super::Flip;
+use crate::modal::propagator::lag_of;
+
+/// Kicks with a filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kicks {
+    /// Phase `omega h` [rad] above which oscillators are filtered.
+    pub filter_from: f64,
+}
+
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { x.sin() / x }
+}
+
+impl Kicks {
+    /// The limit of a free mass on the rest alone; dampers of the rest are evaluated at the predicted velocity.
+    pub const FLIP: Flip = Flip { d: 4.0, k: 1.0 };
+
+    /// What the rest sees of an oscillator, and kicks back.
+    #[must_use]
+    pub fn filter(&self, omega: f64, h: f64) -> f64 {
+        if omega * h > self.filter_from {
+            sinc(omega * h)
+        } else {
+            1.0
+        }
+    }
+
+    /// How much less than `1/omega^2` the method lets an oscillator give to a force that lasts [s^2].
+    #[must_use]
+    pub fn lag(&self, omega: f64, h: f64) -> f64 {
+        lag_of(omega, h, self.filter_from)
+    }
+
+    /// `2 + 2 cos(omega h)` and the weight `h sqrt(sinc(omega h)) f` of an oscillator; `None` at and beyond `pi`.
+    #[must_use]
+    pub fn weights(&self, omega: f64, h: f64) -> Option<[f64; 2]> {
+        let x = omega * h;
+        (x < std::f64::consts::PI).then(|| {
+            [
+                2.0 + 2.0 * x.cos(),
+                h * sinc(x).sqrt() * self.filter(omega, h),
+            ]
+        })
+    }
+}

@@ -1,0 +1,103 @@
+//! Where in a tentative step the first event lies, by the method itself.
+
+use super::{Located, Run, Stepped, first_not_finite};
+use crate::events::Root;
+use crate::method::{OneStep, StepError, Tolerance, Work};
+use crate::system::{SecondOrderSystem, State};
+
+/// A part of a step that is read from the interpolant instead of stepped when an event is located.
+const SHIFT: f64 = 1e-4;
+/// Steps of the method towards one event.
+const MAX_LOCATIONS: u32 = 50;
+
+impl<M: OneStep> Stepped<M> {
+    /// Finds the first event in the step from `s` of size `h` to `r.end`; leaves the state there in
+    /// `r.event` and the guards to switch in `r.watch.falling`.
+    pub(super) fn locate(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &State,
+        h: f64,
+        tolerance: &Tolerance,
+        r: &mut Run,
+        work: &mut Work,
+    ) -> Result<Located, StepError> {
+        let Run { end, event, watch } = r;
+        let guards_on = |method: &M,
+                         sys: &mut dyn SecondOrderSystem,
+                         end: &State,
+                         x: f64,
+                         event: &mut State,
+                         out: &mut [f64]| {
+            method.interpolate(s, end, x, &mut event.q, &mut event.v);
+            event.t = s.t + x * (end.t - s.t);
+            sys.guards(event.at(), out);
+        };
+        let root = watch.first_root(0.1 * SHIFT, |x, out| {
+            guards_on(&self.method, sys, end, x, event, out)
+        });
+        let Root::Inside(mut theta) = root else {
+            return Ok(Located::Start);
+        };
+        let t_full = end.t;
+        let (mut lo, mut hi) = (0.0, 1.0);
+        let mut stretch = 1.0;
+        for location in 1..=MAX_LOCATIONS {
+            if theta < 1.0 {
+                self.method.step(sys, s, theta * h, tolerance, end, work)?;
+                end.t = s.t + theta * h;
+                work.rejected += 1;
+            } else if end.t != t_full {
+                self.method.step(sys, s, h, tolerance, end, work)?;
+                end.t = t_full;
+                work.rejected += 1;
+            }
+            sys.guards(end.at(), &mut watch.here);
+            let f = watch.lowest_here();
+            // Secant on the interpolant of this step, around its end.
+            let (mut x0, mut f0, mut x1) = (1.0, f, 1.0 - SHIFT);
+            for _ in 0..8 {
+                if f0 == 0.0 {
+                    x1 = x0;
+                    break;
+                }
+                guards_on(&self.method, sys, end, x1, event, &mut watch.here);
+                let f1 = watch.lowest_here();
+                let x2 = x1 - f1 * (x1 - x0) / (f1 - f0);
+                if f1 == 0.0 || !x2.is_finite() {
+                    break;
+                }
+                let moved = (x2 - x1).abs();
+                (x0, f0, x1) = (x1, f1, x2.clamp(0.5, 1.5));
+                if moved <= 2.0 * f64::EPSILON {
+                    break;
+                }
+            }
+            stretch = x1;
+            if (x1 - 1.0).abs() <= SHIFT || location == MAX_LOCATIONS {
+                break;
+            }
+            if f > 0.0 {
+                lo = theta;
+            } else {
+                hi = theta;
+            }
+            let next = theta * x1;
+            theta = if next > lo && next < hi {
+                next
+            } else if hi - lo > f64::EPSILON {
+                0.5 * (lo + hi)
+            } else {
+                hi
+            };
+        }
+        stretch = stretch.clamp(1.0 - SHIFT, 1.0 + SHIFT);
+        guards_on(&self.method, sys, end, stretch, event, &mut watch.here);
+        event.t = event.t.min(t_full);
+        if let Some(dof) = first_not_finite(event) {
+            return Err(StepError::NonFinite { t: event.t, dof });
+        }
+        watch.select();
+        Ok(Located::At(stretch))
+    }
+}

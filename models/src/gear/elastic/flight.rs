@@ -1,0 +1,117 @@
+//! The elastic gear in flight: modes that swing about the deflection of the load, in closed form.
+//!
+//! About `q_s = g / omega^2` under steady loads `g` the modes keep, with damping lose, the energy
+//! `E = sum (v^2 + omega^2 (q - q_s)^2) / 2`, so that by Cauchy and Schwarz
+//!
+//! ```text
+//! |B q + r T| <= sqrt(2 c E) + sqrt(c sum omega^2 q_s^2) + max |r| |T|,   c = max over the nodes of sum b^2 / omega^2
+//! ```
+//!
+//! bounds how far a node stands off its rigid flank for the whole flight.
+
+use super::gear::Elastic;
+use crate::gear::GearModel;
+use crate::gear::flight::Flight;
+use gearbench_integrators::Coast;
+use gearbench_integrators::system::At;
+
+impl Elastic {
+    /// The gear whose modes are put to rest in flight below this share of the energy of the next impact; 0: never.
+    ///
+    /// # Errors
+    /// A share outside [0, 1).
+    pub fn with_sleep(mut self, share: f64) -> Result<Self, String> {
+        if !(0.0..1.0).contains(&share) {
+            return Err(format!("{share} lies outside [0, 1); 1e-12 is usual"));
+        }
+        self.sleep = share;
+        Ok(self)
+    }
+
+    /// Modal loads of a steady load on the hub, or of its prescribed acceleration.
+    fn modal_loads(&self, t: f64, load: f64) -> impl Iterator<Item = f64> + '_ {
+        let (shapes, factor) = if self.own > 0 {
+            (&self.data.hub, load)
+        } else {
+            (
+                &self.data.participation,
+                -self.hub.prescribed_acceleration(t),
+            )
+        };
+        shapes.iter().map(move |s| s * factor)
+    }
+
+    /// Twice the energies of the swinging about the deflection of the load, and of that deflection.
+    fn energies(&self, at: At<'_>, load: f64) -> [f64; 2] {
+        let (mut swinging, mut resting) = (0.0, 0.0);
+        let state = at.q[self.own..].iter().zip(&at.v[self.own..]);
+        for ((w, (q, v)), g) in
+            (self.omega[self.own..].iter().zip(state)).zip(self.modal_loads(at.t, load))
+        {
+            let stretch = w * (q - g / (w * w));
+            swinging += stretch * stretch + v * v;
+            resting += (g / w).powi(2);
+        }
+        [swinging, resting]
+    }
+
+    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<Flight> {
+        if self.spinning().is_some() {
+            return None;
+        }
+        let [swinging, resting] = self.energies(at, load);
+        let outward = (self.softest * swinging).sqrt() + (self.softest * resting).sqrt();
+        let hub = &self.hub;
+        Some(Flight {
+            frame: [
+                hub.travel(at.t, at.q),
+                hub.speed(at.t, at.v),
+                hub.acceleration(at.t, load),
+            ],
+            outward: outward + (self.hub_reach * load).abs(),
+            travel: 0.0,
+            energy: 0.5 * swinging,
+        })
+    }
+
+    pub(super) fn add_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        if self.own > 0 {
+            let acceleration = self.hub.acceleration(at.t, load);
+            coast.swing(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
+            coast.moves(first, 1.0);
+        }
+        for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
+            coast.swing(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
+            coast.moves(first + i, 1.0);
+        }
+    }
+
+    pub(super) fn rest_modes(&self, t: f64, load: f64, q: &mut [f64], v: &mut [f64]) -> bool {
+        let at = At {
+            t,
+            q: &*q,
+            v: &*v,
+            memory: &[],
+        };
+        let [swinging, resting] = self.energies(at, load);
+        if swinging <= (64.0 * f64::EPSILON).powi(2) * resting {
+            return false;
+        }
+        for (i, g) in (self.own..).zip(self.modal_loads(t, load)) {
+            q[i] = g / (self.omega[i] * self.omega[i]);
+            v[i] = 0.0;
+        }
+        true
+    }
+
+    /// Of a prescribed acceleration on the modes, besides what loads do.
+    pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+        if self.own > 0 {
+            return load * (self.hub_state(to).travel - self.hub_state(from).travel);
+        }
+        let moved: f64 = (self.data.participation.iter().zip(from.q).zip(to.q))
+            .map(|((l, a), b)| l * (b - a))
+            .sum();
+        -self.hub.prescribed_acceleration(from.t) * moved
+    }
+}

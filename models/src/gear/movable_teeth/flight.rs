@@ -1,0 +1,240 @@
+//! Movable teeth in flight, in closed form.
+//!
+//! With equal teeth (`m`, `c`, `k` about the hub) and nothing that touches, the whole gear's momentum mean `theta`, the
+//! mean stretch `x = mean(S_i) - phi` and the deviations `d_i = S_i - mean(S_i)` go their own ways:
+//!
+//! ```text
+//! theta'' = T / J,    x'' + c/m J/J_b x' + k/m J/J_b x = -T/J_b,    d_i'' + c/m d_i' + k/m d_i = 0
+//! phi = theta - z m / J x,    S_i = theta + J_b / J x + d_i
+//! ```
+//!
+//! and on a hub whose motion is prescribed `theta = phi`, `x'' + c/m x' + k/m x = -phi''`. So teeth in flight are not
+//! integrated at all. The deviations of teeth outside the windows from their mean are in closed form already.
+
+use super::MovableTeeth;
+use crate::gear::flight::Flight;
+use gearbench_integrators::Coast;
+use gearbench_integrators::system::At;
+
+/// The gear as a frame and oscillators.
+#[derive(Clone, Copy, Debug)]
+struct Parts {
+    /// Travel, speed and acceleration of the momentum mean, or of the prescribed hub.
+    frame: [f64; 3],
+    /// Mean of the teeth and its rate.
+    mean: [f64; 2],
+    /// Mean stretch and its rate, its frequency, damping ratio and load.
+    stretch: [f64; 2],
+    omega: f64,
+    zeta: f64,
+    load: f64,
+    /// Frequency and damping ratio of the deviations.
+    own_omega: f64,
+    own_zeta: f64,
+    /// Shares of the stretch that the hub and the teeth move by.
+    shares: [f64; 2],
+    /// Inertia that swings in the stretch, and that of a tooth.
+    swinging: f64,
+    tooth: f64,
+}
+
+impl Parts {
+    /// Stretch under the steady load.
+    fn resting(&self) -> f64 {
+        self.load / (self.omega * self.omega)
+    }
+}
+
+/// `(v^2 + omega^2 x^2)`: twice the energy of a unit of inertia.
+fn doubled(omega: f64, x: f64, v: f64) -> f64 {
+    v * v + (omega * x).powi(2)
+}
+
+impl MovableTeeth {
+    /// `None` for unequal or overdamped teeth, and while a tooth has the stiffness of its contact.
+    fn parts(&self, at: At<'_>, load: f64) -> Option<Parts> {
+        let p = &self.springs;
+        let slots = self.engaged_cell(0)..self.head();
+        let engaged = p.radius.is_some() && at.memory[slots].iter().any(|x| *x != 0.0);
+        if !p.uniform || engaged {
+            return None;
+        }
+        let first = self.first();
+        let number = self.teeth as f64;
+        let (m, k, c) = (
+            p.mass[0] * p.radius_squared,
+            p.stiffness[0] * p.radius_squared,
+            p.damping[0] * p.radius_squared,
+        );
+        let mut mean = [0.0; 2];
+        for i in 0..at.q.len() - first {
+            mean[0] += self.count(i) * at.q[first + i];
+            mean[1] += self.count(i) * at.v[first + i];
+        }
+        let mean = mean.map(|x| x / number);
+        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let stretch = [mean[0] - phi, mean[1] - speed];
+        let own_omega = (k / m).sqrt();
+        let own_zeta = 0.5 * c / (k * m).sqrt();
+        let parts = if first > 0 {
+            let total = self.body + number * m;
+            let of_teeth = number * m / total;
+            let stiffer = (total / self.body).sqrt();
+            Parts {
+                frame: [
+                    phi + of_teeth * stretch[0],
+                    speed + of_teeth * stretch[1],
+                    load / total,
+                ],
+                mean,
+                stretch,
+                omega: own_omega * stiffer,
+                zeta: own_zeta * stiffer,
+                load: -load / self.body,
+                own_omega,
+                own_zeta,
+                shares: [-of_teeth, self.body / total],
+                swinging: of_teeth * self.body,
+                tooth: m,
+            }
+        } else {
+            let slope = self.hub.prescribed_acceleration(at.t);
+            Parts {
+                frame: [phi, speed, slope],
+                mean,
+                stretch,
+                omega: own_omega,
+                zeta: own_zeta,
+                load: -slope,
+                own_omega,
+                own_zeta,
+                shares: [0.0, 1.0],
+                swinging: number * m,
+                tooth: m,
+            }
+        };
+        (parts.zeta < 1.0).then_some(parts)
+    }
+
+    /// Deviation of coordinate `first() + i` from the mean, and its rate.
+    fn deviation(&self, at: At<'_>, parts: &Parts, i: usize) -> [f64; 2] {
+        let i = self.first() + i;
+        [at.q[i] - parts.mean[0], at.v[i] - parts.mean[1]]
+    }
+
+    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<Flight> {
+        let parts = self.parts(at, load)?;
+        let resting = parts.resting();
+        let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
+        let (mut widest, mut deviating) = (0.0_f64, 0.0);
+        for i in 0..at.q.len() - self.first() {
+            let [d, v] = self.deviation(at, &parts, i);
+            let twice = doubled(parts.own_omega, d, v);
+            widest = widest.max(twice);
+            deviating += self.count(i) * twice;
+        }
+        let mut travel = parts.shares[1] * (resting.abs() + stretched.sqrt() / parts.omega)
+            + widest.sqrt() / parts.own_omega;
+        if self.slots > 0 {
+            // A tooth may enter a window with the deviation that it has outside.
+            let (dd, vv) =
+                self.deviations()
+                    .squares(&self.springs, at.t, &at.memory[self.head()..]);
+            let twice = vv + parts.own_omega.powi(2) * dd;
+            travel += twice.sqrt() / parts.own_omega;
+            deviating += twice;
+        }
+        Some(Flight {
+            frame: parts.frame,
+            outward: 0.0,
+            travel,
+            energy: 0.5 * (parts.swinging * stretched + parts.tooth * deviating),
+        })
+    }
+
+    pub(super) fn add_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        let Some(parts) = self.parts(at, load) else {
+            return;
+        };
+        let own = self.first();
+        let teeth = first + own..first + at.q.len();
+        let [travel, speed, acceleration] = parts.frame;
+        coast.swing(0.0, 0.0, [travel, speed], acceleration);
+        if own > 0 {
+            coast.moves(first, 1.0);
+        }
+        teeth.clone().for_each(|i| coast.moves(i, 1.0));
+        coast.swing(parts.omega, parts.zeta, parts.stretch, parts.load);
+        if own > 0 {
+            coast.moves(first, parts.shares[0]);
+        }
+        teeth.clone().for_each(|i| coast.moves(i, parts.shares[1]));
+        for (i, coordinate) in teeth.enumerate() {
+            let start = self.deviation(at, &parts, i);
+            if start != [0.0; 2] {
+                coast.swing(parts.own_omega, parts.own_zeta, start, 0.0);
+                coast.moves(coordinate, 1.0);
+            }
+        }
+    }
+
+    pub(super) fn rest_teeth(
+        &self,
+        t: f64,
+        load: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        memory: &mut [f64],
+    ) -> bool {
+        let at = At {
+            t,
+            q: &*q,
+            v: &*v,
+            memory: &*memory,
+        };
+        let Some(parts) = self.parts(at, load) else {
+            return false;
+        };
+        let resting = parts.resting();
+        let own = self.first();
+        let [travel, speed, _] = parts.frame;
+        let place = |i: usize| travel + parts.shares[usize::from(i >= own)] * resting;
+        // Angles hold deflections to some units of their own rounding.
+        let rounding = 64.0 * f64::EPSILON * (travel.abs() + resting.abs());
+        let rests = |i: usize| {
+            (q[i] - place(i)).abs() <= rounding
+                && (v[i] - speed).abs()
+                    <= parts.omega * rounding + 64.0 * f64::EPSILON * speed.abs()
+        };
+        let free = &memory[self.head()..];
+        let outside_rests = self.slots == 0 || {
+            let (dd, vv) = self.deviations().squares(&self.springs, t, free);
+            vv + parts.own_omega.powi(2) * dd <= (parts.own_omega * rounding).powi(2)
+        };
+        if outside_rests && (0..q.len()).all(rests) {
+            return false;
+        }
+        for i in 0..q.len() {
+            q[i] = place(i);
+            v[i] = speed;
+        }
+        let head = self.head();
+        memory[head + 1..].fill(0.0);
+        true
+    }
+
+    /// On a prescribed hub the springs take `sum m S''` from it.
+    pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+        if self.first() > 0 {
+            return load * (self.hub.travel(to.t, to.q) - self.hub.travel(from.t, from.q));
+        }
+        let slope = self.hub.prescribed_acceleration(from.t);
+        let [before, after] = [from, to].map(|at| self.hub.speed(at.t, at.v));
+        (0..from.q.len())
+            .map(|i| {
+                let gained = to.v[i] * after - from.v[i] * before;
+                self.tooth_inertia(i) * (gained - slope * (to.q[i] - from.q[i]))
+            })
+            .sum()
+    }
+}

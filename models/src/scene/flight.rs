@@ -1,0 +1,197 @@
+//! Flight: how long nothing touches, where the scene is until then, and gears that are put to rest meanwhile.
+//!
+//! **How long.** Under steady loads gears fly as their frames do ([`Flight`]), `theta = theta_0 + theta' t +
+//! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
+//! ([`LineClearance`](crate::contact::lines_of_action::LineClearance)). Flanks stand off these by `B q + r T` of elastic
+//! gears and by the travels of movable teeth beside their frames, both bounded for the whole flight by the energy `E`
+//! that swings. No contact can be earlier than the first zero of the clearance less these bounds.
+//!
+//! **Where.** Frames and oscillators are known in closed form: a coast over the flight, whatever swings in it, has no
+//! error but rounding. Viscous and ramped loads, unequal or overdamped teeth, gears whose modes are coupled by their spin,
+//! full finite elements, and elastic gears against movable teeth have no such form or no such bound: they are stepped
+//! through as before.
+//!
+//! **Sleep.** A gear whose oscillators carry less than a share `eps` ([`GearModel::sleep`](crate::gear::GearModel::sleep))
+//! of the energy `E_0 = m u^2 / 2` of the impact to come is put to rest about the deflection of its loads; `u` is the
+//! speed at which the flanks of the frames will meet, `m` their reduced mass on the line of action. Momentum is kept, the
+//! energy taken, `E < eps E_0`, is a jump that the ledger books. Then flight lasts until the flanks meet. In contact all
+//! oscillators are awake, and they wake of themselves when loads change.
+//!
+//! *What it changes.* With and without sleep two motions differ by a vibration of energy `E`. In flight that moves no
+//! flank by more than `sqrt(2 c E)`. Through an impact the difference is driven by nothing: as long as the same contact
+//! with the linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy, `dN^2 / (2 k)` of
+//! the contact included, does not grow. So to first order (both motions touch at once, up to `sqrt(2 c E) / u`), per
+//! impact and gear,
+//!
+//! ```text
+//! |dN| <= sqrt(2 k E) <= sqrt(eps) u sqrt(k m),    |du| <= sqrt(2 E / m) <= sqrt(eps) u
+//! ```
+//!
+//! for the force, over that of an impact on the contact's spring alone, and for the speed of rebound. Impacts add up.
+
+use super::{Scene, SceneGear};
+use crate::contact::lines_of_action::LineClearance;
+use crate::gear::flight::Flight;
+use crate::load::Load;
+use gearbench_integrators::Coast;
+use gearbench_integrators::system::{At, SecondOrderSystem, State};
+
+impl SceneGear {
+    /// The load on its hub where that is constant from `t` until the next knot; 0 for a hub that is not free.
+    pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
+        if self.model.hub().coordinates() == 0 {
+            return Some(0.0);
+        }
+        let mut sum = 0.0;
+        for load in &self.loads {
+            sum += match load {
+                Load::Applied(p) if p.slope(t) == 0.0 => p.value(t),
+                Load::Viscous(0.0) => 0.0,
+                _ => return None,
+            };
+        }
+        Some(sum)
+    }
+}
+
+/// The first positive zero of `c + b t + a t^2 / 2` for `c > 0`, infinite where there is none.
+fn first_zero(c: f64, b: f64, a: f64) -> f64 {
+    // c + b t + a t^2/2 = 0 with u = 1/t: c u^2 + b u + a/2 = 0, whose largest root is the first zero.
+    let disc = b * b - 2.0 * a * c;
+    if disc < 0.0 {
+        return f64::INFINITY;
+    }
+    let root = disc.sqrt();
+    let u = if b <= 0.0 {
+        (root - b) / (2.0 * c)
+    } else {
+        -a / (b + root)
+    };
+    if u > 0.0 { 1.0 / u } else { f64::INFINITY }
+}
+
+/// Clearance of the frames on a line, its rate and acceleration.
+fn clearance(line: &LineClearance, frames: [&Flight; 2]) -> [f64; 3] {
+    let [a, b] = line.per_travel;
+    let along = |d: usize| a * frames[0].frame[d] + b * frames[1].frame[d];
+    [line.assembled + along(0), along(1), along(2)]
+}
+
+impl Scene {
+    /// A time until which nothing touches and all loads are steady; `at.t` where that is not known. Leaves the flights of
+    /// the gears in `self.flights` where it is later.
+    pub(super) fn flight_until(&mut self, at: At<'_>) -> f64 {
+        let open = |m: &super::SceneMesh| {
+            let modes = at.memory[m.modes()].chunks_exact(2);
+            !m.clearances.is_empty() && modes.into_iter().all(|mode| mode[0] == 0.0)
+        };
+        if !self.meshes.iter().all(open) {
+            return at.t;
+        }
+        self.flights.clear();
+        for g in &self.gears {
+            let load = g.steady_load(at.t);
+            let Some(flight) = load.and_then(|load| g.model.flight(g.at(at), load)) else {
+                return at.t;
+            };
+            self.flights.push(flight);
+        }
+        let lasts = self.flight_lasts();
+        if lasts > 0.0 {
+            self.next_knot(at.t).min(at.t + lasts)
+        } else {
+            at.t
+        }
+    }
+
+    /// Time for which nothing touches, by the flights of the gears [s].
+    fn flight_lasts(&self) -> f64 {
+        let mut shortest = f64::INFINITY;
+        for mesh in &self.meshes {
+            let frames = mesh.gears.map(|i| &self.flights[i]);
+            let outward: f64 = frames.iter().map(|f| f.outward).sum();
+            for line in &mesh.clearances {
+                let [gap, rate, acceleration] = clearance(line, frames);
+                let beside: f64 = (line.per_travel.iter().zip(frames))
+                    .map(|(p, f)| p.abs() * f.travel)
+                    .sum();
+                let gap = gap - outward - beside - mesh.margin;
+                if gap <= 0.0 {
+                    return 0.0;
+                }
+                shortest = shortest.min(first_zero(gap, rate, acceleration));
+            }
+        }
+        // What rounding may make of the root.
+        shortest * (1.0 - 1e-9)
+    }
+
+    /// [`SecondOrderSystem::coast`] of the scene.
+    pub(super) fn coast_from(&mut self, at: At<'_>, later: f64, coast: &mut Coast) -> f64 {
+        let until = self.flight_until(at);
+        if until > later {
+            coast.begin(at.t);
+            for g in &self.gears {
+                let load = g.steady_load(at.t).unwrap_or(0.0);
+                g.model.coast(g.at(at), load, g.offset, coast);
+            }
+        }
+        until
+    }
+
+    /// Energy of the next impact of a gear, were its flight to go on [J]; infinite where there is none.
+    fn coming_impact(&self, gear: usize) -> f64 {
+        let (mut soonest, mut energy) = (f64::INFINITY, f64::INFINITY);
+        for mesh in self.meshes.iter().filter(|m| m.gears.contains(&gear)) {
+            let frames = mesh.gears.map(|i| &self.flights[i]);
+            for line in &mesh.clearances {
+                let [gap, rate, acceleration] = clearance(line, frames);
+                let after = first_zero(gap, rate, acceleration);
+                if after < soonest {
+                    soonest = after;
+                    let speed = rate + acceleration * after;
+                    let yielding: f64 = (line.per_travel.iter().zip(mesh.gears))
+                        .map(|(p, i)| (p, self.gears[i].model.hub()))
+                        .filter(|(_, hub)| hub.coordinates() > 0)
+                        .map(|(p, hub)| p * p / hub.inertia)
+                        .sum();
+                    energy = 0.5 * speed * speed / yielding;
+                }
+            }
+        }
+        energy
+    }
+
+    /// Puts gears to rest that may sleep; true when one did.
+    pub(super) fn fall_asleep(&mut self, s: &mut State) -> bool {
+        if self.flight_until(s.at()) <= s.t {
+            return false;
+        }
+        let mut slept = false;
+        for (i, g) in self.gears.iter().enumerate() {
+            let share = g.model.sleep();
+            let reference = self.coming_impact(i);
+            // A partner that is held as well has no reduced mass to meet.
+            let below = self.flights[i].energy < share * reference && reference.is_finite();
+            let Some(load) = g.steady_load(s.t).filter(|_| below) else {
+                continue;
+            };
+            let State { t, q, v, memory } = &mut *s;
+            let own = g.range();
+            let cells = &mut memory[g.memory.0..][..g.memory.1];
+            let (q, v) = (&mut q[own.clone()], &mut v[own]);
+            slept |= g.model.put_to_rest(*t, load, q, v, cells);
+        }
+        slept
+    }
+
+    /// [`SecondOrderSystem::steady_work`] of the scene.
+    pub(super) fn work_of_flight(&self, from: At<'_>, to: At<'_>) -> Option<f64> {
+        let mut work = 0.0;
+        for g in &self.gears {
+            let load = g.steady_load(from.t)?;
+            work += g.model.steady_work(g.at(from), g.at(to), load);
+        }
+        Some(work)
+    }
+}

@@ -1,0 +1,637 @@
+//! Error against cost: every run a point, the Pareto front a staircase, failures on an edge of their own.
+
+use super::Chart;
+use super::axis::{Axis, Frame, NAME_SIZE, TICK_SIZE};
+use super::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
+use super::cost::{label_place, point_label};
+use super::lines::{LEFT, RIGHT, WIDTH};
+use super::precision_marks::{Marks, legend, legend_height};
+use super::style::{Look, cross, look, marker};
+use crate::numbers::count;
+use crate::pareto::{Point, front};
+use crate::precision::{
+    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, family, id_of, is_ours, rung,
+};
+use crate::record::{Results, Run, Status};
+use crate::view::{View, metric_name};
+
+/// File names of the charts against references, the first above all.
+const MODEL: [&str; 4] = [
+    "precision_model.svg",
+    "precision_model_2.svg",
+    "precision_model_3.svg",
+    "precision_model_4.svg",
+];
+/// The same of further metrics.
+const METRIC: [&str; 6] = [
+    "precision_metric_2.svg",
+    "precision_metric_3.svg",
+    "precision_metric_4.svg",
+    "precision_metric_5.svg",
+    "precision_metric_6.svg",
+    "precision_metric_7.svg",
+];
+const INTEGRATION: &str = "precision_integration.svg";
+const FAMILIES: &str = "precision_families.svg";
+const WORK: &str = "precision_work.svg";
+
+/// Names that the charts of this study can have.
+pub(crate) fn files() -> impl Iterator<Item = &'static str> {
+    let further = [INTEGRATION, FAMILIES, WORK];
+    MODEL.into_iter().chain(METRIC).chain(further)
+}
+
+/// Opacity of what something else beats.
+const FAINT: f64 = 0.3;
+/// Height of a plot and of a small one.
+const PLOT: f64 = 400.0;
+const SMALL: f64 = 225.0;
+const ROW: f64 = 19.0;
+
+/// Whether a record has something to draw here.
+pub fn applies(results: &Results) -> bool {
+    results.study == "precision"
+}
+
+/// The charts of accuracy against cost.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
+    let told = Precision::of(view.results);
+    let marks = Marks::of(view.results);
+    let metric = told.headline();
+    let mut charts = Vec::new();
+    for (id, file) in told.references.iter().zip(MODEL) {
+        charts.extend(scatter(
+            view,
+            &told,
+            &marks,
+            (id, metric, Cost::Wall),
+            file,
+        )?);
+    }
+    charts.extend(integration(&told, &marks, metric)?);
+    if let Some(first) = told.references.first() {
+        charts.extend(families(view, &told, &marks, first, metric)?);
+        charts.extend(scatter(
+            view,
+            &told,
+            &marks,
+            (first, metric, Cost::Evaluations),
+            WORK,
+        )?);
+        for (further, file) in told.metrics.iter().skip(1).zip(METRIC) {
+            charts.extend(scatter(
+                view,
+                &told,
+                &marks,
+                (first, further, Cost::Wall),
+                file,
+            )?);
+        }
+    } else {
+        charts.extend(scatter(
+            view,
+            &told,
+            &marks,
+            (SELF, metric, Cost::Evaluations),
+            WORK,
+        )?);
+    }
+    Ok(charts)
+}
+
+/// Axes around points, in per cent and milliseconds or evaluations.
+struct Scale {
+    cost: f64,
+    x: Axis,
+    y: Axis,
+    x_name: &'static str,
+}
+
+impl Scale {
+    fn of(points: impl Iterator<Item = Point> + Clone, cost: Cost) -> Option<Self> {
+        let (factor, x_name) = match cost {
+            Cost::Wall => (1e3, "wall time [ms]"),
+            Cost::Evaluations => (1.0, "force evaluations"),
+        };
+        let range = |f: &dyn Fn(&Point) -> f64| {
+            points
+                .clone()
+                .fold((f64::INFINITY, 0.0_f64), |(low, high), p| {
+                    (low.min(f(&p)), high.max(f(&p)))
+                })
+        };
+        let (x, y) = (range(&|p| factor * p.cost), range(&|p| 100.0 * p.error));
+        (x.1 > 0.0).then(|| Scale {
+            cost: factor,
+            x: Axis::logarithmic(x.0, x.1),
+            y: Axis::logarithmic(y.0, y.1),
+            x_name,
+        })
+    }
+
+    fn at(&self, frame: &Frame, p: Point) -> (f64, f64) {
+        frame.at(self.cost * p.cost, 100.0 * p.error)
+    }
+}
+
+fn faint(look: Look) -> Look {
+    Look {
+        ink: look.ink.opacity(FAINT),
+        ..look
+    }
+}
+
+/// The staircase under a front: everything above and to the right of it is beaten.
+fn staircase(c: &mut Canvas<'_>, frame: &Frame, scale: &Scale, points: &[Point], stroke: Stroke) {
+    let mut path: Vec<(f64, f64)> = Vec::with_capacity(2 * points.len() + 2);
+    for p in points {
+        let at = scale.at(frame, *p);
+        let from = path.last().map_or(frame.area.y0, |l| l.1);
+        path.extend([(at.0, from), at]);
+    }
+    if let Some(last) = path.last().copied() {
+        path.push((frame.area.x1, last.1));
+        c.line_within(&path, &frame.area, stroke);
+    }
+}
+
+/// All runs against one reference.
+fn scatter(
+    view: &View<'_>,
+    told: &Precision<'_>,
+    marks: &Marks,
+    (against, metric, cost): (&str, &str, Cost),
+    file: &'static str,
+) -> Result<Option<Chart>, DrawError> {
+    let cloud = told.cloud(against, metric, cost);
+    let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), cost) else {
+        return Ok(None);
+    };
+    let fitted = cloud.has_fitted();
+    let all = cloud.front(|_| true);
+    let fair = cloud.front(|s| !s.is_fitted());
+    let reasons = cloud.reasons();
+    let notes = match cost {
+        Cost::Wall => notes(&cloud),
+        Cost::Evaluations => Vec::new(),
+    };
+    let models = models_of(told, &cloud);
+    let top = 8.0 + legend_height(&models, marks);
+    let strip = strip_height(&reasons);
+    let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + PLOT);
+    let notes_height = 17.0 * notes.len() as f64 + if notes.is_empty() { 0.0 } else { 10.0 };
+    let title = match (against, cost) {
+        (SELF, _) => "Integration error against work",
+        (_, Cost::Wall) => "Model error against wall time",
+        (_, Cost::Evaluations) => "Model error against work",
+    };
+    let svg = draw(WIDTH, area.y1 + 46.0 + notes_height, title, |c| {
+        legend(c, &models, marks);
+        failures(
+            c,
+            marks,
+            &reasons,
+            &Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0),
+        );
+        let frame = Frame {
+            area,
+            x: scale.x.clone(),
+            y: scale.y.clone(),
+        };
+        let name = format!("{} [%]", metric_name(metric));
+        frame.paint(c, scale.x_name, &name, true);
+        let on = |i: &usize| all.contains(i) || fair.contains(i);
+        for i in (0..cloud.shown.len()).filter(|i| !on(i)) {
+            let s = &cloud.shown[i];
+            let (look, filled) = marks.look(s.style, s.run);
+            marker(c, scale.at(&frame, s.point), 3.4, faint(look), filled);
+        }
+        let stairs = |of: &[usize]| of.iter().map(|&i| cloud.shown[i].point).collect::<Vec<_>>();
+        if fitted {
+            let stroke = Stroke::dashed(Ink::GREY, 1.3, &[3.0, 3.0]);
+            staircase(c, &frame, &scale, &stairs(&all), stroke);
+        }
+        staircase(
+            c,
+            &frame,
+            &scale,
+            &stairs(&fair),
+            Stroke::new(Ink::DARK, 1.5),
+        );
+        let shown: Vec<usize> = (0..cloud.shown.len()).filter(on).collect();
+        let mut taken: Vec<Rect> = Vec::new();
+        for &i in &shown {
+            let s = &cloud.shown[i];
+            let at = scale.at(&frame, s.point);
+            taken.push(Rect::new(at.0 - 6.0, at.1 - 6.0, at.0 + 6.0, at.1 + 6.0));
+            let (look, filled) = marks.look(s.style, s.run);
+            marker(c, at, 5.4, look, filled);
+        }
+        let mut named = cloud.news(&fair);
+        named.extend(cloud.news(&all));
+        named.sort_unstable();
+        named.dedup();
+        for &i in &named {
+            let s = &cloud.shown[i];
+            name_point(c, &words(s), scale.at(&frame, s.point), &area, &mut taken);
+        }
+        let mut y = area.y1 + 58.0;
+        for (cells, strong) in &notes {
+            for (text, x) in cells.iter().zip(NOTES) {
+                let kind = Type::new(11.5, Anchor::Start);
+                c.text(text, (x, y), if *strong { kind.bold() } else { kind });
+            }
+            y += 17.0;
+        }
+    })?;
+    let reference = view.reference_name(against);
+    Ok(Some(Chart {
+        file,
+        title,
+        caption: caption(&reference, metric, cost, fitted, against == SELF),
+        svg,
+    }))
+}
+
+fn caption(reference: &str, metric: &str, cost: Cost, fitted: bool, own: bool) -> String {
+    let what = match cost {
+        Cost::Wall => "wall time, median of the repeats without setup",
+        Cost::Evaluations => {
+            "evaluations of the contact forces, which a noisy machine does not change; one of a larger model takes longer"
+        }
+    };
+    let fits = if fitted {
+        " The full staircase is the front of models with nothing fitted; the dotted one takes in those whose constants \
+         were fitted to that very history, whose error there is the rest of a fit."
+    } else {
+        ""
+    };
+    let two = if own {
+        ""
+    } else {
+        " An error against this reference is that of the model and its resolution together."
+    };
+    format!(
+        "{} against {reference} over {what}. Every point is a run; those on the front are strong and named, those that \
+         another beats in both are faint.{two}{fits} Failed runs stand above, by reason; their place in a row means nothing, \
+         for the time at which a run failed is no cost.",
+        capital(metric_name(metric)),
+    )
+}
+
+fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |first| {
+        first.to_uppercase().collect::<String>() + chars.as_str()
+    })
+}
+
+/// What a point of the front is called beside its colour.
+fn words(s: &Shown<'_>) -> String {
+    if is_ours(s.run) {
+        return rung(s.run);
+    }
+    format!("{} {}", id_of(&s.run.integrator), rung(s.run))
+}
+
+/// Models of a cloud: place, label, fitted or not.
+fn models_of(told: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
+    let styles = (cloud.shown.iter().map(|s| (s.style, s.is_fitted()))).chain(
+        cloud
+            .failed
+            .iter()
+            .map(|(r, style)| (*style, r.fitted_to.is_some())),
+    );
+    let mut found: Vec<(usize, bool)> = Vec::new();
+    for (style, fitted) in styles {
+        if !found.iter().any(|f| f.0 == style) {
+            found.push((style, fitted));
+        }
+    }
+    found.sort_unstable();
+    let label = |(style, fitted): (usize, bool)| {
+        let name = &told.models[style];
+        let text = if fitted {
+            format!("{name} (fitted)")
+        } else {
+            name.clone()
+        };
+        (style, text)
+    };
+    found.into_iter().map(label).collect()
+}
+
+/// Left edges of the columns of the notes.
+const NOTES: [f64; 4] = [LEFT - 60.0, LEFT - 14.0, LEFT + 234.0, LEFT + 508.0];
+
+/// Who leads at which error, in columns under the plot; headings are strong.
+fn notes(cloud: &Cloud<'_>) -> Vec<([String; 4], bool)> {
+    let line = |s: &Standing<'_, '_>| {
+        let cells = [s.level(), s.own(), s.beside_next(), s.beside_other()];
+        (cells, false)
+    };
+    let of = |fitted_too: bool| {
+        LEVELS
+            .iter()
+            .filter_map(move |l| cloud.standing(*l, fitted_too))
+    };
+    let fair: Vec<_> = of(false).map(|s| line(&s)).collect();
+    if fair.is_empty() {
+        return Vec::new();
+    }
+    let head = |what: &str| {
+        let texts = [
+            "within",
+            what,
+            "beside the next family",
+            "beside the next other model",
+        ];
+        (texts.map(String::from), true)
+    };
+    let mut all = vec![head(if cloud.has_fitted() {
+        "cheapest elastic, nothing fitted"
+    } else {
+        "cheapest elastic"
+    })];
+    all.extend(fair);
+    // Only what a fit changes is told again.
+    let fits: Vec<_> = of(true)
+        .filter(|s| s.next.is_some_and(|(rival, _)| rival.is_fitted()))
+        .map(|s| line(&s))
+        .collect();
+    if !fits.is_empty() {
+        all.push(head("models fitted to this history included"));
+        all.extend(fits);
+    }
+    all
+}
+
+/// Names a point on a plate of its own, so that what lies behind does not spoil the text.
+fn name_point(c: &mut Canvas<'_>, text: &str, at: (f64, f64), area: &Rect, taken: &mut Vec<Rect>) {
+    let before = taken.len();
+    let mut plates = taken.clone();
+    if label_place(text, at, area, &mut plates)
+        && let Some(plate) = plates.get(before)
+    {
+        c.fill(plate, Ink::WHITE.opacity(0.78));
+    }
+    point_label(c, text, at, area, taken);
+}
+
+fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
+    if reasons.is_empty() {
+        0.0
+    } else {
+        16.0 + ROW * reasons.len() as f64
+    }
+}
+
+/// Failed runs, one row per reason.
+fn failures(
+    c: &mut Canvas<'_>,
+    marks: &Marks,
+    reasons: &[(Status, Vec<(&Run, usize)>)],
+    edge: &Rect,
+) {
+    if reasons.is_empty() {
+        return;
+    }
+    c.fill(edge, Ink(0xf7, 0xf3, 0xf2, 1.0));
+    c.frame(edge, Stroke::new(Ink::PALE, 1.0));
+    let left = edge.x0 + 128.0;
+    for (k, (status, runs)) in reasons.iter().enumerate() {
+        let y = edge.y0 + 4.0 + ROW * (k as f64 + 0.5);
+        cross(c, (edge.x0 + 12.0, y), 3.4, Ink::FAIL);
+        let text = format!("{status} ({})", count(runs.len() as u64));
+        c.text(
+            &text,
+            (edge.x0 + 22.0, y),
+            Type::new(12.0, Anchor::Start).ink(Ink::FAIL),
+        );
+        let pitch = ((edge.x1 - left - 12.0) / runs.len().max(1) as f64).min(13.0);
+        for (i, (run, style)) in runs.iter().enumerate() {
+            let (look, filled) = marks.look(*style, run);
+            marker(c, (left + pitch * (i as f64 + 0.5), y), 3.6, look, filled);
+        }
+    }
+}
+
+/// Work-precision diagrams, one per model: what its integrators lose.
+fn integration(
+    told: &Precision<'_>,
+    marks: &Marks,
+    metric: &str,
+) -> Result<Option<Chart>, DrawError> {
+    let cloud = told.cloud(SELF, metric, Cost::Wall);
+    let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
+    for style in 0..told.models.len() {
+        let of: Vec<&Shown<'_>> = cloud.shown.iter().filter(|s| s.style == style).collect();
+        let modes = busiest(&of);
+        let kept: Vec<&Shown<'_>> = of.into_iter().filter(|s| s.run.modes == modes).collect();
+        if kept.len() > 1 {
+            panels.push((style, modes, kept));
+        }
+    }
+    let points = panels.iter().flat_map(|p| p.2.iter().map(|s| s.point));
+    let Some(whole) = Scale::of(points.collect::<Vec<_>>().into_iter(), Cost::Wall) else {
+        return Ok(None);
+    };
+    let gap = 62.0;
+    let width = 0.5 * (WIDTH - LEFT - RIGHT - gap);
+    let rows = panels.len().div_ceil(2);
+    let models: Vec<(usize, String)> = panels
+        .iter()
+        .map(|p| (p.0, told.models[p.0].clone()))
+        .collect();
+    let top = 8.0 + legend_height(&models, marks);
+    let title = "Integration error against wall time";
+    let pitch = SMALL + 34.0;
+    let svg = draw(WIDTH, top + pitch * rows as f64 + 26.0, title, |c| {
+        legend(c, &models, marks);
+        for (k, (style, modes, shown)) in panels.iter().enumerate() {
+            let x0 = LEFT + (k % 2) as f64 * (width + gap);
+            let y0 = top + pitch * (k / 2) as f64;
+            let area = Rect::new(x0, y0, x0 + width, y0 + SMALL);
+            let Some(own) = Scale::of(shown.iter().map(|s| s.point), Cost::Wall) else {
+                continue;
+            };
+            let scale = Scale {
+                // One range of errors for all: models can be told apart by cost alone.
+                y: whole.y.clone(),
+                ..own
+            };
+            let last = k + 2 >= panels.len();
+            panel(c, marks, &scale, (area, last), *style, shown);
+            let label = match modes {
+                Some(n) => format!("{}, {n} modes", told.models[*style]),
+                None => told.models[*style].clone(),
+            };
+            let failed = (cloud.failed.iter())
+                .filter(|(r, s)| s == style && r.modes == *modes)
+                .count();
+            let failed = if failed > 0 {
+                format!("{failed} failed")
+            } else {
+                String::new()
+            };
+            let bold = Type::new(NAME_SIZE, Anchor::End).bold();
+            c.text(&label, (area.x1 - 8.0, area.y0 + 14.0), bold);
+            let kind = Type::new(TICK_SIZE, Anchor::End).ink(Ink::FAIL);
+            c.text(&failed, (area.x1 - 8.0, area.y0 + 31.0), kind);
+        }
+        let middle = top + 0.5 * pitch * rows as f64;
+        let name = format!("{} [%]", metric_name(metric));
+        c.text(
+            &name,
+            (14.0, middle),
+            Type::new(NAME_SIZE, Anchor::Middle).upwards(),
+        );
+    })?;
+    Ok(Some(Chart {
+        file: INTEGRATION,
+        title,
+        caption: format!(
+            "{} against each model's own converged solution: what the integrator loses, whatever the model is worth. One \
+             panel per model, of an elastic model with the number of modes that most integrators run; thin lines join the \
+             steps or tolerances of an integrator, the staircase is the front of the panel.",
+            capital(metric_name(metric))
+        ),
+        svg,
+    }))
+}
+
+/// The number of modes that most integrators run, of several the largest.
+fn busiest(shown: &[&Shown<'_>]) -> Option<usize> {
+    let mut counts: Vec<(usize, Option<usize>)> = Vec::new();
+    for s in shown {
+        if counts.iter().any(|c| c.1 == s.run.modes) {
+            continue;
+        }
+        let mut ids: Vec<&str> = (shown.iter())
+            .filter(|o| o.run.modes == s.run.modes)
+            .map(|o| o.run.integrator.as_str())
+            .collect();
+        ids.sort_unstable();
+        ids.dedup();
+        counts.push((ids.len(), s.run.modes));
+    }
+    counts.into_iter().max().and_then(|c| c.1)
+}
+
+fn panel(
+    c: &mut Canvas<'_>,
+    marks: &Marks,
+    scale: &Scale,
+    (area, last): (Rect, bool),
+    style: usize,
+    shown: &[&Shown<'_>],
+) {
+    let frame = Frame {
+        area,
+        x: scale.x.clone(),
+        y: scale.y.clone(),
+    };
+    frame.paint(c, if last { scale.x_name } else { "" }, "", true);
+    let mut told: Vec<&str> = Vec::new();
+    for s in shown {
+        let id = s.run.integrator.as_str();
+        if told.contains(&id) {
+            continue;
+        }
+        told.push(id);
+        for steps in [true, false] {
+            let ladder: Vec<(f64, f64)> = (shown.iter())
+                .filter(|o| o.run.integrator == id && o.run.step.is_some() == steps)
+                .map(|o| scale.at(&frame, o.point))
+                .collect();
+            c.line_within(
+                &ladder,
+                &area,
+                Stroke::new(look(style).ink.opacity(0.35), 1.0),
+            );
+        }
+    }
+    let points: Vec<Point> = shown.iter().map(|s| s.point).collect();
+    let best = front(&points);
+    for (i, s) in shown.iter().enumerate() {
+        let (own, filled) = marks.look(s.style, s.run);
+        let kept = if best.contains(&i) { own } else { faint(own) };
+        let radius = if best.contains(&i) { 4.4 } else { 3.2 };
+        marker(c, scale.at(&frame, s.point), radius, kept, filled);
+    }
+    let stairs: Vec<Point> = best.iter().map(|&i| points[i]).collect();
+    staircase(c, &frame, scale, &stairs, Stroke::new(Ink::DARK, 1.2));
+}
+
+/// Each family by its own front alone.
+fn families(
+    view: &View<'_>,
+    told: &Precision<'_>,
+    marks: &Marks,
+    against: &str,
+    metric: &str,
+) -> Result<Option<Chart>, DrawError> {
+    let cloud = told.cloud(against, metric, Cost::Wall);
+    let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), Cost::Wall) else {
+        return Ok(None);
+    };
+    let mut names: Vec<String> = Vec::new();
+    for s in &cloud.shown {
+        let name = family(s.run);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let models = models_of(told, &cloud);
+    let top = 8.0 + legend_height(&models, marks);
+    let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + PLOT);
+    let title = "The best of each family";
+    let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
+        legend(c, &models, marks);
+        let frame = Frame {
+            area,
+            x: scale.x.clone(),
+            y: scale.y.clone(),
+        };
+        let name = format!("{} [%]", metric_name(metric));
+        frame.paint(c, scale.x_name, &name, true);
+        let mut taken: Vec<Rect> = Vec::new();
+        let mut ends: Vec<(String, (f64, f64))> = Vec::new();
+        for name in &names {
+            let best = cloud.news(&cloud.front(|s| family(s.run) == *name));
+            let path: Vec<(f64, f64)> = (best.iter())
+                .map(|&i| scale.at(&frame, cloud.shown[i].point))
+                .collect();
+            let Some(&first) = best.first() else { continue };
+            let s = &cloud.shown[first];
+            let (own, filled) = marks.look(s.style, s.run);
+            let width = if is_ours(s.run) { 2.4 } else { 1.1 };
+            c.line(&path, Stroke::dashed(own.ink, width, own.dash));
+            for at in &path {
+                marker(c, *at, 4.0, own, filled);
+                taken.push(Rect::new(at.0 - 4.5, at.1 - 4.5, at.0 + 4.5, at.1 + 4.5));
+            }
+            if let Some(&i) = best.last() {
+                let s = &cloud.shown[i];
+                ends.push((s.run.integrator.clone(), scale.at(&frame, s.point)));
+            }
+        }
+        for (text, at) in &ends {
+            name_point(c, text, *at, &area, &mut taken);
+        }
+    })?;
+    Ok(Some(Chart {
+        file: FAMILIES,
+        title,
+        caption: format!(
+            "The runs of each family (a model under an integrator) that no other run of the same family beats, against {}, \
+             as far as each errs less than the last by more than a twentieth: where a line ends, finer steps buy nothing more \
+             from the model. Names stand at that end where there is room.",
+            view.reference_name(against)
+        ),
+        svg,
+    }))
+}

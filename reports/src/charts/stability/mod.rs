@@ -1,0 +1,249 @@
+//! Maps of where methods fail: an overview at the scene's own parameters, and one figure of small multiples per model.
+
+mod look;
+mod overview;
+mod panel;
+
+use super::Chart;
+use super::axis::NAME_SIZE;
+use super::canvas::{Anchor, DrawError, Rect, Type, draw};
+use super::lines::{RIGHT, WIDTH};
+use crate::numbers::{quantity, short};
+use crate::record::Status;
+use crate::stability::{LineKind, Map};
+use crate::view::View;
+use look::{Entry, KINDS, legend, legend_height};
+use panel::{Panel, labels};
+
+/// Panels side by side.
+const ACROSS: usize = 3;
+/// Space for the values of the parameter.
+const LEFT: f64 = 74.0;
+/// Space between panels.
+const BETWEEN: f64 = 16.0;
+/// Space above a panel for its heading, below for its ticks, and below the last for the name of the abscissa.
+const ABOVE: f64 = 26.0;
+const BELOW: f64 = 22.0;
+const NAME: f64 = 22.0;
+
+/// File names that these charts can have; figures beyond are left out, and the last caption says so.
+pub const FILES: [&str; 25] = [
+    "stability.svg",
+    "stability_map01.svg",
+    "stability_map02.svg",
+    "stability_map03.svg",
+    "stability_map04.svg",
+    "stability_map05.svg",
+    "stability_map06.svg",
+    "stability_map07.svg",
+    "stability_map08.svg",
+    "stability_map09.svg",
+    "stability_map10.svg",
+    "stability_map11.svg",
+    "stability_map12.svg",
+    "stability_map13.svg",
+    "stability_map14.svg",
+    "stability_map15.svg",
+    "stability_map16.svg",
+    "stability_map17.svg",
+    "stability_map18.svg",
+    "stability_map19.svg",
+    "stability_map20.svg",
+    "stability_map21.svg",
+    "stability_map22.svg",
+    "stability_map23.svg",
+    "stability_map24.svg",
+];
+
+/// Whether a record has something to draw here.
+pub fn applies(view: &View<'_>) -> bool {
+    !view.results.maps.is_empty()
+}
+
+/// The maps of one model over one set of axes.
+fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
+    let mut found: Vec<Vec<&Map>> = Vec::new();
+    for map in maps {
+        let same =
+            |f: &&mut Vec<&Map>| f[0].set == map.set && f[0].model_label() == map.model_label();
+        match found.iter_mut().find(same) {
+            Some(figure) => figure.push(map),
+            None => found.push(vec![map]),
+        }
+    }
+    found
+}
+
+/// The charts of a study of stability.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn stability(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
+    let maps = &view.results.maps;
+    let mut charts = Vec::new();
+    if let Some(svg) = overview::overview(maps)? {
+        charts.push(Chart {
+            file: FILES[0],
+            title: "Where methods fail",
+            caption: "How runs ended at the scene's own parameters, by step (or tolerance, for methods that choose \
+                      their steps). The diamond is the largest step up to which every run held, closed in on to \
+                      2 %; the vertical line is the stability limit of linear theory at the closed contact."
+                .into(),
+            svg,
+        });
+    }
+    let all = figures(maps);
+    let room = FILES.len() - charts.len();
+    for (figure, file) in all.iter().zip(&FILES[1..]) {
+        charts.push(Chart {
+            file,
+            title: "Map of how runs ended",
+            caption: caption(figure),
+            svg: paint(figure)?,
+        });
+    }
+    if all.len() > room
+        && let Some(last) = charts.last_mut()
+    {
+        last.caption.push_str(&format!(
+            " {} further figures are left out; stability.csv has their cells.",
+            all.len() - room
+        ));
+    }
+    Ok(charts)
+}
+
+fn caption(maps: &[&Map]) -> String {
+    let first = maps[0];
+    let names: Vec<String> = first.axes.iter().map(|a| labels(a).1).collect();
+    let over = match names.as_slice() {
+        [a, b] => format!("{a}, panels by {b}"),
+        _ => names.join(", "),
+    };
+    let checked: Vec<f64> = (first.references.iter())
+        .filter_map(|r| r.checked)
+        .collect();
+    let worst = checked.iter().copied().fold(0.0, f64::max);
+    let references = match (checked.len(), first.references.len()) {
+        (0, _) => {
+            "No converged solution was to be had: cells are judged by the energy ledger alone."
+                .into()
+        }
+        (n, all) if n == all => format!(
+            "Every row has a converged solution of its own, checked to {}.",
+            short(worst, 2)
+        ),
+        (n, all) => format!(
+            "{n} of {all} rows have a converged solution, checked to {}; the others are judged by the energy ledger \
+             alone.",
+            short(worst, 2)
+        ),
+    };
+    format!(
+        "{}: step over {over}; {} simulated. The framed row is the scene's own value. {references}",
+        first.model_label(),
+        quantity(first.duration_s, "s", 3)
+    )
+}
+
+/// The panels of a figure, in rows.
+fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
+    let name = |map: &Map| {
+        if map.implicit {
+            format!("{} (implicit)", map.integrator)
+        } else {
+            map.integrator.clone()
+        }
+    };
+    let panel = |map, second, title| Panel {
+        map,
+        second,
+        title,
+        y_labels: false,
+        x_name: false,
+    };
+    let mut rows: Vec<Vec<Panel<'a>>> = Vec::new();
+    let seconds = maps.iter().any(|m| m.axes.len() > 1);
+    if seconds {
+        for &map in maps {
+            let Some(axis) = map.axes.get(1) else {
+                continue;
+            };
+            let texts = labels(axis).0;
+            let all: Vec<Panel<'a>> = (texts.iter().enumerate())
+                .map(|(j, text)| panel(map, j, format!("{}: {}", short_name(map), text)))
+                .collect();
+            let mut all = all.into_iter().peekable();
+            while all.peek().is_some() {
+                rows.push(all.by_ref().take(ACROSS).collect());
+            }
+        }
+    } else {
+        for chunk in maps.chunks(ACROSS) {
+            rows.push(chunk.iter().map(|m| panel(*m, 0, name(m))).collect());
+        }
+    }
+    let last = rows.len().saturating_sub(1);
+    for (i, row) in rows.iter_mut().enumerate() {
+        for (k, p) in row.iter_mut().enumerate() {
+            p.y_labels = k == 0;
+            p.x_name = i == last;
+        }
+    }
+    rows
+}
+
+/// The integrator without its parameters.
+fn short_name(map: &Map) -> &str {
+    map.integrator.split('(').next().unwrap_or("")
+}
+
+fn paint(maps: &[&Map]) -> Result<String, DrawError> {
+    let rows = panels(maps);
+    let occurs = |s: &Status| maps.iter().any(|m| m.cells.iter().any(|c| c.status == *s));
+    let mut entries: Vec<Entry> = (Status::ALL.into_iter().filter(occurs))
+        .map(Entry::Label)
+        .collect();
+    let drawn = |kind: LineKind| {
+        let visible = |m: &Map, h: f64| m.at.first() <= Some(&h) && Some(&h) <= m.at.last();
+        (maps.iter()).any(|m| {
+            let of_kind = m.lines.iter().filter(|l| l.kind == kind);
+            of_kind
+                .flat_map(|l| l.step_s.iter().flatten())
+                .any(|h| visible(m, *h))
+        })
+    };
+    entries.extend((KINDS.iter().filter(|k| drawn(k.0))).map(|k| Entry::Theory(k.0)));
+    if maps.iter().any(|m| {
+        m.limit()
+            .is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())
+    }) {
+        entries.push(Entry::Found);
+    }
+    let values = (maps.iter())
+        .filter_map(|m| Some(m.axes.first()?.values.len()))
+        .max()
+        .unwrap_or(1);
+    let tall = (18.0 * values as f64).clamp(96.0, 300.0);
+    let head = 30.0 + legend_height(&entries);
+    let height = head + rows.len() as f64 * (ABOVE + tall + BELOW) + NAME;
+    let wide = (WIDTH - RIGHT - LEFT - BETWEEN * (ACROSS - 1) as f64) / ACROSS as f64;
+    let title = maps[0].model_label();
+    draw(WIDTH, height, &title, |c| {
+        let heading = Type::new(1.15 * NAME_SIZE, Anchor::Start).bold();
+        c.text(&title, (16.0, 14.0), heading);
+        legend(c, &entries, 26.0);
+        for (i, row) in rows.iter().enumerate() {
+            let top = head + i as f64 * (ABOVE + tall + BELOW) + ABOVE;
+            for (k, p) in row.iter().enumerate() {
+                let left = LEFT + k as f64 * (wide + BETWEEN);
+                p.paint(c, &Rect::new(left, top, left + wide, top + tall));
+            }
+        }
+        if let Some(axis) = maps[0].axes.first() {
+            let middle = 0.5 * (head + height - NAME);
+            let kind = Type::new(NAME_SIZE, Anchor::Middle).upwards();
+            c.text(&labels(axis).1, (14.0, middle), kind);
+        }
+    })
+}

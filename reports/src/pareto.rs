@@ -1,0 +1,199 @@
+//! Cost against error: the points that no other beats, and by how much one family leads another.
+//!
+//! A point dominates another when it costs no more and errs no more, and is better in one of the two. The points that
+//! none dominates are the Pareto front. Nothing is interpolated: every statement is about points that are there.
+//! Points whose cost or error is not a finite number belong to nothing; failed runs must not be made points at all.
+
+/// What a run costs and how far off it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Cost, in any unit, positive.
+    pub cost: f64,
+    /// Magnitude of the error.
+    pub error: f64,
+}
+
+impl Point {
+    /// Whether cost and error are numbers that can be compared.
+    pub fn is_sound(&self) -> bool {
+        self.cost.is_finite() && self.cost > 0.0 && self.error.is_finite() && self.error >= 0.0
+    }
+}
+
+/// Indices of the points that none dominates, ascending in cost and falling in error. Of points that are equal the
+/// first stands for all.
+pub fn front(points: &[Point]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..points.len())
+        .filter(|i| points[*i].is_sound())
+        .collect();
+    order.sort_by(|&a, &b| {
+        let (a_point, b_point) = (points[a], points[b]);
+        (a_point.cost.total_cmp(&b_point.cost))
+            .then(a_point.error.total_cmp(&b_point.error))
+            .then(a.cmp(&b))
+    });
+    let mut least = f64::INFINITY;
+    order.retain(|&i| {
+        let better = points[i].error < least;
+        least = least.min(points[i].error);
+        better
+    });
+    order
+}
+
+/// The cheapest point whose error is within a limit; of equal cost the more accurate one.
+pub fn cheapest(points: &[Point], limit: f64) -> Option<usize> {
+    let within = |i: &usize| points[*i].is_sound() && points[*i].error <= limit;
+    (0..points.len()).filter(within).min_by(|&a, &b| {
+        (points[a].cost.total_cmp(&points[b].cost))
+            .then(points[a].error.total_cmp(&points[b].error))
+    })
+}
+
+/// The cheapest of some points and of the others, both within the same limit of the error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lead {
+    /// Index of the cheapest of ours.
+    pub ours: usize,
+    /// Index of the cheapest of the others; `None` when none of them keeps the limit.
+    pub next: Option<usize>,
+    /// Cost of the others' over that of ours: below one they are cheaper.
+    pub factor: Option<f64>,
+}
+
+/// By which factor the points for which `mine` holds lead the others within a limit of the error; `None` when none of
+/// ours keeps it.
+pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<Lead> {
+    let of = |wanted: bool| {
+        let theirs = |i: usize| mine.get(i) == Some(&wanted);
+        let kept: Vec<usize> = (0..points.len()).filter(|i| theirs(*i)).collect();
+        let some: Vec<Point> = kept.iter().map(|&i| points[i]).collect();
+        cheapest(&some, limit).map(|k| kept[k])
+    };
+    let ours = of(true)?;
+    let next = of(false);
+    Some(Lead {
+        ours,
+        next,
+        factor: next.map(|n| points[n].cost / points[ours].cost),
+    })
+}
+
+/// The errors between which every point of the front is one of ours: the least of them, and the error from which on
+/// something cheaper takes over (`None`: nothing does). `None` when the front has none of ours.
+pub fn held(points: &[Point], mine: &[bool]) -> Option<(f64, Option<f64>)> {
+    let front = front(points);
+    let is_mine = |i: &usize| mine.get(*i) == Some(&true);
+    // From the accurate end: the first of ours, then as far as they stay together.
+    let from = front.iter().rposition(is_mine)?;
+    let cheaper = front[..from].iter().rposition(|i| !is_mine(i));
+    Some((
+        points[front[from]].error,
+        cheaper.map(|k| points[front[k]].error),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(all: &[(f64, f64)]) -> Vec<Point> {
+        let point = |&(cost, error): &(f64, f64)| Point { cost, error };
+        all.iter().map(point).collect()
+    }
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let p = points(&[
+            (4.0, 1.0),
+            (1.0, 8.0),
+            (2.0, 4.0),
+            (3.0, 5.0),
+            (5.0, 1.0),
+            (9.0, 0.5),
+        ]);
+        assert_eq!(front(&p), [1, 2, 0, 5]);
+        // By definition: no member is dominated, every other is.
+        let dominates = |a: &Point, b: &Point| {
+            a.cost <= b.cost && a.error <= b.error && (a.cost < b.cost || a.error < b.error)
+        };
+        for (i, q) in p.iter().enumerate() {
+            let beaten = p.iter().any(|o| dominates(o, q));
+            assert_eq!(front(&p).contains(&i), !beaten, "{q:?}");
+        }
+        assert!(front(&[]).is_empty());
+    }
+
+    #[test]
+    fn ties() {
+        // Equal points stand once, by the first; of equal cost the more accurate, of equal error the cheaper.
+        let p = points(&[
+            (1.0, 2.0),
+            (1.0, 2.0),
+            (1.0, 3.0),
+            (2.0, 2.0),
+            (3.0, 0.0),
+            (4.0, 0.0),
+        ]);
+        assert_eq!(front(&p), [0, 4]);
+        assert_eq!(cheapest(&p, 2.0), Some(0));
+        assert_eq!(cheapest(&points(&[(1.0, 2.0), (1.0, 1.0)]), 5.0), Some(1));
+    }
+
+    #[test]
+    fn what_is_no_number_belongs_to_nothing() {
+        let p = points(&[
+            (f64::NAN, 1e-9),
+            (1e-9, f64::NAN),
+            (f64::INFINITY, 0.0),
+            (0.0, 0.1),
+            (-1.0, 0.1),
+            (1.0, f64::INFINITY),
+            (1.0, -0.1),
+            (2.0, 0.3),
+        ]);
+        assert_eq!(front(&p), [7]);
+        assert_eq!(cheapest(&p, f64::INFINITY), Some(7));
+        assert_eq!(cheapest(&p, 0.2), None);
+    }
+
+    #[test]
+    fn the_lead_compares_points_that_are_there() {
+        let p = points(&[
+            (1.0, 0.04),
+            (3.0, 0.008),
+            (2.0, 0.05),
+            (30.0, 0.009),
+            (0.5, 0.2),
+        ]);
+        let mine = [true, true, false, false, false];
+        let at = |limit| lead(&p, &mine, limit).unwrap();
+        assert_eq!(
+            (at(0.05).ours, at(0.05).next, at(0.05).factor),
+            (0, Some(2), Some(2.0))
+        );
+        // At 1 % ours is the second and theirs the fourth; what lies between plays no part.
+        assert_eq!(
+            (at(0.01).ours, at(0.01).next, at(0.01).factor),
+            (1, Some(3), Some(10.0))
+        );
+        assert_eq!((at(0.0085).next, at(0.0085).factor), (None, None));
+        assert_eq!(at(0.2).factor, Some(0.5));
+        assert_eq!(lead(&p, &mine, 0.001), None);
+    }
+
+    #[test]
+    fn how_far_a_family_holds_the_front() {
+        let p = points(&[
+            (1.0, 0.3),
+            (2.0, 0.1),
+            (3.0, 0.05),
+            (4.0, 0.01),
+            (9.0, 0.001),
+        ]);
+        let mine = [true, false, true, true, false];
+        assert_eq!(held(&p, &mine), Some((0.01, Some(0.1))));
+        assert_eq!(held(&p, &[true; 5]), Some((0.001, None)));
+        assert_eq!(held(&p, &[false; 5]), None);
+    }
+}
