@@ -7,6 +7,7 @@
 
 use super::machine;
 use super::run::{Job, Method, RunError, run};
+use super::verdict::{against_contact, against_tolerance};
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::{METHODS, Resolution};
@@ -14,7 +15,7 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{Modelling, SceneSpec};
 use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Status, Tolerance};
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Tolerance};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -427,19 +428,11 @@ fn measure_against(
     if let Some(own) = converged {
         row.metrics.push(measure(series, &row.ledger, own, "self"));
     }
-    if row.status == Status::Converged
-        && let Some(t) = &plan.tolerance
-    {
-        let found = row.against(&t.against).and_then(|m| m.get(&t.metric));
-        if let Some(x) = found
-            && x.abs() > t.limit
-        {
-            row.status = Status::Inaccurate;
-            row.message = Some(format!(
-                "{} against {} is {:.3}, beyond the scene's {:.3}",
-                t.metric, t.against, x, t.limit
-            ));
-        }
+    if let Some(own) = converged {
+        against_contact(row, own);
+    }
+    if let Some(t) = &plan.tolerance {
+        against_tolerance(row, t);
     }
 }
 

@@ -20,8 +20,8 @@ pub struct History {
     next: usize,
     /// Channel of the contact force.
     force: usize,
-    /// Channel of the least normal force.
-    least: usize,
+    /// Channels of the least normal forces.
+    least: Vec<usize>,
     also_steps: bool,
     /// Times of the rows [s].
     pub time: Vec<f64>,
@@ -46,10 +46,16 @@ impl History {
         History {
             grid,
             force,
-            least,
+            least: vec![least],
             also_steps,
             ..Default::default()
         }
+    }
+
+    /// The same with the channels of the least normal forces of several meshes.
+    pub fn with_least(mut self, least: Vec<usize>) -> Self {
+        self.least = least;
+        self
     }
 
     /// One channel over time.
@@ -60,7 +66,9 @@ impl History {
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool) {
         sys.output(self.sample.at(), &mut self.out);
         let force = self.out.channels[self.force].abs();
-        self.least_normal = self.least_normal.min(self.out.channels[self.least]);
+        for &c in &self.least {
+            self.least_normal = self.least_normal.min(self.out.channels[c]);
+        }
         if force > self.peak {
             self.peak = force;
             match &mut self.peak_state {

@@ -1,12 +1,12 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
-use super::verdict::{HOPELESS, judge, status_of};
+use super::verdict::Witness;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{
-    AcceptedStep, Control, Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
+    Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
@@ -14,9 +14,7 @@ use gearbench_models::scene::Scene;
 use gearbench_models::scene::build::lever;
 use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
-use gearbench_reports::record::{
-    self, ContactPoint, ContactSnapshot, Outline, Run, Status, finite,
-};
+use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -25,28 +23,6 @@ use std::time::{Duration, Instant};
 const LONG: f64 = 1.0;
 /// Timed repeats of a run at most, however short it is.
 const MOST_REPEATS: usize = 300;
-/// Observes a run and stops it once its energy is mostly made up: an unstable run would otherwise go on to
-/// ever larger numbers and ever more impacts.
-struct Watch<'a> {
-    history: &'a mut History,
-    ledger: &'a mut Ledger,
-}
-
-impl Sink for Watch<'_> {
-    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
-        self.history.accepted(sys, step);
-        self.ledger.accepted(sys, step);
-        if self.ledger.residual_relative() > HOPELESS {
-            Control::Stop
-        } else {
-            Control::Continue
-        }
-    }
-
-    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
-        self.ledger.restarted(sys, before, after);
-    }
-}
 
 /// An integrator with its resolution, as a scene or the command line asks for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,22 +130,12 @@ fn timed_in(
         return Err(RunError::NoLinearPart(row.info.id.into()));
     }
 
-    let channel = |name: &str| scene.channel(name).unwrap_or(0);
-    let (force, least) = (channel("force:0"), channel("normal_min:0"));
-    let mut history = History::new(job.grid.to_vec(), force, least, job.also_steps);
-    let mut ledger = Ledger::default();
+    let mut witness = Witness::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
     let mut state = scene.initial();
     let start_momenta = momenta(scene, &state);
     let mut work = Work::default();
     let begin = Instant::now();
-    let outcome = {
-        let mut watch = Watch {
-            history: &mut history,
-            ledger: &mut ledger,
-        };
-        method.run(scene, &mut state, &job.plan(), &mut watch, &mut work)
-    };
-    ledger.close(scene, &state);
+    let outcome = method.run(scene, &mut state, &job.plan(), &mut witness, &mut work);
     let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Interrupted { .. }) = outcome {
         return Err(RunError::Interrupted);
@@ -178,17 +144,12 @@ fn timed_in(
         return Err(RunError::Method(outcome.unwrap_err().to_string()));
     }
 
-    let series = time_series(job, scene, &history);
+    let (status, mut message) = witness.verdict(scene, &state, &outcome);
+    let Witness {
+        history, ledger, ..
+    } = &witness;
+    let series = time_series(job, scene, history);
     let end_momenta = momenta(scene, &state);
-    let (mut status, mut message) = match &outcome {
-        Ok(()) => (Status::Converged, None),
-        Err(e) => (status_of(e), Some(e.to_string())),
-    };
-    if outcome.is_ok()
-        && let Some((s, m)) = judge(job, &history, &ledger, &series)
-    {
-        (status, message) = (s, Some(m));
-    }
 
     if message.is_none() {
         message = resonance_note(job, scene, row.info.linear_part);
@@ -257,7 +218,7 @@ fn timed_in(
         highest_hz: reduction.highest_hz,
         ledger: ledger_record(
             job,
-            &ledger,
+            ledger,
             &series,
             scene
                 .on_lines_of_action()

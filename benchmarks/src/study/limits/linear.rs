@@ -42,18 +42,6 @@ pub struct Top {
 }
 
 impl Linear {
-    /// The same without dampers.
-    #[must_use]
-    pub fn undamped(&self) -> Linear {
-        match self {
-            Linear::Dense(x) => Linear::Dense(Dense {
-                stiffness: x.stiffness.clone(),
-                damping: DMatrix::zeros(x.damping.nrows(), x.damping.ncols()),
-            }),
-            Linear::Top(x) => Linear::Top(Top { zeta: 0.0, ..*x }),
-        }
-    }
-
     /// The highest frequency without damping [rad/s]; zero where nothing vibrates.
     #[must_use]
     pub fn highest(&self) -> f64 {
@@ -114,6 +102,15 @@ impl Dense {
     #[must_use]
     pub fn n(&self) -> usize {
         self.stiffness.nrows()
+    }
+
+    /// The same without dampers.
+    #[must_use]
+    pub fn undamped(&self) -> Dense {
+        Dense {
+            stiffness: self.stiffness.clone(),
+            damping: DMatrix::zeros(self.n(), self.n()),
+        }
     }
 
     /// True without dampers.

@@ -12,16 +12,22 @@
 //! | [`frozen`] | the state, the matrices there |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | [`theory`]: limits, resonances and penalty frequency as lines over the step |
+//! | [`found`] | the limit of the method as implemented, by stepping the linear system |
+//! | [`table`] | both side by side for models and methods |
 
+pub mod found;
 pub mod frozen;
 pub mod linear;
 pub mod lines;
+mod system;
+pub mod table;
 
 #[cfg(test)]
 mod tests;
 
 pub use frozen::Frozen;
 pub use lines::theory;
+pub use table::{Case, StepLimit};
 
 use gearbench_models::scene::spec::BuildError;
 

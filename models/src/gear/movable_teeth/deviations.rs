@@ -29,6 +29,9 @@ pub(super) struct Exchange {
 
 /// Cells before the deviations.
 const HEAD: usize = 4;
+/// Square of an amplitude that no angle can show [rad^2]: what has decayed below it is nothing, before it becomes numbers
+/// that processors are slow with.
+const NOTHING: f64 = 1e-60;
 
 /// `[d; d'](t) = P [d; d'](t_ref)`, row by row.
 fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
@@ -120,10 +123,14 @@ impl Deviations {
         let Exchange { t, count, .. } = teeth;
         let m = propagator(p, t - memory[0]);
         memory[0] = t;
+        let per_square = p.mass[0] / p.stiffness[0];
         for cell in memory[HEAD..].chunks_exact_mut(2) {
             let (d, v) = (cell[0], cell[1]);
             cell[0] = m[0] * d + m[1] * v;
             cell[1] = m[2] * d + m[3] * v;
+            if cell[0] * cell[0] + per_square * cell[1] * cell[1] < NOTHING {
+                cell.fill(0.0);
+            }
         }
         let (leaves, enters) = (self.cell(teeth.leaves), self.cell(teeth.enters));
         let [mean, mean_v, s, v] = *state;

@@ -116,10 +116,14 @@ impl MovableTeeth {
         (parts.zeta < 1.0).then_some(parts)
     }
 
-    /// Deviation of coordinate `first() + i` from the mean, and its rate.
+    /// Deviation of coordinate `first() + i` from the mean, and its rate; nothing where it is the rounding of angles.
     fn deviation(&self, at: At<'_>, parts: &Parts, i: usize) -> [f64; 2] {
         let i = self.first() + i;
-        [at.q[i] - parts.mean[0], at.v[i] - parts.mean[1]]
+        let [d, v] = [at.q[i] - parts.mean[0], at.v[i] - parts.mean[1]];
+        let rounding = 4.0 * f64::EPSILON * at.q[i].abs();
+        let rests = d.abs() <= rounding
+            && v.abs() <= parts.own_omega * rounding + 4.0 * f64::EPSILON * at.v[i].abs();
+        if rests { [0.0; 2] } else { [d, v] }
     }
 
     pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<Flight> {

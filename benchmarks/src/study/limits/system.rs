@@ -1,0 +1,189 @@
+//! Linear systems as integrators see them.
+
+use super::linear::Dense;
+use gearbench_integrators::{At, Coeffs, Layout, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::{Change, system::Singular};
+use nalgebra::{DMatrix, DVector, DVectorView};
+
+/// `q'' + D q' + K q = 0` in the modes of `K`: independent oscillators, or coupled by dampers.
+#[derive(Clone, Debug)]
+pub(super) struct Vibrations {
+    /// Squared frequencies [1/s^2].
+    pub square: DVector<f64>,
+    /// Damping: its diagonal, or all of it.
+    pub damping: Damping,
+    /// Highest frequency [rad/s].
+    pub highest: f64,
+}
+
+/// Dampers in the modes of the stiffness [1/s].
+#[derive(Clone, Debug)]
+pub(super) enum Damping {
+    Diagonal(DVector<f64>),
+    Full(DMatrix<f64>),
+}
+
+impl Vibrations {
+    /// Independent oscillators from frequencies [rad/s] and damping ratios.
+    pub(super) fn independent(modes: &[[f64; 2]]) -> Self {
+        Vibrations {
+            square: DVector::from_iterator(modes.len(), modes.iter().map(|m| m[0] * m[0])),
+            damping: Damping::Diagonal(DVector::from_iterator(
+                modes.len(),
+                modes.iter().map(|[w, z]| 2.0 * z * w),
+            )),
+            highest: modes.iter().fold(0.0, |m, x| m.max(x[0])),
+        }
+    }
+
+    /// Coordinates that dampers couple.
+    pub(super) fn coupled(dense: &Dense) -> Self {
+        let eigen = dense.stiffness.clone().symmetric_eigen();
+        let damping = eigen.eigenvectors.transpose() * &dense.damping * &eigen.eigenvectors;
+        let square = eigen.eigenvalues.map(|x| x.max(0.0));
+        Vibrations {
+            highest: square.max().sqrt(),
+            square,
+            damping: Damping::Full(damping),
+        }
+    }
+
+    pub(super) fn n(&self) -> usize {
+        self.square.len()
+    }
+}
+
+impl SecondOrderSystem for Vibrations {
+    fn layout(&self) -> Layout {
+        Layout {
+            n: self.n(),
+            ..Layout::default()
+        }
+    }
+
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        q.fill(1.0);
+        v.fill(self.highest);
+    }
+
+    fn pace(&self, _at: At<'_>) -> f64 {
+        1.0 / self.highest
+    }
+
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.tangent_times(at, at.q, at.v, f);
+    }
+
+    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+    }
+
+    fn correct(&mut self, _at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+        match &self.damping {
+            Damping::Diagonal(d) => {
+                for ((x, d), k) in x.iter_mut().zip(d).zip(&self.square) {
+                    *x /= c.m + c.d * d + c.k * k;
+                }
+                Ok(())
+            }
+            Damping::Full(d) => {
+                let mut matrix = c.d * d;
+                for (i, k) in self.square.iter().enumerate() {
+                    matrix[(i, i)] += c.m + c.k * k;
+                }
+                let solved = matrix.lu().solve(&DVector::from_column_slice(x));
+                x.copy_from_slice(solved.ok_or(Singular)?.as_slice());
+                Ok(())
+            }
+        }
+    }
+
+    fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        match &self.damping {
+            Damping::Diagonal(d) => {
+                for (f, (d, v)) in df.iter_mut().zip(d.iter().zip(dv)) {
+                    *f = -d * v;
+                }
+            }
+            Damping::Full(d) => {
+                let mut out = DVector::zeros(df.len());
+                out.gemv(-1.0, d, &DVectorView::from_slice(dv, dv.len()), 0.0);
+                df.copy_from_slice(out.as_slice());
+            }
+        }
+        for (f, (k, q)) in df.iter_mut().zip(self.square.iter().zip(dq)) {
+            *f -= k * q;
+        }
+    }
+}
+
+/// Oscillators without damping and a linear rest between them, `q'' + Omega^2 q = -K_c q`.
+#[derive(Clone, Debug)]
+pub(super) struct Kicked {
+    pub omega: Vec<f64>,
+    /// The rest's stiffness at the step that is tried [1/s^2].
+    pub rest: DMatrix<f64>,
+}
+
+impl SecondOrderSystem for Kicked {
+    fn layout(&self) -> Layout {
+        Layout {
+            n: self.omega.len(),
+            ..Layout::default()
+        }
+    }
+
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        q.fill(1.0);
+        v.fill(1.0);
+    }
+
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.rest(at, f);
+        for (f, (w, q)) in f.iter_mut().zip(self.omega.iter().zip(at.q)) {
+            *f -= w * w * q;
+        }
+    }
+
+    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+
+    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+    }
+
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
+        self.force(At { q: dq, ..at }, df);
+    }
+
+    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
+        Some(self)
+    }
+
+    fn commit(&mut self, _s: &mut State) -> Change {
+        Change::None
+    }
+}
+
+impl ModalSplit for Kicked {
+    fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
+        omega.copy_from_slice(&self.omega);
+        zeta.fill(0.0);
+    }
+
+    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+        let mut out = DVector::zeros(a.len());
+        let q = DVectorView::from_slice(at.q, at.q.len());
+        out.gemv(-1.0, &self.rest, &q, 0.0);
+        a.copy_from_slice(out.as_slice());
+    }
+
+    fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
+        at.t
+    }
+
+    fn free_until(&mut self, s: &State) -> f64 {
+        s.t
+    }
+}

@@ -1,0 +1,199 @@
+//! Contacts that a run missed.
+//!
+//! The travels of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
+//! action: the approach less the gap they started with, or, on the other flank, less the rest of the backlash. Elastic
+//! teeth give way by their deflection, no more. So a contact was missed where
+//!
+//! - the overlap is larger than any deflection, a tenth of the module: teeth passed through each other;
+//! - it is clearly larger than the deflection, and no force acts: teeth stand in each other unseen;
+//! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return, but
+//!   the speeds changed as they would have without: the step went over it.
+
+use super::super::run::approach;
+use super::Finding;
+use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
+use gearbench_models::mount::Hub;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::mesh_layout;
+use gearbench_models::scene::spec::{Body, SceneSpec};
+use gearbench_reports::record::Status;
+use std::ops::Range;
+
+/// Overlap beyond which teeth have passed through each other, in modules.
+const PASSED: f64 = 0.1;
+/// Overlap without a force that no relief of the flanks explains, in modules.
+const UNSEEN: f64 = 0.03;
+/// The same over the typical deflection of the scene, for contacts that are soft.
+const DEFLECTIONS: f64 = 4.0;
+/// A return point counts from this part of the typical deflection on.
+const GRAZE: f64 = 0.01;
+/// Change of speed beyond what loads make, over the change, that shows a force.
+const FELT: f64 = 0.25;
+
+/// A mesh as rigid geometry.
+struct Pair {
+    hubs: [(Hub, Range<usize>); 2],
+    /// Approach by unit travel of each hub.
+    levers: [f64; 2],
+    gap: f64,
+    backlash: f64,
+    module: f64,
+    travel: [usize; 2],
+    force: usize,
+    /// Change of the approach's rate by loads alone [m/s^2], from the last step without contact.
+    free: Option<f64>,
+}
+
+impl Pair {
+    /// Approach and its rate.
+    fn at(&self, s: &State) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for ((hub, own), lever) in self.hubs.iter().zip(self.levers) {
+            sum[0] += lever * hub.travel(s.t, &s.q[own.clone()]);
+            sum[1] += lever * hub.speed(s.t, &s.v[own.clone()]);
+        }
+        sum
+    }
+
+    /// Overlap on whichever flank is nearer [m], negative when both are apart.
+    fn depth(&self, approach: f64) -> f64 {
+        (approach - self.gap).max(-approach - (self.backlash - self.gap))
+    }
+}
+
+/// Follows the meshes of a run.
+pub struct Passage {
+    pairs: Vec<(usize, Pair)>,
+    deflection: f64,
+    /// Mesh, time, overlap.
+    passed: Option<(usize, f64, f64)>,
+    grazed: Option<(usize, f64, f64)>,
+    inside: State,
+    out: Outputs,
+}
+
+impl Passage {
+    /// The meshes of a scene; those whose geometry rigid travels do not tell are left out.
+    #[must_use]
+    pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
+        let pair = |m: usize| {
+            let mesh = &spec.meshes[m];
+            let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+            let layout = mesh_layout(a, b).ok()?;
+            let Body::Gear(gear) = &a.body else {
+                return None;
+            };
+            let along = approach(mesh.start.side, [&a.body, &b.body]);
+            let travel = |i: usize| scene.channel(&format!("travel:{}", spec.gears[i].name));
+            Some((
+                m,
+                Pair {
+                    hubs: mesh.gears.map(|i| {
+                        let g = &scene.gears()[i];
+                        (g.model.hub().clone(), g.range())
+                    }),
+                    levers: [along(1.0, 0.0), along(0.0, 1.0)],
+                    gap: mesh.start.gap,
+                    backlash: layout.backlash,
+                    module: gear.params().module,
+                    travel: [travel(mesh.gears[0])?, travel(mesh.gears[1])?],
+                    force: scene.channel(&format!("force:{m}"))?,
+                    free: None,
+                },
+            ))
+        };
+        Passage {
+            pairs: (0..spec.meshes.len()).filter_map(pair).collect(),
+            deflection: scene.magnitudes().deflection,
+            passed: None,
+            grazed: None,
+            inside: State::default(),
+            out: Outputs::default(),
+        }
+    }
+
+    /// Looks at an accepted step.
+    pub fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
+        let h = step.to.t - step.from.t;
+        for (m, pair) in &mut self.pairs {
+            let ([x0, r0], [x1, r1]) = (pair.at(step.from), pair.at(step.to));
+            let depth = pair.depth(x1);
+            let limit = (PASSED * pair.module).max(DEFLECTIONS * self.deflection);
+            if depth > limit && self.passed.is_none() {
+                self.passed = Some((*m, step.to.t, depth));
+            }
+            if step.flight || h <= 0.0 {
+                continue;
+            }
+            let open = pair.depth(x0) <= 0.0 && depth <= 0.0;
+            let change = r1 - r0;
+            let known = pair.free;
+            if open {
+                pair.free = Some(change / h);
+            }
+            // The flanks came closer and went away again within the step.
+            let nearest = |flank: f64| flank * r0 > 0.0 && flank * r1 < 0.0;
+            if !open || self.grazed.is_some() || !(nearest(1.0) || nearest(-1.0)) {
+                continue;
+            }
+            let by_loads = known.is_some_and(|a| (change - a * h).abs() <= FELT * change.abs());
+            let theta = r0 / (r0 - r1);
+            let overlap = pair.depth(x0 + 0.5 * theta * h * r0);
+            if !by_loads || overlap <= GRAZE * self.deflection {
+                continue;
+            }
+            self.inside.copy_from(step.from);
+            let State { t, q, v, memory } = &mut self.inside;
+            *t = step.from.t + theta * h;
+            step.dense.eval(theta, q, v);
+            // The force of a scene without located events, whatever the branch.
+            memory[0] = 0.0;
+            sys.output(self.inside.at(), &mut self.out);
+            if self.out.channels[pair.force] > 0.0 {
+                self.grazed = Some((*m, self.inside.t, overlap));
+            }
+        }
+    }
+
+    /// What was missed first; `rows` are times and channels of the run, `forces` the channels of its mesh forces.
+    pub(super) fn finding<'a>(
+        &self,
+        rows: impl Iterator<Item = (&'a f64, &'a Vec<f64>)>,
+        forces: &[usize],
+    ) -> Option<Finding> {
+        let mut passed = self.passed;
+        let mut unseen = None;
+        for (t, row) in rows {
+            for (m, pair) in &self.pairs {
+                let along = |k: usize| pair.levers[k] * row[pair.travel[k]];
+                let depth = pair.depth(along(0) + along(1));
+                let soft = self.deflection * DEFLECTIONS;
+                let earlier = |known: Option<(usize, f64, f64)>| known.is_none_or(|k| *t < k.1);
+                if depth > (PASSED * pair.module).max(soft) && earlier(passed) {
+                    passed = Some((*m, *t, depth));
+                }
+                let silent = forces.get(*m).is_some_and(|&f| row[f] == 0.0);
+                if silent && depth > (UNSEEN * pair.module).max(soft) && earlier(unseen) {
+                    unseen = Some((*m, *t, depth));
+                }
+            }
+        }
+        let finding = |(m, time, depth): (usize, f64, f64), what: &str| Finding {
+            time,
+            status: Status::Tunnelling,
+            message: format!(
+                "the teeth of mesh {m} {what} by {:.3e} m at t = {time:.4e} s: a contact was missed; use a smaller step, or locate events",
+                depth
+            ),
+        };
+        [
+            self.grazed
+                .map(|x| finding(x, "met and parted within one step, overlapping")),
+            unseen.map(|x| finding(x, "stand in each other without a force,")),
+            passed.map(|x| finding(x, "overlap")),
+        ]
+        .into_iter()
+        .flatten()
+        .min_by(|a, b| a.time.total_cmp(&b.time))
+    }
+}

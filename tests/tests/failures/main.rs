@@ -1,0 +1,333 @@
+//! Every class of failure driven on purpose, through the real scene wherever the shipped laws can produce it.
+//!
+//! The table: `cargo test --release -p gearbench-tests --test failures -- --nocapture`.
+#![allow(clippy::print_stdout)]
+
+mod wrong_laws;
+
+use gearbench::study::run::{Job, Method, run};
+use gearbench::study::verdict::{Witness, against_contact, against_tolerance};
+use gearbench_integrators::{Resolution, TimePlan, Work};
+use gearbench_models::contact::law::Damping;
+use gearbench_models::load::{Load, Profile};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::lever;
+use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec};
+use gearbench_reports::metrics::compare;
+use gearbench_reports::record::{Results, Run, Status, Tolerance};
+use gearbench_tests::*;
+use std::time::Duration;
+use wrong_laws::{Wrong, WrongScene};
+
+/// After the impact of case A, before the opposite flanks meet.
+const T_END: f64 = 1.5e-4;
+const GAP: f64 = 3.1e-6;
+const STIFFNESS: f64 = 1.54e10;
+
+/// How to run a scene.
+#[derive(Clone)]
+struct Way {
+    scene: SceneSpec,
+    model: ModelSpec,
+    contact: ContactSpec,
+    t_end: f64,
+    events: bool,
+    max_steps: u64,
+}
+
+impl Way {
+    fn rigid() -> Self {
+        Way {
+            scene: case_a(GAP),
+            model: rigid(),
+            contact: contact(STIFFNESS),
+            t_end: T_END,
+            events: true,
+            max_steps: 200_000,
+        }
+    }
+
+    fn movable() -> Self {
+        Way {
+            model: movable(5.3e8, 4.8e-3, 0.0),
+            contact: contact(5e10),
+            ..Self::rigid()
+        }
+    }
+
+    fn modelling(&self) -> Modelling {
+        Modelling {
+            gears: vec![self.model.clone(); 2],
+            contacts: vec![self.contact.clone()],
+        }
+    }
+
+    fn run(&self, text: &str, resolution: Resolution) -> Run {
+        let grid: Vec<f64> = (0..=300)
+            .map(|i| self.t_end * f64::from(i) / 300.0)
+            .collect();
+        run(&Job {
+            scene: &self.scene,
+            modelling: &self.modelling(),
+            models: &models(),
+            method: &Method {
+                text: text.into(),
+                resolution,
+            },
+            t_end: self.t_end,
+            grid: &grid,
+            also_steps: true,
+            forces: false,
+            events: self.events,
+            repeats: 0,
+            timeout: Duration::from_secs(2),
+            max_steps: self.max_steps,
+            cancel: None,
+        })
+        .unwrap_or_else(|e| panic!("{text}: {e}"))
+    }
+
+    /// The same scene under a wrong law; of the record only what a verdict says.
+    fn run_wrong(&self, wrong: Wrong, text: &str, resolution: Resolution) -> Run {
+        let scene = Scene::build(&self.scene, &self.modelling(), &models()).unwrap();
+        let levers = [0, 1].map(|i: usize| lever(&self.scene.gears[i].body));
+        let mut witness = Witness::new(&self.scene, &scene, vec![0.0, self.t_end], true);
+        let mut s = scene.initial();
+        let mut sys = WrongScene::new(scene, wrong, levers, self.scene.meshes[0].start.gap);
+        let plan = TimePlan {
+            events: self.events,
+            max_steps: self.max_steps,
+            ..TimePlan::new(self.t_end, resolution)
+        };
+        let (_, mut method) = gearbench_integrators::method(text).unwrap();
+        let mut work = Work::default();
+        let outcome = method.run(&mut sys, &mut s, &plan, &mut witness, &mut work);
+        let (status, message) = witness.verdict(&mut sys, &s, &outcome);
+        Run {
+            integrator: text.into(),
+            status,
+            message,
+            simulated_s: s.t,
+            steps: work.steps,
+            ..Run::default()
+        }
+    }
+}
+
+fn step(h: f64) -> Resolution {
+    Resolution::Step(h)
+}
+
+/// A class of failure: what is expected, how it is driven, and the run.
+struct Driven(Status, &'static str, Run);
+
+/// A pinion that a torque turns back half a micrometre after its flanks met, 55 us after the start.
+fn grazing() -> Way {
+    let mut way = Way::rigid();
+    way.scene.meshes[0].start.gap = 20e-6;
+    let pinion = &mut way.scene.gears[0];
+    let r = lever(&pinion.body);
+    // It returns after v^2 / (2 a).
+    let v = pinion.speed * r;
+    let a = v * v / (2.0 * 20.5e-6);
+    let torque = -a / r * pinion.inertia.unwrap();
+    pinion.loads = vec![Load::Applied(Profile::Constant(torque))];
+    way.events = false;
+    way
+}
+
+/// Flanks that come together slowly, with a damper whose force is there at once: 0.07 s after the start the step that
+/// resolves the jump to this tolerance is smaller than what time resolves.
+fn jump() -> Way {
+    let mut way = Way::rigid();
+    way.scene.gears[0].speed = 0.02;
+    way.scene.meshes[0].start.gap = 5e-5;
+    way.contact.damping = Damping::KelvinVoigtRatio { ratio: 0.5 };
+    way.events = false;
+    way.t_end = 0.1;
+    way
+}
+
+/// Stiff restitution: in long steps Newton's method goes to and fro between contact and none.
+fn restitution() -> Way {
+    let mut way = Way::rigid();
+    way.contact.exponent = 1.5;
+    way.contact.damping = Damping::HuntCrossley { e: 0.3 };
+    way.events = false;
+    way.t_end = 1e-2;
+    way
+}
+
+fn lasting(t_end: f64, way: Way) -> Way {
+    Way { t_end, ..way }
+}
+
+fn drive() -> Vec<Driven> {
+    let rigid = Way::rigid();
+    let movable = Way::movable();
+    let clipped = Way {
+        events: false,
+        ..Way::rigid()
+    };
+    let fine = rigid.run("rk4", step(1e-7));
+    let reference = fine.series.clone().unwrap();
+
+    let mut coarse = rigid.run("velocity-verlet", step(1e-5));
+    let own = coarse.series.clone().unwrap();
+    let metrics = compare(&own, &coarse.ledger, &reference, "self");
+    coarse.metrics.push(metrics);
+    let tolerance = Tolerance {
+        metric: "force_l2".into(),
+        limit: 1e-3,
+        against: "self".into(),
+    };
+    against_tolerance(&mut coarse, &tolerance);
+
+    // This method turns back a few micrometres too early; the other flank is not met yet.
+    let early = lasting(1.1e-4, grazing());
+    let mut missed = early.run("semi-implicit-euler", step(8e-6));
+    let touched = early.run("rk4", step(1e-7)).series.unwrap();
+    against_contact(&mut missed, &touched);
+
+    let graze = lasting(1.6e-4, grazing());
+    let glue = Wrong::Glue {
+        stiffness: 1e7,
+        range: 2e-6,
+    };
+    vec![
+        Driven(Status::Converged, "steps of 0.1 us", fine),
+        Driven(Status::Inaccurate, "ten steps per contact", coarse),
+        // Movable teeth are stable up to 3.8 us.
+        Driven(
+            Status::EnergyGrowth,
+            "1.1 times the largest stable step",
+            movable.run("velocity-verlet", step(4.2e-6)),
+        ),
+        Driven(
+            Status::BlowUp,
+            "26 times the largest stable step",
+            movable.run("velocity-verlet", step(1e-4)),
+        ),
+        Driven(
+            Status::BlowUp,
+            "a force that is no number (test only)",
+            clipped.run_wrong(Wrong::NoNumber, "rk4", step(1e-7)),
+        ),
+        Driven(
+            Status::NewtonFailure,
+            "restitution in steps of ten contacts",
+            restitution().run("newmark", step(1e-3)),
+        ),
+        Driven(
+            Status::StepUnderflow,
+            "a damper's jump at a tolerance of 1e-15",
+            jump().run("dopri5", Resolution::Tolerance(1e-15)),
+        ),
+        Driven(
+            Status::Chatter,
+            "a contact that lets go at once (test only)",
+            rigid.run_wrong(Wrong::Flips, "rk4", step(1e-6)),
+        ),
+        Driven(
+            Status::Tunnelling,
+            "a step of one pitch",
+            lasting(0.05, clipped.clone()).run("semi-implicit-euler", step(0.0157)),
+        ),
+        Driven(
+            Status::Tunnelling,
+            "a contact that begins and ends within a step",
+            graze.run("velocity-verlet", step(4.1e-5)),
+        ),
+        Driven(
+            Status::Tunnelling,
+            "no contact where the converged solution has one",
+            missed,
+        ),
+        Driven(
+            Status::AdhesiveForce,
+            "a law that pulls (test only)",
+            clipped.run_wrong(glue, "rk4", step(1e-7)),
+        ),
+        Driven(
+            Status::Timeout,
+            "a bound of ten steps",
+            Way {
+                max_steps: 10,
+                ..Way::rigid()
+            }
+            .run("rk4", step(1e-7)),
+        ),
+    ]
+}
+
+/// Text without numbers that are none.
+fn is_finite_text(text: &str) -> bool {
+    text.split(|c: char| !c.is_alphanumeric())
+        .all(|word| !["nan", "inf", "infinity"].contains(&word.to_lowercase().as_str()))
+}
+
+#[test]
+fn every_class_is_driven_and_labelled() {
+    let list = drive();
+    for Driven(status, how, run) in &list {
+        println!(
+            "{:16} {how:48} {}: {}",
+            status.as_str(),
+            run.integrator,
+            run.message.as_deref().unwrap_or("-")
+        );
+    }
+    for Driven(status, how, run) in &list {
+        assert_eq!(run.status, *status, "{how}: {:?}", run.message);
+        // All but success says when or how much, and what to do.
+        let said = run.message.as_deref().unwrap_or_default();
+        let told = said.contains(|c: char| c.is_ascii_digit()) && said.len() > 40;
+        assert!(told || *status == Status::Converged, "{how}: {said}");
+        assert!(is_finite_text(said), "{how}: {said}");
+    }
+    for status in Status::ALL {
+        assert!(list.iter().any(|d| d.0 == status), "{status} is not driven");
+    }
+}
+
+/// The record of all of them, with its tables and its page, holds numbers only.
+#[test]
+fn records_of_failures_hold_finite_numbers() {
+    let mut runs: Vec<Run> = drive().into_iter().map(|d| d.2).collect();
+    for (i, run) in runs.iter_mut().enumerate() {
+        run.model = "rigid".into();
+        run.variant = Some(format!("case {i}"));
+        // A run that failed in its first step has no history.
+        if let Some(series) = &run.series {
+            assert!(run.simulated_s == 0.0 || !series.time_s.is_empty());
+            let columns = series.columns.iter().map(|c| &c.values);
+            for column in columns.chain([&series.time_s, &series.contact_force_n]) {
+                assert!(column.iter().all(|x| x.is_finite()), "{}", run.status);
+            }
+        }
+    }
+    let results = Results {
+        scene: "failures".into(),
+        title: "failures".into(),
+        study: "compare".into(),
+        runs,
+        ..Results::default()
+    };
+    let dir = std::env::temp_dir().join(format!("gearbench-failures-{}", std::process::id()));
+    gearbench_reports::write_results(&dir, &results).unwrap();
+    let mut files = 0;
+    let mut folders = vec![dir.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
+            if entry.path().is_dir() {
+                folders.push(entry.path());
+                continue;
+            }
+            let text = std::fs::read_to_string(entry.path()).unwrap();
+            assert!(is_finite_text(&text), "{:?}", entry.path());
+            files += 1;
+        }
+    }
+    std::fs::remove_dir_all(&dir).unwrap();
+    assert!(files > 3, "{files} files");
+}

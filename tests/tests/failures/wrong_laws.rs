@@ -1,0 +1,124 @@
+//! Laws that no shipped contact follows, around a real scene: for the failures that the shipped ones cannot produce.
+
+use gearbench_integrators::system::Singular;
+use gearbench_integrators::{At, Change, Coeffs, Layout, Outputs, SecondOrderSystem, State};
+use gearbench_models::scene::Scene;
+
+/// What is wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wrong {
+    /// Open flanks attract each other, with so many newton per metre of gap up to so many metres: `N = -k g`.
+    Glue { stiffness: f64, range: f64 },
+    /// A contact that has closed lets go at once, and closes again.
+    Flips,
+    /// Flanks that overlap feel a force that is no number.
+    NoNumber,
+}
+
+/// Two gears in mesh under a wrong law. Their coordinates are the angles of their hubs.
+pub struct WrongScene {
+    pub scene: Scene,
+    pub wrong: Wrong,
+    /// Approach by unit turn of each hub [m], and the gap at the start [m].
+    pub levers: [f64; 2],
+    pub gap: f64,
+    closed: Option<f64>,
+}
+
+impl WrongScene {
+    pub fn new(scene: Scene, wrong: Wrong, levers: [f64; 2], gap: f64) -> Self {
+        WrongScene {
+            scene,
+            wrong,
+            levers,
+            gap,
+            closed: None,
+        }
+    }
+
+    fn open(&self, at: At<'_>) -> f64 {
+        self.gap - self.levers[0] * at.q[0] - self.levers[1] * at.q[1]
+    }
+
+    /// Normal force of the glue [N], negative, and its potential [J].
+    fn pull(&self, at: At<'_>) -> (f64, f64) {
+        let Wrong::Glue { stiffness, range } = self.wrong else {
+            return (0.0, 0.0);
+        };
+        let g = self.open(at);
+        if g <= 0.0 {
+            (0.0, 0.0)
+        } else if g < range {
+            (-stiffness * g, 0.5 * stiffness * g * g)
+        } else {
+            (0.0, 0.5 * stiffness * range * range)
+        }
+    }
+}
+
+impl SecondOrderSystem for WrongScene {
+    fn layout(&self) -> Layout {
+        self.scene.layout()
+    }
+    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+        SecondOrderSystem::scales(&self.scene, q, v);
+    }
+    fn pace(&self, at: At<'_>) -> f64 {
+        self.scene.pace(at)
+    }
+    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.scene.force(at, f);
+        let (n, _) = self.pull(at);
+        for (f, lever) in f.iter_mut().zip(self.levers) {
+            *f -= lever * n;
+            if self.wrong == Wrong::NoNumber && self.open(at) < 0.0 {
+                *f = f64::NAN;
+            }
+        }
+    }
+    fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
+        self.scene.solve_mass(at, f);
+    }
+    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        self.scene.apply_mass(at, x, y);
+    }
+    fn correct(&mut self, at: At<'_>, c: Coeffs, x: &mut [f64]) -> Result<(), Singular> {
+        self.scene.correct(at, c, x)
+    }
+    fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        self.scene.tangent_times(at, dq, dv, df);
+    }
+    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+        self.scene.guards(at, out);
+        if let Some(t) = self.closed {
+            out[0] = t - at.t;
+        }
+    }
+    fn begin(&mut self, s: &mut State, located: bool) {
+        self.scene.begin(s, located);
+    }
+    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
+        if self.wrong == Wrong::Flips {
+            self.closed = Some(s.t);
+        }
+        self.scene.switch(s, guard)
+    }
+    fn commit(&mut self, s: &mut State) -> Change {
+        self.scene.commit(s)
+    }
+    fn channels(&self) -> &[String] {
+        self.scene.channels()
+    }
+    fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+        self.scene.output(at, out);
+        let (n, energy) = self.pull(at);
+        out.energy.contact += energy;
+        if n < 0.0 {
+            for (name, value) in [("force:0", -n), ("normal_min:0", n)] {
+                if let Some(c) = self.scene.channel(name) {
+                    out.channels[c] = value;
+                }
+            }
+        }
+    }
+}

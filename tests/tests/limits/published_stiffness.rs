@@ -1,0 +1,72 @@
+//! Movable teeth with the published 5.6e10 N/m: explicit methods fail beyond their limit in the scene itself, implicit
+//! ones go on with steps ten times as long.
+
+use super::entry;
+use gearbench::models::models;
+use gearbench::study::compare::Entry;
+use gearbench::study::limits::{Frozen, LineKind};
+use gearbench::study::run::{Job, Method, run};
+use gearbench_integrators::Resolution;
+use gearbench_reports::record::{Run, Status};
+use std::time::Duration;
+
+fn run_with(entry: &Entry, text: &str, step: f64, t_end: f64) -> Run {
+    let grid: Vec<f64> = (0..=200).map(|i| t_end * f64::from(i) / 200.0).collect();
+    run(&Job {
+        scene: &entry.scene,
+        modelling: &entry.modelling,
+        models: models(),
+        method: &Method {
+            text: text.into(),
+            resolution: Resolution::Step(step),
+        },
+        t_end,
+        grid: &grid,
+        also_steps: false,
+        forces: false,
+        events: true,
+        repeats: 0,
+        timeout: Duration::from_secs(60),
+        max_steps: 1_000_000,
+        cancel: None,
+    })
+    .unwrap()
+}
+
+#[test]
+fn explicit_methods_fail_where_implicit_ones_hold() {
+    let e = entry("spur_rotation", "movable-teeth-5.6e10");
+    let mut frozen = Frozen::new(&e.scene, &e.modelling, models()).unwrap();
+    let t_end = 2e-3;
+    for text in ["velocity-verlet", "rk4", "dopri5"] {
+        let lines = frozen.lines(text).unwrap();
+        let h = (lines.iter().find(|l| l.kind == LineKind::Stability))
+            .unwrap()
+            .step_s;
+        let (below, above) = (
+            run_with(&e, text, 0.9 * h, t_end),
+            run_with(&e, text, 1.1 * h, t_end),
+        );
+        println!(
+            "{text:34} {:.3e} s: {}, {:.3e} s: {} at {:.2e} s",
+            0.9 * h,
+            below.status,
+            1.1 * h,
+            above.status,
+            above.simulated_s
+        );
+        assert_eq!(
+            below.status,
+            Status::Converged,
+            "{text}: {:?}",
+            below.message
+        );
+        assert!(above.status.is_failure(), "{text}: {:?}", above.message);
+    }
+    for text in ["newmark", "hht-alpha", "generalised-alpha(rho_inf=0.8)"] {
+        let step = 5e-6;
+        let held = run_with(&e, text, step, t_end);
+        println!("{text:34} {step:.3e} s: {}", held.status);
+        assert_eq!(held.status, Status::Converged, "{text}: {:?}", held.message);
+    }
+}
