@@ -6,8 +6,8 @@ use crate::study::choose::candidate::MODES;
 #[test]
 fn choices_are_judged() {
     let set = draw::set("tuning").unwrap();
-    // One impact and one scene under load, both short, with gears that are reduced quickly.
-    for number in [33, 59] {
+    // Single impacts: without a cache on disk most of the time goes into the modes of four gears.
+    for number in [5, 33] {
         let drawn = draw::draw(&set, number).unwrap();
         let row = judge(&drawn, false, None).unwrap();
         let place = format!("{row:?}");
@@ -23,10 +23,10 @@ fn choices_are_judged() {
         // Nothing that keeps the tolerance was cheaper than the cheapest by more than the clock's noise.
         for t in row.tried.iter().filter(|t| t.status == ADEQUATE) {
             assert!(t.error.unwrap() <= row.tolerance);
-            assert!(t.cost_s.unwrap() > 0.3 * cheapest, "{t:?}, {place}");
+            assert!(t.cost_s.unwrap() > 0.1 * cheapest, "{t:?}, {place}");
         }
         if let Some(ratio) = row.cost_ratio() {
-            assert!((0.99..100.0).contains(&ratio), "{ratio}");
+            assert!((0.99..1000.0).contains(&ratio), "{ratio}");
         }
     }
 }
