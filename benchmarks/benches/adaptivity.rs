@@ -27,6 +27,8 @@ struct Impulse {
     force: usize,
     last: f64,
     sum: f64,
+    /// Steps that begin or end in contact.
+    closed: u64,
     out: Outputs,
 }
 
@@ -35,6 +37,7 @@ impl Sink for Impulse {
         sys.output(step.to.at(), &mut self.out);
         let force = self.out.channels[self.force];
         self.sum += 0.5 * (step.to.t - step.from.t) * (self.last + force);
+        self.closed += u64::from(force != 0.0 || self.last != 0.0);
         self.last = force;
         Control::Continue
     }
@@ -52,6 +55,7 @@ struct Candidate {
 struct Found {
     work: Work,
     impulse: f64,
+    closed: u64,
     speed: f64,
     residual: f64,
 }
@@ -79,6 +83,7 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     Found {
         work,
         impulse: impulse.sum,
+        closed: impulse.closed,
         speed: momentum / pinion.model.hub().inertia,
         residual: ledger.residual_relative(),
     }
@@ -122,9 +127,10 @@ fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
     let (impulse, speed) = (relative(&|f| f.impulse), relative(&|f| f.speed));
     let [a, b] = &found;
     println!(
-        "{what:<58} {:>8} {:>7} {:>9} {:>7} {:>9.2} {:>8.2} {:>7.2} {:>9.1e} {:>9.1e} {:>9.1e}",
+        "{what:<58} {:>8} {:>7} {:>8} {:>9} {:>7} {:>9.2} {:>8.2} {:>7.2} {:>9.1e} {:>9.1e} {:>9.1e}",
         a.work.steps,
         b.work.steps,
+        b.closed,
         a.work.force_evaluations,
         b.work.force_evaluations,
         1e3 * off,
@@ -137,6 +143,7 @@ fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
     json!({
         "what": what,
         "steps": [a.work.steps, b.work.steps],
+        "steps_in_contact": [a.closed, b.closed],
         "force_evaluations": [a.work.force_evaluations, b.work.force_evaluations],
         "wall_s": [off, on],
         "ratio": off / on,
@@ -157,9 +164,10 @@ fn main() {
     }
     let file = scene_file::load("hammer").unwrap_or_else(|e| panic!("{e:?}"));
     println!(
-        "{:<58} {:>16} {:>17} {:>18} {:>7} {:>9} {:>9} {:>9}",
+        "{:<58} {:>16} {:>8} {:>17} {:>18} {:>7} {:>9} {:>9} {:>9}",
         "hammer: off and on",
         "steps",
+        "closed",
         "evaluations",
         "wall [ms]",
         "ratio",

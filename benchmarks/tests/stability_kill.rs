@@ -33,7 +33,7 @@ fn start(dir: &Path) -> Child {
         .args(["stability", "spur_rotation", "--models", "rigid"])
         .args(["--integrators", "velocity-verlet,rk4,newmark"])
         .args(["--axis", "contact-stiffness=0.1:100:6"])
-        .args(["--steps", "5e-7:2e-4:10", "--duration", "1e-2"])
+        .args(["--steps", "5e-7:2e-4:10", "--duration", "2e-3"])
         .args(["--threads", "2", "--out", "map"])
         .current_dir(dir)
         .env("NO_COLOR", "1")
@@ -97,15 +97,13 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
     let wanted = runs(&whole.0);
 
     let mut random = Random(SEED);
-    let (mut partial, mut after_the_end) = (0, 0);
+    let (mut partial, mut progressed, mut after_the_end) = (0, 0, 0);
     for kill in 0..KILLS {
         let before = lines(&killed.0);
         let mut child = start(&killed.0);
-        // A start that goes on where others ended is the shorter the later it comes: the moments are drawn so that
-        // all of them fall into work.
+        // On average twenty of them make one whole map: all fall into work.
         let part = length.mul_f64(2.0 * random.next() / KILLS as f64);
         let moment = Instant::now() + Duration::from_millis(3) + part;
-        // At the latest when the next piece of work is done and the machine is slow.
         while Instant::now() < moment && child.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_micros(200));
         }
@@ -115,8 +113,14 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
         let after = lines(&killed.0);
         assert!(after >= before, "kill {kill} lost finished runs");
         after_the_end += usize::from(ended);
-        partial += usize::from(after > 1 && after <= wanted.len());
+        let unfinished = after <= wanted.len();
+        partial += usize::from(after > 1 && unfinished);
+        progressed += usize::from(after > before && unfinished);
     }
+    assert!(
+        progressed >= 3,
+        "only {progressed} kills fell into work that left finished runs"
+    );
     assert!(
         partial >= KILLS / 2,
         "only {partial} of {KILLS} kills left a map half done ({after_the_end} came after its end)"
@@ -139,4 +143,39 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
     let csv = String::from_utf8(read(&whole.0, "stability.csv")).unwrap();
     assert!(!csv.contains("NaN") && !csv.contains("inf,"));
     assert!(csv.lines().count() > 180, "{} lines", csv.lines().count());
+}
+
+#[test]
+fn another_map_in_the_same_folder_is_refused() {
+    let folder = Folder::new("map-other");
+    let run = |more: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_gearbench"))
+            .args([
+                "stability",
+                "spur_impact",
+                "--models",
+                "rigid",
+                "--out",
+                "map",
+            ])
+            .args(["--integrators", "rk4", "--axis", "contact-stiffness=1,2"])
+            .args(more)
+            .current_dir(&folder.0)
+            .env("NO_COLOR", "1")
+            .output()
+            .unwrap()
+    };
+    let first = run(&["--steps", "1e-6:1e-4:4"]);
+    assert!(first.status.success(), "{first:?}");
+    let kept = read(&folder.0, "stability.csv");
+    let other = run(&["--steps", "1e-6:1e-4:5"]);
+    let said = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert_eq!(other.status.code(), Some(2), "{said}");
+    for word in ["--fresh", "--out", "rk4"] {
+        assert!(said.contains(word), "{said}");
+    }
+    assert_eq!(read(&folder.0, "stability.csv"), kept);
+    let fresh = run(&["--steps", "1e-6:1e-4:5", "--fresh"]);
+    assert!(fresh.status.success(), "{fresh:?}");
+    assert_ne!(read(&folder.0, "stability.csv"), kept);
 }

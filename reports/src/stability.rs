@@ -148,6 +148,13 @@ pub struct Map {
     pub references: Vec<SelfReference>,
 }
 
+/// Whether a run lost its stability. One whose contact pulled has a force history that no contact has, but it went on:
+/// that says nothing of growth.
+#[must_use]
+pub fn is_lost(status: Status) -> bool {
+    status.is_failure() && status != Status::AdhesiveForce
+}
+
 /// The largest step at the scene's own parameters up to which every run held.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limit {
@@ -161,6 +168,8 @@ pub struct Limit {
     pub holds_again: bool,
     /// Largest step up to which every run was within the tolerance \[s\].
     pub accurate_s: Option<f64>,
+    /// Smallest step at which a contact pulled \[s\].
+    pub pulls_from_s: Option<f64>,
 }
 
 impl Limit {
@@ -222,7 +231,7 @@ impl Map {
         tried.sort_by(|a, b| a.at.total_cmp(&b.at));
         let first = tried.iter().position(|c| c.status != Status::Timeout)?;
         let tried = &tried[first..];
-        let failed = tried.iter().position(|c| c.status.is_failure());
+        let failed = tried.iter().position(|c| is_lost(c.status));
         let held = &tried[..failed.unwrap_or(tried.len())];
         let off = held.iter().position(|c| c.status != Status::Converged);
         let accurate = &held[..off.unwrap_or(held.len())];
@@ -230,8 +239,11 @@ impl Map {
             stable_s: held.last().map(|c| c.at),
             unstable_s: failed.map(|i| tried[i].at),
             status: failed.map(|i| tried[i].status),
-            holds_again: failed.is_some_and(|i| tried[i..].iter().any(|c| !c.status.is_failure())),
+            holds_again: failed.is_some_and(|i| tried[i..].iter().any(|c| !is_lost(c.status))),
             accurate_s: accurate.last().map(|c| c.at),
+            pulls_from_s: (tried.iter())
+                .find(|c| c.status == Status::AdhesiveForce)
+                .map(|c| c.at),
         })
     }
 
@@ -323,10 +335,11 @@ mod tests {
 
     #[test]
     fn the_limit_is_below_the_first_failure() {
-        use Status::{BlowUp, Converged, EnergyGrowth, Inaccurate, Timeout};
+        use Status::{AdhesiveForce, BlowUp, Converged, EnergyGrowth, Inaccurate, Timeout};
         let mut m = map(&[
             (1e-8, Timeout),
             (1e-7, Converged),
+            (5e-7, AdhesiveForce),
             (1e-6, Inaccurate),
             (1e-5, EnergyGrowth),
             (1e-4, Inaccurate),
@@ -336,7 +349,7 @@ mod tests {
         let l = m.limit().unwrap();
         assert_eq!((l.stable_s, l.unstable_s), (Some(1e-6), Some(1e-5)));
         assert_eq!((l.status, l.accurate_s), (Some(EnergyGrowth), Some(1e-7)));
-        assert!(l.holds_again);
+        assert!(l.holds_again && l.pulls_from_s == Some(5e-7));
         // Runs that close in move both ends.
         while let Some(h) = m.limit().unwrap().next() {
             let status = if h < 4.2e-6 { Inaccurate } else { BlowUp };

@@ -18,7 +18,7 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::scene::Scene;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::{Results, Status};
-use gearbench_reports::stability::Columns;
+use gearbench_reports::stability::{Columns, Map};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -346,8 +346,13 @@ fn summarise(results: &Results) {
         "{:<26} {:<32} {:>14} {:>10} {:>8}  failing with",
         "model", "integrator", "largest stable", "theory", "ratio"
     ));
-    for map in &results.maps {
-        let Some(limit) = map.limit() else { continue };
+    for (i, map) in results.maps.iter().enumerate() {
+        let same =
+            |o: &Map| (o.model_label(), &o.integrator) == (map.model_label(), &map.integrator);
+        // Sets of maps may share a pair of model and integrator.
+        let Some(limit) = map.limit().filter(|_| !results.maps[..i].iter().any(same)) else {
+            continue;
+        };
         let step = match (limit.stable_s, limit.unstable_s) {
             (Some(h), Some(_)) => quantity(h, "s", 3),
             (Some(h), None) => format!("> {}", quantity(h, "s", 3)),

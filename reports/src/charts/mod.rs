@@ -15,7 +15,6 @@ mod mesh;
 mod modes;
 pub(crate) mod penalty;
 pub(crate) mod precision;
-mod precision_marks;
 pub(crate) mod stability;
 mod stiffness;
 mod style;

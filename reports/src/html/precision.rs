@@ -184,10 +184,15 @@ pub fn tables(view: &View<'_>) -> String {
         let name = escape(&view.reference_name(id));
         out.push_str(&format!(
             "<section class=\"glance\">\n<h2>Pareto front against {name}</h2>\n{}<p class=\"note\">Runs that no other beats \
-             in wall time and in {} at once, fitted models included; a check stands where a run is on the front of the \
-             models that were not fitted to this history.</p>\n</section>\n",
+             in wall time and in {} at once{}.</p>\n</section>\n",
             front(&cloud),
             metric_name(metric),
+            if cloud.has_fitted() {
+                ", fitted models included; a check stands where a run is on the front of the models that were not fitted \
+                 to this history"
+            } else {
+                ""
+            },
         ));
         out.push_str(&format!(
             "<section class=\"glance\">\n<h2>Cheapest run of each model against {name}</h2>\n{}<p class=\"note\">Least wall \

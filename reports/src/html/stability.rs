@@ -4,11 +4,11 @@ use super::escape;
 use super::table::{Column, Rows, table};
 use crate::numbers::{count, percent, quantity, short};
 use crate::record::Status;
-use crate::stability::{Limit, Map};
+use crate::stability::{Limit, Map, is_lost};
 use crate::view::View;
 
 /// The maps of one pair of model and integrator: several sets may have them.
-fn once<'a>(maps: &'a [Map]) -> Vec<&'a Map> {
+fn once(maps: &[Map]) -> Vec<&Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps {
         let same =
@@ -156,9 +156,9 @@ fn beside(maps: &[Map]) -> Option<String> {
             }
             for i in 0..first.cells.len() {
                 let status = |m: &Map| m.cells.get(i).map_or(Status::Timeout, |c| c.status);
-                if explicit.iter().all(|m| status(m).is_failure()) {
+                if explicit.iter().all(|m| is_lost(status(m))) {
                     lost += 1;
-                    kept += usize::from(implicit.iter().any(|m| !status(m).is_failure()));
+                    kept += usize::from(implicit.iter().any(|m| !is_lost(status(m))));
                     accurate +=
                         usize::from(implicit.iter().any(|m| status(m) == Status::Converged));
                 }
@@ -167,7 +167,7 @@ fn beside(maps: &[Map]) -> Option<String> {
     }
     (lost > 0).then(|| {
         format!(
-            "Of {} combinations of step and parameters at which every explicit method failed, an implicit one held in \
+            "Of {} combinations of step and parameters at which every explicit method lost its stability, an implicit one held in \
              {} and stayed within the tolerance in {}.",
             count(lost),
             count(kept as u64),
@@ -242,13 +242,21 @@ fn limits(maps: &[&Map]) -> String {
             "",
             cell(&|_, l| l.accurate_s.map(|h| quantity(h, "s", 3))),
         ),
+        Column::written(
+            "A contact pulls from",
+            "",
+            cell(&|_, l| l.pulls_from_s.map(|h| quantity(h, "s", 3))),
+        ),
     ];
     format!(
         "<section class=\"glance\">\n<h2>Largest stable steps</h2>\n{}<p class=\"note\">At the scene's own parameters: \
          the largest step up to which every run held, closed in on to 2\u{a0}% between the last that held and the \
          first that failed. Theory is linear, at the closed contact of largest force; a run that is short, damped or \
-         mostly in flight may survive a larger step, and one whose energy swings near the limit fails before it. \
-         Accurate: within the tolerance against the model's own converged solution.</p>\n</section>\n",
+         mostly in flight may survive a larger step (Dormand-Prince grows so slowly beyond its limit that short runs do \
+         not show it), and one whose energy swings near the limit fails before it. \
+         Accurate: within the tolerance against the model's own converged solution. From the step in the last column on the \
+         force history of a contact dips below zero between steps: the run goes on, but its force is none that a contact \
+         has.</p>\n</section>\n",
         table(&columns, &grouped(&rows, |_| ""))
     )
 }

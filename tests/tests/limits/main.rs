@@ -9,7 +9,7 @@ use gearbench::study::compare::Entry;
 use gearbench::study::limits::table::{Case, StepLimit, table};
 use gearbench_models::scene::spec::Value;
 
-mod published_stiffness;
+mod in_the_scene;
 
 /// An entry of a shipped scene.
 fn entry(scene: &str, label: &str) -> Entry {

@@ -44,7 +44,8 @@ fn refusals() {
     };
     of("stepps = [1]", &["unknown key `stepps`", "steps_s"]);
     of("models = [\"rigd\"]", &["rigd", "rigid"]);
-    of("modes = [10, -1]", &["`modes` holds -1", "0 to 2000"]);
+    of("modes = [10, -1]", &["-1", "whole number"]);
+    of("modes = [10, 5000]", &["`modes` holds 5000", "0 to 2000"]);
     of("modes = 10", &["`modes`"]);
     of("factors = [1.0, 0]", &["`factors` holds 0", "more than 0"]);
     of("steps_s = [-1e-6]", &["`steps_s` holds", "more than 0"]);

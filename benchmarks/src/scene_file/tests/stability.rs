@@ -94,8 +94,8 @@ fn refusals_name_the_line() {
             ["both given", "and this"],
         ),
         (
-            "\"speed\"",
-            "\"damping\"",
+            "\"speed\", from = 0.5, to = 2.0, points = 3",
+            "\"damping\", values = [0.1]",
             7,
             ["stands twice", "leave it out"],
         ),

@@ -118,14 +118,14 @@ impl Frozen {
             });
             Ok(matrix.cholesky().is_some())
         };
-        // The kicks soften with the step, so the limit lies above that of the contact alone; look outwards from there.
         let last = if highest > 0.0 {
             PI / highest
         } else {
             f64::INFINITY
         };
+        // Each look takes the matrix at its step: begin near where the contact alone or the first resonance ends.
         let mut low = 0.0;
-        let mut high = (0.05 / stiffest.sqrt()).min(0.02 * last);
+        let mut high = 0.25 * last.min(2.0 / stiffest.sqrt());
         while stable(high)? {
             low = high;
             high *= 1.25;
@@ -133,7 +133,7 @@ impl Frozen {
                 return Ok(None);
             }
         }
-        while high - low > 1e-4 * high {
+        while high - low > 1e-3 * high {
             let h = 0.5 * (low + high);
             if stable(h)? {
                 low = h;
@@ -141,6 +141,6 @@ impl Frozen {
                 high = h;
             }
         }
-        Ok(Some(low))
+        Ok(Some(0.5 * (low + high)))
     }
 }

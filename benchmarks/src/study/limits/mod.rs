@@ -4,8 +4,9 @@
 //! `M q'' + D q' + K q = 0`, for which [`linear_stability`](gearbench_integrators::linear_stability) knows the limit of
 //! every method. **The state** is the one of the largest contact force, among those with the most tooth pairs in
 //! contact, of a run from the scene's start through its first contact (until the teeth part again or the first gear has
-//! turned by a pitch); the open state beside it has the contacts left out. The limit is the smaller one. A run that
-//! leaves contact half of the time may survive a step somewhat larger; one that finds a stiffer contact later may not.
+//! turned by a pitch); the start itself for a scene that does not touch. Contacts only add stiffness to the open scene,
+//! whose frequencies are therefore no higher and whose limit is no smaller. A run that leaves contact half of the time
+//! may survive a step somewhat larger; one that finds a stiffer contact later may not.
 //!
 //! | module | owns |
 //! |---|---|

@@ -10,6 +10,7 @@
 mod ladder;
 mod metric;
 mod plan;
+mod references;
 #[cfg(test)]
 mod tests;
 
@@ -24,8 +25,8 @@ use super::run::{Job, Method, RunError, run, run_timed};
 use gearbench_integrators::Resolution;
 use gearbench_models::scene::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Status};
-use gearbench_reports::series::TimeSeries;
+use gearbench_reports::record::{Ledger, Metrics, ReferenceSeries, Results, Run, Status};
+use gearbench_reports::series::{Column, TimeSeries};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -63,15 +64,20 @@ pub fn study(
         progress(computed.len(), &format!("reference {}", full.id));
         computed.push(study.reference(full)?);
     }
-    let mut references: Vec<(&str, &TimeSeries)> = Vec::new();
-    references.extend(plan.external.iter().map(|e| (e.id.as_str(), &e.series)));
-    references.extend(computed.iter().map(|(r, s)| (r.id.as_str(), s)));
+    let mut references: Vec<(&str, Held)> = Vec::new();
+    // A stored history has times of its own, and every run records those.
+    references.extend((plan.external.iter()).map(|e| {
+        let held = Held::new(e.series.clone(), &[]);
+        (e.id.as_str(), held)
+    }));
+    references
+        .extend((computed.iter()).map(|(r, s)| (r.id.as_str(), Held::new(s.clone(), &study.grid))));
 
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
     let mut notes: Vec<(String, String)> = Vec::new();
     let mut done = plan.fulls.len();
     for variant in &plan.variants {
-        let mut own: Option<Option<TimeSeries>> = None;
+        let mut own: Option<Option<Held>> = None;
         // Integrators that cannot run this model, or whose steps have become too many.
         let mut closed: Vec<&str> = Vec::new();
         for method in &variant.methods {
@@ -98,7 +104,8 @@ pub fn study(
                 Some(own) => own,
                 none => {
                     progress(done - 1, &format!("{label}, converged solution"));
-                    none.insert(study.own_solution(variant, &row, &references)?)
+                    let found = study.own_solution(variant, &row, &references)?;
+                    none.insert(found.map(|s| Held::new(s, &study.grid)))
                 }
             };
             let steps = matches!(method.resolution, Resolution::Step(_));
@@ -165,23 +172,87 @@ fn fill(row: &mut Run, variant: &Variant) {
     row.contacts = None;
 }
 
+/// A history that runs are held against: as it was recorded, and at the times that every run records.
+struct Held {
+    whole: TimeSeries,
+    even: TimeSeries,
+}
+
+impl Held {
+    fn new(whole: TimeSeries, grid: &[f64]) -> Self {
+        let even = at_times(&whole, grid);
+        Held { whole, even }
+    }
+
+    /// Errors of a run. Peaks and impulses take all samples; pointwise errors only those at common times: between
+    /// samples of its own a run is interpolated, and where a force jumps that shows as an error it does not have.
+    fn errors(&self, series: &TimeSeries, ledger: &Ledger, id: &str) -> Metrics {
+        let whole = measure(series, ledger, &self.whole, id);
+        if self.even.len() < 3 {
+            return whole;
+        }
+        let even = measure(series, ledger, &self.even, id);
+        Metrics {
+            force_l2: even.force_l2,
+            force_l2_aligned: even.force_l2_aligned,
+            time_shift_s: even.time_shift_s,
+            transmission_error_l2: even.transmission_error_l2,
+            ..whole
+        }
+    }
+}
+
+/// The samples of a history at some ascending times; of several at one time the first.
+fn at_times(series: &TimeSeries, times: &[f64]) -> TimeSeries {
+    let near = 1e-12 * times.last().copied().unwrap_or(0.0).abs();
+    let mut kept: Vec<usize> = Vec::with_capacity(times.len());
+    let mut next = 0;
+    for t in times {
+        while next < series.time_s.len() && series.time_s[next] < t - near {
+            next += 1;
+        }
+        if next < series.time_s.len()
+            && series.time_s[next] <= t + near
+            && kept.last() != Some(&next)
+        {
+            kept.push(next);
+        }
+    }
+    let of = |column: &[f64]| {
+        kept.iter()
+            .filter_map(|&i| column.get(i).copied())
+            .collect()
+    };
+    TimeSeries {
+        time_s: of(&series.time_s),
+        contact_force_n: of(&series.contact_force_n),
+        omega1_rad_s: of(&series.omega1_rad_s),
+        omega2_rad_s: of(&series.omega2_rad_s),
+        columns: (series.columns.iter())
+            .map(|c| Column {
+                name: c.name.clone(),
+                values: of(&c.values),
+            })
+            .collect(),
+    }
+}
+
 fn measure_against(
     row: &mut Run,
     variant: &Variant,
-    references: &[(&str, &TimeSeries)],
-    own: Option<&TimeSeries>,
+    references: &[(&str, Held)],
+    own: Option<&Held>,
 ) {
     let Some(series) = row.series.take() else {
         return;
     };
     for (id, reference) in references {
         if variant.against.iter().any(|a| a == id) {
-            row.metrics
-                .push(measure(&series, &row.ledger, reference, id));
+            row.metrics.push(reference.errors(&series, &row.ledger, id));
         }
     }
     if let Some(own) = own {
-        row.metrics.push(measure(&series, &row.ledger, own, "self"));
+        row.metrics.push(own.errors(&series, &row.ledger, "self"));
     }
 }
 
@@ -315,7 +386,7 @@ impl Study<'_> {
         &self,
         variant: &Variant,
         row: &Run,
-        references: &[(&str, &TimeSeries)],
+        references: &[(&str, Held)],
     ) -> Result<Option<TimeSeries>, RunError> {
         let entry = &variant.entry;
         // A model that is a reference has its converged solution already.
@@ -325,7 +396,7 @@ impl Study<'_> {
         });
         if let Some(full) = reference {
             let found = references.iter().find(|(id, _)| *id == full.id);
-            return Ok(found.map(|(_, series)| (*series).clone()));
+            return Ok(found.map(|(_, held)| held.whole.clone()));
         }
         if row.modes.is_some() {
             let found = self.exact(&entry.scene, &entry.modelling)?;

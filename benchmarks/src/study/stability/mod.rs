@@ -20,6 +20,9 @@ pub mod journal;
 pub mod plan;
 pub mod theory;
 
+#[cfg(test)]
+mod tests;
+
 use super::machine;
 use super::run::RunError;
 use axis::AxisError;

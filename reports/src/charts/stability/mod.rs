@@ -247,3 +247,105 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
         }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Results;
+    use crate::stability::{Cell, Columns, MapAxis, MapLine, SelfReference};
+
+    /// A map with every label in its own row.
+    fn map(set: usize, integrator: &str, seconds: usize) -> Map {
+        let at: Vec<f64> = (0..10).map(|i| 1e-8 * 2_f64.powi(i)).collect();
+        let axis = |id: &str, n: usize| MapAxis {
+            id: id.into(),
+            name: format!("{id} <over> the scene's"),
+            unit: if n == 3 { "N/m".into() } else { String::new() },
+            values: (0..n).map(|i| 10_f64.powi(i as i32 + 8)).collect(),
+            own: n - 1,
+        };
+        let mut axes = vec![axis("tooth-stiffness", 3)];
+        if seconds > 0 {
+            axes.push(axis("speed", seconds));
+        }
+        let rows: usize = axes.iter().map(|a| a.values.len()).product();
+        let cells = (0..rows).flat_map(|_| {
+            at.iter().zip(Status::ALL).map(|(h, status)| Cell {
+                at: *h,
+                status,
+                ..Cell::default()
+            })
+        });
+        let steps = (0..rows).map(|r| (r != 1).then_some(3e-7 / (r + 1) as f64));
+        Map {
+            set,
+            model: "movable-teeth".into(),
+            variant: Some("<b>".into()),
+            integrator: integrator.into(),
+            duration_s: 1e-3,
+            columns: if integrator == "bdf" {
+                Columns::Tolerance
+            } else {
+                Columns::Step
+            },
+            cells: cells.collect(),
+            lines: KINDS
+                .iter()
+                .map(|k| MapLine {
+                    label: k.1.into(),
+                    kind: k.0,
+                    step_s: steps.clone().collect(),
+                })
+                .collect(),
+            references: vec![SelfReference::default(); rows],
+            at,
+            axes,
+            ..Map::default()
+        }
+    }
+
+    fn results(maps: Vec<Map>) -> Results {
+        Results {
+            scene: "made up".into(),
+            study: "stability".into(),
+            maps,
+            ..Results::default()
+        }
+    }
+
+    #[test]
+    fn every_label_has_its_letter_and_nothing_is_not_a_number() {
+        let maps = vec![map(0, "rk4", 0), map(0, "bdf", 0), map(1, "rk4", 4)];
+        let record = results(maps);
+        record.validate().unwrap();
+        let view = View::new(&record);
+        let charts = stability(&view).unwrap();
+        assert_eq!(charts.len(), 3, "an overview and one figure per set");
+        for chart in &charts {
+            assert!(FILES.contains(&chart.file));
+            assert!(!chart.svg.contains("NaN") && !chart.svg.contains("<b>"));
+            for status in Status::ALL {
+                let letter = look::look(status).letter;
+                let written = format!(">\n{letter}\n<");
+                assert!(
+                    letter.is_empty() || chart.svg.contains(&written),
+                    "{letter}"
+                );
+                assert!(chart.svg.contains(status.as_str()), "{status}");
+            }
+        }
+        assert!(charts[1].svg.contains("theory: stability limit"));
+        let page = crate::html::page(&record, &charts);
+        assert!(page.contains("Largest stable steps") && !page.contains("<b></b>"));
+        assert!(!page.contains("NaN") && page.contains("&lt;b&gt;"));
+    }
+
+    #[test]
+    fn more_figures_than_there_is_room_for_are_told_of() {
+        let record = results((0..40).map(|set| map(set, "rk4", 0)).collect());
+        let charts = stability(&View::new(&record)).unwrap();
+        assert_eq!(charts.len(), FILES.len());
+        let last = charts.last().map(|c| c.caption.as_str()).unwrap_or("");
+        assert!(last.contains("16 further figures"), "{last}");
+    }
+}

@@ -15,7 +15,7 @@ const HEADING: f64 = 24.0;
 const LEFT: f64 = 236.0;
 
 /// Maps of the overview: each pair of model and integrator once.
-pub fn pairs<'a>(maps: &'a [Map], columns: Columns) -> Vec<&'a Map> {
+pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
     let mut found: Vec<&Map> = Vec::new();
     for map in maps.iter().filter(|m| m.columns == columns) {
         let same =

@@ -1,7 +1,7 @@
 //! One map as coloured cells: steps over the values of a parameter.
 
 use super::super::axis::{Axis, NAME_SIZE, TICK_SIZE, tick_label};
-use super::super::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type};
+use super::super::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type, text_width};
 use super::look::{found_mark, look, theory_line};
 use crate::numbers::{Prefix, short};
 use crate::stability::{Cell, Columns, LineKind, Map, MapAxis};
@@ -137,7 +137,9 @@ impl Panel<'_> {
         };
         let rows = axis.values.len();
         let first = self.second * rows;
-        let heading = Type::new(NAME_SIZE, Anchor::Start).bold();
+        // Bold letters are about a tenth wider.
+        let fit = area.width() / (1.1 * text_width(&self.title, 1.0)).max(1.0);
+        let heading = Type::new(fit.min(NAME_SIZE), Anchor::Start).bold();
         c.text(&self.title, (area.x0, area.y0 - 10.0), heading);
         for i in 0..rows {
             paint_row(c, map.row(first + i), &x, &strip(area, rows, i), area);

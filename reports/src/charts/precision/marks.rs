@@ -1,8 +1,8 @@
 //! Colours tell models, markers tell integrators: both in the order of appearance, the same in all charts.
 
-use super::canvas::{Anchor, Canvas, Ink, Type, text_width};
-use super::lines::{LEFT, RIGHT, WIDTH};
-use super::style::{Look, Marker, look, marker};
+use crate::charts::canvas::{Anchor, Canvas, Ink, Type, text_width};
+use crate::charts::lines::{LEFT, RIGHT, WIDTH};
+use crate::charts::style::{Look, Marker, look, marker};
 use crate::precision::id_of;
 use crate::record::{Results, Run};
 

@@ -1,5 +1,5 @@
-//! Movable teeth with the published 5.6e10 N/m: explicit methods fail beyond their limit in the scene itself, implicit
-//! ones go on with steps ten times as long.
+//! Limits in the scene itself, whose contacts open and close. Movable teeth with the published 5.6e10 N/m: explicit
+//! methods fail beyond their limit, implicit ones go on with steps ten times as long.
 
 use super::entry;
 use gearbench::models::models;
@@ -68,5 +68,37 @@ fn explicit_methods_fail_where_implicit_ones_hold() {
         let held = run_with(&e, text, step, t_end);
         println!("{text:34} {step:.3e} s: {}", held.status);
         assert_eq!(held.status, Status::Converged, "{text}: {:?}", held.message);
+    }
+}
+
+/// Thirty-five modes in the scene itself: undamped modes that no contact holds any more still grow beyond the limit.
+#[test]
+fn elastic_gears_fail_in_the_scene_where_theory_says() {
+    let e = super::with_modes(entry("spur_impact", "elastic"), 35);
+    let mut frozen = Frozen::new(&e.scene, &e.modelling, models()).unwrap();
+    for text in ["velocity-verlet", "rk4"] {
+        let lines = frozen.lines(text).unwrap();
+        let h = (lines.iter().find(|l| l.kind == LineKind::Stability))
+            .unwrap()
+            .step_s;
+        let (below, above) = (
+            run_with(&e, text, 0.95 * h, 1.5e-4),
+            run_with(&e, text, 1.05 * h, 1.5e-4),
+        );
+        println!(
+            "{text:34} {:.3e} s: {}, {:.3e} s: {} at {:.2e} s",
+            0.95 * h,
+            below.status,
+            1.05 * h,
+            above.status,
+            above.simulated_s
+        );
+        assert_eq!(
+            below.status,
+            Status::Converged,
+            "{text}: {:?}",
+            below.message
+        );
+        assert!(above.status.is_failure(), "{text}: {:?}", above.message);
     }
 }
