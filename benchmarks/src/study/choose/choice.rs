@@ -128,7 +128,7 @@ pub fn choose(
     let prepared = Prepared::of(situation)?;
     progress("rigid run through the scene");
     let scouted = prepared.best_rigid();
-    let window = scout::window(situation, scouted, &prepared.swing, cancel)?;
+    let window = scout::window(situation, scouted, &prepared.swing, wish.metric, cancel)?;
     let growth = scout::growth(
         situation,
         scouted,

@@ -221,6 +221,20 @@ impl Picker<'_, '_> {
     }
 }
 
+/// The cheapest that keeps the tolerance without a margin, for when nothing keeps it with one: its standing, itself,
+/// its cost.
+fn within(
+    standings: &[Standing],
+    tried: &[Tried],
+    tolerance: f64,
+) -> Option<(usize, Candidate, f64)> {
+    let keeps = |t: &&Tried| t.error <= tolerance && t.cost_s.is_finite();
+    let least = (tried.iter().filter(keeps)).min_by(|a, b| a.cost_s.total_cmp(&b.cost_s))?;
+    let rung = |s: &Standing| s.tried.rung == least.candidate.rung;
+    let i = standings.iter().position(rung)?;
+    Some((i, least.candidate.clone(), least.cost_s))
+}
+
 fn failure(outcome: &Outcome) -> Option<String> {
     (!outcome.usable()).then(|| {
         let message = outcome.row.message.clone().unwrap_or_default();
@@ -288,7 +302,13 @@ pub fn pick(
     }
     let best = (standings.iter().enumerate())
         .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))
-        .min_by(|a, b| a.2.total_cmp(&b.2));
+        .min_by(|a, b| a.2.total_cmp(&b.2))
+        .or_else(|| within(&standings, &tried, wish.tolerance));
+    if let Some((i, candidate, cost)) = &best {
+        let rung = &mut standings[*i].tried;
+        rung.cheapest
+            .get_or_insert_with(|| (candidate.clone(), *cost));
+    }
     let mut choice = Choice {
         candidate: None,
         predicted_error: standings

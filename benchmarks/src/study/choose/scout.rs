@@ -17,8 +17,12 @@ use std::sync::atomic::AtomicBool;
 
 /// Steps and samples of a scout run per contact time.
 const STEPS: f64 = 32.0;
-/// Samples per contact time around contacts, and between them.
-const SAMPLES: [f64; 2] = [40.0, 5.0];
+/// Samples per contact time around contacts.
+const SAMPLES: f64 = 48.0;
+/// Samples per period of a tooth where the metric is a peak: ringing teeth make it.
+const RINGING: f64 = 10.0;
+/// One of so many of them is kept where nothing touches.
+const SPARSE: usize = 8;
 /// Contact times, and part of the time that has passed, by which contacts of other models may come earlier or later.
 const AROUND: [f64; 2] = [0.5, 0.02];
 /// Most samples of a run.
@@ -53,10 +57,10 @@ pub struct Window {
 }
 
 impl Window {
-    /// The first `end` seconds, recorded evenly.
+    /// The first `end` seconds, recorded evenly every `spacing` seconds.
     #[must_use]
-    pub fn to(end: f64, contact_time: f64) -> Window {
-        let n = (SAMPLES[0] * end / contact_time).clamp(200.0, MOST_SAMPLES) as usize;
+    pub fn to(end: f64, spacing: f64) -> Window {
+        let n = (end / spacing).clamp(200.0, MOST_SAMPLES) as usize;
         Window {
             end,
             grid: (0..=n).map(|i| end * i as f64 / n as f64).collect(),
@@ -112,7 +116,7 @@ fn whole(
         grid: (0..=n)
             .map(|i| situation.duration * i as f64 / n as f64)
             .collect(),
-        ..Window::to(situation.duration, contact_time)
+        ..Window::to(situation.duration, contact_time / SAMPLES)
     };
     Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), &window, cancel)
 }
@@ -175,6 +179,7 @@ pub fn window(
     situation: &Situation,
     rung: &Fixed,
     swing: &Swing,
+    metric: Metric,
     cancel: Option<&AtomicBool>,
 ) -> Result<Window, ChooseError> {
     let time = swing.contact_time();
@@ -210,22 +215,31 @@ pub fn window(
         all_contacts: spells.len(),
         contact_ratio: if inside > 0.0 { total / inside } else { 1.0 },
         time_ratio: situation.duration / end,
-        grid: grid(end, time, &spells),
-        ..Window::to(end, time)
+        grid: grid(end, spacing(situation, swing, metric), time, &spells),
+        ..Window::to(end, time / SAMPLES)
     })
 }
 
+/// Distance of samples around contacts [s].
+fn spacing(situation: &Situation, swing: &Swing, metric: Metric) -> f64 {
+    let contact = swing.contact_time() / SAMPLES;
+    if metric == Metric::Peak {
+        contact.min(1.0 / (RINGING * situation.tooth_frequency()))
+    } else {
+        contact
+    }
+}
+
 /// Times that are dense where something may touch: looking at modes costs more than stepping them in flight.
-fn grid(end: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f64> {
-    let evenly = Window::to(end, contact_time).grid;
+fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f64> {
+    let evenly = Window::to(end, spacing).grid;
     let near = |t: f64| {
         let margin = AROUND[0] * contact_time + AROUND[1] * t;
         (spells.iter()).any(|[a, b]| t > a - margin && t < b + margin)
     };
-    let every = (SAMPLES[0] / SAMPLES[1]) as usize;
     let last = evenly.len() - 1;
     (evenly.into_iter().enumerate())
-        .filter(|(i, t)| *i == last || i % every == 0 || near(*t))
+        .filter(|(i, t)| *i == last || i % SPARSE == 0 || near(*t))
         .map(|(_, t)| t)
         .collect()
 }
@@ -246,9 +260,8 @@ pub fn growth(
     if window.whole {
         return Ok(1.0);
     }
-    let time = swing.contact_time();
     let [base, stiffer] = [1.0, 1.0 + NUDGE].map(|factor| scaled(situation, rung, swing, factor));
-    let all = Window::to(situation.duration, time);
+    let all = Window::to(situation.duration, spacing(situation, swing, metric));
     let error = |w: &Window| -> Result<f64, ChooseError> {
         let run = |rung: &Fixed| {
             Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), w, cancel)
