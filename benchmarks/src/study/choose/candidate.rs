@@ -12,7 +12,7 @@ use gearbench_models::scene::spec::{ModelSpec, Modelling, SceneSpec, Value};
 use std::sync::Arc;
 
 /// Modes of the elastic rungs.
-pub const MODES: [usize; 8] = [10, 20, 35, 50, 75, 100, 150, 200];
+pub const MODES: [usize; 9] = [10, 20, 35, 50, 75, 100, 150, 200, 300];
 /// Steps per period of a tooth's first frequency of runs whose own error must not show.
 const TOOTH_STEPS: f64 = 30.0;
 /// Modes of the densest elastic model, which is above the ladder.

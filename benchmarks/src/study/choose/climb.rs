@@ -13,9 +13,8 @@ use super::trial::{Outcome, Trial};
 use super::wish::{Metric, Wish};
 use std::sync::atomic::AtomicBool;
 
-/// Steps per contact time of the climb, for tolerances below and from a limit: their own error does not show beside it.
-const STEPS: [f64; 2] = [256.0, 128.0];
-const COARSE: f64 = 0.04;
+/// Steps per contact time of the climb, for tolerances up to a limit: their own error is not to show beside it.
+const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
 /// Part of the tolerance that the last two differences stay below.
 const SETTLED: f64 = 0.25;
 /// The same for histories, in tolerances, where the metric is a single number.
@@ -24,7 +23,7 @@ const HISTORY: f64 = 2.0;
 /// numbers: no estimate goes below.
 const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
-const RATIO: [f64; 2] = [0.3, 0.7];
+const RATIO: [f64; 2] = [0.3, 0.5];
 
 /// A rung of elastic gears on the window.
 #[derive(Clone, Debug)]
@@ -75,7 +74,7 @@ pub fn climb(
     cancel: Option<&AtomicBool>,
     progress: &mut impl FnMut(&str),
 ) -> Result<Climb, ChooseError> {
-    let steps = STEPS[usize::from(wish.tolerance >= COARSE)];
+    let steps = (STEPS.iter().find(|(limit, _)| wish.tolerance < *limit)).map_or(128.0, |s| s.1);
     let mut levels: Vec<Level> = Vec::new();
     let mut failure = String::from("no reason given");
     let mut settled = false;
@@ -157,7 +156,7 @@ mod tests {
         // Differences 1, 1/2, 1/4: what is left after them is 1/4.
         assert!((remaining(&[1.0, 0.5, 0.25]) - 0.25).abs() < 1e-12);
         // Differences that grow promise nothing: the bound of the ratio speaks.
-        assert!((remaining(&[0.1, 0.2]) - 0.2 * 0.7 / 0.3).abs() < 1e-12);
+        assert!((remaining(&[0.1, 0.2]) - 0.2).abs() < 1e-12);
         // One that vanishes by chance counts as a part of the one before.
         assert!(remaining(&[0.1, 0.0]) > 0.01);
         assert_eq!(remaining(&[0.1]), 0.1);

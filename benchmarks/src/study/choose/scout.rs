@@ -30,8 +30,8 @@ const MOST_SAMPLES: f64 = 8000.0;
 /// Contact times of touching teeth in a window.
 const BUDGET: f64 = 12.0;
 /// Mesh cycles that a window of lasting contact holds, where these are not more than so many contact times.
-const CYCLES: f64 = 2.0;
-const MOST_BUDGET: f64 = 100.0;
+const CYCLES: f64 = 4.0;
+const MOST_BUDGET: f64 = 200.0;
 /// Contact times that the end of an impact is followed by.
 const MARGIN: f64 = 0.5;
 /// Relative change of stiffness whose effect tells how errors grow.

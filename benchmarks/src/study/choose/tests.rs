@@ -55,11 +55,18 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     let (mut one, mut two) = (pair(&rigid.modelling), pair(&elastic(&s, 0, None)));
     let l = two.layout();
     let (pitch, base) = (l.pitch_point, l.base_pitch);
-    for part in [-0.31, 0.013, 0.22] {
+    let mut ratio = |part: f64| {
         let (at, approach) = (pitch + part * base, 0.7 * found.approach);
         let [a, b] = [&mut one, &mut two].map(|p| p.at_approach(at, approach).expect("rest").force);
-        assert!((a / b - 1.0).abs() < 0.02, "{part}: {a} N against {b} N");
+        a / b
+    };
+    for part in [-0.11, 0.013, 0.22] {
+        let found = ratio(part);
+        assert!((found - 1.0).abs() < 0.02, "{part}: {found}");
     }
+    // Where two pairs carry they bend the same bodies, which pairs on their own do not know.
+    let two_pairs = ratio(-0.31);
+    assert!((1.05..1.3).contains(&two_pairs), "{two_pairs}");
 }
 
 /// The damper of rigid gears: of a lag that sits in the patch of contact alone a stiff pair sees a part, and modal
@@ -88,7 +95,7 @@ fn candidates_are_distinct_and_go_from_cheap_to_dear() {
     let names: BTreeSet<String> = all.iter().map(super::Candidate::name).collect();
     assert_eq!(names.len(), all.len());
     assert!(matches!(all[0].rung, Rung::Rigid(_)));
-    assert_eq!(all[all.len() - 1].rung, Rung::Elastic { modes: 200 });
+    assert_eq!(all[all.len() - 1].rung, Rung::Elastic { modes: 300 });
     for pair in all.windows(2) {
         let steps = [&pair[0], &pair[1]].map(|c| match c.method.resolution {
             Resolution::Step(h) => Some(h),
