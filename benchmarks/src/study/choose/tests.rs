@@ -62,7 +62,7 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     };
     for part in [-0.11, 0.013, 0.22] {
         let found = ratio(part);
-        assert!((found - 1.0).abs() < 0.02, "{part}: {found}");
+        assert!((found - 1.0).abs() < 0.03, "{part}: {found}");
     }
     // Where two pairs carry they bend the same bodies, which pairs on their own do not know.
     let two_pairs = ratio(-0.31);
