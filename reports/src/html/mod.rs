@@ -104,7 +104,7 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             out.push_str(&sections::ledger(&view));
         }
     }
-    if !["stability", "precision"].contains(&results.study.as_str()) {
+    if !["stability", "precision", "choose", "choice-check"].contains(&results.study.as_str()) {
         out.push_str(&sections::failures(&view));
     }
     out.push_str(&sections::setting(&view));

@@ -3,7 +3,7 @@
 //! For a scene the judge runs the reference, then every candidate there is: what it costs, and how far it is off. The
 //! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
 //! to the end: those that cost more than the cheapest adequate one so far need no error, and where a candidate costs
-//! [`DEARER`] times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
+//! three times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
 //! choice and the cheapest are timed in turn.
 
 mod measure;
