@@ -60,13 +60,12 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
         let [a, b] = [&mut one, &mut two].map(|p| p.at_approach(at, approach).expect("rest").force);
         a / b
     };
-    for part in [-0.11, 0.013, 0.22] {
-        let found = ratio(part);
-        assert!((found - 1.0).abs() < 0.03, "{part}: {found}");
-    }
-    // Where two pairs carry they bend the same bodies, which pairs on their own do not know.
-    let two_pairs = ratio(-0.31);
-    assert!((1.05..1.3).contains(&two_pairs), "{two_pairs}");
+    // Flanks of four elements are softer between rows of nodes than on them, by a tenth; where two pairs carry they
+    // bend the same bodies, which pairs on their own do not know.
+    let found = [-0.11, 0.013, 0.22, -0.31].map(&mut ratio);
+    let [single @ .., two_pairs] = found;
+    assert!(single.iter().all(|r| (r - 1.0).abs() < 0.12), "{found:?}");
+    assert!((1.05..1.3).contains(&two_pairs), "{found:?}");
 }
 
 /// The damper of rigid gears: of a lag that sits in the patch of contact alone a stiff pair sees a part, and modal
