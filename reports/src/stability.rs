@@ -181,6 +181,19 @@ impl Limit {
     }
 }
 
+/// Each pair of model and integrator once, by its first map: several sets may have it.
+pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> {
+    let mut found: Vec<&Map> = Vec::new();
+    for map in maps {
+        let same =
+            |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
+        if !found.iter().any(same) {
+            found.push(map);
+        }
+    }
+    found
+}
+
 impl Map {
     /// The model with its variant.
     pub fn model_label(&self) -> String {

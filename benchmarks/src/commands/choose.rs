@@ -3,10 +3,9 @@
 use super::{Refusal, choice_check, progress_bar, refuse_run, say, write};
 use crate::cli::Choose;
 use crate::scene_file;
-use crate::study::choose::reason::seconds;
+use crate::study::choose::reason::{per_cent, seconds};
 use crate::study::choose::{Choice, ChooseError, Situation, Wish, choose};
 use crate::study::choose::{chosen, record};
-use gearbench_reports::numbers::percent;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -68,10 +67,6 @@ fn refuse(e: ChooseError) -> Refusal {
         ChooseError::NoContact { .. } => Refusal::Input(miette::miette!("{e}")),
         ChooseError::Build(_) | ChooseError::Ladder(_) => Refusal::Failed(e.to_string()),
     }
-}
-
-fn per_cent(x: f64) -> String {
-    format!("{} %", percent(x, 2))
 }
 
 /// What heads the scene file.

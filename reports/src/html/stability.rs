@@ -4,21 +4,8 @@ use super::escape;
 use super::table::{Column, Rows, table};
 use crate::numbers::{count, percent, quantity, short};
 use crate::record::Status;
-use crate::stability::{Limit, Map, is_lost};
+use crate::stability::{Limit, Map, is_lost, once};
 use crate::view::View;
-
-/// The maps of one pair of model and integrator: several sets may have them.
-fn once(maps: &[Map]) -> Vec<&Map> {
-    let mut found: Vec<&Map> = Vec::new();
-    for map in maps {
-        let same =
-            |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
-        if !found.iter().any(same) {
-            found.push(map);
-        }
-    }
-    found
-}
 
 /// Labels of models in the order of appearance.
 fn models(maps: &[Map]) -> Vec<String> {

@@ -6,7 +6,9 @@ use super::climb::Climb;
 use super::wish::Wish;
 use gearbench_reports::numbers::percent;
 
-fn per_cent(x: f64) -> String {
+/// A ratio in per cent, with the unit.
+#[must_use]
+pub fn per_cent(x: f64) -> String {
     format!("{} %", percent(x, 2))
 }
 

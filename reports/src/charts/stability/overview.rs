@@ -6,7 +6,7 @@ use super::super::lines::{RIGHT, WIDTH};
 use super::look::{self, Entry, found_mark, legend, legend_height};
 use super::panel::{Abscissa, column_scale};
 use crate::record::Status;
-use crate::stability::{Columns, LineKind, Map};
+use crate::stability::{Columns, LineKind, Map, once};
 
 /// Height of a strip and of a heading.
 const STRIP: f64 = 18.0;
@@ -16,14 +16,7 @@ const LEFT: f64 = 236.0;
 
 /// Maps of the overview: each pair of model and integrator once.
 pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
-    let mut found: Vec<&Map> = Vec::new();
-    for map in maps.iter().filter(|m| m.columns == columns) {
-        let same =
-            |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
-        if !found.iter().any(same) {
-            found.push(map);
-        }
-    }
+    let mut found = once(maps.iter().filter(|m| m.columns == columns));
     // Models stay together, in the order of their first map.
     let order: Vec<String> = found.iter().map(|m| m.model_label()).collect();
     found.sort_by_key(|m| order.iter().position(|l| *l == m.model_label()));
