@@ -1,5 +1,6 @@
 //! The command as a user meets it: what it writes, what it refuses, how it ends.
 
+use gearbench_reports::{Metric, Study};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -580,8 +581,11 @@ fn precision_writes_its_table_and_takes_failures_as_data() {
     // A step that fails is a point of the study, not a failure of the command.
     assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
     let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
-    assert_eq!((record.study.as_str(), record.runs.len()), ("precision", 3));
-    assert_eq!(record.metrics, ["force_l2_aligned", "peak_force_rel"]);
+    assert_eq!((record.study, record.runs.len()), (Study::Precision, 3));
+    assert_eq!(
+        record.metrics,
+        [Metric::ForceL2Aligned, Metric::PeakForceRel]
+    );
     assert!(
         record.runs[0].status.is_failure(),
         "{:?}",

@@ -4,6 +4,7 @@
 //! none was chosen and none of all that were tried keeps it. Its **cost ratio** is the time of the chosen candidate over
 //! that of the cheapest that keeps the tolerance.
 
+use crate::metrics::Metric;
 use serde::{Deserialize, Serialize};
 
 /// How a choice came out.
@@ -84,7 +85,7 @@ pub struct JudgedChoice {
     /// Simulated time \[s\].
     pub duration_s: f64,
     /// Metric that was asked for.
-    pub metric: String,
+    pub metric: Metric,
     /// Largest error that is accurate enough [-].
     pub tolerance: f64,
     /// What errors are against.
@@ -258,7 +259,7 @@ pub fn share(name: &str, scenes: &[&JudgedChoice]) -> Share {
 pub fn shares(scenes: &[JudgedChoice]) -> Vec<Share> {
     let all: Vec<&JudgedChoice> = scenes.iter().collect();
     let mut found = vec![share("all", &all)];
-    let keys: [fn(&JudgedChoice) -> &str; 3] = [|s| &s.kind, |s| &s.metric, |s| &s.reference];
+    let keys: [fn(&JudgedChoice) -> &str; 3] = [|s| &s.kind, |s| s.metric.key(), |s| &s.reference];
     for key in keys {
         let mut names: Vec<&str> = all.iter().map(|s| key(s)).collect();
         names.sort_unstable();
@@ -278,7 +279,7 @@ mod tests {
     fn judged(outcome: Outcome, cost: f64, cheapest: f64) -> JudgedChoice {
         JudgedChoice {
             kind: if cost > 2.0 { "a" } else { "b" }.into(),
-            metric: "peak_force_rel".into(),
+            metric: Metric::PeakForceRel,
             reference: "fe".into(),
             tolerance: 0.05,
             outcome,

@@ -10,7 +10,7 @@ mod choice;
 pub mod choice_check;
 mod html;
 pub mod metrics;
-pub mod modes;
+
 pub mod numbers;
 pub mod pareto;
 mod picture;
@@ -21,15 +21,17 @@ pub mod series;
 pub mod stability;
 mod steady;
 pub mod store;
+mod study;
 mod study_csv;
+pub mod truncation;
 mod view;
 
 pub use charts::{Chart, charts};
 pub use choice::{ChoiceRecord, RungRecord, TriedRecord};
-pub use metrics::{CompareOptions, compare, compare_with};
+pub use metrics::{CompareOptions, Metric, compare, compare_with};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,
-    Run, SCHEMA, Status, Tolerance, finite,
+    Run, SCHEMA, Status, Study, Tolerance, finite,
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{ReportError, load_results, report_from, write_results};

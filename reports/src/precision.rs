@@ -3,6 +3,7 @@
 //! A family is a model under an integrator, at every step, tolerance and number of modes. Elastic models whose cut
 //! modes stay as residual compliance under the trigonometric method are the ones whose lead is told.
 
+use crate::metrics::Metric;
 use crate::numbers::{quantity, short};
 use crate::pareto::{Point, front, held, lead};
 use crate::record::{Results, Run, Status};
@@ -71,8 +72,8 @@ pub struct Precision<'a> {
     pub models: Vec<String>,
     /// References that runs are held against, those with most runs that are no own converged solution first.
     pub references: Vec<String>,
-    /// Keys of the metrics.
-    pub metrics: Vec<String>,
+    /// The metrics.
+    pub metrics: Vec<Metric>,
 }
 
 /// Whether a run is one of those whose lead is told.
@@ -120,7 +121,7 @@ impl<'a> Precision<'a> {
             .collect();
         let mut metrics = results.metrics.clone();
         if metrics.is_empty() {
-            metrics.push("force_l2_aligned".into());
+            metrics.push(Metric::default());
         }
         Self {
             results,
@@ -131,10 +132,8 @@ impl<'a> Precision<'a> {
     }
 
     /// The metric above all.
-    pub fn headline(&self) -> &str {
-        self.metrics
-            .first()
-            .map_or("force_l2_aligned", String::as_str)
+    pub fn headline(&self) -> Metric {
+        self.metrics.first().copied().unwrap_or_default()
     }
 
     fn style(&self, run: &Run) -> usize {
@@ -143,7 +142,7 @@ impl<'a> Precision<'a> {
     }
 
     /// The points against a reference.
-    pub fn cloud(&self, against: &str, metric: &str, cost: Cost) -> Cloud<'a> {
+    pub fn cloud(&self, against: &str, metric: Metric, cost: Cost) -> Cloud<'a> {
         let runs = &self.results.runs;
         let compared: Vec<String> = (runs.iter())
             .filter(|r| r.against(against).is_some())

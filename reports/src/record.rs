@@ -6,10 +6,12 @@
 //! finite, is absent: use [`finite`].
 
 pub use crate::choice_check::JudgedChoice;
+use crate::metrics::Metric;
 pub use crate::picture::{ContactPoint, ContactSnapshot, Outline};
 use crate::series::TimeSeries;
 use crate::stability::Map;
 pub use crate::steady::{Bearing, StaticCycle, Steady};
+pub use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
 /// The schema this crate writes, and the newest it reads.
@@ -43,7 +45,7 @@ pub struct Results {
     #[serde(default)]
     pub title: String,
     /// Study that made the record, for example `compare`.
-    pub study: String,
+    pub study: Study,
     /// Command line that makes the record again.
     pub command: String,
     /// Computer the times were measured on.
@@ -58,9 +60,9 @@ pub struct Results {
     /// What the scene calls accurate enough.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
-    /// Keys of the metrics that the study is about, the first one above all (accuracy against cost).
+    /// Metrics that the study is about, the first one above all (accuracy against cost).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub metrics: Vec<String>,
+    pub metrics: Vec<Metric>,
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
@@ -89,7 +91,7 @@ impl Default for Results {
             schema: SCHEMA,
             scene: String::new(),
             title: String::new(),
-            study: "compare".into(),
+            study: Study::default(),
             command: String::new(),
             machine: Machine::default(),
             commit: String::new(),
@@ -132,8 +134,8 @@ pub struct Machine {
 /// The scene's own limit: beyond it a run is `inaccurate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {
-    /// Key of the metric it limits, such as `force_l2_aligned`.
-    pub metric: String,
+    /// The metric it limits.
+    pub metric: Metric,
     /// Greatest magnitude that is accurate enough, in the metric's unit.
     pub limit: f64,
     /// Reference it refers to, an id in [`Metrics::against`].
@@ -440,23 +442,22 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// A metric by the key it has in `results.json`.
-    pub fn get(&self, key: &str) -> Option<f64> {
-        match key {
-            "force_l2" => self.force_l2,
-            "force_l2_aligned" => self.force_l2_aligned,
-            "time_shift_s" => self.time_shift_s,
-            "peak_force_n" => self.peak_force_n,
-            "peak_force_rel" => self.peak_force_rel,
-            "impulse_ns" => self.impulse_ns,
-            "impulse_rel" => self.impulse_rel,
-            "duration_s" => self.duration_s,
-            "omega1_end" => self.omega1_end,
-            "omega2_end" => self.omega2_end,
-            "rebound_rel" => self.rebound_rel,
-            "transmission_error_l2" => self.transmission_error_l2,
-            "energy_drift_rel" => self.energy_drift_rel,
-            _ => None,
+    /// The value of a metric.
+    pub fn get(&self, metric: Metric) -> Option<f64> {
+        match metric {
+            Metric::ForceL2 => self.force_l2,
+            Metric::ForceL2Aligned => self.force_l2_aligned,
+            Metric::TimeShift => self.time_shift_s,
+            Metric::PeakForce => self.peak_force_n,
+            Metric::PeakForceRel => self.peak_force_rel,
+            Metric::Impulse => self.impulse_ns,
+            Metric::ImpulseRel => self.impulse_rel,
+            Metric::Duration => self.duration_s,
+            Metric::Omega1End => self.omega1_end,
+            Metric::Omega2End => self.omega2_end,
+            Metric::Rebound => self.rebound_rel,
+            Metric::TransmissionError => self.transmission_error_l2,
+            Metric::EnergyDrift => self.energy_drift_rel,
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Tables of studies as CSV, SI units in the header.
 
-use crate::record::{Results, Run};
+use crate::record::{Results, Run, Study};
 use crate::stability::{Cell, Columns, Map};
 use crate::steady::Steady;
 
 /// Names that the tables of a record can have.
 pub(crate) const FILES: &[&str] = &[
-    "modes.csv",
+    "truncation.csv",
     "sweep.csv",
     "sweep_cycles.csv",
     "statics.csv",
@@ -21,8 +21,8 @@ pub(crate) const FILES: &[&str] = &[
 /// The tables of a record: name, text.
 pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = Vec::new();
-    if results.study == "modes" {
-        all.push(("modes.csv".to_owned(), modes(results)));
+    if results.study == Study::Truncation {
+        all.push(("truncation.csv".to_owned(), truncation(results)));
     }
     let steady: Vec<(&Run, &Steady)> = (results.runs.iter())
         .filter_map(|r| Some((r, r.steady.as_ref()?)))
@@ -31,10 +31,10 @@ pub(crate) fn tables(results: &Results) -> Vec<(String, String)> {
         all.push(("sweep.csv".to_owned(), sweep(&steady)));
         all.push(("sweep_cycles.csv".to_owned(), cycles(&steady)));
     }
-    if results.study == "penalty" {
+    if results.study == Study::Penalty {
         all.push(("penalty.csv".to_owned(), penalty(results)));
     }
-    if results.study == "precision" {
+    if results.study == Study::Precision {
         let table = crate::precision_csv::precision(results);
         all.push(("precision.csv".to_owned(), table));
     }
@@ -70,7 +70,7 @@ pub(crate) fn number(x: Option<f64>) -> String {
         .map_or(String::new(), |x| format!("{x:.9e}"))
 }
 
-fn modes(results: &Results) -> String {
+fn truncation(results: &Results) -> String {
     let header = [
         "model",
         "variant",
@@ -150,7 +150,7 @@ fn choices(results: &Results) -> String {
             s.kind.clone(),
             s.gears.clone(),
             number(Some(s.duration_s)),
-            s.metric.clone(),
+            s.metric.to_string(),
             s.tolerance.to_string(),
             s.reference.clone(),
             number(s.reference_error),

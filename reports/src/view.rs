@@ -1,6 +1,7 @@
 //! What charts and page both ask of a record: models in order, their best runs, the reference.
 
-use crate::record::{ReferenceSeries, Results, Run, Status};
+use crate::metrics::Metric;
+use crate::record::{ReferenceSeries, Results, Run, Status, Study};
 
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
@@ -23,8 +24,8 @@ pub struct View<'a> {
     pub groups: Vec<Group<'a>>,
     /// Id of the reference that errors refer to.
     pub against: Option<String>,
-    /// Key of the error metric.
-    pub metric: String,
+    /// The error metric.
+    pub metric: Metric,
 }
 
 impl<'a> View<'a> {
@@ -52,10 +53,10 @@ impl<'a> View<'a> {
             })
             .cloned();
         let metric = match &results.tolerance {
-            Some(t) => t.metric.clone(),
+            Some(t) => t.metric,
             // Reduced and full models share mesh and start: nothing is to be shifted.
-            None if ["modes", "penalty"].contains(&results.study.as_str()) => "force_l2".into(),
-            None => "force_l2_aligned".into(),
+            None if [Study::Truncation, Study::Penalty].contains(&results.study) => Metric::ForceL2,
+            None => Metric::ForceL2Aligned,
         };
         Self {
             results,
@@ -90,7 +91,7 @@ impl<'a> View<'a> {
     pub fn error(&self, run: &Run) -> Option<f64> {
         let metrics = run.against(self.against.as_deref()?)?;
         metrics
-            .get(&self.metric)
+            .get(self.metric)
             .filter(|e| e.is_finite())
             .map(f64::abs)
     }
@@ -148,23 +149,6 @@ impl<'a> View<'a> {
                 .then(b.1.simulated_s.total_cmp(&a.1.simulated_s))
         });
         candidates.first().copied()
-    }
-}
-
-/// What a metric is called in prose.
-pub fn metric_name(key: &str) -> &str {
-    match key {
-        "force_l2" => "force-history error",
-        "force_l2_aligned" => "time-aligned force-history error",
-        "peak_force_rel" => "peak-force error",
-        "impulse_rel" => "impulse error",
-        "rebound_rel" => "rebound error",
-        "transmission_error_l2" => "transmission-error error",
-        "energy_drift_rel" => "energy drift",
-        "peak_force_n" => "peak force",
-        "impulse_ns" => "impulse",
-        "duration_s" => "contact duration",
-        other => other,
     }
 }
 

@@ -3,7 +3,8 @@
 use gearbench_reports::precision::{Cost, Precision};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
-    Metrics, ReferenceSeries, Results, Run, Status, TimeSeries, load_results, write_results,
+    Metric, Metrics, ReferenceSeries, Results, Run, Status, Study, TimeSeries, load_results,
+    write_results,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -126,9 +127,9 @@ fn results() -> Results {
     Results {
         scene: "made_up".into(),
         title: "A made-up impact".into(),
-        study: "precision".into(),
+        study: Study::Precision,
         command: "gearbench precision made_up".into(),
-        metrics: vec!["force_l2_aligned".into(), "peak_force_rel".into()],
+        metrics: vec![Metric::ForceL2Aligned, Metric::PeakForceRel],
         references: vec![ReferenceSeries {
             id: "fe".into(),
             title: "full finite elements".into(),
@@ -275,7 +276,7 @@ fn numbers_that_are_none_reach_no_file() {
 fn bare_records_make_a_page() {
     let dir = Folder::new("bare");
     let bare = Results {
-        study: "precision".into(),
+        study: Study::Precision,
         ..Results::default()
     };
     write_results(&dir.0, &bare).unwrap();

@@ -316,10 +316,10 @@ fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
     write_results(&dir.0, &support::mode_results()).unwrap();
     let files = contents(&dir.0);
     for name in [
-        "modes.svg",
-        "frequencies.svg",
-        "modes_peak.svg",
-        "modes_cost.svg",
+        "truncation.svg",
+        "truncation_frequencies.svg",
+        "truncation_peak.svg",
+        "truncation_cost.svg",
         "force.svg",
     ] {
         assert!(files.contains_key(name), "{name}");
@@ -337,7 +337,10 @@ fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
     );
     assert!(finding.contains("times that of 35 modes"), "{finding}");
     assert!(finding.contains("1 of 43 runs failed"), "{finding}");
-    assert!(files["modes.svg"].contains(">\nfailed\n<") || files["modes.svg"].contains("failed"));
+    assert!(
+        files["truncation.svg"].contains(">\nfailed\n<")
+            || files["truncation.svg"].contains("failed")
+    );
     assert!(page.contains("blow-up"));
 }
 

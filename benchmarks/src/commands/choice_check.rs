@@ -6,7 +6,7 @@ use crate::study::choose::draw::{self, DrawError};
 use crate::study::choose::judge::{JudgeError, Plan, check};
 use crate::study::machine;
 use gearbench_reports::choice_check::{JudgedChoice, Outcome, share};
-use gearbench_reports::record::Results;
+use gearbench_reports::record::{Results, Study};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -81,7 +81,7 @@ pub fn judge(name: &str, args: &Choose, command: &str) -> Result<ExitCode, Refus
     let results = Results {
         scene: name.into(),
         title: format!("Model choice on random scenes: {name}"),
-        study: "choice-check".into(),
+        study: Study::ChoiceCheck,
         command: command.into(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),
@@ -105,11 +105,7 @@ pub fn judge(name: &str, args: &Choose, command: &str) -> Result<ExitCode, Refus
         choices,
         ..Results::default()
     };
-    write(
-        &results,
-        (&Some(out.clone()), name, "choice-check"),
-        summarise,
-    )?;
+    write(&results, (&Some(out.clone()), name), summarise)?;
     let path: PathBuf = out.join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;

@@ -50,7 +50,7 @@ pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
         let text = chosen::text(&scene, candidate, &remarks)?;
         std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
     }
-    write(&results, (&args.out, &scene.name, "choose"), |_| {
+    write(&results, (&args.out, &scene.name), |_| {
         summarise(&choice, &wish);
     })?;
     if choice.candidate.is_some() {

@@ -50,7 +50,7 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     bar.finish_and_clear();
     let results = results.map_err(refuse_run)?;
 
-    write(&results, (&args.out, &scene.name, "compare"), summarise)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))
 }
 

@@ -110,9 +110,10 @@ fn report(dir: &Path) -> Result<ExitCode, Refusal> {
 /// Writes the folder of a study, prints its summary and where everything lies.
 fn write(
     results: &Results,
-    (out, scene, study): (&Option<PathBuf>, &str, &str),
+    (out, scene): (&Option<PathBuf>, &str),
     summarise: impl FnOnce(&Results),
 ) -> Result<(), Refusal> {
+    let study = results.study.as_str();
     let dir = (out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
     let page = gearbench_reports::write_results(&dir, results)
         .map_err(|e| Refusal::Files(e.to_string()))?;

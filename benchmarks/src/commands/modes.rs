@@ -10,9 +10,9 @@ use crate::study::modes::{COUNTS, Plan, Side, study};
 use crate::study::run::{Method, RunError};
 use gearbench_integrators::Resolution;
 use gearbench_models::scene::spec::Value;
-use gearbench_reports::modes::{LIMITS, Way, counts, ways};
 use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
+use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -70,7 +70,7 @@ pub fn run(args: &Modes, command: &str) -> Result<ExitCode, Refusal> {
     bar.finish_and_clear();
     let results = results.map_err(refuse_run)?;
 
-    write(&results, (&args.out, &scene.name, "modes"), summarise)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
     Ok(ExitCode::SUCCESS)
 }
 

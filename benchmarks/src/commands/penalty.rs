@@ -92,7 +92,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
         )),
     })?;
-    write(&results, (&args.out, &scene.name, "penalty"), summarise)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))
 }
 

@@ -4,7 +4,7 @@ use super::compare::settings;
 use super::{Refusal, progress_bar, refuse_run, say, write};
 use crate::cli::Precision;
 use crate::scene_file::{self, SceneError, Selection};
-use crate::study::precision::{Asked, Plan, metric_keys, study};
+use crate::study::precision::{Asked, Plan, metrics_of, study};
 use gearbench_reports::numbers::{percent, quantity, short};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, rung};
 use gearbench_reports::record::Results;
@@ -25,7 +25,7 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     let asked = Asked {
         integrators: args.integrators.clone(),
         metrics: match &args.metric {
-            Some(text) => metric_keys(text).map_err(refused)?,
+            Some(text) => metrics_of(text).map_err(refused)?,
             None => Vec::new(),
         },
         against: args.against.clone(),
@@ -66,7 +66,7 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     bar.finish_and_clear();
     let results = results.map_err(refuse_run)?;
 
-    write(&results, (&args.out, &scene.name, "precision"), summarise)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -71,7 +71,7 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
     let made = study(&plan, means);
     bar.finish_and_clear();
     let (results, timings) = made.map_err(refuse)?;
-    write(&results, (&args.out, &scene.name, "stability"), summarise)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
     write_timings(&folder, &timings)?;
     Ok(ExitCode::SUCCESS)
 }

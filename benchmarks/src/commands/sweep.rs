@@ -91,7 +91,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
     });
     bar.finish_and_clear();
     let results = results.map_err(refuse)?;
-    write(&results, (&args.out, &scene.name, "sweep"), summarise)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))
 }
 

@@ -36,7 +36,7 @@ pub use error::SceneError;
 pub use model::{CalibrationUse, ModelChoice};
 pub use precision_plan::Precision;
 pub use shipped::SHIPPED;
-pub use study_plan::{QUANTITIES, Study, Sweep};
+pub use study_plan::{Study, Sweep};
 
 use crate::models::models as model_table;
 use error::Source;

@@ -3,8 +3,8 @@
 use super::error::SceneError;
 use super::reader::{Entry, Key, key};
 use super::study_plan::{integrator, words};
-use crate::study::precision::METRICS;
 use crate::study::run::Method;
+use gearbench_reports::Metric;
 
 pub(super) static PRECISION: &[Key] = &[
     key("models", "labels, default those of the study"),
@@ -53,8 +53,8 @@ pub struct Precision {
     pub steps: Vec<f64>,
     /// Tolerances.
     pub rtols: Vec<f64>,
-    /// Keys of the metrics in the record.
-    pub metrics: Vec<String>,
+    /// Metrics.
+    pub metrics: Vec<Metric>,
     /// Simulated time [s].
     pub duration: Option<f64>,
 }
@@ -123,14 +123,9 @@ pub(super) fn precision(entry: &Entry<'_>, labels: &[&str]) -> Result<Precision,
         plan.modes = e.list()?.iter().map(one).collect::<Result<_, _>>()?;
     }
     if let Some(e) = s.get("metrics") {
-        let names: Vec<&str> = METRICS.iter().map(|(name, _)| *name).collect();
-        let key = |name: String| {
-            METRICS
-                .iter()
-                .find(|(n, _)| *n == name)
-                .map(|(_, k)| (*k).into())
-        };
-        plan.metrics = words(&e, &names)?.into_iter().filter_map(key).collect();
+        let errors = Metric::ALL.into_iter().filter_map(Metric::option);
+        let names = words(&e, &errors.collect::<Vec<_>>())?;
+        plan.metrics = names.iter().filter_map(|n| n.parse().ok()).collect();
     }
     if let Some(e) = s.get("duration_s") {
         plan.duration = match e.number()? {

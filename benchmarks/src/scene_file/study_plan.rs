@@ -6,6 +6,7 @@ use super::reader::{Entry, Key, key};
 use super::stability::{self, StabilitySet};
 use crate::study::run::Method;
 use gearbench_integrators::{METHODS, Resolution, Stepping};
+use gearbench_reports::Metric;
 use gearbench_reports::record::Tolerance;
 
 pub(super) static STUDY: &[Key] = &[
@@ -88,23 +89,6 @@ const DEFAULT_SAMPLES: usize = 2000;
 /// Tolerance of the adaptive methods that are compared when a scene names none.
 const DEFAULT_RTOL: f64 = 1e-6;
 
-/// Metrics a scene can name: the keys of `results.json`.
-pub const QUANTITIES: [&str; 13] = [
-    "force_l2",
-    "force_l2_aligned",
-    "time_shift_s",
-    "peak_force_n",
-    "peak_force_rel",
-    "impulse_ns",
-    "impulse_rel",
-    "duration_s",
-    "omega1_end",
-    "omega2_end",
-    "rebound_rel",
-    "transmission_error_l2",
-    "energy_drift_rel",
-];
-
 /// What a study of a scene does when the command line does not say otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
@@ -117,7 +101,7 @@ pub struct Study {
     /// Samples of the histories over the duration.
     pub samples: usize,
     /// Metrics of interest; empty means all.
-    pub quantities: Vec<String>,
+    pub quantities: Vec<Metric>,
     /// Label of a model that is a reference for the others.
     pub reference_model: Option<String>,
     /// Source of published times.
@@ -192,7 +176,8 @@ pub(super) fn study(entry: Option<Entry<'_>>, labels: &[&str]) -> Result<Study, 
         };
     }
     if let Some(e) = s.get("quantities") {
-        study.quantities = words(&e, &QUANTITIES)?;
+        let keys = words(&e, &Metric::ALL.map(Metric::key))?;
+        study.quantities = keys.iter().filter_map(|k| k.parse().ok()).collect();
     }
     if let Some(e) = s.get("reference_model") {
         let known: Vec<(&str, String)> = labels.iter().map(|l| (*l, (*l).to_owned())).collect();
@@ -372,15 +357,15 @@ pub(super) fn tolerance(
     };
     if !entry.is_table() {
         return Ok(Tolerance {
-            metric: "force_l2_aligned".into(),
+            metric: Metric::default(),
             limit: limit(entry)?,
             against: default_against,
         });
     }
     let s = entry.section("`tolerance`", TOLERANCE)?;
     let metric = match s.get("metric") {
-        Some(e) => words_one(&e)?,
-        None => "force_l2_aligned".to_owned(),
+        Some(e) => e.word(&Metric::ALL.map(|m| (m.key(), m)))?,
+        None => Metric::default(),
     };
     let against = match s.get("against") {
         None => default_against,
@@ -401,39 +386,4 @@ pub(super) fn tolerance(
         limit: limit(&s.need("limit")?)?,
         against,
     })
-}
-
-fn words_one(entry: &Entry<'_>) -> Result<String, SceneError> {
-    entry.word(&QUANTITIES.map(|q| (q, q.to_owned())))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use gearbench_reports::record::Metrics;
-
-    /// A quantity is a metric of the record: nothing else can be measured.
-    #[test]
-    fn quantities_are_metrics() {
-        let json = serde_json::to_value(Metrics {
-            force_l2: Some(1.0),
-            force_l2_aligned: Some(1.0),
-            time_shift_s: Some(1.0),
-            peak_force_n: Some(1.0),
-            peak_force_rel: Some(1.0),
-            impulse_ns: Some(1.0),
-            impulse_rel: Some(1.0),
-            duration_s: Some(1.0),
-            rebound_rel: Some(1.0),
-            transmission_error_l2: Some(1.0),
-            omega1_end: Some(1.0),
-            omega2_end: Some(1.0),
-            energy_drift_rel: Some(1.0),
-            against: "self".into(),
-        })
-        .unwrap();
-        let keys = json.as_object().unwrap();
-        assert_eq!(keys.len(), QUANTITIES.len() + 1);
-        assert!(QUANTITIES.iter().all(|q| keys.contains_key(*q)));
-    }
 }

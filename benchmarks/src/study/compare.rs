@@ -15,7 +15,7 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{Modelling, SceneSpec};
 use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Tolerance};
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Study, Tolerance};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -305,7 +305,7 @@ pub fn compare(
     Ok(Results {
         scene: plan.name.clone(),
         title: plan.title.clone(),
-        study: "compare".into(),
+        study: Study::Compare,
         command: plan.command.clone(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),

@@ -13,8 +13,8 @@ use gearbench_integrators::Resolution;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::modes::{LIMITS, ways};
-use gearbench_reports::record::{ReferenceSeries, Results, Run};
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::truncation::{LIMITS, ways};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -286,7 +286,7 @@ pub fn study(
     let mut results = Results {
         scene: plan.name.clone(),
         title: plan.title.clone(),
-        study: "modes".into(),
+        study: Study::Truncation,
         command: plan.command.clone(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),

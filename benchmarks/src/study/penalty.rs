@@ -10,7 +10,7 @@ use super::run::{Job, Method, RunError, run};
 use gearbench_models::gear::table::Model;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run};
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -173,7 +173,7 @@ pub fn study(
     Ok(Results {
         scene: plan.name.clone(),
         title: plan.title.clone(),
-        study: "penalty".into(),
+        study: Study::Penalty,
         command: plan.command.clone(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),

@@ -7,7 +7,7 @@ use super::lines::{LEFT, RIGHT, WIDTH};
 use super::style::{cross, look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{Run, Status};
-use crate::view::{NOTHING, View, metric_name, resolution};
+use crate::view::{NOTHING, View, resolution};
 
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
@@ -188,7 +188,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let failed: Vec<&Run> = (view.results.runs.iter())
         .filter(|r| r.status.is_failure())
         .collect();
-    let relative = view.metric != "peak_force_n";
+    let relative = view.metric.unit().is_empty();
     let factor = if relative { 100.0 } else { 1.0 };
     let limit = (view.results.tolerance.as_ref()).map(|t| t.limit * factor);
     let errors = || good.iter().map(|p| p.2 * factor);
@@ -214,7 +214,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let top = 62.0;
     let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + 330.0);
     let title = "Error against wall time";
-    let unit = if relative { " [%]" } else { "" };
+    let unit = if relative { "%" } else { view.metric.unit() };
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
         key(c, view);
         if strip > 0.0 {
@@ -222,8 +222,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             failures(c, view, &failed, &edge);
         }
         let frame = Frame { area, x, y };
-        let name = format!("{}{unit}", metric_name(&view.metric));
-        frame.paint(c, "wall time [ms]", &name, true);
+        frame.paint(c, "wall time [ms]", &view.metric.axis(), true);
         let mut taken: Vec<Rect> = Vec::new();
         if let Some(limit) = limit {
             taken.push(tolerance_line(c, &frame, limit, unit));
@@ -248,7 +247,7 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             "{} against {} over wall time; lower left is better. Points on one level share the \
              error of the model: a finer step no longer helps. Failed runs stand on their own \
              edge, whatever their time.",
-            capital(metric_name(&view.metric)),
+            capital(view.metric.words()),
             view.reference_name(against),
         ),
         svg,
@@ -323,8 +322,7 @@ fn tolerance_line(c: &mut Canvas<'_>, frame: &Frame, limit: f64, unit: &str) -> 
     let (x, y) = frame.at(frame.x.max, limit);
     let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
     c.line_within(&[(frame.area.x0, y), (x, y)], &frame.area, stroke);
-    let percent = if unit.is_empty() { "" } else { " %" };
-    let text = format!("tolerance {}{percent}", short(limit, 3));
+    let text = format!("tolerance {} {unit}", short(limit, 3));
     let width = text_width(&text, 12.5);
     let kind = Type::new(12.5, Anchor::End).ink(Ink::GREY);
     c.text(&text, (x - 8.0, y - 10.0), kind);

@@ -12,13 +12,13 @@ mod curves;
 mod histories;
 mod lines;
 mod mesh;
-mod modes;
 pub(crate) mod penalty;
 pub(crate) mod precision;
 pub(crate) mod stability;
 mod stiffness;
 mod style;
 pub(crate) mod sweep;
+mod truncation;
 
 pub use canvas::DrawError;
 pub use stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
@@ -46,10 +46,10 @@ pub(crate) const FILES: &[&str] = &[
     "mesh.svg",
     "runtime.svg",
     "accuracy.svg",
-    "modes.svg",
-    "frequencies.svg",
-    "modes_peak.svg",
-    "modes_cost.svg",
+    "truncation.svg",
+    "truncation_frequencies.svg",
+    "truncation_peak.svg",
+    "truncation_cost.svg",
     "sweep.svg",
     "sweep_spectra.svg",
     "sweep_harmonics.svg",
@@ -69,8 +69,8 @@ pub fn charts(results: &Results) -> Result<Vec<Chart>, DrawError> {
     if view.results.choice.is_some() {
         return Ok(choose::choose(&view)?.into_iter().collect());
     }
-    if modes::applies(&view) {
-        let mut all = modes::modes(&view)?;
+    if truncation::applies(&view) {
+        let mut all = truncation::truncation(&view)?;
         all.extend(histories::force(&view)?);
         return Ok(all);
     }

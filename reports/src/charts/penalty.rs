@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::canvas::{DrawError, Ink};
 use super::curves::{Curve, CurvePanel, draw_curves};
 use super::style::{Look, Marker, look};
-use crate::record::{Run, finite};
+use crate::record::{Run, Study, finite};
 use crate::view::View;
 
 /// Look of the hard contact.
@@ -60,7 +60,7 @@ pub fn series<'a>(view: &View<'a>) -> Vec<Series<'a>> {
 
 /// Whether a record has something to draw here.
 pub fn applies(view: &View<'_>) -> bool {
-    view.results.study == "penalty" && !series(view).is_empty()
+    view.results.study == Study::Penalty && !series(view).is_empty()
 }
 
 /// The charts of a study of penalties.

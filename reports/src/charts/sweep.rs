@@ -6,7 +6,7 @@ use super::canvas::{DrawError, Ink};
 use super::curves::{Curve, CurvePanel, draw_curves};
 use super::style::{Look, Marker, look};
 use crate::numbers::{count, quantity};
-use crate::record::{Run, StaticCycle, Steady};
+use crate::record::{Run, StaticCycle, Steady, Study};
 use crate::view::View;
 
 /// A model with its runs by mesh frequency.
@@ -486,5 +486,5 @@ const STANDING: Look = Look {
 
 /// Whether a record has something to draw here.
 pub fn applies(view: &View<'_>) -> bool {
-    view.results.study == "sweep" && view.results.runs.iter().any(|r| r.steady.is_some())
+    view.results.study == Study::Sweep && view.results.runs.iter().any(|r| r.steady.is_some())
 }

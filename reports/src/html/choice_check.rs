@@ -97,7 +97,7 @@ pub fn tables(view: &View<'_>) -> String {
             Column::text("Scene", text(&|s| s.scene.clone())),
             Column::text("Kind", text(&|s| s.kind.clone())),
             Column::text("Gears", text(&|s| s.gears.clone())),
-            Column::text("Metric", text(&|s| s.metric.clone())),
+            Column::text("Metric", text(&|s| s.metric.to_string())),
             Column::written("Tolerance", "%", text(&|s| percent(s.tolerance, 2))),
             Column::text("Outcome", text(&|s| s.outcome.to_string())),
             Column::text(
@@ -126,7 +126,7 @@ pub fn scenes(view: &View<'_>) -> String {
     let columns = [
         Column::text("Scene", text(&|s| s.scene.clone())),
         Column::text("Kind", text(&|s| s.kind.clone())),
-        Column::text("Metric", text(&|s| s.metric.clone())),
+        Column::text("Metric", text(&|s| s.metric.to_string())),
         Column::percents("Tolerance", 2, &some(&|s| Some(s.tolerance))),
         Column::text("Against", text(&|s| s.reference.clone())),
         Column::percents("its own error", 2, &some(&|s| s.reference_error)),

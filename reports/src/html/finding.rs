@@ -3,7 +3,7 @@
 use super::escape;
 use crate::numbers::{percent, quantity, short, significant};
 use crate::record::Run;
-use crate::view::{NOTHING, View, metric_name, resolution};
+use crate::view::{NOTHING, View, resolution};
 
 /// The two sentences, as HTML.
 pub fn finding(view: &View<'_>) -> String {
@@ -12,13 +12,10 @@ pub fn finding(view: &View<'_>) -> String {
 
 /// An error of the view's metric with its unit.
 pub fn error_text(view: &View<'_>, error: f64) -> String {
-    match view.metric.as_str() {
-        "peak_force_n" => quantity(error, "N", 3),
-        "impulse_ns" => quantity(error, "N s", 3),
-        "duration_s" => quantity(error, "s", 3),
-        "omega1_end" | "omega2_end" => quantity(error, "rad/s", 3),
-        _ if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
-        _ => format!("{}\u{a0}%", percent(error, 3)),
+    match view.metric.unit() {
+        "" if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
+        "" => format!("{}\u{a0}%", percent(error, 3)),
+        unit => quantity(error, unit, 3),
     }
 }
 
@@ -60,13 +57,11 @@ fn first(view: &View<'_>) -> String {
             None => "No run converged.".into(),
         };
     };
-    let limit = match view.metric.as_str() {
-        "peak_force_n" | "impulse_ns" | "duration_s" | "omega1_end" | "omega2_end" => {
-            error_text(view, tolerance.limit)
-        }
-        _ => format!("{}\u{a0}%", short(100.0 * tolerance.limit, 3)),
+    let limit = match view.metric.unit() {
+        "" => format!("{}\u{a0}%", short(100.0 * tolerance.limit, 3)),
+        _ => error_text(view, tolerance.limit),
     };
-    let metric = metric_name(&tolerance.metric);
+    let metric = tolerance.metric.words();
     let article = if metric.starts_with(['a', 'e', 'i', 'o', 'u']) {
         "an"
     } else {

@@ -6,7 +6,6 @@
 mod choice_check;
 mod choose;
 mod finding;
-mod modes;
 mod penalty;
 mod precision;
 mod sections;
@@ -14,9 +13,10 @@ mod stability;
 mod sweep;
 mod table;
 mod timing;
+mod truncation;
 
 use crate::charts::Chart;
-use crate::record::Results;
+use crate::record::{Results, Study};
 use crate::view::View;
 
 const STYLE: &str = include_str!("style.css");
@@ -55,32 +55,32 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
          <p class=\"kicker\">gearbench &middot; {1} &middot; scene <b>{2}</b></p>\n\
          <h1>{0}</h1>\n",
         escape(name),
-        escape(&results.study),
+        results.study,
         escape(&results.scene),
     );
     out.push_str(&sections::stamp(results));
     out.push_str("</header>\n");
     out.push_str(&format!(
         "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
-        match results.study.as_str() {
-            "choose" => choose::finding(&view),
-            "modes" => modes::finding(&view),
-            "sweep" => sweep::finding(&view),
-            "penalty" => penalty::finding(&view),
-            "stability" => stability::finding(&view),
-            "choice-check" => choice_check::finding(&view),
-            "precision" => precision::finding(&view),
+        match results.study {
+            Study::Choose => choose::finding(&view),
+            Study::Truncation => truncation::finding(&view),
+            Study::Sweep => sweep::finding(&view),
+            Study::Penalty => penalty::finding(&view),
+            Study::Stability => stability::finding(&view),
+            Study::ChoiceCheck => choice_check::finding(&view),
+            Study::Precision => precision::finding(&view),
             _ => finding::finding(&view),
         }
     ));
-    out.push_str(&match results.study.as_str() {
-        "choose" => choose::tables(&view),
-        "modes" => modes::tables(&view),
-        "sweep" => sweep::tables(&view),
-        "penalty" => penalty::tables(&view),
-        "stability" => stability::tables(&view),
-        "choice-check" => choice_check::tables(&view),
-        "precision" => precision::tables(&view),
+    out.push_str(&match results.study {
+        Study::Choose => choose::tables(&view),
+        Study::Truncation => truncation::tables(&view),
+        Study::Sweep => sweep::tables(&view),
+        Study::Penalty => penalty::tables(&view),
+        Study::Stability => stability::tables(&view),
+        Study::ChoiceCheck => choice_check::tables(&view),
+        Study::Precision => precision::tables(&view),
         _ => sections::glance(&view) + &timing::timing(&view),
     });
     for (i, chart) in charts.iter().enumerate() {
@@ -93,18 +93,25 @@ pub fn page(results: &Results, charts: &[Chart]) -> String {
             escape(&chart.caption),
         ));
     }
-    match results.study.as_str() {
-        "sweep" => out.push_str(&sweep::speeds(&view)),
-        "choice-check" => out.push_str(&choice_check::scenes(&view)),
-        "precision" => out.push_str(&precision::runs(&view)),
-        "stability" | "choose" => {}
+    match results.study {
+        Study::Sweep => out.push_str(&sweep::speeds(&view)),
+        Study::ChoiceCheck => out.push_str(&choice_check::scenes(&view)),
+        Study::Precision => out.push_str(&precision::runs(&view)),
+        Study::Stability | Study::Choose => {}
         _ => {
             out.push_str(&sections::metrics(&view));
             out.push_str(&sections::work(&view));
             out.push_str(&sections::ledger(&view));
         }
     }
-    if !["stability", "precision", "choose", "choice-check"].contains(&results.study.as_str()) {
+    if ![
+        Study::Stability,
+        Study::Precision,
+        Study::Choose,
+        Study::ChoiceCheck,
+    ]
+    .contains(&results.study)
+    {
         out.push_str(&sections::failures(&view));
     }
     out.push_str(&sections::setting(&view));

@@ -6,7 +6,7 @@ use crate::numbers::{count, percent, quantity, short};
 use crate::pareto::cheapest;
 use crate::precision::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, rung};
 use crate::record::{Run, Status};
-use crate::view::{View, metric_name, resolution};
+use crate::view::{View, resolution};
 
 /// The error from which on the lead is asked about.
 const ASKED: f64 = LEVELS[0];
@@ -33,7 +33,7 @@ pub fn finding(view: &View<'_>) -> String {
         parts.push(format!(
             "<b>Against {}</b> ({}{which}): {} {}{}",
             escape(&view.reference_name(id)),
-            metric_name(metric),
+            metric.words(),
             stretches(&cloud),
             lead(&cloud),
             fits(&cloud)
@@ -186,7 +186,7 @@ pub fn tables(view: &View<'_>) -> String {
             "<section class=\"glance\">\n<h2>Pareto front against {name}</h2>\n{}<p class=\"note\">Runs that no other beats \
              in wall time and in {} at once{}.</p>\n</section>\n",
             front(&cloud),
-            metric_name(metric),
+            metric.words(),
             if cloud.has_fitted() {
                 ", fitted models included; a check stands where a run is on the front of the models that were not fitted \
                  to this history"
@@ -198,7 +198,7 @@ pub fn tables(view: &View<'_>) -> String {
             "<section class=\"glance\">\n<h2>Cheapest run of each model against {name}</h2>\n{}<p class=\"note\">Least wall \
              time among the runs within the limit of the {}; a dash: none gets there.</p>\n</section>\n",
             within(&told, &cloud),
-            metric_name(metric),
+            metric.words(),
         ));
     }
     out
@@ -381,7 +381,7 @@ pub fn runs(view: &View<'_>) -> String {
         "<section>\n<h2>All runs</h2>\n{}<p class=\"note\">Errors: {}. precision.csv has every metric and the \
          spread of the times.</p>\n</section>\n{}",
         table(&columns, &groups),
-        metric_name(metric),
+        metric.words(),
         failures(&rows)
     )
 }

@@ -5,7 +5,7 @@ use super::finding::{costs, error_text};
 use super::table::{Column, Rows, table};
 use crate::numbers::{count, quantity, significant};
 use crate::record::{Ledger, Metrics, Results, Run, Status};
-use crate::view::{View, metric_name, resolution};
+use crate::view::{View, resolution};
 
 /// The line under the title: when, what version, where.
 pub fn stamp(r: &Results) -> String {
@@ -153,7 +153,7 @@ pub fn glance(view: &View<'_>) -> String {
         Some(id) => format!(
             "Errors are the {} against {}; peak force and impulse are deviations from it, of the \
              run with the least error. ",
-            metric_name(&view.metric),
+            view.metric.words(),
             escape(&view.reference_name(id))
         ),
         None => String::new(),
@@ -305,7 +305,7 @@ pub fn failures(view: &View<'_>) -> String {
         (None, Status::Inaccurate) => match (view.error(r), &view.results.tolerance) {
             (Some(e), Some(t)) => format!(
                 "{} {}, tolerance {}",
-                metric_name(&view.metric),
+                view.metric.words(),
                 error_text(view, e),
                 error_text(view, t.limit)
             ),

@@ -5,8 +5,8 @@
 
 use gearbench_reports::record::{Bearing, StaticCycle, Steady};
 use gearbench_reports::{
-    ContactPoint, ContactSnapshot, Ledger, Machine, Outline, ReferenceSeries, Results, Run, Status,
-    TimeSeries, Tolerance, compare,
+    ContactPoint, ContactSnapshot, Ledger, Machine, Metric, Outline, ReferenceSeries, Results, Run,
+    Status, Study, TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
 
@@ -203,7 +203,7 @@ pub fn impact_results() -> Results {
             ),
         ],
         tolerance: Some(Tolerance {
-            metric: "force_l2_aligned".into(),
+            metric: Metric::ForceL2Aligned,
             limit: 0.05,
             against: "calculix".into(),
         }),
@@ -388,7 +388,7 @@ pub fn mode_results() -> Results {
         }
     }
     Results {
-        study: "modes".into(),
+        study: Study::Truncation,
         command: "gearbench modes spur_impact".into(),
         tolerance: None,
         references: vec![
@@ -485,7 +485,7 @@ pub fn sweep_results() -> Results {
     }
     Results {
         scene: "loaded_mesh".into(),
-        study: "sweep".into(),
+        study: Study::Sweep,
         command: "gearbench sweep loaded_mesh".into(),
         tolerance: None,
         references: Vec::new(),
@@ -525,7 +525,7 @@ pub fn penalty_results() -> Results {
         runs.push(run);
     }
     Results {
-        study: "penalty".into(),
+        study: Study::Penalty,
         command: "gearbench penalty spur_impact".into(),
         tolerance: None,
         references: vec![ReferenceSeries {

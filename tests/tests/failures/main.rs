@@ -13,8 +13,8 @@ use gearbench_models::load::{Load, Profile};
 use gearbench_models::scene::Scene;
 use gearbench_models::scene::build::lever;
 use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec};
-use gearbench_reports::metrics::compare;
-use gearbench_reports::record::{Results, Run, Status, Tolerance};
+use gearbench_reports::metrics::{Metric, compare};
+use gearbench_reports::record::{Results, Run, Status, Study, Tolerance};
 use gearbench_tests::*;
 use std::time::Duration;
 use wrong_laws::{Wrong, WrongScene};
@@ -177,7 +177,7 @@ fn drive() -> Vec<Driven> {
     let metrics = compare(&own, &coarse.ledger, &reference, "self");
     coarse.metrics.push(metrics);
     let tolerance = Tolerance {
-        metric: "force_l2".into(),
+        metric: Metric::ForceL2,
         limit: 1e-3,
         against: "self".into(),
     };
@@ -309,7 +309,7 @@ fn records_of_failures_hold_finite_numbers() {
     let results = Results {
         scene: "failures".into(),
         title: "failures".into(),
-        study: "compare".into(),
+        study: Study::Compare,
         runs,
         ..Results::default()
     };

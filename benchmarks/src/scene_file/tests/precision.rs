@@ -3,6 +3,7 @@
 use super::{changed, parse, refused};
 use crate::study::run::Method;
 use gearbench_integrators::Resolution;
+use gearbench_reports::Metric;
 
 #[test]
 fn values_and_defaults() {
@@ -23,7 +24,7 @@ fn values_and_defaults() {
         (&[0, 35][..], &[4.0, 0.5][..])
     );
     assert_eq!((p.rtols.as_slice(), p.duration), (&[1e-3][..], Some(5e-5)));
-    assert_eq!(p.metrics, ["peak_force_rel", "force_l2_aligned"]);
+    assert_eq!(p.metrics, [Metric::PeakForceRel, Metric::ForceL2Aligned]);
     let labels = |choices: Vec<&crate::scene_file::ModelChoice>| -> Vec<String> {
         choices.iter().map(|c| c.label.clone()).collect()
     };

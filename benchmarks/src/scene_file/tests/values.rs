@@ -1,7 +1,7 @@
 //! What is read arrives as it was written.
 
 use super::{BASE, changed, parse, read, render};
-use crate::scene_file::{QUANTITIES, Selection, load, load_uncalibrated};
+use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::contact::law::Damping;
@@ -13,6 +13,7 @@ use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, Material, PairOrMesh, PairStiffness,
     RootLength, ToothModel,
 };
+use gearbench_reports::Metric;
 
 #[test]
 fn the_base_scene() {
@@ -61,8 +62,8 @@ fn the_base_scene() {
     );
     let t = scene.tolerance.unwrap();
     assert_eq!(
-        (t.metric.as_str(), t.limit, t.against.as_str()),
-        ("force_l2_aligned", 0.05, "calculix")
+        (t.metric, t.limit, t.against.as_str()),
+        (Metric::ForceL2Aligned, 0.05, "calculix")
     );
 }
 
@@ -344,14 +345,14 @@ fn a_study_without_integrators_takes_the_adaptive_ones() {
             .iter()
             .all(|m| matches!(m.resolution, Resolution::Tolerance(_)))
     );
-    let all = QUANTITIES.map(|q| format!("\"{q}\"")).join(", ");
+    let all = Metric::ALL.map(|m| format!("\"{m}\"")).join(", ");
     let scene = read(
         "[study]",
         &format!("[study]\nquantities = [{all}]\nsamples = 100\nmodels = [\"movable-teeth\"]"),
     );
     assert_eq!(
         (scene.study.quantities.len(), scene.study.samples),
-        (QUANTITIES.len(), 100)
+        (Metric::ALL.len(), 100)
     );
     assert_eq!(scene.select(None).unwrap()[0].label, "movable-teeth");
     assert_eq!(scene.select(Some("rigid, movable-teeth")).unwrap().len(), 2);

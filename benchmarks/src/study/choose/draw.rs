@@ -28,6 +28,7 @@ use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_models::geometry::GeometryError;
 use gearbench_models::scene::build::mesh_layout;
 use gearbench_models::scene::spec::BuildError;
+use gearbench_reports::Metric;
 use random::{Random, fitting, short};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -167,21 +168,21 @@ impl Kind {
     /// Metrics that are asked for. After several impacts a history is all phase, so hammering is judged by numbers
     /// of the whole; under load the speed swings about a mean, and where it ends says little.
     #[must_use]
-    pub fn metrics(self) -> &'static [&'static str] {
+    pub fn metrics(self) -> &'static [Metric] {
         match self {
             Kind::Impact => &[
-                "force_l2_aligned",
-                "peak_force_rel",
-                "impulse_rel",
-                "rebound_rel",
-                "transmission_error_l2",
+                Metric::ForceL2Aligned,
+                Metric::PeakForceRel,
+                Metric::ImpulseRel,
+                Metric::Rebound,
+                Metric::TransmissionError,
             ],
-            Kind::Hammer => &["peak_force_rel", "impulse_rel", "rebound_rel"],
+            Kind::Hammer => &[Metric::PeakForceRel, Metric::ImpulseRel, Metric::Rebound],
             Kind::Load => &[
-                "force_l2_aligned",
-                "peak_force_rel",
-                "impulse_rel",
-                "transmission_error_l2",
+                Metric::ForceL2Aligned,
+                Metric::PeakForceRel,
+                Metric::ImpulseRel,
+                Metric::TransmissionError,
             ],
         }
     }
@@ -214,7 +215,7 @@ struct Parameters {
     set: String,
     number: usize,
     kind: Kind,
-    metric: &'static str,
+    metric: Metric,
     tolerance: f64,
     toothing: Toothing,
     /// Inertia or mass at the hubs.
@@ -249,7 +250,7 @@ pub struct Drawn {
     /// What happens.
     pub kind: Kind,
     /// Metric that is asked for.
-    pub metric: &'static str,
+    pub metric: Metric,
     /// Greatest error that is accurate enough.
     pub tolerance: f64,
     /// Length of an impact by the estimate above [s].

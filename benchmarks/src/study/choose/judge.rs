@@ -61,7 +61,7 @@ pub enum JudgeError {
     },
     /// A metric that choices do not know.
     #[error("there is no wish for the metric `{0}`")]
-    Metric(String),
+    Metric(gearbench_reports::Metric),
     /// The journal.
     #[error("{path}: {why}")]
     Journal {
@@ -87,7 +87,7 @@ pub fn judge(
         kind: drawn.kind.as_str().into(),
         gears: gears(drawn),
         duration_s: drawn.scene.duration,
-        metric: drawn.metric.into(),
+        metric: drawn.metric,
         tolerance: drawn.tolerance,
         reference: if full_order { FULL_NAME } else { DENSEST_NAME }.into(),
         redraws: drawn.redraws,
@@ -136,7 +136,7 @@ fn judge_into(
 ) -> Result<(), JudgeError> {
     let metric = (Metric::ALL.into_iter())
         .find(|m| m.key() == Some(drawn.metric))
-        .ok_or_else(|| JudgeError::Metric(drawn.metric.into()))?;
+        .ok_or(JudgeError::Metric(drawn.metric))?;
     let situation = Situation::of(&drawn.scene);
     let times = grid(situation.duration, drawn.contact_time);
 

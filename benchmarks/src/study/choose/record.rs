@@ -5,7 +5,7 @@ use super::situation::Situation;
 use super::wish::Wish;
 use crate::study::machine;
 use gearbench_integrators::Resolution;
-use gearbench_reports::record::{Results, Tolerance, finite};
+use gearbench_reports::record::{Results, Study, Tolerance, finite};
 use gearbench_reports::{ChoiceRecord, RungRecord, TriedRecord};
 
 /// The record of a choice.
@@ -23,14 +23,14 @@ pub fn results(
     Results {
         scene: situation.name.clone(),
         title: title.to_string(),
-        study: "choose".into(),
+        study: Study::Choose,
         command: command.to_string(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),
         created: machine::now(),
         settings: settings(situation, choice),
         tolerance: wish.metric.key().map(|key| Tolerance {
-            metric: key.into(),
+            metric: key,
             limit: wish.tolerance,
             against: "top".into(),
         }),

@@ -1,6 +1,5 @@
 //! What is asked for: a metric and how large an error in it may be.
 
-use crate::study::precision::METRICS;
 use gearbench_reports::metrics::compare;
 use gearbench_reports::record::Ledger;
 use gearbench_reports::series::TimeSeries;
@@ -72,11 +71,9 @@ impl Metric {
 
     /// Key of the metric in `results.json`; none for the energy, which is a difference of ledgers.
     #[must_use]
-    pub fn key(self) -> Option<&'static str> {
-        let names = METRICS.iter().find(|(name, _)| *name == self.name());
-        names
-            .map(|(_, key)| *key)
-            .filter(|_| self != Metric::Energy)
+    pub fn key(self) -> Option<gearbench_reports::Metric> {
+        let named = self.name().parse().ok();
+        named.filter(|_| self != Metric::Energy)
     }
 
     /// A single number of each run, whose errors may cancel by chance; the others compare whole histories.

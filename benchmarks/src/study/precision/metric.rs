@@ -1,38 +1,28 @@
-//! Names of metrics on the command line and in scenes.
+//! Names of metrics on the command line.
 
-/// Metrics that are errors: name on the command line, key in the record.
-pub const METRICS: [(&str, &str); 7] = [
-    ("force", "force_l2"),
-    ("force-aligned", "force_l2_aligned"),
-    ("peak", "peak_force_rel"),
-    ("impulse", "impulse_rel"),
-    ("rebound", "rebound_rel"),
-    ("transmission-error", "transmission_error_l2"),
-    ("energy", "energy_drift_rel"),
-];
+use gearbench_reports::Metric;
 
-/// Keys of the metrics named between commas, by name or by key, each once.
+/// Metrics named between commas, by name or by key, each once.
 ///
 /// # Errors
 /// A sentence that lists the names there are.
-pub fn metric_keys(text: &str) -> Result<Vec<String>, String> {
-    let mut keys: Vec<String> = Vec::new();
+pub fn metrics_of(text: &str) -> Result<Vec<Metric>, String> {
+    let mut found: Vec<Metric> = Vec::new();
     for name in text.split(',').map(str::trim).filter(|n| !n.is_empty()) {
-        let found = METRICS.iter().find(|(n, k)| [*n, *k].contains(&name));
-        match found {
-            Some((_, key)) if keys.iter().any(|k| k == key) => {}
-            Some((_, key)) => keys.push((*key).to_owned()),
+        match name.parse::<Metric>().ok().filter(|m| m.is_error()) {
+            Some(metric) if found.contains(&metric) => {}
+            Some(metric) => found.push(metric),
             None => return Err(format!("there is no metric `{name}`; {}", known())),
         }
     }
-    if keys.is_empty() {
+    if found.is_empty() {
         return Err(format!("no metric is named; {}", known()));
     }
-    Ok(keys)
+    Ok(found)
 }
 
 fn known() -> String {
-    let names: Vec<&str> = METRICS.iter().map(|(n, _)| *n).collect();
+    let names: Vec<&str> = Metric::ALL.into_iter().filter_map(Metric::option).collect();
     format!("there are {}", names.join(", "))
 }
 
@@ -43,10 +33,14 @@ mod tests {
     #[test]
     fn names_and_keys() {
         assert_eq!(
-            metric_keys("force-aligned, peak,force_l2_aligned,energy_drift_rel").unwrap(),
-            ["force_l2_aligned", "peak_force_rel", "energy_drift_rel"]
+            metrics_of("force-aligned, peak,force_l2_aligned,energy_drift_rel").unwrap(),
+            [
+                Metric::ForceL2Aligned,
+                Metric::PeakForceRel,
+                Metric::EnergyDrift
+            ]
         );
-        assert!(metric_keys("farce").unwrap_err().contains("force-aligned"));
-        assert!(metric_keys(" ,").unwrap_err().contains("no metric"));
+        assert!(metrics_of("farce").unwrap_err().contains("force-aligned"));
+        assert!(metrics_of(" ,").unwrap_err().contains("no metric"));
     }
 }

@@ -14,7 +14,7 @@ mod references;
 #[cfg(test)]
 mod tests;
 
-pub use metric::{METRICS, metric_keys};
+pub use metric::metrics_of;
 pub use plan::{Asked, COUNTS, Full, Plan, Variant};
 
 use super::compare::{
@@ -128,7 +128,7 @@ pub fn study(
     Ok(Results {
         scene: plan.name.clone(),
         title: plan.title.clone(),
-        study: "precision".into(),
+        study: gearbench_reports::Study::Precision,
         command: plan.command.clone(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),

@@ -9,6 +9,7 @@ use crate::study::run::Method;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::Value;
 use gearbench_reference::ExternalReference;
+use gearbench_reports::Metric;
 use gearbench_reports::record::ReferenceSeries;
 use std::time::Duration;
 
@@ -26,8 +27,8 @@ const MOST_STEPS: u64 = 20_000_000;
 pub struct Asked {
     /// Integrators, as [`methods_from`] takes them; those with `@` have that step or tolerance alone.
     pub integrators: Option<String>,
-    /// Keys of the metrics.
-    pub metrics: Vec<String>,
+    /// The metrics.
+    pub metrics: Vec<Metric>,
     /// Ids of the references.
     pub against: Vec<String>,
     /// Numbers of modes.
@@ -92,8 +93,8 @@ pub struct Plan<'a> {
     pub fulls: Vec<Full>,
     /// Stored reference.
     pub external: Option<ReferenceSeries>,
-    /// Keys of the metrics, the first above all.
-    pub metrics: Vec<String>,
+    /// The metrics, the first above all.
+    pub metrics: Vec<Metric>,
     /// Table of models.
     pub models: &'a [Model],
     /// End [s].
@@ -204,17 +205,15 @@ impl Plan<'_> {
 }
 
 /// Metrics asked for, else the scene's, else that of its tolerance.
-fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<String> {
+fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
     if !asked.metrics.is_empty() {
         return asked.metrics.clone();
     }
     if !scene.study.precision.metrics.is_empty() {
         return scene.study.precision.metrics.clone();
     }
-    let own = scene.tolerance.as_ref().map(|t| t.metric.as_str());
-    let known = super::METRICS.iter().map(|(_, key)| *key);
-    let found = known.into_iter().find(|key| Some(*key) == own);
-    vec![found.unwrap_or("force_l2_aligned").to_owned()]
+    let own = scene.tolerance.as_ref().map(|t| t.metric);
+    vec![own.filter(|m| m.is_error()).unwrap_or_default()]
 }
 
 /// A model, once or with each number of modes.

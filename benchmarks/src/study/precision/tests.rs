@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::scene_file::{Selection, load_for};
+use gearbench_reports::Metric;
 
 /// The rigid gears of the impact, a few rungs.
 fn small(asked: &Asked) -> Results {
@@ -37,7 +38,7 @@ fn every_rung_is_a_row_with_both_errors() {
     };
     let results = small(&asked);
     assert_eq!(results.runs.len(), 2 * (3 + 2 + 1));
-    assert_eq!(results.metrics[0], "force_l2_aligned");
+    assert_eq!(results.metrics[0], Metric::ForceL2Aligned);
     assert_eq!(results.references[0].id, "calculix");
     assert!(results.validate().is_ok());
     let of = |variant: Option<&str>, integrator: &str| -> Vec<&Run> {

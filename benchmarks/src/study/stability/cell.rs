@@ -9,7 +9,7 @@ use super::axis::Setup;
 use super::plan::{MapPlan, Plan};
 use crate::study::run::{Job, Method, RunError, run};
 use gearbench_integrators::Resolution;
-use gearbench_reports::metrics::compare;
+use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Run, Status, Tolerance, finite};
 use gearbench_reports::series::TimeSeries;
 use gearbench_reports::stability::{Cell, Columns, SelfReference};
@@ -19,18 +19,8 @@ use std::time::{Duration, Instant};
 const AGREEMENT: f64 = 0.2;
 /// Bound on the steps of a converged solution, over that of a cell.
 const MORE_STEPS: u64 = 20;
-/// Metrics of which a tolerance limits the magnitude itself.
-const RELATIVE: [&str; 7] = [
-    "force_l2",
-    "force_l2_aligned",
-    "peak_force_rel",
-    "impulse_rel",
-    "rebound_rel",
-    "transmission_error_l2",
-    "energy_drift_rel",
-];
 /// Metric and limit of scenes that have no tolerance which goes with a converged solution.
-const DEFAULT_METRIC: &str = "force_l2";
+const DEFAULT_METRIC: Metric = Metric::ForceL2;
 const DEFAULT_LIMIT: f64 = 0.05;
 
 /// Solutions that are tried, finest first: the solution, and the run that checks it.
@@ -43,9 +33,9 @@ const WITH_MODES: [[(&str, f64); 2]; 1] = [[("trigonometric", 1e-4), ("dopri5", 
 /// The tolerance of the cells: that of the scene, against the model's own converged solution.
 #[must_use]
 pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
-    let own = scene.filter(|t| RELATIVE.contains(&t.metric.as_str()));
+    let own = scene.filter(|t| t.metric.is_error());
     Tolerance {
-        metric: own.map_or(DEFAULT_METRIC.into(), |t| t.metric.clone()),
+        metric: own.map_or(DEFAULT_METRIC, |t| t.metric),
         limit: own.map_or(DEFAULT_LIMIT, |t| t.limit),
         against: "self".into(),
     }
@@ -96,10 +86,7 @@ fn run_one(
 fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> {
     let series = row.series.as_ref()?;
     let metrics = compare(series, &row.ledger, against, "self");
-    metrics
-        .get(&tolerance.metric)
-        .map(f64::abs)
-        .and_then(finite)
+    metrics.get(tolerance.metric).map(f64::abs).and_then(finite)
 }
 
 /// The converged solution of a setup.

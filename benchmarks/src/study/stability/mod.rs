@@ -28,7 +28,7 @@ use super::run::RunError;
 use axis::AxisError;
 use cell::Reference;
 use gearbench_models::scene::Scene;
-use gearbench_reports::record::Results;
+use gearbench_reports::record::{Results, Study};
 use gearbench_reports::stability::{Columns, Map, MapAxis, MapLine};
 use journal::{Journal, JournalError, Line, Outcome};
 use plan::{MapPlan, Plan};
@@ -158,7 +158,7 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
         Results {
             scene: plan.name.clone(),
             title: plan.title.clone(),
-            study: "stability".into(),
+            study: Study::Stability,
             command: plan.command.clone(),
             machine: machine::machine(),
             commit: machine::COMMIT.into(),

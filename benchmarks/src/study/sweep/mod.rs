@@ -18,7 +18,7 @@ use gearbench_models::scene::Scene;
 use gearbench_models::scene::build::{MeshLayout, lever, mesh_layout};
 use gearbench_models::scene::spec::{Body, SceneSpec};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle, StaticsError};
-use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
+use gearbench_reports::record::{self, Results, Run, StaticCycle, Status, Study};
 use gearbench_reports::series::TimeSeries;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
@@ -309,7 +309,7 @@ pub fn sweep(
     Ok(Results {
         scene: plan.name.clone(),
         title: plan.title.clone(),
-        study: "sweep".into(),
+        study: Study::Sweep,
         command: plan.command.clone(),
         machine: machine::machine(),
         commit: machine::COMMIT.into(),

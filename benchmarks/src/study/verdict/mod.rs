@@ -253,7 +253,7 @@ pub fn against_tolerance(run: &mut Run, tolerance: &Tolerance) {
         against,
         limit,
     } = tolerance;
-    let message = match metrics.get(metric) {
+    let message = match metrics.get(*metric) {
         Some(x) if x.abs() <= *limit => return,
         Some(x) => format!(
             "{metric} against {against} is {x:.3}, beyond the scene's {limit:.3}; use a smaller step or tolerance, or a finer model"

@@ -7,8 +7,9 @@ use crate::charts::axis::Frame;
 use crate::charts::canvas::{DrawError, Rect, Stroke, draw};
 use crate::charts::lines::{LEFT, RIGHT, WIDTH};
 use crate::charts::style::marker;
+use crate::metrics::Metric;
 use crate::precision::{Cost, Precision, family, is_ours};
-use crate::view::{View, metric_name};
+use crate::view::View;
 
 /// Each family by its own front alone.
 pub(super) fn families(
@@ -16,7 +17,7 @@ pub(super) fn families(
     told: &Precision<'_>,
     marks: &Marks,
     against: &str,
-    metric: &str,
+    metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
     let cloud = told.cloud(against, metric, Cost::Wall);
     let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), Cost::Wall) else {
@@ -40,7 +41,7 @@ pub(super) fn families(
             x: scale.x.clone(),
             y: scale.y.clone(),
         };
-        let name = format!("{} [%]", metric_name(metric));
+        let name = metric.axis();
         frame.paint(c, scale.x_name, &name, true);
         let mut taken: Vec<Rect> = Vec::new();
         let mut ends: Vec<(String, (f64, f64))> = Vec::new();

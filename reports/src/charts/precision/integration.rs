@@ -7,15 +7,15 @@ use crate::charts::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use crate::charts::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
 use crate::charts::lines::{LEFT, RIGHT, WIDTH};
 use crate::charts::style::{look, marker};
+use crate::metrics::Metric;
 use crate::pareto::{Point, front};
 use crate::precision::{Cost, Precision, SELF, Shown};
-use crate::view::metric_name;
 
 /// Work-precision diagrams, one per model: what its integrators lose.
 pub(super) fn integration(
     told: &Precision<'_>,
     marks: &Marks,
-    metric: &str,
+    metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
     let cloud = told.cloud(SELF, metric, Cost::Wall);
     let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
@@ -75,7 +75,7 @@ pub(super) fn integration(
             c.text(&failed, (area.x1 - 8.0, area.y0 + 31.0), kind);
         }
         let middle = top + 0.5 * pitch * rows as f64;
-        let name = format!("{} [%]", metric_name(metric));
+        let name = metric.axis();
         c.text(
             &name,
             (14.0, middle),
@@ -89,7 +89,7 @@ pub(super) fn integration(
             "{} against each model's own converged solution: what the integrator loses, whatever the model is worth. One \
              panel per model, of an elastic model with the number of modes that most integrators run; thin lines join the \
              steps or tolerances of an integrator, the staircase is the front of the panel.",
-            capital(metric_name(metric))
+            capital(metric.words())
         ),
         svg,
     }))

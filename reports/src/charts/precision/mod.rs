@@ -10,13 +10,14 @@ use super::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
 use super::cost::{label_place, point_label};
 use super::lines::{LEFT, RIGHT, WIDTH};
 use super::style::{Look, cross, marker};
+use crate::metrics::Metric;
 use crate::numbers::count;
 use crate::pareto::Point;
 use crate::precision::{
     Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, rung,
 };
-use crate::record::{Results, Run, Status};
-use crate::view::{View, metric_name};
+use crate::record::{Results, Run, Status, Study};
+use crate::view::View;
 use families::families;
 use integration::integration;
 use marks::{Marks, legend, legend_height};
@@ -56,7 +57,7 @@ const ROW: f64 = 19.0;
 
 /// Whether a record has something to draw here.
 pub fn applies(results: &Results) -> bool {
-    results.study == "precision"
+    results.study == Study::Precision
 }
 
 /// The charts of accuracy against cost.
@@ -92,7 +93,7 @@ pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
                 view,
                 &told,
                 &marks,
-                (first, further, Cost::Wall),
+                (first, *further, Cost::Wall),
                 file,
             )?);
         }
@@ -169,7 +170,7 @@ fn scatter(
     view: &View<'_>,
     told: &Precision<'_>,
     marks: &Marks,
-    (against, metric, cost): (&str, &str, Cost),
+    (against, metric, cost): (&str, Metric, Cost),
     file: &'static str,
 ) -> Result<Option<Chart>, DrawError> {
     let cloud = told.cloud(against, metric, cost);
@@ -207,7 +208,7 @@ fn scatter(
             x: scale.x.clone(),
             y: scale.y.clone(),
         };
-        let name = format!("{} [%]", metric_name(metric));
+        let name = metric.axis();
         frame.paint(c, scale.x_name, &name, true);
         let on = |i: &usize| all.contains(i) || fair.contains(i);
         for i in (0..cloud.shown.len()).filter(|i| !on(i)) {
@@ -262,7 +263,7 @@ fn scatter(
     }))
 }
 
-fn caption(reference: &str, metric: &str, cost: Cost, fitted: bool, own: bool) -> String {
+fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool) -> String {
     let what = match cost {
         Cost::Wall => "wall time, median of the repeats without setup",
         Cost::Evaluations => {
@@ -284,7 +285,7 @@ fn caption(reference: &str, metric: &str, cost: Cost, fitted: bool, own: bool) -
         "{} against {reference} over {what}. Every point is a run; those on the front are strong and named, those that \
          another beats in both are faint.{two}{fits} Failed runs stand above, by reason; their place in a row means nothing, \
          for the time at which a run failed is no cost.",
-        capital(metric_name(metric)),
+        capital(metric.words()),
     )
 }
 

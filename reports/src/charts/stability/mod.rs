@@ -251,7 +251,7 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Results;
+    use crate::record::{Results, Study};
     use crate::stability::{Cell, Columns, MapAxis, MapLine, SelfReference};
 
     /// A map with every label in its own row.
@@ -307,7 +307,7 @@ mod tests {
     fn results(maps: Vec<Map>) -> Results {
         Results {
             scene: "made up".into(),
-            study: "stability".into(),
+            study: Study::Stability,
             maps,
             ..Results::default()
         }

@@ -63,7 +63,7 @@ fn tuning_scenes_are_sound_and_varied() {
     for kind in Kind::ALL {
         let of: Vec<&Drawn> = all.iter().filter(|d| d.kind == kind).collect();
         assert!(of.len() >= 10, "{} of {}", of.len(), kind.as_str());
-        let metrics: BTreeSet<&str> = of.iter().map(|d| d.metric).collect();
+        let metrics: BTreeSet<_> = of.iter().map(|d| d.metric).collect();
         assert_eq!(metrics.len(), kind.metrics().len(), "{metrics:?}");
     }
     for part in [
@@ -95,7 +95,7 @@ fn tuning_scenes_are_sound_and_varied() {
         }
         let t = d.scene.tolerance.as_ref().unwrap();
         assert_eq!(
-            (t.metric.as_str(), t.limit, t.against.as_str()),
+            (t.metric, t.limit, t.against.as_str()),
             (d.metric, d.tolerance, "densest")
         );
     }

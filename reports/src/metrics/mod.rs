@@ -18,6 +18,10 @@
 //! shape of the force is met, the shift says how much the phase was off. Outside its samples a run
 //! has no force, so a run that stopped early is charged with all it missed.
 
+mod metric;
+
+pub use metric::Metric;
+
 use crate::record::{Ledger, Metrics, finite};
 use crate::series::{TimeSeries, resample};
 

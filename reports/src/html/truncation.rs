@@ -2,9 +2,9 @@
 
 use super::escape;
 use super::table::{Column, Rows, table};
-use crate::modes::{LIMITS, Way, counts, ways};
 use crate::numbers::{percent, quantity, short, significant};
 use crate::record::{Metrics, Run};
+use crate::truncation::{LIMITS, Way, counts, ways};
 use crate::view::View;
 
 fn against(view: &View<'_>) -> String {

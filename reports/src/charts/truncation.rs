@@ -5,9 +5,9 @@ use super::axis::{Axis, tick_label};
 use super::canvas::DrawError;
 use super::curves::{Curve, CurvePanel, Mark, draw_curves};
 use super::style::{Look, look};
-use crate::modes::{LIMITS, Way, counts, ways};
 use crate::numbers::{count, short};
-use crate::record::{Metrics, Run, finite};
+use crate::record::{Metrics, Run, Study, finite};
+use crate::truncation::{LIMITS, Way, counts, ways};
 use crate::view::View;
 
 /// Where gears without modes stand on the logarithmic abscissa, over the fewest modes there are.
@@ -131,7 +131,7 @@ fn limits() -> Vec<(f64, String)> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn modes(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
+pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let shown = shown(view);
     let (Some(x), Some(against)) = (Counts::of(&shown), view.against.clone()) else {
         return Ok(Vec::new());
@@ -182,7 +182,7 @@ pub fn modes(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     if !panels.is_empty() {
         let title = "Error over the number of modes";
         charts.push(Chart {
-            file: "modes.svg",
+            file: "truncation.svg",
             title,
             caption: format!("{how} Left: gears without any mode."),
             svg: draw_curves(title, &legend, &panels)?,
@@ -210,7 +210,7 @@ pub fn modes(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     {
         let title = "Peak force and impulse over the number of modes";
         charts.push(Chart {
-            file: "modes_peak.svg",
+            file: "truncation_peak.svg",
             title,
             caption: format!(
                 "Magnitudes of the deviations from {}.",
@@ -258,7 +258,7 @@ fn frequencies(
     };
     let title = "Error over the highest frequency";
     Ok(Some(Chart {
-        file: "frequencies.svg",
+        file: "truncation_frequencies.svg",
         title,
         caption: "The same runs over the highest frequency among the modes that either gear keeps. Modes chosen by \
                   flank compliance reach high frequencies early: the axis says what a step has to follow, not how \
@@ -299,7 +299,7 @@ fn cost(
         .max()
         .unwrap_or(0);
     Ok(Some(Chart {
-        file: "modes_cost.svg",
+        file: "truncation_cost.svg",
         title,
         caption: format!(
             "Wall time over accepted steps, and of the whole run; setup is not included. Median of {} repeats. Plain \
@@ -312,5 +312,5 @@ fn cost(
 
 /// Whether a record has something to draw here.
 pub fn applies(view: &View<'_>) -> bool {
-    view.results.study == "modes" && !counts(&ways(view.results)).is_empty()
+    view.results.study == Study::Truncation && !counts(&ways(view.results)).is_empty()
 }
