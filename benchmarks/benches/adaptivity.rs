@@ -227,9 +227,9 @@ fn main() {
     if let Some(file) = store {
         let figures = json!({
             "command": "cargo bench -p gearbench --bench adaptivity -- --store FILE",
-            "machine": gearbench::study::machine::machine(),
-            "date": gearbench::study::machine::now(),
-            "commit": gearbench::study::machine::COMMIT,
+            "machine": gearbench::experiment::machine::machine(),
+            "date": gearbench::experiment::machine::now(),
+            "commit": gearbench::experiment::machine::COMMIT,
             "rows": rows,
         });
         let text = format!("{figures:#}\n");

@@ -199,9 +199,9 @@ fn main() {
     let figures = json!({
         "command": "cargo bench -p gearbench --bench elastic_cost -- --calculix-cpu-s SECONDS --store FILE",
         "calculix_command": "time reference/calculix/regenerate.sh case-a-fine 0.1335e-3",
-        "machine": gearbench::study::machine::machine(),
-        "date": gearbench::study::machine::now(),
-        "commit": gearbench::study::machine::COMMIT,
+        "machine": gearbench::experiment::machine::machine(),
+        "date": gearbench::experiment::machine::now(),
+        "commit": gearbench::experiment::machine::COMMIT,
         "impact": impact(calculix),
         "flight": flight(),
         "mesh": mesh(),

@@ -1,14 +1,17 @@
-//! The library behind the command `gearbench`: scenes, studies, commands.
+//! The library behind the command `gearbench`: scenes, studies, tools.
 //!
 //! | room | owns |
 //! |---|---|
 //! | [`models`] | the table of gear models that scenes may name |
 //! | [`scene_file`] | the scene format, the shipped scenes, calibrations |
-//! | [`study`] | what is computed: runs, comparison, identification |
-//! | [`cli`], [`commands`] | arguments and help; files, messages, exit codes |
+//! | [`experiment`] | one model under one integrator: what is run, its row of the record, how it ended |
+//! | [`studies`] | a study in one room: arguments, plan, runs, summary |
+//! | [`tools`] | what the command does beside studies |
+//! | [`cli`] | the table of commands; messages, files, exit codes |
 
 pub mod cli;
-pub mod commands;
+pub mod experiment;
 pub mod models;
 pub mod scene_file;
-pub mod study;
+pub mod studies;
+pub mod tools;

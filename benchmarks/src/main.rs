@@ -6,5 +6,5 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     cache::choose(Cache::standard());
-    gearbench::commands::run(gearbench::cli::Cli::parse())
+    gearbench::cli::run(gearbench::cli::Cli::parse())
 }

@@ -619,3 +619,17 @@ fn precision_writes_its_table_and_takes_failures_as_data() {
         assert!(!folder.at("there").exists());
     }
 }
+
+/// The name `modes` is kept for the natural modes of an assembled scene.
+#[test]
+fn the_former_name_of_the_truncation_study_is_refused_with_the_new_one() {
+    let folder = Folder::new("truncation");
+    let out = gearbench(&folder.0, &["modes", "spur_impact", "--counts", "0,25"]);
+    assert_eq!(out.status.code(), Some(2), "{}", stderr(&out));
+    assert!(
+        stderr(&out).contains("`gearbench truncation`"),
+        "{}",
+        stderr(&out)
+    );
+    assert!(is_empty(&folder.0));
+}

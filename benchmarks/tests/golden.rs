@@ -7,7 +7,7 @@
 //! sums are rounded otherwise (another processor, another compiler), so theirs is held to 3 %.
 
 use gearbench::scene_file;
-use gearbench::study::compare::{Plan, compare};
+use gearbench::studies::compare::{Plan, compare};
 use gearbench_reports::record::Run;
 use std::fmt::Write;
 use std::path::PathBuf;

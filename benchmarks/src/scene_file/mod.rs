@@ -252,7 +252,11 @@ impl SceneFile {
         Ok(file)
     }
 
-    pub(crate) fn unbuilt(
+    /// Reads a scene whose models need not be buildable.
+    ///
+    /// # Errors
+    /// [`SceneError`]: what is wrong with the file, and where.
+    pub fn unbuilt(
         name: &str,
         text: &str,
         origin: Origin,

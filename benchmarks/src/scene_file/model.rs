@@ -7,7 +7,7 @@ use super::gear::{GearDraft, Place};
 use super::reader::{Entry, Key, in_order, key};
 use super::study_plan::integrator;
 use super::suggest;
-use crate::study::run::Method;
+use crate::experiment::run::Method;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};

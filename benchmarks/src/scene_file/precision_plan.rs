@@ -3,7 +3,7 @@
 use super::error::SceneError;
 use super::reader::{Entry, Key, key};
 use super::study_plan::{integrator, words};
-use crate::study::run::Method;
+use crate::experiment::run::Method;
 use gearbench_reports::Metric;
 
 pub(super) static PRECISION: &[Key] = &[

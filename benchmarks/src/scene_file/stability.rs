@@ -2,7 +2,7 @@
 
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, key};
-use crate::study::stability::axis::{Axis, spaced};
+use crate::studies::stability::axis::{Axis, spaced};
 
 pub(super) static STABILITY: &[Key] = &[
     key(

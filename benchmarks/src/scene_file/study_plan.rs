@@ -4,7 +4,7 @@ use super::error::SceneError;
 use super::precision_plan::{Precision, precision};
 use super::reader::{Entry, Key, key};
 use super::stability::{self, StabilitySet};
-use crate::study::run::Method;
+use crate::experiment::run::Method;
 use gearbench_integrators::{METHODS, Resolution, Stepping};
 use gearbench_reports::Metric;
 use gearbench_reports::record::Tolerance;

@@ -6,10 +6,10 @@
 #![allow(clippy::print_stdout)]
 
 use super::full_order::load;
+use gearbench::experiment::run::Method;
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
-use gearbench::study::compare::{Plan, compare};
-use gearbench::study::run::Method;
+use gearbench::studies::compare::{Plan, compare};
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
 };

@@ -5,7 +5,7 @@
 
 use gearbench::models::models;
 use gearbench::scene_file::{self, SceneFile};
-use gearbench::study::compare::{Plan, compare};
+use gearbench::studies::compare::{Plan, compare};
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work};
 use gearbench_models::contact::flank_points::PointRule;
@@ -289,7 +289,7 @@ fn explicit_and_implicit_agree_on_the_same_masses() {
         duration: 6e-5,
         ..Plan::of(scene, &[scene.model("fe").unwrap()], Some(external))
     };
-    let plan = plan.with_methods(vec![gearbench::study::run::Method {
+    let plan = plan.with_methods(vec![gearbench::experiment::run::Method {
         text: "velocity-verlet".into(),
         resolution: Resolution::Step(2.5e-8),
     }]);

@@ -5,10 +5,10 @@
 mod elastic;
 mod full_order;
 
+use gearbench::experiment::run::Method;
 use gearbench::scene_file;
-use gearbench::study::compare::{Plan, compare};
-use gearbench::study::identify::{apply, identify};
-use gearbench::study::run::Method;
+use gearbench::studies::compare::{Plan, compare};
+use gearbench::studies::identify::{apply, identify};
 use gearbench_integrators::Resolution;
 use gearbench_models::gear::table::MODELS;
 use gearbench_reference::{ExternalReference, reference};
@@ -174,7 +174,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         );
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
         let (_, mut dopri5) = gearbench_integrators::method("dopri5").unwrap();
-        let force = gearbench::study::run::force_on_grid(
+        let force = gearbench::experiment::run::force_on_grid(
             &mut built,
             dopri5.as_mut(),
             Resolution::Tolerance(1e-8),

@@ -5,8 +5,8 @@
 
 mod wrong_laws;
 
-use gearbench::study::run::{Job, Method, run};
-use gearbench::study::verdict::{Witness, against_contact, against_tolerance};
+use gearbench::experiment::run::{Job, Method, run};
+use gearbench::experiment::status::{Witness, against_contact, against_tolerance};
 use gearbench_integrators::{Resolution, TimePlan, Work};
 use gearbench_models::contact::law::Damping;
 use gearbench_models::load::{Load, Profile};

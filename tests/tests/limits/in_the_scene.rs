@@ -2,15 +2,15 @@
 //! methods fail beyond their limit, implicit ones go on with steps ten times as long.
 
 use super::entry;
+use gearbench::experiment::configuration::Configuration;
+use gearbench::experiment::run::{Job, Method, run};
 use gearbench::models::models;
-use gearbench::study::compare::Entry;
-use gearbench::study::limits::{Frozen, LineKind};
-use gearbench::study::run::{Job, Method, run};
+use gearbench::studies::stability::limits::{Frozen, LineKind};
 use gearbench_integrators::Resolution;
 use gearbench_reports::record::{Run, Status};
 use std::time::Duration;
 
-fn run_with(entry: &Entry, text: &str, step: f64, t_end: f64) -> Run {
+fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
     let grid: Vec<f64> = (0..=200).map(|i| t_end * f64::from(i) / 200.0).collect();
     run(&Job {
         scene: &entry.scene,

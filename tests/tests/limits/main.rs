@@ -3,21 +3,21 @@
 //! The table: `cargo test --release -p gearbench-tests --test limits -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+use gearbench::experiment::configuration::Configuration;
 use gearbench::models::models;
 use gearbench::scene_file::{Selection, load_for};
-use gearbench::study::compare::Entry;
-use gearbench::study::limits::table::{Case, StepLimit, table};
+use gearbench::studies::stability::limits::table::{Case, StepLimit, table};
 use gearbench_models::scene::spec::Value;
 
 mod in_the_scene;
 
 /// An entry of a shipped scene.
-fn entry(scene: &str, label: &str) -> Entry {
+fn entry(scene: &str, label: &str) -> Configuration {
     let scene = load_for(scene, Selection::Labels(Some(label))).unwrap_or_else(|e| panic!("{e:?}"));
-    Entry::of(&scene, scene.model(label).unwrap())
+    Configuration::of(&scene, scene.model(label).unwrap())
 }
 
-fn with_modes(mut entry: Entry, modes: u32) -> Entry {
+fn with_modes(mut entry: Configuration, modes: u32) -> Configuration {
     for gear in &mut entry.modelling.gears {
         let value = Value::Number(f64::from(modes));
         gear.parameters.insert("modes".into(), value);
@@ -27,7 +27,7 @@ fn with_modes(mut entry: Entry, modes: u32) -> Entry {
 }
 
 /// Prints limits and holds them to theory.
-fn hold(entries: &[Entry], methods: &[&str], bound: f64) -> Vec<StepLimit> {
+fn hold(entries: &[Configuration], methods: &[&str], bound: f64) -> Vec<StepLimit> {
     let cases: Vec<Case> = entries.iter().map(Case::of).collect();
     let begin = std::time::Instant::now();
     let rows = table(&cases, models(), methods, |_| {}).unwrap();

@@ -1,7 +1,7 @@
 //! `[study] precision`: what is read, and what is refused at which line.
 
 use super::{changed, parse, refused};
-use crate::study::run::Method;
+use crate::experiment::run::Method;
 use gearbench_integrators::Resolution;
 use gearbench_reports::Metric;
 

@@ -32,7 +32,7 @@ fn all_load_and_are_described() {
 fn enough_methods() {
     for name in ["spur_impact", "spur_impact_large"] {
         let study = load(name).unwrap().study;
-        let implicit = |m: &crate::study::run::Method| {
+        let implicit = |m: &crate::experiment::run::Method| {
             gearbench_integrators::method(&m.text)
                 .unwrap()
                 .0

@@ -1,7 +1,7 @@
 //! `[study] stability`: what is read, and refusals by line.
 
 use super::{BASE, changed, parse, read, render};
-use crate::study::stability::axis::Axis;
+use crate::studies::stability::axis::Axis;
 
 const SET: &str = r#"
 [[study.stability]]

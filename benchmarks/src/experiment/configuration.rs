@@ -1,0 +1,61 @@
+//! What is run: a model of a scene with its parameters.
+
+use super::run::Method;
+use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_reports::record::Run;
+
+/// What is run: a model with its scene (a calibration may place the gears its own way).
+#[derive(Clone, Debug)]
+pub struct Configuration {
+    /// Name in records and on the command line.
+    pub label: String,
+    /// Model id of the record: that of the gears, or `mixed`.
+    pub model: String,
+    /// Calibration it takes its constants from.
+    pub calibration: Option<String>,
+    /// The scene.
+    pub scene: SceneSpec,
+    /// Its models.
+    pub modelling: Modelling,
+    /// Its integrators, where they are not those of the plan.
+    pub methods: Option<Vec<Method>>,
+    /// Time that others publish for such a model [s].
+    pub published: Option<f64>,
+}
+
+impl Configuration {
+    /// A model of a scene.
+    pub fn of(scene: &SceneFile, choice: &ModelChoice) -> Configuration {
+        Configuration {
+            label: choice.label.clone(),
+            model: choice.model.clone(),
+            calibration: choice.calibration.as_ref().map(|c| c.name.clone()),
+            scene: scene.spec_for(choice),
+            modelling: choice.modelling.clone(),
+            methods: choice.integrators.clone(),
+            published: choice.published,
+        }
+    }
+
+    /// What sets it apart from others of its model: its label, without the model's id in front.
+    pub fn variant(&self) -> Option<String> {
+        (self.label != self.model).then(|| {
+            let rest = self
+                .label
+                .strip_prefix(&self.model)
+                .and_then(|r| r.strip_prefix('-'));
+            rest.unwrap_or(&self.label).to_string()
+        })
+    }
+
+    /// What reports call its runs.
+    pub fn model_label(&self) -> String {
+        Run {
+            model: self.model.clone(),
+            variant: self.variant(),
+            ..Run::default()
+        }
+        .model_label()
+    }
+}

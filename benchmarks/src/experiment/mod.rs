@@ -1,0 +1,25 @@
+//! Experiments: what is run, how, and how it ended.
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`configuration`] | what is run: a model of a scene |
+//! | [`converged`] | the converged solution of a model |
+//! | [`external`] | stored references as records keep them |
+//! | [`history`] | channels of a run over time |
+//! | [`machine`] | where and when a record was made |
+//! | [`methods`] | integrators as the command line names them |
+//! | [`run`] | one model under one integrator: a row of the record, failed or not |
+//! | [`settings`] | what a reader must know of a scene |
+//! | [`status`] | how a run ended: one label for every way a run can go wrong |
+//! | [`thin`] | histories as records keep them |
+
+pub mod configuration;
+pub mod converged;
+pub mod external;
+pub mod history;
+pub mod machine;
+pub mod methods;
+pub mod run;
+pub mod settings;
+pub mod status;
+pub mod thin;

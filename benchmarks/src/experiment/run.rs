@@ -1,0 +1,533 @@
+//! One model under one integrator: a row of the record. A run that fails is a row as well.
+
+use super::history::History;
+use super::status::Witness;
+use gearbench_integrators::modal::resonance::{resonances, safe_step};
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::system::{Outputs, SecondOrderSystem};
+use gearbench_integrators::{
+    Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
+};
+use gearbench_models::gear::table::Model;
+use gearbench_models::geometry::Side;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::build::lever;
+use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec, Value};
+use gearbench_reports::metrics::TRANSMISSION_ERROR;
+use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
+use gearbench_reports::series::TimeSeries;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
+const LONG: f64 = 1.0;
+/// Timed repeats of a run at most, however short it is.
+const MOST_REPEATS: usize = 300;
+
+/// The setting that names pairs of a model and an integrator that cannot run it.
+pub const LEFT_OUT: &str = "left out: needs a linear part";
+
+/// An integrator with its resolution, as a scene or the command line asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Method {
+    /// `id` or `id(name=value)`.
+    pub text: String,
+    /// Step or tolerance.
+    pub resolution: Resolution,
+}
+
+/// What a run needs to know.
+#[derive(Clone, Copy)]
+pub struct Job<'a> {
+    /// The scene.
+    pub scene: &'a SceneSpec,
+    /// Its models.
+    pub modelling: &'a Modelling,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// Integrator.
+    pub method: &'a Method,
+    /// End [s].
+    pub t_end: f64,
+    /// Times to record at [s].
+    pub grid: &'a [f64],
+    /// Record accepted steps in contact as well.
+    pub also_steps: bool,
+    /// Record the components of contact and bearing forces.
+    pub forces: bool,
+    /// Locate events.
+    pub events: bool,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+    /// Bound on its steps, rejected ones included: a timeout that does not depend on the machine.
+    pub max_steps: u64,
+    /// Stops the study from outside.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl Job<'_> {
+    fn plan(&self) -> TimePlan<'_> {
+        TimePlan {
+            t_end: self.t_end,
+            resolution: self.method.resolution,
+            events: self.events,
+            max_steps: self.max_steps,
+            deadline: Some(Instant::now() + self.timeout),
+            cancel: self.cancel,
+        }
+    }
+}
+
+/// Why a run could not even start, or was stopped by the user.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The integrator is not known or its parameters are wrong.
+    #[error("{0}")]
+    Method(String),
+    /// The integrator needs a linear part to be exact for, which not every model has.
+    #[error(
+        "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
+    )]
+    NoLinearPart(String),
+    /// A run that others are to be held against did not reach the end.
+    #[error("{0}")]
+    Reference(String),
+    /// Stopped from outside.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Runs a job and fills a row; model names and metrics are the caller's.
+pub fn run(job: &Job<'_>) -> Result<Run, RunError> {
+    run_timed(job, Duration::ZERO)
+}
+
+/// The same, with further repeats of a short run until those that are timed took this long together: the median of
+/// three times of some microseconds says little.
+pub fn run_timed(job: &Job<'_>, together: Duration) -> Result<Run, RunError> {
+    let started = Instant::now();
+    let mut scene = Scene::build(job.scene, job.modelling, job.models)?;
+    let setup = started.elapsed();
+    timed_in(job, &mut scene, setup, together)
+}
+
+/// [`run`] in a scene that has been built from the job's scene and models already, which took `setup`.
+pub fn run_in(job: &Job<'_>, scene: &mut Scene, setup: Duration) -> Result<Run, RunError> {
+    timed_in(job, scene, setup, Duration::ZERO)
+}
+
+fn timed_in(
+    job: &Job<'_>,
+    scene: &mut Scene,
+    setup: Duration,
+    together: Duration,
+) -> Result<Run, RunError> {
+    let (row, mut method) =
+        gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
+    if row.info.linear_part && scene.modal().is_none() {
+        return Err(RunError::NoLinearPart(row.info.id.into()));
+    }
+
+    let mut witness = Witness::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
+    let mut state = scene.initial();
+    let start_momenta = momenta(scene, &state);
+    let mut work = Work::default();
+    let begin = Instant::now();
+    let outcome = method.run(scene, &mut state, &job.plan(), &mut witness, &mut work);
+    let observed = begin.elapsed().as_secs_f64();
+    if let Err(StepError::Interrupted { .. }) = outcome {
+        return Err(RunError::Interrupted);
+    }
+    if let Err(StepError::Unsupported { .. }) = outcome {
+        return Err(RunError::Method(outcome.unwrap_err().to_string()));
+    }
+
+    let (status, mut message) = witness.verdict(scene, &state, &outcome);
+    let Witness {
+        history, ledger, ..
+    } = &witness;
+    let series = time_series(job, scene, history);
+    let end_momenta = momenta(scene, &state);
+
+    if message.is_none() {
+        message = resonance_note(job, scene, row.info.linear_part);
+    }
+
+    // Timings come from runs without observers, but for long ones. A failed run is not repeated: its time is no
+    // cost.
+    let repeats = if status.is_failure() || observed > LONG {
+        0
+    } else {
+        job.repeats
+    };
+    let mut walls: Vec<f64> = Vec::new();
+    let more = |walls: &[f64]| {
+        let short =
+            walls.len() < MOST_REPEATS && walls.iter().sum::<f64>() < together.as_secs_f64();
+        walls.len() < repeats as usize || (repeats > 0 && short)
+    };
+    while more(&walls) {
+        let mut s = scene.initial();
+        let plan = job.plan();
+        let begin = Instant::now();
+        let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut Work::default());
+        walls.push(begin.elapsed().as_secs_f64());
+        if job
+            .cancel
+            .is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed))
+        {
+            return Err(RunError::Interrupted);
+        }
+    }
+    let repeats = walls.len() as u32;
+    if walls.is_empty() {
+        walls.push(observed);
+    }
+    walls.sort_by(f64::total_cmp);
+    let wall_s = walls[walls.len() / 2];
+
+    let reduction = reduction(scene, job.modelling);
+    let (step, rtol) = match job.method.resolution {
+        Resolution::Step(h) => (Some(h), None),
+        Resolution::Tolerance(r) => (None, Some(r)),
+    };
+    Ok(Run {
+        integrator: job.method.text.clone(),
+        implicit: row.info.implicit,
+        step,
+        rtol,
+        status,
+        message,
+        wall_s,
+        wall_spread_s: Some([walls[0], walls[walls.len() - 1]]),
+        repeats,
+        setup_s: setup.as_secs_f64(),
+        simulated_s: state.t,
+        steps: work.steps,
+        rejected: work.rejected,
+        force_evaluations: work.force_evaluations,
+        newton_iterations: work.newton_iterations,
+        factorisations: work.factorisations,
+        events: work.events,
+        dofs: scene.layout().n,
+        modes: reduction.modes,
+        residual: reduction.residual,
+        choose: reduction.choose,
+        highest_hz: reduction.highest_hz,
+        ledger: ledger_record(
+            job,
+            ledger,
+            &series,
+            scene
+                .on_lines_of_action()
+                .then_some([start_momenta, end_momenta]),
+        ),
+        contacts: history
+            .peak_state
+            .as_ref()
+            .map(|s| snapshot(job.scene, scene, s)),
+        series: Some(series),
+        ..Run::default()
+    })
+}
+
+/// What a record says of the modes of elastic gears.
+#[derive(Default)]
+struct Reduction {
+    modes: Option<usize>,
+    residual: Option<bool>,
+    choose: Option<String>,
+    highest_hz: Option<f64>,
+}
+
+fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
+    let mut found = Reduction::default();
+    for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
+        let Some(field) = gear.model.field() else {
+            continue;
+        };
+        let kept = gear.model.coordinates().n - gear.model.hub().coordinates();
+        // The pace of such a gear is that of its fastest mode.
+        let highest = (std::f64::consts::TAU * gear.model.pace()).recip();
+        found.modes = found.modes.max(Some(kept));
+        found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
+        if kept > 0 {
+            found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
+        }
+        if let Some(Value::Text(way)) = spec.parameters.get("choose") {
+            found.choose = Some(way.clone());
+        }
+    }
+    found
+}
+
+/// Integrates without timing or judging and returns the force at the grid times: for fits.
+pub fn force_on_grid(
+    scene: &mut Scene,
+    method: &mut dyn Integrator,
+    resolution: Resolution,
+    max_steps: u64,
+    grid: &[f64],
+) -> Result<Vec<f64>, StepError> {
+    let (force, least) = (
+        scene.channel("force:0").unwrap_or(0),
+        scene.channel("normal_min:0").unwrap_or(0),
+    );
+    let mut history = History::new(grid.to_vec(), force, least, false);
+    let mut state = scene.initial();
+    let end = grid.last().copied().unwrap_or(0.0);
+    let plan = TimePlan {
+        max_steps,
+        ..TimePlan::new(end, resolution)
+    };
+    let sink: &mut dyn Sink = &mut history;
+    method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
+    Ok(history.column(force))
+}
+
+/// What a reader must know of modes that resonate with a fixed step of a method that is exact for them.
+fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option<String> {
+    let Resolution::Step(h) = job.method.resolution else {
+        return None;
+    };
+    let n = scene.layout().n;
+    let (mut omega, mut zeta) = (vec![0.0; n], vec![0.0; n]);
+    scene
+        .modal()
+        .filter(|_| linear_part)?
+        .oscillators(&mut omega, &mut zeta);
+    let number = resonances(&omega, h).len();
+    (number > 0).then(|| {
+        format!(
+            "{number} of {n} modes resonate with the step (omega h near a multiple of pi); a step below {:.2e} s has none",
+            safe_step(&omega)
+        )
+    })
+}
+
+fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
+    let column = |name: String| {
+        scene
+            .channel(&name)
+            .map_or_else(Vec::new, |c| history.column(c))
+    };
+    let names: Vec<&str> = job.scene.gears.iter().map(|g| g.name.as_str()).collect();
+    let mut series = TimeSeries {
+        time_s: history.time.clone(),
+        contact_force_n: column("force:0".into()),
+        omega1_rad_s: names
+            .first()
+            .map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        omega2_rad_s: names
+            .get(1)
+            .map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        columns: Vec::new(),
+    };
+    for g in &job.scene.gears {
+        let unit = if matches!(g.body, Body::Gear(_)) {
+            "rad"
+        } else {
+            "m"
+        };
+        series.columns.push(gearbench_reports::series::Column {
+            name: format!("travel_{}_{unit}", g.name),
+            values: column(format!("travel:{}", g.name)),
+        });
+    }
+    if let Some(values) = transmission_error(job.scene, &series) {
+        let name = TRANSMISSION_ERROR.into();
+        series
+            .columns
+            .push(gearbench_reports::Column { name, values });
+    }
+    let mut further = |channel: String, name: String| {
+        if let Some(c) = scene.channel(&channel) {
+            let values = history.column(c);
+            let column = gearbench_reports::Column { name, values };
+            series.columns.push(column);
+        }
+    };
+    if job.forces {
+        for d in ["x", "y"] {
+            further(format!("force_{d}:0"), format!("force_{d}_n"));
+            for g in &job.scene.gears {
+                further(
+                    format!("bearing_{d}:{}", g.name),
+                    format!("bearing_{}_{d}_n", g.name),
+                );
+            }
+        }
+    }
+    series.finite_prefix()
+}
+
+/// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
+/// rigid ones would have touched [m].
+fn transmission_error(scene: &SceneSpec, series: &TimeSeries) -> Option<Vec<f64>> {
+    let mesh = scene.meshes.first()?;
+    let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
+    let travel = |name: &str| {
+        let prefix = format!("travel_{name}_");
+        (series.columns.iter())
+            .find(|c| {
+                c.name
+                    .strip_prefix(&prefix)
+                    .is_some_and(|unit| unit == "rad" || unit == "m")
+            })
+            .map(|c| c.values.as_slice())
+    };
+    let [x, y] = [travel(&a.name)?, travel(&b.name)?];
+    let approach = approach(mesh.start.side, [&a.body, &b.body]);
+    Some(
+        x.iter()
+            .zip(y)
+            .map(|(x, y)| approach(*x, *y) - mesh.start.gap)
+            .collect(),
+    )
+}
+
+/// Approach of the flanks of one side by the travels of two gears [m].
+pub(super) fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
+    let along_b = if matches!(b, Body::Gear(_)) {
+        1.0
+    } else {
+        -1.0
+    };
+    let [pa, pb] = [side.sign() * lever(a), side.sign() * along_b * lever(b)];
+    move |x, y| pa * x + pb * y
+}
+
+/// Momentum of each gear along its line of action, `L / r_b` [N s].
+fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
+    let mut out = Outputs::default();
+    scene.output(state.at(), &mut out);
+    scene
+        .gears()
+        .iter()
+        .map(|g| g.model.hub_state(g.at(state.at())).momentum)
+        .collect()
+}
+
+fn ledger_record(
+    job: &Job<'_>,
+    ledger: &Ledger,
+    series: &TimeSeries,
+    momenta: Option<[Vec<f64>; 2]>,
+) -> record::Ledger {
+    let impulse: f64 = series
+        .time_s
+        .windows(2)
+        .zip(series.contact_force_n.windows(2))
+        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
+        .sum();
+    // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
+    // its forces stay on the lines of action.
+    let two_free = job.scene.gears.len() == 2
+        && job.scene.gears.iter().all(|g| {
+            g.loads.is_empty()
+                && matches!(
+                    g.mount,
+                    gearbench_models::mount::Mount::Revolute
+                        | gearbench_models::mount::Mount::Prismatic
+                )
+        });
+    let drift = momenta.filter(|_| two_free).map(|[start, end]| {
+        let r = [
+            lever(&job.scene.gears[0].body),
+            lever(&job.scene.gears[1].body),
+        ];
+        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) {
+            -1.0
+        } else {
+            1.0
+        };
+        let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
+        let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);
+        (change[0] / r[0] + sign * change[1] / r[1]) / moved
+    });
+    let e = ledger.end;
+    record::Ledger {
+        energy_start_j: ledger.start.and_then(|e| finite(e.total())),
+        energy_end_j: finite(e.total()),
+        kinetic_j: finite(e.kinetic),
+        strain_j: finite(e.strain),
+        contact_j: finite(e.contact),
+        external_work_j: finite(ledger.external),
+        // What a damper leaves in the contact when it lets go is lost there and then.
+        dissipated_j: finite(ledger.dissipated - ledger.jumps),
+        parametric_work_j: finite(ledger.parametric),
+        residual_j: finite(ledger.residual()),
+        residual_rel: finite(ledger.residual_relative()),
+        impulse_ns: finite(impulse),
+        invariant_drift_rel: drift.and_then(finite),
+    }
+}
+
+/// The mesh at one state: outlines turned and placed, contacts with their forces.
+fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
+    let phases = scene.phases().to_vec();
+    let mut outlines = Vec::new();
+    for ((g, s), phase) in spec.gears.iter().zip(scene.gears()).zip(&phases) {
+        let travel = s.model.hub_state(s.at(state.at())).travel;
+        let (turn, shift, points) = match &g.body {
+            Body::Gear(gear) => (phase + travel, 0.0, gear.outline(24)),
+            Body::Rack(rack) => {
+                // Outline: teeth towards -x, travel along +y.
+                (
+                    g.facing + std::f64::consts::PI,
+                    phase + travel,
+                    rack.outline(24),
+                )
+            }
+        };
+        let (sin, cos) = turn.sin_cos();
+        let points = points
+            .into_iter()
+            .map(|[x, y]| {
+                let y = y + shift;
+                [
+                    g.position[0] + cos * x - sin * y,
+                    g.position[1] + sin * x + cos * y,
+                ]
+            })
+            .collect();
+        outlines.push(Outline {
+            gear: g.name.clone(),
+            points,
+        });
+    }
+    let forces = scene.contact_forces(state.at());
+    let line = forces.first().and_then(|f| scene.line_of_action(f));
+    let contacts = forces
+        .iter()
+        .map(|f| ContactPoint {
+            point: [f.x.x, f.x.y],
+            force: [f.force.x, f.force.y],
+            pair: pair_name(spec, f),
+        })
+        .collect();
+    ContactSnapshot {
+        time_s: state.t,
+        outlines,
+        line_of_action: line,
+        contacts,
+    }
+}
+
+/// Teeth of a contact, counted from 1 within each gear.
+fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
+    let gears = spec.meshes[f.mesh].gears;
+    let name = |k: usize| {
+        let teeth = match &spec.gears[gears[k]].body {
+            Body::Gear(g) => i64::from(g.teeth()),
+            Body::Rack(r) => i64::from(r.teeth()),
+        };
+        f.teeth[k].index.rem_euclid(teeth) + 1
+    };
+    format!("{}-{}", name(0), name(1))
+}

@@ -1,0 +1,285 @@
+//! How a run ended: one label for every way a run can go wrong, with when, how much, and a way out.
+//!
+//! | label | when |
+//! |---|---|
+//! | newton failure | Newton's method did not converge, its matrix was singular, or a library's solver gave up |
+//! | step underflow | the tolerance asked for steps below what time resolves |
+//! | chatter | contacts open and close at one instant without end |
+//! | timeout | the bound of wall-clock time or of steps was reached |
+//! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
+//! | energy growth | more than [`ENERGY_GROWTH`] of the energy at the end is made up by the integration, or [`HOPELESS`] of it on the way |
+//! | tunnelling | teeth passed through each other, or stood in each other without a force, or a step went over a contact |
+//! | adhesive force | a contact pulled |
+//! | inaccurate | the run reached its end beyond the tolerance of its scene |
+//! | converged | none of these |
+//!
+//! What an integrator says of itself ([`status_of`]) comes first; what only the whole run shows comes next, by a
+//! [`Witness`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
+//! only a comparison shows comes last ([`against_tolerance`], [`against_contact`]).
+
+mod tunnelling;
+
+use super::history::History;
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State, StepError};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec::SceneSpec;
+use gearbench_reports::record::{Run, Status, Tolerance};
+use gearbench_reports::series::TimeSeries;
+pub use tunnelling::Passage;
+
+/// Energy that the integration may make up, over the largest energy, before a run counts as growth.
+pub const ENERGY_GROWTH: f64 = 0.02;
+/// Made-up share of the energy at which a run is beyond saving and stops.
+pub const HOPELESS: f64 = 0.5;
+/// Energy at that moment, over what the start and the loads put in, that is a blow-up.
+pub const BLOWN_UP: f64 = 1e3;
+/// Pull on a contact, over the peak force, before a run counts as adhesive. The interpolant of a coarse step may
+/// dip a little below zero just before the contact opens; the law itself never pulls.
+const ADHESION: f64 = 1e-3;
+
+/// The label of what an integrator says of itself. [`StepError::Unsupported`] and [`StepError::Interrupted`] are no ends
+/// of a run but refusals of one: [`run`](super::run::run) returns them as errors.
+pub fn status_of(e: &StepError) -> Status {
+    match e {
+        // What a library's solver gives up on without a reason of its own are its implicit equations.
+        StepError::NewtonDiverged { .. }
+        | StepError::SingularTangent { .. }
+        | StepError::Library { .. }
+        | StepError::Unsupported { .. } => Status::NewtonFailure,
+        StepError::NonFinite { .. } => Status::BlowUp,
+        StepError::StepTooSmall { .. } => Status::StepUnderflow,
+        StepError::Chatter { .. } => Status::Chatter,
+        StepError::Timeout { .. } | StepError::Interrupted { .. } => Status::Timeout,
+    }
+}
+
+/// What an integrator says of itself, with a way out.
+pub fn message_of(e: &StepError) -> String {
+    match e {
+        StepError::NewtonDiverged { t, h, residual, .. } if !residual.is_finite() => format!(
+            "Newton's method failed at t = {t:.6e} s down to a step of {h:.3e} s; use a smaller tolerance, or an explicit method"
+        ),
+        StepError::SingularTangent { .. } => {
+            format!("{e}; use another step, or an explicit method")
+        }
+        StepError::StepTooSmall { .. } => {
+            format!("{e}; loosen it, locate events, or use a fixed step")
+        }
+        StepError::Chatter { .. } => {
+            format!("{e}; add damping to the contact, or run without locating events")
+        }
+        StepError::Timeout { .. } => {
+            format!("{e}; raise it, or use larger steps or another method")
+        }
+        StepError::Library { .. } => format!("{e}; use another method"),
+        other => other.to_string(),
+    }
+}
+
+/// Something that went wrong during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// When [s].
+    pub time: f64,
+    /// The label.
+    pub status: Status,
+    /// When, how much, and a way out.
+    pub message: String,
+}
+
+/// Watches a run: records its history and energy, and stops it once its energy is mostly made up, as an unstable run
+/// would otherwise go on to ever larger numbers and ever more impacts.
+pub struct Witness {
+    /// Channels over time.
+    pub history: History,
+    /// Energy balance.
+    pub ledger: Ledger,
+    passage: Passage,
+    /// Channels of the mesh forces.
+    forces: Vec<usize>,
+    /// Since when more than [`ENERGY_GROWTH`] of the energy is made up [s].
+    growth: Option<f64>,
+    stopped: Option<(f64, f64)>,
+}
+
+impl Witness {
+    /// Watches a scene on an ascending grid of times [s]; `also_steps` records the accepted steps in contact as well.
+    #[must_use]
+    pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
+        let meshes = |name: &str| -> Vec<usize> {
+            (0..spec.meshes.len())
+                .filter_map(|m| scene.channel(&format!("{name}:{m}")))
+                .collect()
+        };
+        let (forces, least) = (meshes("force"), meshes("normal_min"));
+        let first = |x: &[usize]| x.first().copied().unwrap_or(0);
+        Witness {
+            history: History::new(grid, first(&forces), first(&least), also_steps)
+                .with_least(least),
+            ledger: Ledger::default(),
+            passage: Passage::new(spec, scene),
+            forces,
+            growth: None,
+            stopped: None,
+        }
+    }
+
+    fn look(&mut self, t: f64) -> Control {
+        let made_up = self.ledger.residual_relative();
+        // The energy of symplectic methods swings within each contact and comes back: growth is what stays.
+        if made_up <= ENERGY_GROWTH {
+            self.growth = None;
+        } else {
+            self.growth.get_or_insert(t);
+        }
+        if made_up <= HOPELESS {
+            return Control::Continue;
+        }
+        self.stopped = Some((t, made_up));
+        Control::Stop
+    }
+
+    /// Closes the books at the last state of a run that ended like `outcome`, and names what went wrong.
+    pub fn verdict(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        end: &State,
+        outcome: &Result<(), StepError>,
+    ) -> (Status, Option<String>) {
+        self.ledger.close(sys, end);
+        if self.stopped.is_none() {
+            let _ = self.look(end.t);
+        }
+        let found = self.findings(end.t);
+        // A failure of the method that follows from what went wrong before is its consequence; a run that never got
+        // that far has only that.
+        let first = found.into_iter().min_by(|a, b| a.time.total_cmp(&b.time));
+        match (outcome, first) {
+            (Err(e), Some(f)) if f.status == Status::Tunnelling => {
+                (f.status, Some(format!("{}; then: {e}", f.message)))
+            }
+            (Err(e), _) => (status_of(e), Some(message_of(e))),
+            (Ok(()), Some(f)) => (f.status, Some(f.message)),
+            (Ok(()), None) => (Status::Converged, None),
+        }
+    }
+
+    /// All that went wrong, one for each kind.
+    fn findings(&self, end: f64) -> Vec<Finding> {
+        let mut found = Vec::new();
+        if let Some(time) = self.growth {
+            found.push(self.energy(time, end));
+        }
+        let rows = self.history.time.iter().zip(&self.history.rows);
+        let overlap = self.passage.finding(rows, &self.forces);
+        found.extend(overlap);
+        if self.history.least_normal < -ADHESION * self.history.peak {
+            found.push(Finding {
+                // What made the contact pull was there from its first touch on: only other failures that came before
+                // the end explain it.
+                time: end,
+                status: Status::AdhesiveForce,
+                message: format!(
+                    "a contact pulls with {:.3e} N, {:.1} % of the largest force; a contact law may only push",
+                    -self.history.least_normal,
+                    -100.0 * self.history.least_normal / self.history.peak.max(f64::MIN_POSITIVE)
+                ),
+            });
+        }
+        found
+    }
+
+    fn energy(&self, time: f64, end: f64) -> Finding {
+        let (t, made_up) = self
+            .stopped
+            .unwrap_or((end, self.ledger.residual_relative()));
+        let energy = self.ledger.end.total();
+        let start = self.ledger.start.unwrap_or_default().total();
+        let given = start + self.ledger.external.abs();
+        let (status, message) = if !(made_up.is_finite() && energy.is_finite()) {
+            (
+                Status::BlowUp,
+                format!("the energy is no number any more at t = {t:.4e} s; use a smaller step"),
+            )
+        } else if energy > BLOWN_UP * given {
+            (
+                Status::BlowUp,
+                format!(
+                    "the energy runs away: by t = {t:.4e} s it has become {energy:.1e} J, where start and loads put in {given:.1e} J; use a smaller step"
+                ),
+            )
+        } else {
+            (
+                Status::EnergyGrowth,
+                format!(
+                    "{:.1} % of the energy at t = {t:.4e} s is made up by the integration; use a smaller step",
+                    made_up * 100.0
+                ),
+            )
+        };
+        Finding {
+            time,
+            status,
+            message,
+        }
+    }
+}
+
+impl Sink for Witness {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        self.history.accepted(sys, step);
+        self.ledger.accepted(sys, step);
+        self.passage.accepted(sys, step);
+        self.look(step.to.t)
+    }
+
+    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.ledger.restarted(sys, before, after);
+    }
+}
+
+/// Labels a run that converged but lies beyond the tolerance of its scene, once its metrics are there. A metric that
+/// cannot be told of the run, as the relative error of a force that should not be there, is beyond any tolerance.
+pub fn against_tolerance(run: &mut Run, tolerance: &Tolerance) {
+    if run.status != Status::Converged {
+        return;
+    }
+    let Some(metrics) = run.against(&tolerance.against) else {
+        return;
+    };
+    let Tolerance {
+        metric,
+        against,
+        limit,
+    } = tolerance;
+    let message = match metrics.get(*metric) {
+        Some(x) if x.abs() <= *limit => return,
+        Some(x) => format!(
+            "{metric} against {against} is {x:.3}, beyond the scene's {limit:.3}; use a smaller step or tolerance, or a finer model"
+        ),
+        None => format!("{metric} against {against} cannot be told of this run"),
+    };
+    run.status = Status::Inaccurate;
+    run.message = Some(message);
+}
+
+/// Labels a run without any contact whose reference, of the same model, has one: its steps went over it.
+pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
+    if run.status.is_failure() {
+        return;
+    }
+    let Some(series) = &run.series else { return };
+    let touches = |s: &TimeSeries| s.contact_force_n.iter().position(|f| f.abs() > 0.0);
+    let (None, Some(i)) = (touches(series), touches(reference)) else {
+        return;
+    };
+    let at = reference.time_s[i];
+    if at > run.simulated_s {
+        return;
+    }
+    run.status = Status::Tunnelling;
+    run.message = Some(format!(
+        "no contact at all, where the teeth touch at t = {at:.4e} s: the steps went over it; use smaller ones, or locate events"
+    ));
+}

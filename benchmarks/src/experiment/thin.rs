@@ -1,0 +1,23 @@
+//! Histories as records keep them.
+
+use gearbench_reports::series::TimeSeries;
+
+/// Half width of the close-up around the peak, over the duration.
+const CLOSE_UP: f64 = 0.012;
+/// Buckets of a history in the record.
+const KEPT_BUCKETS: usize = 700;
+/// Samples up to which a record keeps the further columns (travels) as well.
+const FULL_COLUMNS: usize = 5000;
+
+/// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.
+pub fn thin(series: &TimeSeries) -> TimeSeries {
+    let force = &series.contact_force_n;
+    let peak = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]));
+    let at = peak.map_or(0.0, |i| series.time_s[i]);
+    let half = CLOSE_UP * series.time_s.last().copied().unwrap_or(0.0);
+    let mut thin = series.thinned_around(KEPT_BUCKETS, [at - half, at + half]);
+    if thin.len() > FULL_COLUMNS {
+        thin.columns.clear();
+    }
+    thin
+}

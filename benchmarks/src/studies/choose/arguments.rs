@@ -1,0 +1,71 @@
+//! Arguments of `choose`.
+
+use crate::studies::choose::Metric;
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench choose spur_impact --metric force-aligned --tolerance 0.05
+  gearbench choose hammer --metric impulse --tolerance 0.02
+  gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
+
+No finite-element transient runs: a ladder of models is climbed on a short part of the scene, and differences between
+its rungs estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
+`gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate.";
+
+/// Arguments of `choose`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Choose {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    pub scene: String,
+    /// What has to be right: force, force-aligned, peak, impulse, rebound, transmission-error or energy
+    #[arg(long, value_name = "METRIC", default_value = "force-aligned", value_parser = metric)]
+    pub metric: Metric,
+    /// Largest relative error in it that is accurate enough, 0.05 for 5 %
+    #[arg(long, value_name = "T", default_value_t = 0.05, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// Folder to write to [default: out/SCENE/choose]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+fn metric(text: &str) -> Result<Metric, String> {
+    Metric::named(text.trim()).ok_or_else(|| {
+        let known = Metric::ALL.map(Metric::name);
+        format!("expected one of {}", known.join(", "))
+    })
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
+        _ => Err("expected a number between 0 and 1; 0.05 allows an error of 5 %".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::{Cli, Command};
+    use clap::Parser;
+
+    #[test]
+    fn wishes_from_the_command_line() {
+        let parse = |args: &[&str]| Cli::try_parse_from([&["gearbench", "choose"], args].concat());
+        let given = parse(&["hammer", "--metric", "peak", "--tolerance", "0.02"]).unwrap();
+        let Some(Command::Choose(c)) = given.command else {
+            panic!("another command");
+        };
+        assert_eq!((c.metric, c.tolerance), (Metric::Peak, 0.02));
+        for (bad, says) in [
+            (["hammer", "--metric", "speed"], "force-aligned"),
+            (["hammer", "--tolerance", "5"], "between 0 and 1"),
+        ] {
+            let e = parse(&bad).unwrap_err();
+            assert_eq!(e.exit_code(), 2);
+            assert!(e.to_string().contains(says), "{e}");
+        }
+    }
+}

@@ -1,0 +1,406 @@
+//! What could be run for a scene: rungs of the ladder, each under several integrators and steps.
+//!
+//! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
+//! that candidates of small and large gears resolve a contact alike.
+
+use super::choice::ChooseError;
+use super::situation::{Own, Situation};
+use super::statics::{self, Calibrated, Swing, calibrate};
+use crate::experiment::run::Method;
+use gearbench_integrators::Resolution;
+use gearbench_models::scene::spec::{ModelSpec, Modelling, SceneSpec, Value};
+use std::sync::Arc;
+
+/// Modes of the elastic rungs.
+pub const MODES: [usize; 9] = [10, 20, 35, 50, 75, 100, 150, 200, 300];
+/// Steps per period of a tooth's first frequency of runs whose own error must not show.
+const TOOTH_STEPS: f64 = 30.0;
+/// Modes of the densest elastic model, which is above the ladder.
+pub const DENSEST: usize = 300;
+/// Steps per contact time of the densest elastic model.
+const DENSEST_STEPS: f64 = 1024.0;
+/// Force that dampers are taken at, over the largest.
+const MEAN_FORCE: f64 = 0.7;
+/// Steps per contact time that carry the modes of an elastic run under a tolerance.
+const TOLERANCE_STEPS: f64 = 128.0;
+
+/// Where the stiffness of rigid gears is from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stiffness {
+    /// ISO 6336-1.
+    Norm,
+    /// Analytic compliance of teeth, bodies and contact.
+    Analytic,
+    /// Static solves of the elastic gears without modes.
+    Static,
+    /// The scene's own model with this label.
+    Own(String),
+}
+
+/// A model on the ladder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Rung {
+    /// Rigid gears.
+    Rigid(Stiffness),
+    /// Movable teeth with derived constants, or the scene's own with this label.
+    MovableTeeth(Option<String>),
+    /// Elastic gears without modes: quasi-static compliance.
+    QuasiStatic,
+    /// Elastic gears with so many modes, and the compliance of the others.
+    Elastic {
+        /// Modes per gear, at most.
+        modes: usize,
+    },
+}
+
+impl Rung {
+    /// Name for tables.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Rung::Rigid(Stiffness::Norm) => "rigid, ISO 6336".into(),
+            Rung::Rigid(Stiffness::Analytic) => "rigid, analytic compliance".into(),
+            Rung::Rigid(Stiffness::Static) => "rigid, static solves".into(),
+            Rung::Rigid(Stiffness::Own(label)) => format!("rigid, own `{label}`"),
+            Rung::MovableTeeth(None) => "movable teeth".into(),
+            Rung::MovableTeeth(Some(label)) => format!("movable teeth, own `{label}`"),
+            Rung::QuasiStatic => "quasi-static".into(),
+            Rung::Elastic { modes } => format!("elastic, {modes} modes"),
+        }
+    }
+
+    /// Family for charts: the gear model, or `quasi-static`.
+    #[must_use]
+    pub fn family(&self) -> &'static str {
+        match self {
+            Rung::Rigid(_) => "rigid",
+            Rung::MovableTeeth(_) => "movable-teeth",
+            Rung::QuasiStatic => "quasi-static",
+            Rung::Elastic { .. } => "elastic",
+        }
+    }
+
+    /// Modes per gear where gears are elastic.
+    #[must_use]
+    pub fn modes(&self) -> Option<usize> {
+        match self {
+            Rung::QuasiStatic => Some(0),
+            Rung::Elastic { modes } => Some(*modes),
+            _ => None,
+        }
+    }
+}
+
+/// One thing that could be run: model, resolution, integrator, step.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Its rung.
+    pub rung: Rung,
+    /// Gears and meshes; a model of the scene may start with a gap of its own.
+    pub scene: Arc<SceneSpec>,
+    /// Models and contacts.
+    pub modelling: Arc<Modelling>,
+    /// Integrator with its step or tolerance.
+    pub method: Method,
+}
+
+impl Candidate {
+    /// Name for tables: rung, integrator, step or tolerance.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let resolution = match self.method.resolution {
+            Resolution::Step(h) => format!("{:.3} us", 1e6 * h),
+            Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
+        };
+        format!("{}, {} {resolution}", self.rung.name(), self.method.text)
+    }
+}
+
+/// Integrators of a rung: steps per contact time, and tolerances.
+struct Menu {
+    id: &'static str,
+    steps: &'static [f64],
+    tolerances: &'static [f64],
+}
+
+const RIGID: [Menu; 5] = [
+    Menu {
+        id: "semi-implicit-euler",
+        steps: &[16.0, 32.0, 64.0, 128.0, 256.0],
+        tolerances: &[],
+    },
+    Menu {
+        id: "velocity-verlet",
+        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
+        tolerances: &[],
+    },
+    Menu {
+        id: "rk4",
+        steps: &[4.0, 8.0, 16.0, 32.0],
+        tolerances: &[],
+    },
+    Menu {
+        id: "dopri5",
+        steps: &[],
+        tolerances: &[1e-2, 1e-3, 1e-4],
+    },
+    Menu {
+        id: TRIGONOMETRIC,
+        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
+        tolerances: &[],
+    },
+];
+/// Those that need no oscillators.
+const TEETH: std::ops::Range<usize> = 1..4;
+const ELASTIC: Menu = Menu {
+    id: TRIGONOMETRIC,
+    steps: &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
+    tolerances: &[],
+};
+const TRIGONOMETRIC: &str = "trigonometric";
+
+impl Menu {
+    /// Methods, the cheapest first.
+    fn methods(&self, contact_time: f64) -> impl Iterator<Item = Method> + '_ {
+        let method = |resolution| Method {
+            text: self.id.into(),
+            resolution,
+        };
+        let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
+        let tolerances = self.tolerances.iter().map(|r| Resolution::Tolerance(*r));
+        steps.chain(tolerances).map(method)
+    }
+}
+
+/// Three digits, as people would write a step.
+fn short(x: f64) -> f64 {
+    let digits = 10f64.powf(2.0 - x.log10().floor());
+    (x * digits).round() / digits
+}
+
+/// Parameters of `elastic` that `fe` has not: damping of bodies and what only modes have.
+const OF_MODES: [&str; 4] = ["damping_ratio", "rayleigh", "spin_terms", "reduction"];
+
+/// Full finite elements on the meshes of the elastic gears of a situation, with their contact. Damping of modes is not
+/// in them.
+#[must_use]
+pub fn full(situation: &Situation) -> Modelling {
+    let gears = (situation.flexible.gears.iter())
+        .map(|p| {
+            let mut parameters = p.clone();
+            parameters.retain(|key, _| !OF_MODES.contains(&key.as_str()));
+            ModelSpec {
+                id: "fe".into(),
+                parameters,
+            }
+        })
+        .collect();
+    Modelling {
+        gears,
+        contacts: situation.flexible.contacts.clone(),
+    }
+}
+
+/// The elastic gears of a situation with some modes, for a fixed step or for a tolerance.
+#[must_use]
+pub fn elastic(situation: &Situation, modes: usize, step: Option<f64>) -> Modelling {
+    let gears = (situation.flexible.gears.iter())
+        .map(|p| {
+            let mut parameters = p.clone();
+            parameters.insert("modes".into(), Value::Number(modes as f64));
+            if let Some(h) = step {
+                parameters.insert("step_s".into(), Value::Number(h));
+            }
+            ModelSpec {
+                id: "elastic".into(),
+                parameters,
+            }
+        })
+        .collect();
+    Modelling {
+        gears,
+        contacts: situation.flexible.contacts.clone(),
+    }
+}
+
+/// A rung that is not elastic, with its scene and models: the same for all integrators.
+#[derive(Clone, Debug)]
+pub struct Fixed {
+    /// The rung.
+    pub rung: Rung,
+    /// Its scene.
+    pub scene: Arc<SceneSpec>,
+    /// Its models.
+    pub modelling: Arc<Modelling>,
+}
+
+/// What candidates are made of: found once per scene.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// Swing of rigid gears.
+    pub swing: Swing,
+    /// Rungs of rigid gears and movable teeth.
+    pub fixed: Vec<Fixed>,
+    /// Stiffness from static solves, or why there is none.
+    pub statics: Result<Calibrated, String>,
+}
+
+impl Prepared {
+    /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
+    ///
+    /// # Errors
+    /// [`ChooseError`] when the scene cannot be assembled.
+    pub fn of(situation: &Situation) -> Result<Prepared, ChooseError> {
+        let swing = Swing::of(&situation.scene)?;
+        let scene = Arc::new(situation.scene.clone());
+        // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
+        let relaxation = |m: usize, force| situation.relaxation(m, swing.stiffness, force);
+        let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
+            let contacts = (situation.flexible.contacts.iter().enumerate())
+                .map(|(m, flexible)| {
+                    let mut c = source.contact(relaxation(m, force), &swing);
+                    c.friction = flexible.friction;
+                    c
+                })
+                .collect();
+            Fixed {
+                rung: Rung::Rigid(stiffness),
+                scene: scene.clone(),
+                modelling: Arc::new(statics::rigid(&situation.scene, contacts)),
+            }
+        };
+        let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
+        let approach = super::scout::approach(situation, &first, &swing)?;
+        let force = MEAN_FORCE * approach * swing.stiffness;
+        let statics = calibrate(situation, approach).map_err(|e| e.to_string());
+        let mut all = vec![
+            fixed(Stiffness::Norm, statics::Source::Norm, force),
+            fixed(Stiffness::Analytic, statics::Source::Analytic, force),
+        ];
+        if let Ok(c) = &statics {
+            all.push(fixed(Stiffness::Static, statics::Source::Static(c), force));
+        }
+        let own = |o: &Own, rung| Fixed {
+            rung,
+            scene: Arc::new(o.scene.clone()),
+            modelling: Arc::new(o.modelling.clone()),
+        };
+        let of = |id: &'static str| situation.own.iter().filter(move |o| o.model == id);
+        all.extend(of("rigid").map(|o| own(o, Rung::Rigid(Stiffness::Own(o.label.clone())))));
+        if situation.scene.meshes.len() == 1 {
+            let tau = relaxation(0, force);
+            let damping = match &statics {
+                Ok(c) => statics::damper(tau, c.secant()),
+                Err(_) => statics::damper(tau, swing.stiffness),
+            };
+            let derived = statics::movable_teeth(&situation.scene, statics.as_ref().ok(), damping);
+            if let Ok(mut modelling) = derived {
+                modelling.contacts[0].friction = situation.flexible.contacts[0].friction;
+                all.push(Fixed {
+                    rung: Rung::MovableTeeth(None),
+                    scene: scene.clone(),
+                    modelling: Arc::new(modelling),
+                });
+            }
+        }
+        all.extend(of("movable-teeth").map(|o| own(o, Rung::MovableTeeth(Some(o.label.clone())))));
+        Ok(Prepared {
+            swing,
+            fixed: all,
+            statics,
+        })
+    }
+
+    /// The rigid rung that is nearest to the elastic gears.
+    #[must_use]
+    pub fn best_rigid(&self) -> &Fixed {
+        let is = |f: &&Fixed| f.rung == Rung::Rigid(Stiffness::Static);
+        self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
+    }
+
+    /// All candidates, the cheapest family first, within a rung the longest step first.
+    #[must_use]
+    pub fn candidates(&self, situation: &Situation) -> Vec<Candidate> {
+        let time = self.swing.contact_time();
+        let mut all = Vec::new();
+        for f in &self.fixed {
+            let menus = match f.rung {
+                Rung::MovableTeeth(_) => &RIGID[TEETH],
+                _ => &RIGID[..],
+            };
+            for method in menus.iter().flat_map(|m| m.methods(time)) {
+                all.push(Candidate {
+                    rung: f.rung.clone(),
+                    scene: f.scene.clone(),
+                    modelling: f.modelling.clone(),
+                    method,
+                });
+            }
+        }
+        let scene = Arc::new(situation.scene.clone());
+        for modes in std::iter::once(0).chain(MODES) {
+            all.extend(
+                (ELASTIC.methods(time))
+                    .map(|method| self.flexible(situation, &scene, modes, method)),
+            );
+        }
+        all
+    }
+
+    /// Elastic gears with some modes under a method.
+    fn flexible(
+        &self,
+        situation: &Situation,
+        scene: &Arc<SceneSpec>,
+        modes: usize,
+        method: Method,
+    ) -> Candidate {
+        let step = match method.resolution {
+            Resolution::Step(h) => h,
+            Resolution::Tolerance(_) => short(self.swing.contact_time() / TOLERANCE_STEPS),
+        };
+        Candidate {
+            rung: match modes {
+                0 => Rung::QuasiStatic,
+                modes => Rung::Elastic { modes },
+            },
+            scene: scene.clone(),
+            modelling: Arc::new(elastic(situation, modes, Some(step))),
+            method,
+        }
+    }
+
+    /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
+    #[must_use]
+    pub fn at_steps(&self, situation: &Situation, modes: usize, steps: f64) -> Candidate {
+        let tooth = 1.0 / (TOOTH_STEPS * situation.tooth_frequency());
+        let step = (self.swing.contact_time() / steps).min(tooth);
+        let method = Method {
+            text: TRIGONOMETRIC.into(),
+            resolution: Resolution::Step(short(step)),
+        };
+        self.flexible(situation, &Arc::new(situation.scene.clone()), modes, method)
+    }
+}
+
+/// All candidates of a scene, the cheapest family first.
+///
+/// # Errors
+/// [`ChooseError`] when the scene cannot be assembled.
+pub fn candidates(situation: &Situation) -> Result<Vec<Candidate>, ChooseError> {
+    Ok(Prepared::of(situation)?.candidates(situation))
+}
+
+/// The densest elastic model, finer than anything on the ladder: what choices are judged against where full finite
+/// elements would take too long.
+///
+/// # Errors
+/// [`ChooseError`] when the scene cannot be assembled.
+pub fn densest(situation: &Situation) -> Result<Candidate, ChooseError> {
+    let prepared = Prepared {
+        swing: Swing::of(&situation.scene)?,
+        fixed: Vec::new(),
+        statics: Err("not asked for".into()),
+    };
+    Ok(prepared.at_steps(situation, DENSEST, DENSEST_STEPS))
+}

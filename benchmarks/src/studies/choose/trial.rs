@@ -1,0 +1,166 @@
+//! A model that has been set up once and runs on the window under one method after the other.
+
+use super::choice::ChooseError;
+use super::scout::Window;
+use super::situation::Situation;
+use super::wish::Metric;
+use crate::experiment::machine::cpu_time;
+use crate::experiment::run::{Job, Method, RunError, run_in};
+use gearbench_integrators::{NullSink, TimePlan, Work};
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_reports::record::{Ledger, Run};
+use gearbench_reports::series::TimeSeries;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Bound of one integration on the window: far beyond what an adequate one takes.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Time after which the processor time of repeated runs is known to a tenth [s].
+const LONG_ENOUGH: f64 = 0.04;
+
+/// A model that is ready to run.
+pub struct Trial<'a> {
+    spec: &'a SceneSpec,
+    modelling: &'a Modelling,
+    situation: &'a Situation,
+    scene: Scene,
+    /// No gear has coordinates but its hub's.
+    rigid: bool,
+    /// Time of the set-up [s].
+    pub setup: Duration,
+}
+
+/// What a run on the window gave.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// History.
+    pub series: TimeSeries,
+    /// Energy.
+    pub ledger: Ledger,
+    /// The row without its history.
+    pub row: Run,
+}
+
+impl Outcome {
+    /// It reached the end and its numbers may be used.
+    #[must_use]
+    pub fn usable(&self) -> bool {
+        !self.row.status.is_failure()
+    }
+
+    /// Error against another run; infinite where there is none to be had.
+    #[must_use]
+    pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
+        if !self.usable() {
+            return f64::INFINITY;
+        }
+        metric
+            .error(
+                (&self.series, &self.ledger),
+                (&reference.series, &reference.ledger),
+            )
+            .unwrap_or(f64::INFINITY)
+    }
+}
+
+impl<'a> Trial<'a> {
+    /// Sets a model up.
+    ///
+    /// # Errors
+    /// A scene that cannot be assembled.
+    pub fn new(
+        situation: &'a Situation,
+        spec: &'a SceneSpec,
+        modelling: &'a Modelling,
+    ) -> Result<Trial<'a>, ChooseError> {
+        let begin = Instant::now();
+        let scene = Scene::build(spec, modelling, situation.models)?;
+        Ok(Trial {
+            spec,
+            modelling,
+            situation,
+            rigid: modelling.gears.iter().all(|g| g.id == "rigid"),
+            scene,
+            setup: begin.elapsed(),
+        })
+    }
+
+    /// Runs a method to the end of a window.
+    ///
+    /// # Errors
+    /// A method that the model does not take, or an interruption.
+    pub fn run(
+        &mut self,
+        method: &Method,
+        window: &Window,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<Outcome, ChooseError> {
+        let job = Job {
+            scene: self.spec,
+            modelling: self.modelling,
+            models: self.situation.models,
+            method,
+            t_end: window.end,
+            grid: &window.grid,
+            // The pace of modes and of movable teeth is far finer than any jump of a dashpot asks for.
+            also_steps: self.rigid,
+            forces: false,
+            events: true,
+            repeats: 0,
+            timeout: PATIENCE,
+            max_steps: u64::MAX,
+            cancel,
+        };
+        let mut row = run_in(&job, &mut self.scene, self.setup)?;
+        row.contacts = None;
+        Ok(Outcome {
+            series: row.series.take().unwrap_or_default(),
+            ledger: row.ledger.clone(),
+            row,
+        })
+    }
+
+    /// Time that a method takes to the end of a window without observers [s]: processor time over repeats where they
+    /// last long enough for its ticks, else the shortest of `repeats`.
+    ///
+    /// # Errors
+    /// A method that the model does not take, or an interruption.
+    pub fn cost(
+        &mut self,
+        method: &Method,
+        end: f64,
+        repeats: usize,
+        cancel: Option<&AtomicBool>,
+    ) -> Result<f64, ChooseError> {
+        let (_, mut integrator) =
+            gearbench_integrators::method(&method.text).map_err(RunError::Method)?;
+        let mut shortest = f64::INFINITY;
+        let (begin, start) = (Instant::now(), cpu_time());
+        let mut runs = 0;
+        while runs < repeats.min(2)
+            || (runs < repeats && begin.elapsed().as_secs_f64() < LONG_ENOUGH)
+        {
+            let mut state = self.scene.initial();
+            let plan = TimePlan {
+                deadline: Some(Instant::now() + PATIENCE),
+                cancel,
+                ..TimePlan::new(end, method.resolution)
+            };
+            let one = Instant::now();
+            let mut work = Work::default();
+            // How it ended is known from the observed run.
+            let _ = integrator.run(&mut self.scene, &mut state, &plan, &mut NullSink, &mut work);
+            shortest = shortest.min(one.elapsed().as_secs_f64());
+            runs += 1;
+            if cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed)) {
+                return Err(RunError::Interrupted.into());
+            }
+        }
+        let on_processor = match (start, cpu_time()) {
+            (Some(a), Some(b)) if b - a >= LONG_ENOUGH => (b - a) / runs as f64,
+            _ => shortest,
+        };
+        Ok(on_processor.min(shortest))
+    }
+}

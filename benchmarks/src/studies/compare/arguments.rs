@@ -1,0 +1,62 @@
+//! Arguments of `compare`.
+
+use crate::cli::values::{DEFAULT_REPEATS, DEFAULT_SCENE, DEFAULT_TIMEOUT, positive};
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench compare spur_impact --integrators dopri5,bdf
+  gearbench compare spur_impact --integrators dopri5@1e-9,rk4@200ns
+  gearbench compare spur_impact --integrators 'generalised-alpha(rho_inf=0.5)@1e-6'
+  gearbench compare spur_impact --models rigid,rigid-iso6336 --out out/norm
+  gearbench compare hammer --no-events --repeats 1
+
+A run that fails (blow-up, Newton failure, energy growth, ...) is a row of the report, not an abort.
+Errors against the reference are those of the model, errors against `self` those of the integrator.";
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Compare {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of its study]
+    #[arg(long, value_name = "A,B")]
+    pub models: Option<String>,
+    /// Integrators between commas: id, id(name=value), each optionally with @STEP or @RTOL
+    ///
+    /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
+    /// methods of fixed steps and a relative tolerance for adaptive ones; left out, the scene's own.
+    /// [default: those of the scene's study]
+    #[arg(long, value_name = "X,Y")]
+    pub integrators: Option<String>,
+    /// Folder to write to [default: out/SCENE/compare]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Timed repeats of every run; the report shows their median and spread
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
+    /// Do not locate contact events: shows what a method loses when steps run across them
+    #[arg(long)]
+    pub no_events: bool,
+}
+
+impl Default for Compare {
+    /// What `gearbench` does without a command.
+    fn default() -> Self {
+        Compare {
+            scene: DEFAULT_SCENE.to_owned(),
+            models: None,
+            integrators: None,
+            out: None,
+            repeats: DEFAULT_REPEATS,
+            timeout: DEFAULT_TIMEOUT,
+            no_events: false,
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Runs of the comparison.
+
+use super::plan::Plan;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::converged::{EXACT_MODES, SELF, SMALL, converged, exact_for_modes, tight};
+use crate::experiment::machine;
+use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
+use crate::experiment::status::{against_contact, against_tolerance};
+use crate::experiment::thin::thin;
+use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::series::TimeSeries;
+use std::sync::atomic::AtomicBool;
+
+/// Runs the comparison. `progress` is told the number of runs done and the name of the next.
+pub fn compare(
+    plan: &Plan<'_>,
+    cancel: Option<&AtomicBool>,
+    mut progress: impl FnMut(usize, &str),
+) -> Result<Results, RunError> {
+    let grid = plan.grid();
+    let tight = tight();
+    let exact_modes = SELF.map(|(_, timeout)| (exact_for_modes(EXACT_MODES), timeout));
+    let mut runs = Vec::with_capacity(plan.len());
+    let mut left_out = Vec::new();
+    let mut references: Vec<ReferenceSeries> = plan.reference.iter().cloned().collect();
+    // The model that is a reference runs first, and keeps its place in the record.
+    let is_reference =
+        |e: &Configuration| plan.reference_model.as_deref() == Some(e.label.as_str());
+    let mut order: Vec<usize> = (0..plan.entries.len()).collect();
+    order.sort_by_key(|&i| !is_reference(&plan.entries[i]));
+    let mut by_entry: Vec<Vec<Run>> = vec![Vec::new(); plan.entries.len()];
+    for i in order {
+        let entry = &plan.entries[i];
+        let done: usize = by_entry.iter().map(Vec::len).sum();
+        let runs = &mut by_entry[i];
+        let job = |method| Job {
+            scene: &entry.scene,
+            modelling: &entry.modelling,
+            models: plan.models,
+            method,
+            t_end: plan.duration,
+            grid: &grid,
+            also_steps: true,
+            forces: false,
+            events: plan.events,
+            repeats: plan.repeats,
+            timeout: plan.timeout,
+            max_steps: u64::MAX,
+            cancel,
+        };
+        let mut own: Option<Option<TimeSeries>> = None;
+        let mut pictured = false;
+        for method in plan.methods_of(entry) {
+            progress(
+                done + runs.len(),
+                &format!("{}, {}", entry.label, method.text),
+            );
+            let mut row = match run(&job(method)) {
+                // Not every method is for every model; the record says which pairs it has not.
+                Err(RunError::NoLinearPart(id)) if plan.len() > 1 => {
+                    left_out.push((LEFT_OUT.into(), format!("{} under {id}", entry.label)));
+                    continue;
+                }
+                other => other?,
+            };
+            row.model.clone_from(&entry.model);
+            row.variant = entry.variant();
+            row.calibration.clone_from(&entry.calibration);
+            row.published_s = entry.published;
+            // The first run says how large the model is.
+            let own = match &mut own {
+                Some(own) => own,
+                none => {
+                    progress(
+                        done + runs.len(),
+                        &format!("{}, converged solution", entry.label),
+                    );
+                    none.insert(if row.modes.is_some() {
+                        converged(&job, &exact_modes)?
+                    } else if row.dofs <= SMALL {
+                        converged(&job, &tight)?
+                    } else {
+                        None
+                    })
+                }
+            };
+            measure_against(&mut row, plan, &references, own.as_ref());
+            if is_reference(entry)
+                && runs.is_empty()
+                && !row.status.is_failure()
+                && let Some(series) = &row.series
+            {
+                references.insert(0, reference_of(entry, &row, series));
+            }
+            // Outlines are the same for every integrator: one picture per model is enough.
+            if pictured || row.status.is_failure() {
+                row.contacts = None;
+            } else {
+                pictured = row.contacts.is_some();
+            }
+            row.series = row.series.map(|s| thin(&s));
+            runs.push(row);
+        }
+    }
+    runs.extend(by_entry.into_iter().flatten());
+    if runs.is_empty()
+        && let Some((_, pair)) = left_out.first()
+    {
+        let id = pair.rsplit(' ').next().unwrap_or(pair);
+        return Err(RunError::NoLinearPart(id.into()));
+    }
+    progress(runs.len(), "report");
+    Ok(Results {
+        scene: plan.name.clone(),
+        title: plan.title.clone(),
+        study: Study::Compare,
+        command: plan.command.clone(),
+        machine: machine::machine(),
+        commit: machine::COMMIT.into(),
+        created: machine::now(),
+        settings: [plan.settings.clone(), left_out].concat(),
+        tolerance: plan.tolerance.clone(),
+        references,
+        published: plan.published.clone(),
+        runs,
+        ..Results::default()
+    })
+}
+
+/// The run of an entry as a reference for others.
+fn reference_of(entry: &Configuration, row: &Run, series: &TimeSeries) -> ReferenceSeries {
+    ReferenceSeries {
+        id: entry.label.clone(),
+        title: format!("{}, {}", entry.model_label(), row.integrator),
+        source: format!(
+            "run of this record: {} coordinates, step or tolerance {:.1e}",
+            row.dofs,
+            row.step.or(row.rtol).unwrap_or(f64::NAN)
+        ),
+        series: series.clone(),
+        ..ReferenceSeries::default()
+    }
+}
+
+fn measure_against(
+    row: &mut Run,
+    plan: &Plan<'_>,
+    references: &[ReferenceSeries],
+    converged: Option<&TimeSeries>,
+) {
+    let Some(series) = &row.series else { return };
+    for reference in references {
+        row.metrics.push(measure(
+            series,
+            &row.ledger,
+            &reference.series,
+            &reference.id,
+        ));
+    }
+    if let Some(own) = converged {
+        row.metrics.push(measure(series, &row.ledger, own, "self"));
+    }
+    if let Some(own) = converged {
+        against_contact(row, own);
+    }
+    if let Some(t) = &plan.tolerance {
+        against_tolerance(row, t);
+    }
+}

@@ -1,0 +1,167 @@
+//! `gearbench identify SCENE`: constants fitted to the scene's reference, printed and, on request, written.
+
+use super::arguments::Identify;
+use super::{Identification, IdentifyError, identify, keys};
+use crate::cli::terminal::{Refusal, progress_bar, say};
+use crate::experiment::machine;
+use crate::models::models;
+use crate::scene_file::calibration::Constants;
+use crate::scene_file::{self, Calibration, SceneFile, Selection};
+use std::process::ExitCode;
+
+/// Name of the calibration that an impact gives.
+const NAME: &str = "impact";
+
+/// Fits the models of a scene that have something to fit.
+pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
+    let scene =
+        scene_file::load_uncalibrated(&args.scene, Selection::Labels(args.model.as_deref()))?;
+    let Some(id) = scene.reference.as_deref() else {
+        return Err(Refusal::Input(miette::miette!(
+            help = "give the scene a line such as reference = \"calculix/case-a-fine\"",
+            "the scene `{}` has no reference to identify against",
+            scene.name
+        )));
+    };
+    let reference =
+        gearbench_reference::reference(id).map_err(|e| Refusal::Files(e.to_string()))?;
+    let history = &reference.history;
+    // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
+    let n = history.time.partition_point(|&t| t <= scene.duration);
+    let (time, force) = (&history.time[..n], &history.contact_force[..n]);
+
+    let choices = scene.select(args.model.as_deref())?;
+    let fitted: Vec<_> = choices
+        .into_iter()
+        .filter(|c| args.model.is_some() || (keys(&c.model).is_some() && calibrated(c)))
+        .collect();
+    if fitted.is_empty() {
+        return Err(Refusal::Input(miette::miette!(
+            help = "a model takes part when it has a line calibration = \"impact\"",
+            "the scene `{}` has no model to calibrate",
+            scene.name
+        )));
+    }
+    let mut found: Vec<(String, Identification)> = Vec::new();
+    for choice in fitted {
+        let bar = progress_bar(0);
+        let result = identify(
+            &scene.spec_for(choice),
+            &choice.modelling,
+            models(),
+            (time, force),
+            |n, error| {
+                bar.set_message(format!(
+                    "{}: {n} integrations, force error {:.3} %",
+                    choice.label,
+                    100.0 * error
+                ));
+            },
+        );
+        bar.finish_and_clear();
+        let result = result.map_err(|e| match e {
+            IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
+            IdentifyError::Model(_) => Refusal::Input(miette::miette!("{e}")),
+            other => Refusal::Failed(other.to_string()),
+        })?;
+        print(&choice.label, id, &result);
+        found.push((choice.label.clone(), result));
+    }
+    if args.write {
+        write(&scene, &found, command)?;
+    } else {
+        say("nothing was written; `--write` stores the constants for `calibration = \"impact\"`");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn calibrated(choice: &scene_file::ModelChoice) -> bool {
+    choice
+        .calibration
+        .as_ref()
+        .is_some_and(|c| c.name == NAME && c.label == choice.label)
+}
+
+fn print(label: &str, reference: &str, r: &Identification) {
+    say(&format!(
+        "{label}: force history within {:.3} % (relative L2) of {reference}, {} integrations",
+        100.0 * r.force_l2,
+        r.evaluations
+    ));
+    for p in &r.parameters {
+        say(&format!(
+            "  {:<26} {:>12.5e}  +- {:.1} % (95 %)",
+            p.key,
+            p.value,
+            100.0 * p.relative_95
+        ));
+        if p.relative_95 > 0.5 {
+            say(
+                "    hardly identifiable: the force history does not tell this value apart from its neighbours",
+            );
+        }
+    }
+}
+
+fn write(
+    scene: &SceneFile,
+    found: &[(String, Identification)],
+    command: &str,
+) -> Result<(), Refusal> {
+    let path = scene.calibration_path();
+    let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
+    // Calibrations of other names or labels stay as they are.
+    let mut calibration = match std::fs::read_to_string(&path) {
+        Ok(text) => Calibration::parse(&path.display().to_string(), &text)?,
+        Err(_) => Calibration::default(),
+    };
+    calibration.header = vec![
+        format!("Written by: {command}"),
+        format!(
+            "Reference: {}",
+            scene.reference.as_deref().unwrap_or("none")
+        ),
+        format!("Commit {}, {}", machine::COMMIT, machine::now()),
+    ];
+    for (label, r) in found {
+        let intervals: Vec<String> = r
+            .parameters
+            .iter()
+            .map(|p| format!("{} {:.1} %", p.key, 100.0 * p.relative_95))
+            .collect();
+        calibration.header.push(format!(
+            "{label}: relative L2 error of the force history {:.4}; 95 % intervals: {}",
+            r.force_l2,
+            intervals.join(", ")
+        ));
+        let mut constants = Constants::default();
+        for p in &r.parameters {
+            match p.key {
+                "stiffness_n_per_m2" => constants.stiffness = Some(p.value),
+                "gap_m" => constants.gap = Some(p.value),
+                key => {
+                    constants.parameters.insert(key.to_string(), p.value);
+                }
+            }
+        }
+        calibration
+            .sets
+            .entry(NAME.into())
+            .or_default()
+            .insert(label.clone(), constants);
+    }
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+    if let Some(parent) = parent
+        && !parent.is_dir()
+    {
+        return Err(Refusal::Files(format!(
+            "{}: the folder does not exist; run this from the root of the repository for a shipped scene",
+            parent.display()
+        )));
+    }
+    let staged = path.with_extension("toml.part");
+    std::fs::write(&staged, calibration.to_toml()).map_err(|e| fail(&e))?;
+    std::fs::rename(&staged, &path).map_err(|e| fail(&e))?;
+    say(&format!("written: {}", path.display()));
+    Ok(())
+}

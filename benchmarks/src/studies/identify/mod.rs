@@ -1,0 +1,225 @@
+//! Identification: stiffness, tooth mass and touch time fitted to the force history of a reference impact.
+//!
+//! The residuals are the differences of the contact force on the reference's own time grid, so the fit
+//! minimises the relative L2 error that reports show. The touch time is fitted as the initial gap: a
+//! faceted finite-element flank touches later than the exact involute. What is fitted:
+//!
+//! | model | parameters |
+//! |---|---|
+//! | `rigid` | stiffness of a tooth pair per width, gap |
+//! | `movable-teeth` | stiffness of a tooth pair per width, tooth stiffness, tooth mass, gap |
+
+pub mod arguments;
+pub mod command;
+pub mod levenberg_marquardt;
+
+use crate::experiment::run::force_on_grid;
+use gearbench_integrators::Resolution;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::Scene;
+use gearbench_models::scene::spec::{BuildError, Modelling, SceneSpec, Value};
+use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use levenberg_marquardt::{Fit, fit};
+
+/// Tolerance of the integration inside the fit: well below what the fit can tell apart.
+const RTOL: f64 = 1e-6;
+/// Steps after which a trial is given up: parameters that need more are far from any tooth.
+const MAX_STEPS: u64 = 20_000;
+
+/// An identified parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identified {
+    /// Key as written in scenes.
+    pub key: &'static str,
+    /// Value in SI units.
+    pub value: f64,
+    /// Half width of the 95 % confidence interval, relative.
+    pub relative_95: f64,
+}
+
+/// The result of an identification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identification {
+    /// Parameters.
+    pub parameters: Vec<Identified>,
+    /// Relative L2 error of the force history with them.
+    pub force_l2: f64,
+    /// Integrations done.
+    pub evaluations: u32,
+}
+
+/// Why nothing could be identified.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentifyError {
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// There is no recipe for the model.
+    #[error(
+        "there is nothing to identify for the model `{0}`; rigid and movable-teeth have stiffness to fit"
+    )]
+    Model(String),
+    /// The reference has no force.
+    #[error("the reference has no contact force to fit to")]
+    NoForce,
+    /// No start led to a fit.
+    #[error("the fit failed from every start: {0}")]
+    Failed(String),
+}
+
+/// Keys of the parameters of a model in the order of the fit.
+pub fn keys(model: &str) -> Option<&'static [&'static str]> {
+    match model {
+        "rigid" => Some(&["stiffness_n_per_m2", "gap_m"]),
+        "movable-teeth" => Some(&[
+            "stiffness_n_per_m2",
+            "tooth_stiffness_n_per_m",
+            "tooth_mass_kg",
+            "gap_m",
+        ]),
+        _ => None,
+    }
+}
+
+/// Puts identified values into a scene and its models.
+pub fn apply(values: &[(&str, f64)], spec: &mut SceneSpec, modelling: &mut Modelling) {
+    for &(key, value) in values {
+        match key {
+            "stiffness_n_per_m2" => {
+                for c in &mut modelling.contacts {
+                    c.stiffness = PairStiffness::Constant {
+                        per_width: value,
+                        of: PairOrMesh::Pair,
+                    };
+                }
+            }
+            "gap_m" => {
+                for m in &mut spec.meshes {
+                    m.start.gap = value;
+                }
+            }
+            _ => {
+                for g in &mut modelling.gears {
+                    g.parameters.insert(key.to_string(), Value::Number(value));
+                }
+            }
+        }
+    }
+}
+
+/// Fits a model (its id in all gears of `modelling`) to a force history.
+pub fn identify(
+    spec: &SceneSpec,
+    modelling: &Modelling,
+    models: &[Model],
+    reference: (&[f64], &[f64]),
+    mut progress: impl FnMut(u32, f64),
+) -> Result<Identification, IdentifyError> {
+    let (time, force) = reference;
+    let size: f64 = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+    if size <= 0.0 || !size.is_finite() {
+        return Err(IdentifyError::NoForce);
+    }
+    let model = modelling.gears.first().map_or("", |g| g.id.as_str());
+    let keys = keys(model).ok_or_else(|| IdentifyError::Model(model.into()))?;
+
+    let mut count = 0;
+    let mut why = String::new();
+    let mut residuals = |x: &[f64]| -> Option<Vec<f64>> {
+        let (mut spec, mut modelling) = (spec.clone(), modelling.clone());
+        let values: Vec<(&str, f64)> = keys.iter().copied().zip(x.iter().copied()).collect();
+        apply(&values, &mut spec, &mut modelling);
+        let built = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string());
+        let run = built.and_then(|mut scene| {
+            let (_, mut dopri5) = gearbench_integrators::method("dopri5")?;
+            force_on_grid(
+                &mut scene,
+                dopri5.as_mut(),
+                Resolution::Tolerance(RTOL),
+                MAX_STEPS,
+                time,
+            )
+            .map_err(|e| e.to_string())
+        });
+        match run {
+            Ok(f) if f.len() == force.len() => {
+                let r: Vec<f64> = f.iter().zip(force).map(|(a, b)| (a - b) / size).collect();
+                count += 1;
+                progress(count, r.iter().map(|r| r * r).sum::<f64>().sqrt());
+                Some(r)
+            }
+            Ok(_) => None,
+            Err(e) => {
+                why = e;
+                None
+            }
+        }
+    };
+
+    let mut best: Option<Fit> = None;
+    for start in starts(spec, model, keys) {
+        if let Some(f) = fit(&mut residuals, &start)
+            && best.as_ref().is_none_or(|b| f.sum < b.sum)
+        {
+            best = Some(f);
+        }
+    }
+    let Some(best) = best else {
+        return Err(IdentifyError::Failed(why));
+    };
+    let parameters = keys
+        .iter()
+        .zip(best.x.iter().zip(&best.relative_95))
+        .map(|(&key, (&value, &relative_95))| Identified {
+            key,
+            value,
+            relative_95,
+        })
+        .collect();
+    Ok(Identification {
+        parameters,
+        force_l2: best.sum.sqrt(),
+        evaluations: count,
+    })
+}
+
+/// Starting points: one pair of steel teeth has about 14 N/(um mm) whatever the module; several splits of
+/// that compliance between contact and tooth, because the sum of squares has more than one valley.
+fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
+    let gap = spec.meshes.first().map_or(1e-6, |m| m.start.gap.max(1e-7));
+    let (width, tooth_mass) = spec.gears.first().map_or((0.01, 5e-3), |g| match &g.body {
+        gearbench_models::scene::spec::Body::Gear(gear) => {
+            let m = gear.params().module;
+            // A tooth is roughly a bar of half a pitch by 2.25 modules.
+            let area = 0.5 * std::f64::consts::PI * m * 2.25 * m;
+            (
+                gear.face_width(),
+                g.material.density * area * gear.face_width(),
+            )
+        }
+        gearbench_models::scene::spec::Body::Rack(rack) => (rack.face_width(), 5e-3),
+    });
+    let pair = 1.5e10;
+    if model == "rigid" {
+        return vec![vec![pair, gap]];
+    }
+    let mut all = Vec::new();
+    for share in [0.35, 0.6] {
+        for mass in [0.7, 1.4] {
+            // 1/pair = 1/contact + 2/tooth; the share is the contact's part of the compliance.
+            let contact = pair / share;
+            let tooth = 2.0 * pair / (1.0 - share) * width;
+            all.push(
+                keys.iter()
+                    .map(|k| match *k {
+                        "stiffness_n_per_m2" => contact,
+                        "tooth_stiffness_n_per_m" => tooth,
+                        "tooth_mass_kg" => mass * tooth_mass,
+                        _ => gap,
+                    })
+                    .collect(),
+            );
+        }
+    }
+    all
+}

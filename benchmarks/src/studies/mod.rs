@@ -1,0 +1,23 @@
+//! Studies: what the command does with a scene. A study is one room: its arguments, its plan, its runs, its summary.
+//!
+//! | room | study |
+//! |---|---|
+//! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
+//! | [`compare`] | all models and integrators of a scene against its references |
+//! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
+//! | [`penalty`] | force, impulse and transmission error over the penalty, beside hard contact |
+//! | [`precision`] | error against cost: models, integrators, resolutions, mode counts |
+//! | [`stability`] | where methods fail: maps over step and stiffness, damping, speed, modes; the largest stable step |
+//! | [`stiffness`] | static mesh stiffness of the models beside the norm and the analytic compliance |
+//! | [`sweep`] | running under load at speed after speed: transmission error, bearing forces, spectra |
+//! | [`truncation`] | error of the elastic model over the number of modes, against full finite elements |
+
+pub mod choose;
+pub mod compare;
+pub mod identify;
+pub mod penalty;
+pub mod precision;
+pub mod stability;
+pub mod stiffness;
+pub mod sweep;
+pub mod truncation;

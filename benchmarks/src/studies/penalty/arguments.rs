@@ -1,0 +1,60 @@
+//! Arguments of `penalty`.
+
+use crate::cli::values::{
+    DEFAULT_LOAD, DEFAULT_SCENE, DEFAULT_TIMEOUT, positions, positive, positive_load,
+};
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench penalty                                  the elastic gears of spur_impact, points at nodes
+  gearbench penalty spur_impact --from 1e14 --to 1e16 --points 5
+  gearbench penalty my_scene.toml --model elastic --hard elastic-without-penalty
+
+Runs one model with penalty after penalty and finds its static transmission error under --load. The same model with hard
+contact, if the scene has one (--hard, or the label with -hard behind it), is the limit that all are held against. Points
+must be of one kind: a penalty at nodes comes to hard contact at nodes, not to that of averaged gaps.";
+
+/// Arguments of `penalty`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Penalty {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    #[arg(default_value = DEFAULT_SCENE)]
+    pub scene: String,
+    /// The model by label [default: the first with a hard twin LABEL-hard, else `elastic`]
+    #[arg(long, value_name = "LABEL")]
+    pub model: Option<String>,
+    /// The same model with hard contact by label [default: LABEL-hard, if the scene has it]
+    #[arg(long, value_name = "LABEL")]
+    pub hard: Option<String>,
+    /// Softest penalty [Pa/m]
+    #[arg(long, value_name = "PA_PER_M", default_value_t = 1e13, value_parser = penalty)]
+    pub from: f64,
+    /// Stiffest penalty [Pa/m]
+    #[arg(long, value_name = "PA_PER_M", default_value_t = 1e17, value_parser = penalty)]
+    pub to: f64,
+    /// Number of penalties, evenly over the decades
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub points: u32,
+    /// Load of the static equilibria over the common face width [N/mm]
+    #[arg(long, value_name = "N_PER_MM", default_value_t = DEFAULT_LOAD, value_parser = positive_load)]
+    pub load: f64,
+    /// Positions of the static cycle over one base pitch
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = positions)]
+    pub positions: usize,
+    /// Folder to write to [default: out/SCENE/penalty]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Wall-clock bound of one integration in seconds
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
+}
+
+fn penalty(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e25 => Ok(x),
+        _ => Err("expected a positive number of Pa/m, for example 1e15".into()),
+    }
+}

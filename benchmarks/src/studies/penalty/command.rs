@@ -1,0 +1,121 @@
+//! `gearbench penalty SCENE`: results over the penalty of the contact.
+
+use super::arguments::Penalty;
+use super::{PenaltyError, Plan, study};
+use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::Method;
+use crate::experiment::settings::settings;
+use crate::models::models;
+use crate::scene_file::{self, ModelChoice, SceneError};
+use crate::studies::stiffness::build_error;
+use gearbench_integrators::Resolution;
+use gearbench_models::scene::build::mesh_layout;
+use gearbench_reports::record::Results;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Runs the study and writes its folder.
+pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
+    let scene = scene_file::load(&args.scene)?;
+    let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
+    let found = scene.models.iter().find(twin).map(|m| m.label.as_str());
+    let label = args.model.as_deref().or(found).unwrap_or("elastic");
+    let choice = scene.select(Some(label))?[0];
+    let hard: Option<&ModelChoice> = match &args.hard {
+        Some(label) => Some(scene.select(Some(label))?[0]),
+        None => scene.model(&format!("{}-hard", choice.label)),
+    };
+    if args.to <= args.from {
+        return Err(Refusal::Input(miette::miette!(
+            help = "give the softer penalty with --from",
+            "the penalties from {:e} to {:e} Pa/m do not grow",
+            args.from,
+            args.to
+        )));
+    }
+    let points = args.points as usize;
+    let ratio = (args.to / args.from).ln() / (points - 1) as f64;
+    let gears = &scene.spec.gears;
+    // Static equilibria are those of one mesh of two gears.
+    let load = match scene.spec.meshes.as_slice() {
+        [mesh] if gears.len() == 2 => {
+            let [a, b] = mesh.gears;
+            let layout = mesh_layout(&gears[a], &gears[b]);
+            layout.ok().map(|l| 1e3 * args.load * l.face_width)
+        }
+        _ => None,
+    };
+    let mut told = settings(&scene, &[choice], false);
+    if let Some(force) = load {
+        told.push((
+            "static load".into(),
+            format!("{force:.5} N along the line of action, {} N/mm", args.load),
+        ));
+    }
+    let plan = Plan {
+        name: scene.name.clone(),
+        title: scene.title.clone(),
+        command: command.to_string(),
+        entry: Configuration::of(&scene, choice),
+        hard: hard.map(|c| Configuration::of(&scene, c)),
+        method: scene.study.integrators.first().cloned().unwrap_or(Method {
+            text: "velocity-verlet".into(),
+            resolution: Resolution::Step(1e-7),
+        }),
+        penalties: (0..points)
+            .map(|i| args.from * (ratio * i as f64).exp())
+            .collect(),
+        load,
+        positions: args.positions,
+        models: models(),
+        duration: scene.duration,
+        samples: scene.study.samples,
+        settings: told,
+        repeats: 1,
+        timeout: Duration::from_secs_f64(args.timeout),
+    };
+    let bar = progress_bar(points + usize::from(plan.hard.is_some()));
+    let results = study(&plan, None, |done, what| {
+        bar.set_position(done as u64);
+        bar.set_message(what.to_string());
+    });
+    bar.finish_and_clear();
+    let results = results.map_err(|e| match e {
+        PenaltyError::Run(e) => refuse_run(e),
+        PenaltyError::Statics(label, e) => match build_error(&e) {
+            Some(b) => Refusal::from(scene.locate_in(&label, b)),
+            None => Refusal::Failed(format!("{label}: {e}")),
+        },
+        PenaltyError::NoPenalty(label) => Refusal::from(SceneError::plain(
+            format!("the contact of `{label}` has no penalty"),
+            "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
+        )),
+    })?;
+    write(&results, (&args.out, &scene.name), summarise)?;
+    Ok(exit_code(&results))
+}
+
+/// One line per penalty.
+fn summarise(results: &Results) {
+    say(&format!(
+        "{:>10} {:>12} {:>13} {:>13}  {}",
+        "Pa/m", "peak force", "impulse", "static TE", "status"
+    ));
+    for r in &results.runs {
+        let name = r
+            .penalty_pa_per_m
+            .map_or("hard".into(), |p| format!("{p:.1e}"));
+        let m = r.metrics.first();
+        let text = |x: Option<f64>, unit: &str, scale: f64| {
+            x.map_or(String::new(), |x| format!("{:.5} {unit}", scale * x))
+        };
+        say(&format!(
+            "{name:>10} {:>12} {:>13} {:>13}  {}",
+            text(m.and_then(|m| m.peak_force_n), "kN", 1e-3),
+            text(m.and_then(|m| m.impulse_ns), "N s", 1.0),
+            text(r.static_error_m, "um", 1e6),
+            r.status
+        ));
+    }
+}

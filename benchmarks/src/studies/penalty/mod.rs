@@ -1,0 +1,190 @@
+//! The study of penalties: force, impulse and static transmission error of one model over the penalty of its contact,
+//! beside the same model with hard contact.
+//!
+//! A penalty is a spring that no body has. Results that change with it say nothing of the gears; with hard contact as
+//! the limit the study shows from where on they no longer do.
+
+pub mod arguments;
+pub mod command;
+
+use crate::experiment::configuration::Configuration;
+use crate::experiment::machine;
+use crate::experiment::run::{Job, Method, RunError, run};
+use crate::experiment::thin::thin;
+use gearbench_models::gear::table::Model;
+use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
+use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// What to study.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Command that makes the record again.
+    pub command: String,
+    /// The model; its penalty is the study's.
+    pub entry: Configuration,
+    /// The same model with hard contact.
+    pub hard: Option<Configuration>,
+    /// Integrator, if the model has none of its own.
+    pub method: Method,
+    /// Penalties [Pa/m].
+    pub penalties: Vec<f64>,
+    /// Force along the line of action of the static equilibria [N]; `None` leaves them out.
+    pub load: Option<f64>,
+    /// Positions of the static cycle.
+    pub positions: usize,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// End [s].
+    pub duration: f64,
+    /// Samples of the histories.
+    pub samples: usize,
+    /// Settings to show.
+    pub settings: Vec<(String, String)>,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+}
+
+/// Why the study ends before its end.
+#[derive(Debug, thiserror::Error)]
+pub enum PenaltyError {
+    /// A run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A static equilibrium.
+    #[error("{0}: {1}")]
+    Statics(String, StaticsError),
+    /// The model's contact has no penalty per area.
+    #[error("the contact of `{0}` has no penalty in Pa/m")]
+    NoPenalty(String),
+}
+
+/// The entry with another penalty in all its meshes.
+fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, PenaltyError> {
+    let mut entry = entry.clone();
+    let mut any = false;
+    for contact in &mut entry.modelling.contacts {
+        if let Some(points) = &mut contact.points {
+            points.penalty = penalty;
+            any = true;
+        }
+    }
+    if any {
+        Ok(entry)
+    } else {
+        Err(PenaltyError::NoPenalty(entry.label))
+    }
+}
+
+/// Mean static transmission error over one base pitch [m].
+fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, PenaltyError> {
+    let Some(force) = plan.load else {
+        return Ok(None);
+    };
+    let fail = |e| PenaltyError::Statics(entry.label.clone(), e);
+    let mut pair = LoadedPair::new(&entry.scene, &entry.modelling, plan.models).map_err(fail)?;
+    let cycle = MeshCycle::solve(&mut pair, Load::Force(force), plan.positions, |_| {});
+    Ok(Some(cycle.map_err(fail)?.mean_error()))
+}
+
+/// Runs the study. `progress` is told the runs done and the name of the next.
+///
+/// # Errors
+/// [`PenaltyError`]; runs that fail are rows.
+pub fn study(
+    plan: &Plan<'_>,
+    cancel: Option<&AtomicBool>,
+    mut progress: impl FnMut(usize, &str),
+) -> Result<Results, PenaltyError> {
+    let n = plan.samples.max(2) - 1;
+    let grid: Vec<f64> = (0..=n)
+        .map(|i| plan.duration * i as f64 / n as f64)
+        .collect();
+    let mut one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, PenaltyError> {
+        progress(done, what);
+        let method = (entry.methods.as_ref())
+            .and_then(|m| m.first())
+            .unwrap_or(&plan.method);
+        let mut row = run(&Job {
+            scene: &entry.scene,
+            modelling: &entry.modelling,
+            models: plan.models,
+            method,
+            t_end: plan.duration,
+            grid: &grid,
+            also_steps: true,
+            forces: false,
+            events: true,
+            repeats: plan.repeats,
+            timeout: plan.timeout,
+            max_steps: u64::MAX,
+            cancel,
+        })?;
+        // One name for soft and hard contact: they are one model.
+        row.model.clone_from(&plan.entry.model);
+        row.variant = plan.entry.variant();
+        row.contacts = None;
+        row.static_error_m = static_error(plan, entry)?;
+        Ok(row)
+    };
+    let mut references = Vec::new();
+    let mut last = None;
+    if let Some(hard) = &plan.hard {
+        let mut row = one(hard, 0, "hard contact")?;
+        row.hard = Some(true);
+        if let Some(series) = row.series.as_ref().filter(|_| !row.status.is_failure()) {
+            row.metrics
+                .push(measure(series, &row.ledger, series, "hard"));
+            references.push(ReferenceSeries {
+                id: "hard".into(),
+                title: "hard contact".into(),
+                source: format!("the last run of this record: {}", hard.label),
+                series: series.clone(),
+                ..ReferenceSeries::default()
+            });
+        }
+        last = Some(row);
+    }
+    let mut runs = Vec::new();
+    for &penalty in &plan.penalties {
+        let entry = with_penalty(&plan.entry, penalty)?;
+        let what = format!("{}, {penalty:.1e} Pa/m", entry.label);
+        let mut row = one(&entry, runs.len() + usize::from(last.is_some()), &what)?;
+        row.penalty_pa_per_m = Some(penalty);
+        if let Some(series) = &row.series {
+            // Without a limit to refer to, the outputs alone.
+            let (target, id) = match references.first() {
+                Some(r) => (&r.series, "hard"),
+                None => (series, "self"),
+            };
+            row.metrics.push(measure(series, &row.ledger, target, id));
+        }
+        runs.push(row);
+    }
+    runs.extend(last);
+    for row in &mut runs {
+        row.series = row.series.take().map(|s| thin(&s));
+    }
+    progress(runs.len(), "report");
+    Ok(Results {
+        scene: plan.name.clone(),
+        title: plan.title.clone(),
+        study: Study::Penalty,
+        command: plan.command.clone(),
+        machine: machine::machine(),
+        commit: machine::COMMIT.into(),
+        created: machine::now(),
+        settings: plan.settings.clone(),
+        references,
+        runs,
+        ..Results::default()
+    })
+}

@@ -1,0 +1,127 @@
+//! Arguments of `precision`.
+
+use crate::cli::values::{DEFAULT_REPEATS, positive};
+use crate::experiment::methods::seconds;
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench precision spur_impact                     every model, integrator, step and number of modes of its study
+  gearbench precision spur_impact --metric force-aligned,peak,rebound
+  gearbench precision rack_pinion --against fe-nodes --models elastic-nodes,fe-nodes
+  gearbench precision hammer --integrators rk4,dopri5 --steps 500ns,1us,2us --rtols 1e-3,1e-5
+  gearbench precision my_scene.toml --modes 0,25,100 --timeout 10
+
+Every model runs under every integrator at a ladder of steps or tolerances, coarse enough to fail, elastic models also
+with a ladder of mode counts. Errors against the model's own converged solution are those of the integrator; errors
+against a reference are those of the model. Failed and timed-out runs are rows, and crosses on their own edge of the
+charts. Cost is wall time without setup, and work: steps, force evaluations, factorisations.
+
+References are the scene's stored one and its models `fe` on a fine step; each model is held against those that have
+its contact. Without any, the elastic model with the most modes takes their place. A reference named with --against
+stands for all models, and the report says where contacts differ.
+
+Metrics: force, force-aligned, peak, impulse, rebound, transmission-error, energy; or their keys in results.json.
+
+Defaults come from [study] precision of the scene. Results (--out DIR, default out/SCENE/precision/), beside report and
+record:
+  precision.csv   one line per run and reference: errors, cost, work, whether it is on the Pareto front";
+
+/// Arguments of `precision`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Precision {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    pub scene: String,
+    /// Metrics between commas, the first above all [default: that of the scene's tolerance]
+    #[arg(long, visible_alias = "metrics", value_name = "M,N")]
+    pub metric: Option<String>,
+    /// References between commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    pub against: Vec<String>,
+    /// Models of the scene by label, between commas [default: those of its study]
+    #[arg(long, value_name = "A,B")]
+    pub models: Option<String>,
+    /// Integrators between commas: id, id(name=value); with @STEP or @RTOL that resolution alone, else the ladder
+    ///
+    /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
+    /// methods of fixed steps and a tolerance for adaptive ones. [default: those of the scene]
+    #[arg(long, value_name = "X,Y")]
+    pub integrators: Option<String>,
+    /// Numbers of modes per gear of elastic models, between commas
+    #[arg(long, value_name = "N,M", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(0..=2000))]
+    pub modes: Vec<u32>,
+    /// Steps of methods of fixed steps, between commas, such as 500ns,1us,2e-6
+    #[arg(long, value_name = "H,H", value_delimiter = ',', value_parser = step)]
+    pub steps: Vec<f64>,
+    /// Tolerances of adaptive methods, between commas
+    #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = tolerance)]
+    pub rtols: Vec<f64>,
+    /// Folder to write to [default: out/SCENE/precision]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Timed repeats of every run, at least; short runs are repeated more often
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    pub timeout: f64,
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse().ok().or_else(|| seconds(text));
+    match value {
+        Some(x) if x > 0.0 && x < 1e3 => Ok(x),
+        _ => Err("expected a positive time, for example 500ns, 1us or 1e-6 (seconds)".into()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
+        _ => Err("expected a tolerance between 0 and 1, for example 1e-6".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::{Cli, Command};
+    use clap::Parser;
+
+    fn parse(arguments: &[&str]) -> Result<Precision, clap::Error> {
+        let all = ["gearbench", "precision"].iter().chain(arguments);
+        match Cli::try_parse_from(all)?.command {
+            Some(Command::Precision(p)) => Ok(p),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn lists_and_units() {
+        let p = parse(&[
+            "hammer",
+            "--steps",
+            "500ns,1us,2e-6",
+            "--rtols",
+            "1e-3,1e-5",
+            "--modes",
+            "0,35",
+        ])
+        .unwrap();
+        assert_eq!(p.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
+        assert_eq!((p.rtols, p.modes), (vec![1e-3, 1e-5], vec![0, 35]));
+        for wrong in [
+            ["--steps", "fast"],
+            ["--steps", "-1us"],
+            ["--rtols", "2"],
+            ["--modes", "-1"],
+            ["--timeout", "0"],
+        ] {
+            let e = parse(&["hammer", wrong[0], wrong[1]]).unwrap_err();
+            assert_eq!(e.exit_code(), 2, "{wrong:?}");
+        }
+        assert!(parse(&[]).is_err());
+    }
+}

@@ -1,0 +1,132 @@
+//! From an integrator of a scene to the steps and tolerances it is tried at, the coarsest first.
+
+use crate::experiment::run::Method;
+use gearbench_integrators::{Resolution, Stepping};
+
+/// Steps over that of the scene: coarse enough to fail, fine enough to converge.
+pub const FACTORS: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
+/// The same of full finite elements, whose runs take seconds: the step of the scene is near what they can bear.
+pub const FULL_FACTORS: [f64; 3] = [4.0, 2.0, 1.0];
+/// Tolerances.
+pub const RTOLS: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+/// Tolerances of the method that is exact for modes: of second order at contacts, it pays tenfold for the last.
+pub const EXACT_RTOLS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
+/// Step of a method that a scene gives a tolerance only [s].
+const STEP: f64 = 1e-6;
+
+/// What the ladder of an integrator is made of; `None` takes the defaults.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rungs {
+    /// Steps over that of the scene.
+    pub factors: Option<Vec<f64>>,
+    /// Steps [s], in place of factors.
+    pub steps: Option<Vec<f64>>,
+    /// Tolerances.
+    pub rtols: Option<Vec<f64>>,
+    /// The model has full finite elements.
+    pub full: bool,
+}
+
+impl Rungs {
+    /// The ladder of a method: steps where it has fixed ones, tolerances where it is adaptive; the method that is
+    /// exact for modes and can do both has both.
+    pub fn of(&self, method: &Method) -> Result<Vec<Method>, String> {
+        let (row, _) = gearbench_integrators::method(&method.text)?;
+        let both = row.info.stepping == Stepping::Both && row.info.linear_part;
+        let with = |resolution| Method {
+            text: method.text.clone(),
+            resolution,
+        };
+        let mut ladder = Vec::new();
+        if row.info.stepping == Stepping::Fixed || both {
+            let base = match method.resolution {
+                Resolution::Step(h) => h,
+                Resolution::Tolerance(_) => STEP,
+            };
+            let usual: &[f64] = if self.full { &FULL_FACTORS } else { &FACTORS };
+            let steps = match (&self.steps, &self.factors) {
+                (Some(steps), _) => steps.clone(),
+                // A ladder that a scene chose for its small models would take hours with full ones.
+                (None, Some(factors)) if !self.full => factors.iter().map(|f| f * base).collect(),
+                _ => usual.iter().map(|f| f * base).collect(),
+            };
+            ladder.extend(
+                descending(steps)
+                    .into_iter()
+                    .map(|h| with(Resolution::Step(h))),
+            );
+        }
+        if row.info.stepping != Stepping::Fixed {
+            let usual: &[f64] = if both { &EXACT_RTOLS } else { &RTOLS };
+            let rtols = self.rtols.clone().unwrap_or_else(|| usual.to_vec());
+            ladder.extend(
+                descending(rtols)
+                    .into_iter()
+                    .map(|r| with(Resolution::Tolerance(r))),
+            );
+        }
+        Ok(ladder)
+    }
+}
+
+fn descending(mut all: Vec<f64>) -> Vec<f64> {
+    all.sort_by(|a, b| b.total_cmp(a));
+    all.dedup();
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ladder(rungs: &Rungs, text: &str, resolution: Resolution) -> Vec<Resolution> {
+        let method = Method {
+            text: text.into(),
+            resolution,
+        };
+        let all = rungs.of(&method).unwrap();
+        assert!(all.iter().all(|m| m.text == text));
+        all.iter().map(|m| m.resolution).collect()
+    }
+
+    #[test]
+    fn steps_or_tolerances_or_both() {
+        let usual = Rungs::default();
+        let fixed = ladder(&usual, "rk4", Resolution::Step(1e-6));
+        assert_eq!(fixed.len(), FACTORS.len());
+        assert_eq!(fixed[0], Resolution::Step(16e-6));
+        let adaptive = ladder(&usual, "dopri5", Resolution::Tolerance(1e-6));
+        assert_eq!(adaptive, RTOLS.map(Resolution::Tolerance));
+        let both = ladder(&usual, "trigonometric", Resolution::Step(1e-6));
+        assert_eq!(both.len(), FACTORS.len() + EXACT_RTOLS.len());
+    }
+
+    #[test]
+    fn what_is_asked_for_replaces_the_defaults() {
+        let asked = Rungs {
+            steps: Some(vec![1e-7, 4e-7, 1e-7]),
+            rtols: Some(vec![1e-5]),
+            ..Rungs::default()
+        };
+        assert_eq!(
+            ladder(&asked, "newmark", Resolution::Step(3e-6)),
+            [Resolution::Step(4e-7), Resolution::Step(1e-7)]
+        );
+        assert_eq!(
+            ladder(&asked, "bdf", Resolution::Tolerance(1e-6)),
+            [Resolution::Tolerance(1e-5)]
+        );
+        let factors = Rungs {
+            factors: Some(vec![0.5, 2.0]),
+            ..Rungs::default()
+        };
+        let steps = ladder(&factors, "newmark", Resolution::Step(1e-6));
+        assert_eq!(steps, [Resolution::Step(2e-6), Resolution::Step(5e-7)]);
+        let full = Rungs {
+            full: true,
+            ..factors
+        };
+        let steps = ladder(&full, "newmark", Resolution::Step(1e-6));
+        assert_eq!(steps, FULL_FACTORS.map(|f| Resolution::Step(f * 1e-6)));
+    }
+}

@@ -1,0 +1,351 @@
+//! What accuracy against cost runs: variants of models with their ladders, and the references they are held against.
+
+use super::ladder::Rungs;
+use super::references::{held_against, references};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::external::external;
+use crate::experiment::methods::{methods_from, split_outside_brackets};
+use crate::experiment::run::Method;
+use crate::models::models;
+use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::Value;
+use gearbench_reference::ExternalReference;
+use gearbench_reports::Metric;
+use gearbench_reports::record::ReferenceSeries;
+use std::time::Duration;
+
+/// Numbers of modes that are tried when nobody says.
+pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
+/// Model whose modes are counted.
+const ELASTIC: &str = "elastic";
+/// Model that others are held against.
+pub(super) const FULL: &str = "fe";
+/// Steps of one integration at most: a timeout that does not depend on the machine.
+const MOST_STEPS: u64 = 20_000_000;
+
+/// What the command line asks for; what it leaves out is the scene's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// Integrators, as [`methods_from`] takes them; those with `@` have that step or tolerance alone.
+    pub integrators: Option<String>,
+    /// The metrics.
+    pub metrics: Vec<Metric>,
+    /// Ids of the references.
+    pub against: Vec<String>,
+    /// Numbers of modes.
+    pub modes: Vec<usize>,
+    /// Steps [s].
+    pub steps: Vec<f64>,
+    /// Tolerances.
+    pub rtols: Vec<f64>,
+}
+
+/// A model with a number of modes, and its ladders.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// The model.
+    pub entry: Configuration,
+    /// Modes per gear, where they are the study's choice.
+    pub modes: Option<usize>,
+    /// Integrators at every step and tolerance, the coarsest of each first.
+    pub methods: Vec<Method>,
+    /// Ids of the references it is held against.
+    pub against: Vec<String>,
+    /// Reference to whose history its constants were fitted.
+    pub fitted_to: Option<String>,
+}
+
+impl Variant {
+    /// What progress and settings call it.
+    pub fn label(&self) -> String {
+        match self.modes {
+            Some(n) => format!("{}, {n} modes", self.entry.label),
+            None => self.entry.label.clone(),
+        }
+    }
+}
+
+/// A reference that the study computes.
+#[derive(Clone, Debug)]
+pub struct Full {
+    /// Its id in metrics.
+    pub id: String,
+    /// The model.
+    pub entry: Configuration,
+    /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
+    /// gears with modes.
+    pub method: Option<Method>,
+    /// What it is, for the record.
+    pub title: String,
+}
+
+/// What to study.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Command that makes the record again.
+    pub command: String,
+    /// Models with their ladders.
+    pub variants: Vec<Variant>,
+    /// Computed references.
+    pub fulls: Vec<Full>,
+    /// Stored reference.
+    pub external: Option<ReferenceSeries>,
+    /// The metrics, the first above all.
+    pub metrics: Vec<Metric>,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// End [s].
+    pub duration: f64,
+    /// Samples of the histories.
+    pub samples: usize,
+    /// Locate events.
+    pub events: bool,
+    /// Settings to show.
+    pub settings: Vec<(String, String)>,
+    /// Timed repeats, at least.
+    pub repeats: u32,
+    /// Short runs are repeated until their times together reach this.
+    pub timed: Duration,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+    /// Bound on its steps.
+    pub max_steps: u64,
+}
+
+impl Plan<'_> {
+    /// The study of some models of a scene.
+    ///
+    /// # Errors
+    /// A sentence about what was asked for and cannot be had.
+    pub fn of(
+        scene: &SceneFile,
+        choices: &[&ModelChoice],
+        reference: Option<&ExternalReference>,
+        asked: &Asked,
+    ) -> Result<Plan<'static>, String> {
+        let own = &scene.study.precision;
+        let external = reference.map(external);
+        let mut variants = Vec::new();
+        for choice in choices {
+            variants.extend(variants_of(scene, choice, asked)?);
+        }
+        let fulls = references(scene, choices, &variants, external.as_ref(), asked)?;
+        let mut settings = Vec::new();
+        for variant in &mut variants {
+            let akin = held_against(scene, variant, &fulls, external.as_ref());
+            let stored = external.iter().map(|e| e.id.as_str());
+            if variant
+                .fitted_to
+                .as_deref()
+                .is_some_and(|f| stored.clone().all(|id| id != f))
+            {
+                variant.fitted_to = None;
+            }
+            // Who names a reference wants to see it; the settings say where contacts differ.
+            variant.against = if asked.against.is_empty() {
+                akin.clone()
+            } else {
+                asked.against.clone()
+            };
+            let what = format!("model {} is held against", variant.entry.label);
+            if settings.iter().any(|(w, _)| *w == what) {
+                continue;
+            }
+            let name = |id: &String| {
+                let other = if akin.contains(id) {
+                    ""
+                } else {
+                    " (another contact)"
+                };
+                format!("{id}{other}")
+            };
+            let names: Vec<String> = variant.against.iter().map(name).collect();
+            settings.push((
+                what,
+                if names.is_empty() {
+                    "its own converged solution alone: no reference has its contact".into()
+                } else {
+                    names.join(", ")
+                },
+            ));
+        }
+        let external = external.filter(|e| variants.iter().any(|v| v.against.contains(&e.id)));
+        Ok(Plan {
+            name: scene.name.clone(),
+            title: scene.title.clone(),
+            command: String::new(),
+            variants,
+            fulls,
+            external,
+            metrics: metrics(scene, asked),
+            models: models(),
+            duration: own.duration.unwrap_or(scene.duration),
+            samples: scene.study.samples,
+            events: scene.study.events,
+            settings,
+            repeats: 1,
+            timed: Duration::ZERO,
+            timeout: Duration::from_secs(60),
+            max_steps: MOST_STEPS,
+        })
+    }
+
+    /// Number of runs, references included.
+    pub fn len(&self) -> usize {
+        self.fulls.len() + self.variants.iter().map(|v| v.methods.len()).sum::<usize>()
+    }
+
+    /// True when there is nothing to run.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Metrics asked for, else the scene's, else that of its tolerance.
+fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
+    if !asked.metrics.is_empty() {
+        return asked.metrics.clone();
+    }
+    if !scene.study.precision.metrics.is_empty() {
+        return scene.study.precision.metrics.clone();
+    }
+    let own = scene.tolerance.as_ref().map(|t| t.metric);
+    vec![own.filter(|m| m.is_error()).unwrap_or_default()]
+}
+
+/// A model, once or with each number of modes.
+fn variants_of(
+    scene: &SceneFile,
+    choice: &ModelChoice,
+    asked: &Asked,
+) -> Result<Vec<Variant>, String> {
+    let own = &scene.study.precision;
+    let or_scene = |asked: &[f64], scene: &[f64]| {
+        let list = if asked.is_empty() { scene } else { asked };
+        (!list.is_empty()).then(|| list.to_vec())
+    };
+    let rungs = Rungs {
+        factors: (asked.steps.is_empty() && !own.factors.is_empty()).then(|| own.factors.clone()),
+        steps: if choice.model == FULL {
+            or_scene(&asked.steps, &[])
+        } else {
+            or_scene(&asked.steps, &own.steps)
+        },
+        rtols: or_scene(&asked.rtols, &own.rtols),
+        full: choice.model == FULL,
+    };
+    let ladders = |methods: &[Method]| -> Result<Vec<Method>, String> {
+        let all: Result<Vec<_>, String> = methods.iter().map(|m| rungs.of(m)).collect();
+        Ok(all?.concat())
+    };
+    let of_model = choice.integrators.as_deref();
+    let (methods, beside) = match &asked.integrators {
+        Some(text) => (from_command_line(text, scene, &rungs)?, Vec::new()),
+        None => match of_model {
+            Some(methods) if choice.model == FULL => (ladders(methods)?, Vec::new()),
+            Some(methods) => {
+                let others = own.integrators.iter();
+                let others = others.filter(|o| methods.iter().all(|m| m.text != o.text));
+                let others: Vec<Method> = others.cloned().collect();
+                (ladders(methods)?, ladders(&others)?)
+            }
+            None if own.integrators.is_empty() => (ladders(&scene.study.integrators)?, Vec::new()),
+            None => (ladders(&own.integrators)?, Vec::new()),
+        },
+    };
+    let one = |modes: Option<usize>, methods: Vec<Method>| {
+        let mut entry = Configuration::of(scene, choice);
+        if let Some(n) = modes {
+            set_modes(&mut entry, n);
+        }
+        Variant {
+            entry,
+            modes,
+            methods,
+            against: Vec::new(),
+            fitted_to: fitted_to(scene, choice),
+        }
+    };
+    let Some(given) = counted(choice) else {
+        return Ok(vec![one(None, [methods, beside].concat())]);
+    };
+    let mut counts = match (asked.modes.as_slice(), own.modes.as_slice()) {
+        ([], []) => COUNTS.to_vec(),
+        ([], scene) => scene.to_vec(),
+        (asked, _) => asked.to_vec(),
+    };
+    counts.sort_unstable();
+    counts.dedup();
+    // Explicit integrators beside its own run every number of modes, so that what is compared is the integrator alone;
+    // implicit ones, which take seconds, that of the scene or the nearest.
+    let nearest = counts.iter().copied().min_by_key(|n| n.abs_diff(given));
+    let implicit =
+        |m: &Method| gearbench_integrators::method(&m.text).is_ok_and(|(row, _)| row.info.implicit);
+    Ok(counts
+        .into_iter()
+        .map(|n| {
+            let further = beside.iter().filter(|m| Some(n) == nearest || !implicit(m));
+            one(Some(n), methods.iter().chain(further).cloned().collect())
+        })
+        .collect())
+}
+
+/// Integrators of the command line: those with `@` at that step or tolerance, the others with their ladder.
+fn from_command_line(text: &str, scene: &SceneFile, rungs: &Rungs) -> Result<Vec<Method>, String> {
+    let mut all = Vec::new();
+    for part in split_outside_brackets(text) {
+        let named = methods_from(part, &scene.study.integrators)?;
+        if part.contains('@') {
+            all.extend(named);
+        } else {
+            for method in &named {
+                all.extend(rungs.of(method)?);
+            }
+        }
+    }
+    if all.is_empty() {
+        // The refusal that lists what there is.
+        methods_from(text, &scene.study.integrators)?;
+    }
+    Ok(all)
+}
+
+/// Modes that the scene gives an elastic model whose cut modes stay as residual compliance.
+fn counted(choice: &ModelChoice) -> Option<usize> {
+    let gears = choice.modelling.gears.iter();
+    let mut elastic = gears.filter(|g| g.id == ELASTIC).peekable();
+    elastic.peek()?;
+    let mut modes = 100;
+    for gear in elastic {
+        let p = &gear.parameters;
+        if p.get("residual") == Some(&Value::Flag(false)) {
+            return None;
+        }
+        if let Some(Value::Number(n)) = p.get("modes") {
+            modes = *n as usize;
+        }
+    }
+    Some(modes)
+}
+
+fn set_modes(entry: &mut Configuration, n: usize) {
+    for gear in entry.modelling.gears.iter_mut().filter(|g| g.id == ELASTIC) {
+        let p = &mut gear.parameters;
+        p.remove("max_frequency_hz");
+        p.remove("target_error");
+        p.insert("modes".into(), Value::Number(n as f64));
+    }
+}
+
+/// The reference to whose history the constants of a model were fitted, by its id in records.
+fn fitted_to(scene: &SceneFile, choice: &ModelChoice) -> Option<String> {
+    let calibration = choice.calibration.as_ref()?;
+    let here = calibration.name == "impact" && calibration.scene == scene.name;
+    let id = scene.reference.as_deref().filter(|_| here)?;
+    Some(id.split('/').next().unwrap_or(id).to_owned())
+}

@@ -1,0 +1,186 @@
+//! What models are held against: full models on a fine step, the stored reference, the densest reduced model; and which
+//! of them goes with which contact.
+
+use super::plan::{Asked, FULL, Full, Variant};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::Method;
+use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_integrators::Resolution;
+use gearbench_models::contact::flank_points::{PointContact, PointRule};
+use gearbench_models::scene::spec::Value;
+use gearbench_reports::record::ReferenceSeries;
+
+/// Step of a full model that is a reference over that of the scene.
+const FINER: f64 = 0.2;
+/// Step of a full model whose integrator has none in the scene [s].
+const FULL_STEP: f64 = 5e-7;
+
+fn is_lumped(choice: &ModelChoice) -> bool {
+    let lumped = Value::Text("lumped".into());
+    (choice.modelling.gears.iter()).any(|g| g.parameters.get("mass") == Some(&lumped))
+}
+
+/// References that are computed: full models among those that run or asked for by label; failing all references, the
+/// elastic model with the most modes.
+pub(super) fn references(
+    scene: &SceneFile,
+    choices: &[&ModelChoice],
+    variants: &[Variant],
+    external: Option<&ReferenceSeries>,
+    asked: &Asked,
+) -> Result<Vec<Full>, String> {
+    let densest = |label: Option<&str>| {
+        let all = variants.iter().filter(|v| v.modes.is_some());
+        let named = all.filter(|v| label.is_none_or(|l| v.entry.label == l));
+        named.max_by_key(|v| v.modes).map(|v| Full {
+            id: v.entry.label.clone(),
+            entry: v.entry.clone(),
+            method: None,
+            title: format!(
+                "{} with {} modes per gear, converged: the densest reduced model, no full finite elements",
+                v.entry.label,
+                v.modes.unwrap_or(0)
+            ),
+        })
+    };
+    let is_full = |m: &ModelChoice| m.model == FULL && !is_lumped(m);
+    if asked.against.is_empty() {
+        let mut fulls: Vec<Full> = (choices.iter())
+            .filter(|m| is_full(m))
+            .map(|m| full(scene, m))
+            .collect();
+        if fulls.is_empty() && external.is_none() {
+            fulls.extend(densest(None));
+        }
+        return Ok(fulls);
+    }
+    let mut fulls = Vec::new();
+    for id in &asked.against {
+        if external.is_some_and(|e| e.id == *id) {
+            continue;
+        }
+        let found = match scene.model(id) {
+            Some(m) if is_full(m) => Some(full(scene, m)),
+            _ => densest(Some(id)),
+        };
+        fulls.push(found.ok_or_else(|| {
+            let full = scene
+                .models
+                .iter()
+                .filter(|m| is_full(m))
+                .map(|m| m.label.as_str());
+            let elastic = variants.iter().filter(|v| v.modes.is_some());
+            let mut known: Vec<&str> = external
+                .map(|e| e.id.as_str())
+                .into_iter()
+                .chain(full)
+                .collect();
+            known.extend(elastic.map(|v| v.entry.label.as_str()));
+            known.dedup();
+            let known = if known.is_empty() {
+                "none".into()
+            } else {
+                known.join(", ")
+            };
+            format!(
+                "`{id}` is no reference of the scene `{}`; it has {known}",
+                scene.name
+            )
+        })?);
+    }
+    Ok(fulls)
+}
+
+/// A full model at a fraction of its step.
+fn full(scene: &SceneFile, choice: &ModelChoice) -> Full {
+    let own = choice.integrators.as_ref().and_then(|m| m.first());
+    let step = match own.map(|m| m.resolution) {
+        Some(Resolution::Step(h)) => h,
+        _ => FULL_STEP,
+    };
+    let step = FINER * step;
+    Full {
+        id: choice.label.clone(),
+        entry: Configuration::of(scene, choice),
+        method: Some(Method {
+            text: "newmark".into(),
+            resolution: Resolution::Step(step),
+        }),
+        title: format!("full finite elements ({}{})", choice.label, penalty(choice)),
+    }
+}
+
+/// The penalty of a model in words: references with another one are another contact.
+fn penalty(choice: &ModelChoice) -> String {
+    let points = choice
+        .modelling
+        .contacts
+        .iter()
+        .find_map(|c| c.points.as_ref());
+    match points {
+        Some(p) if p.hard => ", hard contact".into(),
+        Some(p) if p.rule == PointRule::EachNode => {
+            format!(", penalty {:.1e} N/m per node", p.penalty)
+        }
+        Some(p) => format!(", penalty {:.1e} Pa/m", p.penalty),
+        None => String::new(),
+    }
+}
+
+/// Whether two contacts between flank points are the same physics: the penalty, and what it is counted by. Where the
+/// points lie is a matter of resolution.
+fn akin(a: &PointContact, b: &PointContact) -> bool {
+    let each = |c: &PointContact| c.rule == PointRule::EachNode;
+    a.hard == b.hard
+        && each(a) == each(b)
+        && (a.hard || a.penalty == b.penalty)
+        && a.damping == b.damping
+        && a.surface == b.surface
+}
+
+fn points(entry: &Configuration) -> Option<&PointContact> {
+    entry
+        .modelling
+        .contacts
+        .iter()
+        .find_map(|c| c.points.as_ref())
+}
+
+/// References of a variant: of those with flank points the ones with the same contact; lines of action know no
+/// penalty and go with those whose penalty is one per area.
+pub(super) fn held_against(
+    scene: &SceneFile,
+    variant: &Variant,
+    fulls: &[Full],
+    external: Option<&ReferenceSeries>,
+) -> Vec<String> {
+    let own = points(&variant.entry);
+    let per_area = |c: &PointContact| c.rule != PointRule::EachNode;
+    let fits = |other: &Configuration| match (own, points(other)) {
+        (Some(a), Some(b)) => akin(a, b),
+        (None, Some(b)) => per_area(b),
+        _ => true,
+    };
+    let mut ids = Vec::new();
+    if let Some(e) = external {
+        // The stored reference has the contact of the scene's full model with a penalty per area, if it has one.
+        let full = |m: &&ModelChoice| m.model == FULL;
+        let entries: Vec<Configuration> = (scene.models.iter().filter(full))
+            .map(|m| Configuration::of(scene, m))
+            .filter(|m| points(m).is_some_and(per_area))
+            .collect();
+        if entries.is_empty() || entries.iter().any(fits) {
+            ids.push(e.id.clone());
+        }
+    }
+    ids.extend(
+        fulls
+            .iter()
+            .filter(|f| fits(&f.entry))
+            .map(|f| f.id.clone()),
+    );
+    if ids.is_empty() && own.is_none() {
+        ids.extend(fulls.iter().map(|f| f.id.clone()));
+    }
+    ids
+}

@@ -1,0 +1,187 @@
+//! Arguments of `stability`.
+
+use crate::cli::values::{DEFAULT_TIMEOUT, positive, positive_load};
+use crate::scene_file::stability::{AxisValues, COLUMNS, MOST, ROWS, Span};
+use crate::studies::stability::axis::{Axis, spaced};
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench stability spur_impact                        the maps of the scene
+  gearbench stability spur_impact --grid 24x16           finer
+  gearbench stability spur_impact --models rigid --integrators velocity-verlet,rk4 --steps 1e-7:1e-4
+  gearbench stability spur_rotation --models movable-teeth --axis tooth-stiffness=8e8:5.6e10
+  gearbench stability hammer --axis damping=0,0.05,0.2 --axis speed=0.5:2:3
+
+Every cell is a run of the scene with one label: converged, inaccurate, energy growth, chatter, newton failure, step
+underflow, blow-up, tunnelling, adhesive force or timeout. At the scene's own parameters the largest stable step is
+closed in on to 2 %, and stands beside theory where there is one.
+
+Axes: contact-stiffness and speed (factors on the scene's), tooth-stiffness (N/m), damping (ratio), modes, rho-inf,
+hht-alpha. A second axis makes one panel per value. Without --axis the maps are those of [study] stability in the scene.
+
+A finished run is stored at once: a study that was killed goes on where it was when the same command is given again.
+
+Results (--out DIR, default out/SCENE/stability/), beside report and record:
+  stability.csv         one line per run
+  stability_limits.csv  the largest stable steps beside theory
+  timings.csv           wall time per run
+  journal.jsonl         finished runs";
+
+/// Arguments of `stability`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Stability {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of its maps]
+    #[arg(long, value_name = "A,B")]
+    pub models: Option<String>,
+    /// Integrators between commas: id or id(name=value) [default: those of its maps]
+    #[arg(long, value_name = "X,Y")]
+    pub integrators: Option<String>,
+    /// A parameter beside the step: NAME=FROM:TO, NAME=FROM:TO:POINTS or NAME=A,B,C; given twice, small multiples
+    #[arg(long, value_name = "NAME=VALUES", value_parser = axis)]
+    pub axis: Vec<AxisValues>,
+    /// Steps in seconds [default: those of the scene, else around the model's fastest oscillation]
+    #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = span)]
+    pub steps: Option<Span>,
+    /// Tolerances of methods that choose their steps [default: those of the scene, else 1e-9 to 1e-1]
+    #[arg(long, value_name = "FROM:TO[:POINTS]", value_parser = tolerances)]
+    pub rtol: Option<Span>,
+    /// Steps by values of the first axis, between the same ends
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = grid)]
+    pub grid: Option<[usize; 2]>,
+    /// Simulated time in seconds [default: that of the scene's maps]
+    #[arg(long, value_name = "S", value_parser = positive_load)]
+    pub duration: Option<f64>,
+    /// Steps after which a run is a timeout, rejected ones included [default: that of the scene, else 200000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_steps: Option<u64>,
+    /// Do not close in on the largest stable steps
+    #[arg(long)]
+    pub no_refine: bool,
+    /// Runs at a time [default: the cores there are]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Do not go on with what an earlier start left in the folder
+    #[arg(long)]
+    pub fresh: bool,
+    /// Folder to write to [default: out/SCENE/stability]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Wall-clock bound of one integration in seconds: a backstop, what counts is --max-steps
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("`{text}` is not a number")),
+    }
+}
+
+/// `FROM:TO` or `FROM:TO:POINTS`.
+fn ends(text: &str, points: usize) -> Result<Span, String> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let (from, to, points) = match parts.as_slice() {
+        [from, to] => (number(from)?, number(to)?, points),
+        [from, to, n] => match n.trim().parse::<u32>() {
+            Ok(n) if (2..=MOST).contains(&n) => (number(from)?, number(to)?, n as usize),
+            _ => return Err(format!("`{n}` points; expected 2 to {MOST}")),
+        },
+        _ => return Err("expected FROM:TO or FROM:TO:POINTS, for example 1e-8:1e-5:12".into()),
+    };
+    if !(from > 0.0 && to > from) {
+        return Err(format!("from {from:e} to {to:e}: expected 0 < FROM < TO"));
+    }
+    Ok(Span { from, to, points })
+}
+
+fn span(text: &str) -> Result<Span, String> {
+    ends(text, COLUMNS)
+}
+
+fn tolerances(text: &str) -> Result<Span, String> {
+    let span = ends(text, COLUMNS)?;
+    if span.to < 1.0 {
+        Ok(span)
+    } else {
+        Err("a tolerance is less than 1".into())
+    }
+}
+
+fn grid(text: &str) -> Result<[usize; 2], String> {
+    let side = |t: &str| match t.trim().parse::<u32>() {
+        Ok(n) if (2..=MOST).contains(&n) => Ok(n as usize),
+        _ => Err(format!("`{t}`: expected 2 to {MOST}")),
+    };
+    match text.split_once('x') {
+        Some((columns, rows)) => Ok([side(columns)?, side(rows)?]),
+        None => Err("expected COLUMNSxROWS, for example 24x16".into()),
+    }
+}
+
+fn axis(text: &str) -> Result<AxisValues, String> {
+    let (name, rest) = text.split_once('=').unwrap_or((text, ""));
+    let known: Vec<&str> = Axis::ALL.iter().map(|a| a.id()).collect();
+    let axis = (Axis::ALL.into_iter().find(|a| a.id() == name.trim()))
+        .ok_or_else(|| format!("there is no axis `{name}`; there are {}", known.join(", ")))?;
+    let mut values = if rest.is_empty() {
+        axis.defaults()
+    } else if rest.contains(':') {
+        let s = ends(rest, ROWS)?;
+        spaced(s.from, s.to, s.points)
+    } else {
+        rest.split(',').map(number).collect::<Result<_, _>>()?
+    };
+    if values.is_empty() {
+        return Err(format!(
+            "{name} needs values, for example {name}=8e8:5.6e10"
+        ));
+    }
+    let [low, high] = axis.range();
+    if let Some(x) = values.iter().find(|x| !(low..=high).contains(*x)) {
+        return Err(format!("{name} {x} lies outside {low} to {high}"));
+    }
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    Ok(AxisValues { axis, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_for_is_read() {
+        let s = span("1e-8:1e-5:4").unwrap();
+        assert_eq!((s.from, s.to, s.points), (1e-8, 1e-5, 4));
+        assert_eq!(span("1:2").unwrap().points, COLUMNS);
+        assert_eq!(grid("24x16"), Ok([24, 16]));
+        let a = axis("damping=0.2,0,0.05").unwrap();
+        assert_eq!((a.axis, a.values), (Axis::Damping, vec![0.0, 0.05, 0.2]));
+        assert_eq!(axis("tooth-stiffness=1e9:1e10:3").unwrap().values.len(), 3);
+        assert_eq!(axis("rho-inf").unwrap().values, Axis::RhoInf.defaults());
+    }
+
+    #[test]
+    fn what_cannot_be_says_what_could() {
+        for (got, word) in [
+            (span("1e-5:1e-8").map(|_| ()), "FROM < TO"),
+            (span("1e-5").map(|_| ()), "1e-8:1e-5:12"),
+            (span("1:2:1").map(|_| ()), "points"),
+            (tolerances("1e-3:1").map(|_| ()), "less than 1"),
+            (grid("24").map(|_| ()), "24x16"),
+            (axis("stiffness=1:2").map(|_| ()), "contact-stiffness"),
+            (axis("damping=2").map(|_| ()), "outside"),
+            (axis("tooth-stiffness").map(|_| ()), "needs values"),
+            (axis("speed=x").map(|_| ()), "not a number"),
+        ] {
+            let e = got.unwrap_err();
+            assert!(e.contains(word), "{e}");
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! One run of a map and the converged solution that it is held against.
+//!
+//! The converged solution is computed once per model and row: Dormand-Prince with located events at a tight tolerance;
+//! of gears with modes the trigonometric method. It is trusted only when a second run, at another tolerance or by
+//! another method, agrees with it to a fifth of the tolerance that cells are judged by. Where none is to be had the
+//! energy ledger alone judges, and the cells say so.
+
+use super::axis::Setup;
+use super::plan::{MapPlan, Plan};
+use crate::experiment::run::{Job, Method, RunError, run};
+use gearbench_integrators::Resolution;
+use gearbench_reports::metrics::{Metric, compare};
+use gearbench_reports::record::{Run, Status, Tolerance, finite};
+use gearbench_reports::series::TimeSeries;
+use gearbench_reports::stability::{Cell, Columns, SelfReference};
+use std::time::{Duration, Instant};
+
+/// Part of the tolerance within which two fine solutions must agree.
+const AGREEMENT: f64 = 0.2;
+/// Bound on the steps of a converged solution, over that of a cell.
+const MORE_STEPS: u64 = 20;
+/// Metric and limit of scenes that have no tolerance which goes with a converged solution.
+const DEFAULT_METRIC: Metric = Metric::ForceL2;
+const DEFAULT_LIMIT: f64 = 0.05;
+
+/// Solutions that are tried, finest first: the solution, and the run that checks it.
+const SMALL: [[(&str, f64); 2]; 2] = [
+    [("dopri5", 1e-9), ("dopri5", 1e-7)],
+    [("dopri5", 1e-7), ("dopri5", 1e-5)],
+];
+const WITH_MODES: [[(&str, f64); 2]; 1] = [[("trigonometric", 1e-4), ("dopri5", 1e-5)]];
+
+/// The tolerance of the cells: that of the scene, against the model's own converged solution.
+#[must_use]
+pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
+    let own = scene.filter(|t| t.metric.is_error());
+    Tolerance {
+        metric: own.map_or(DEFAULT_METRIC, |t| t.metric),
+        limit: own.map_or(DEFAULT_LIMIT, |t| t.limit),
+        against: "self".into(),
+    }
+}
+
+/// A converged solution, or why there is none.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Histories; `None` where none is to be had.
+    pub series: Option<TimeSeries>,
+    /// What the record says of it.
+    pub told: SelfReference,
+}
+
+/// Even times.
+fn grid(plan: &Plan<'_>, map: &MapPlan) -> Vec<f64> {
+    let n = plan.samples.max(2) - 1;
+    (0..=n)
+        .map(|i| map.duration * i as f64 / n as f64)
+        .collect()
+}
+
+fn run_one(
+    plan: &Plan<'_>,
+    map: &MapPlan,
+    setup: &Setup,
+    method: &Method,
+    max_steps: u64,
+) -> Result<Run, RunError> {
+    run(&Job {
+        scene: &setup.scene,
+        modelling: &setup.modelling,
+        models: plan.models,
+        method,
+        t_end: map.duration,
+        grid: &grid(plan, map),
+        also_steps: true,
+        forces: false,
+        events: plan.events,
+        repeats: 0,
+        timeout: plan.timeout,
+        max_steps,
+        cancel: None,
+    })
+}
+
+/// Error of one run against another in the metric of the tolerance.
+fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> {
+    let series = row.series.as_ref()?;
+    let metrics = compare(series, &row.ledger, against, "self");
+    metrics.get(tolerance.metric).map(f64::abs).and_then(finite)
+}
+
+/// The converged solution of a setup.
+///
+/// # Errors
+/// [`RunError`] when the scene cannot be built.
+pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
+    let any = |id: &str| setup.modelling.gears.iter().any(|g| g.id == id);
+    let (tried, mut why): (&[[(&str, f64); 2]], String) = match (any("fe"), any("elastic")) {
+        (true, _) => (
+            &[],
+            "a converged solution of full finite elements takes too long".into(),
+        ),
+        (false, true) => (&WITH_MODES, String::new()),
+        (false, false) => (&SMALL, String::new()),
+    };
+    let budget = map.max_steps.saturating_mul(MORE_STEPS);
+    for pair in tried {
+        let [fine, check] = pair.map(|(text, rtol)| Method {
+            text: text.into(),
+            resolution: Resolution::Tolerance(rtol),
+        });
+        let name = |m: &Method| match m.resolution {
+            Resolution::Tolerance(r) => format!("{} rtol {r:.0e}", m.text),
+            Resolution::Step(h) => format!("{} h {h:.0e} s", m.text),
+        };
+        let first = run_one(plan, map, setup, &fine, budget)?;
+        if first.status.is_failure() {
+            why = format!("{}: {}", name(&fine), first.status);
+            continue;
+        }
+        let Some(series) = first.series else { continue };
+        let second = run_one(plan, map, setup, &check, budget)?;
+        if second.status.is_failure() {
+            why = format!("{}: {}", name(&check), second.status);
+            continue;
+        }
+        let method = format!("{}, checked by {}", name(&fine), name(&check));
+        let Some(distance) = error(&second, &series, &plan.tolerance) else {
+            why = "no contact force to compare".into();
+            break;
+        };
+        if distance <= AGREEMENT * plan.tolerance.limit {
+            return Ok(Reference {
+                series: Some(series),
+                told: SelfReference {
+                    method,
+                    checked: Some(distance),
+                    missing: None,
+                },
+            });
+        }
+        why = format!("{method}: they differ by {distance:.1e}");
+    }
+    Ok(Reference {
+        series: None,
+        told: SelfReference {
+            missing: Some(why),
+            ..SelfReference::default()
+        },
+    })
+}
+
+/// Runs a cell at a step or tolerance and labels it; also the wall time.
+///
+/// # Errors
+/// [`RunError`] when the scene cannot be built or the method not be run.
+pub fn cell(
+    plan: &Plan<'_>,
+    map: &MapPlan,
+    setup: &Setup,
+    at: f64,
+    reference: &Reference,
+) -> Result<(Cell, Duration), RunError> {
+    let begin = Instant::now();
+    let method = Method {
+        text: setup.method.clone(),
+        resolution: match map.columns {
+            Columns::Step => Resolution::Step(at),
+            Columns::Tolerance => Resolution::Tolerance(at),
+        },
+    };
+    let row = run_one(plan, map, setup, &method, map.max_steps)?;
+    let (mut status, mut message) = (row.status, row.message.clone());
+    let mut distance = None;
+    if !status.is_failure() {
+        let missing = |why: &str| format!("judged by the energy ledger alone: {why}");
+        match &reference.series {
+            Some(series) => match error(&row, series, &plan.tolerance) {
+                Some(e) => {
+                    distance = Some(e);
+                    if e > plan.tolerance.limit {
+                        status = Status::Inaccurate;
+                        message = Some(format!(
+                            "{} against the converged solution is {e:.3}, beyond {:.3}",
+                            plan.tolerance.metric, plan.tolerance.limit
+                        ));
+                    }
+                }
+                None => message = Some(missing("no contact force to compare")),
+            },
+            None => {
+                message = Some(missing(
+                    reference
+                        .told
+                        .missing
+                        .as_deref()
+                        .unwrap_or("no converged solution"),
+                ));
+            }
+        }
+    }
+    let cell = Cell {
+        at,
+        status,
+        message,
+        error: distance,
+        energy_rel: row.ledger.residual_rel.and_then(finite),
+        reached_s: finite(row.simulated_s),
+        steps: row.steps,
+        rejected: row.rejected,
+        force_evaluations: row.force_evaluations,
+        newton_iterations: row.newton_iterations,
+    };
+    Ok((cell, begin.elapsed()))
+}

@@ -1,0 +1,377 @@
+//! `gearbench stability SCENE`: maps of where methods fail.
+
+use super::arguments::Stability;
+use super::axis::{Axis, AxisError, Setup, spaced};
+use super::cell::tolerance;
+use super::journal::{JOURNAL, Journal};
+use super::plan::{MapPlan, Plan, PlannedAxis};
+use super::{Means, StabilityError, Timings, study};
+use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::methods::methods_from;
+use crate::experiment::run::RunError;
+use crate::experiment::settings::settings;
+use crate::models::models;
+use crate::scene_file::stability::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
+use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
+use gearbench_integrators::Stepping;
+use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_models::scene::Scene;
+use gearbench_reports::numbers::{quantity, short};
+use gearbench_reports::record::{Results, Status};
+use gearbench_reports::stability::{Columns, Map};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
+const USUAL: [&str; 6] = [
+    "velocity-verlet",
+    "rk4",
+    "dopri5",
+    "trigonometric",
+    "newmark",
+    "generalised-alpha(rho_inf=0.8)",
+];
+/// Steps when nobody says, over the pace of the model.
+const STEPS: [f64; 2] = [0.05, 20.0];
+/// Tolerances when nobody says.
+const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
+/// Samples of the histories that errors are taken from.
+const SAMPLES: usize = 500;
+/// Models whose maps take too long unless they are named.
+const SLOW: &str = "fe";
+/// Wall times of the runs.
+const TIMINGS: &str = "timings.csv";
+
+/// Runs the study and writes its folder.
+pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
+    let scene = scene_file::load_for(&args.scene, Selection::None)?;
+    let plan = plan(&scene, args, command)?;
+    let folder =
+        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("stability"));
+    let journal = Journal::open(&folder.join(JOURNAL), &plan.echo(), args.fresh)
+        .map_err(|e| Refusal::Files(e.to_string()))?;
+    if !journal.is_empty() {
+        say(&format!(
+            "going on after {} runs that the journal holds",
+            journal.len()
+        ));
+    }
+    let bar = progress_bar(plan.cells());
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let means = Means {
+        journal,
+        threads: args.threads.map_or(cores, |n| n as usize),
+        progress: &|done, total, what| {
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+            bar.set_message(what.to_string());
+        },
+    };
+    let made = study(&plan, means);
+    bar.finish_and_clear();
+    let (results, timings) = made.map_err(refuse)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
+    write_timings(&folder, &timings)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn refuse(e: StabilityError) -> Refusal {
+    match e {
+        StabilityError::Run(e) => refuse_run(e),
+        e @ StabilityError::Axis(..) => Refusal::Input(miette::miette!("{e}")),
+        StabilityError::Journal(e) => Refusal::Files(e.to_string()),
+    }
+}
+
+fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {
+    let path: PathBuf = folder.join(TIMINGS);
+    let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
+    let mut writer = csv::Writer::from_path(&path).map_err(|e| fail(&e))?;
+    let lines = timings
+        .iter()
+        .map(|(key, s)| [key.clone(), format!("{s:.6e}")]);
+    for line in std::iter::once(["run".to_owned(), "wall_s".to_owned()]).chain(lines) {
+        writer.write_record(line).map_err(|e| fail(&e))?;
+    }
+    writer.flush().map_err(|e| fail(&e))
+}
+
+/// The sets of maps that the scene and the command line ask for.
+fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusal> {
+    let mut sets = scene.study.stability.clone();
+    if sets.is_empty() {
+        sets.push(StabilitySet::default());
+    }
+    if !args.axis.is_empty() {
+        if let [a, b, ..] = args.axis.as_slice()
+            && (args.axis.len() > 2 || a.axis == b.axis)
+        {
+            return Err(Refusal::Input(miette::miette!(
+                help = "a map has the step and one parameter, small multiples a second one",
+                "--axis is given {} times; expected one or two parameters, each once",
+                args.axis.len()
+            )));
+        }
+        sets.truncate(1);
+        sets[0].axes.clone_from(&args.axis);
+        // What a scene says of models and integrators was said for its own axes.
+        sets[0].models = None;
+        sets[0].integrators = None;
+    }
+    for set in &mut sets {
+        if set.axes.is_empty() {
+            let axis = Axis::ContactStiffness;
+            let values = axis.defaults();
+            set.axes.push(AxisValues { axis, values });
+        }
+        if let Some(text) = &args.models {
+            let chosen = scene.select(Some(text))?;
+            set.models = Some(chosen.iter().map(|c| c.label.clone()).collect());
+        }
+        if let Some(text) = &args.integrators {
+            if text.contains('@') {
+                return Err(Refusal::Input(miette::miette!(
+                    help =
+                        "the map goes over steps: give them with --steps, tolerances with --rtol",
+                    "`{text}` names a step or tolerance"
+                )));
+            }
+            let methods = methods_from(text, &[])
+                .map_err(RunError::Method)
+                .map_err(refuse_run)?;
+            set.integrators = Some(methods.into_iter().map(|m| m.text).collect());
+        }
+        set.steps = args.steps.or(set.steps);
+        set.tolerances = args.rtol.or(set.tolerances);
+        set.duration = args.duration.or(set.duration);
+        set.max_steps = args.max_steps.or(set.max_steps);
+        if let Some([columns, rows]) = args.grid {
+            for span in [&mut set.steps, &mut set.tolerances].into_iter().flatten() {
+                span.points = columns;
+            }
+            if let Some(AxisValues { values, .. }) = set.axes.first_mut()
+                && let (Some(&from), Some(&to)) = (values.first(), values.last())
+                && from > 0.0
+            {
+                *values = spaced(from, to, rows);
+            }
+        }
+    }
+    if args.models.is_some() && args.axis.is_empty() {
+        // A model asked for by name is charted over every set of axes that goes with it; the same pair of model and
+        // axes once.
+        sets.dedup_by(|a, b| a == b);
+    }
+    Ok(sets)
+}
+
+/// Labels of a set: those it names, else those of the study that do not take too long.
+fn choices<'s>(scene: &'s SceneFile, set: &StabilitySet) -> Result<Vec<&'s ModelChoice>, Refusal> {
+    Ok(match &set.models {
+        Some(labels) => scene.select(Some(&labels.join(",")))?,
+        None => {
+            let all = scene.select(None)?;
+            all.into_iter().filter(|c| c.model != SLOW).collect()
+        }
+    })
+}
+
+fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'static>, Refusal> {
+    let mut entries: Vec<Configuration> = Vec::new();
+    let mut chosen: Vec<&ModelChoice> = Vec::new();
+    let mut maps = Vec::new();
+    let mut left_out: Vec<(String, String)> = Vec::new();
+    for (number, set) in sets(scene, args)?.iter().enumerate() {
+        for choice in choices(scene, set)? {
+            let known = entries.iter().position(|e| e.label == choice.label);
+            let entry = known.unwrap_or_else(|| {
+                entries.push(Configuration::of(scene, choice));
+                chosen.push(choice);
+                entries.len() - 1
+            });
+            let e = &entries[entry];
+            let mut built = Scene::build(&e.scene, &e.modelling, models())
+                .map_err(|error| scene.locate_in(&choice.label, &error))?;
+            let about = About {
+                scene,
+                set,
+                number,
+                entry,
+                pace: built.pace(built.initial().at()),
+                linear_part: built.modal().is_some(),
+                columns: args.grid.map_or(COLUMNS, |g| g[0]),
+            };
+            let texts: Vec<String> = set
+                .integrators
+                .clone()
+                .unwrap_or_else(|| USUAL.map(String::from).to_vec());
+            for text in &texts {
+                match map(&about, e, text)? {
+                    Ok(map) => maps.push(map),
+                    Err(why) => left_out.push((
+                        "left out".into(),
+                        format!("{} under {text}: {why}", choice.label),
+                    )),
+                }
+            }
+        }
+    }
+    if maps.is_empty() {
+        let why: Vec<String> = left_out.into_iter().map(|(_, why)| why).collect();
+        return Err(Refusal::from(SceneError::plain(
+            format!("there is no map to make: {}", why.join("; ")),
+            "name models and integrators that have the parameters of the axes",
+        )));
+    }
+    let tolerance = tolerance(scene.tolerance.as_ref());
+    let mut told = settings(scene, &chosen, false);
+    told.retain(|(what, _)| {
+        let parts = ["gear ", "mesh ", "model ", "events"];
+        parts.iter().any(|p| what.starts_with(p))
+    });
+    told.push((
+        "inaccurate".into(),
+        format!(
+            "{} beyond {} against the model's own converged solution at the same parameters",
+            tolerance.metric,
+            short(tolerance.limit, 3)
+        ),
+    ));
+    told.extend(left_out);
+    Ok(Plan {
+        name: scene.name.clone(),
+        title: scene.title.clone(),
+        command: command.to_string(),
+        entries,
+        maps,
+        models: models(),
+        tolerance,
+        samples: SAMPLES,
+        events: scene.study.events,
+        refine: !args.no_refine,
+        settings: told,
+        timeout: Duration::from_secs_f64(args.timeout),
+    })
+}
+
+/// What a map needs to know of its model.
+struct About<'a> {
+    scene: &'a SceneFile,
+    set: &'a StabilitySet,
+    number: usize,
+    entry: usize,
+    pace: f64,
+    linear_part: bool,
+    columns: usize,
+}
+
+/// The map of a model under an integrator, or why there is none.
+fn map(
+    about: &About<'_>,
+    entry: &Configuration,
+    text: &str,
+) -> Result<Result<MapPlan, String>, Refusal> {
+    let About { set, scene, .. } = about;
+    let (row, _) = gearbench_integrators::method(text)
+        .map_err(RunError::Method)
+        .map_err(refuse_run)?;
+    if row.info.linear_part && !about.linear_part {
+        return Ok(Err(
+            "it needs gears whose coordinates are oscillators".into()
+        ));
+    }
+    let setup = Setup {
+        scene: entry.scene.clone(),
+        modelling: entry.modelling.clone(),
+        method: text.to_owned(),
+    };
+    let mut axes = Vec::new();
+    for asked in &set.axes {
+        match PlannedAxis::new(asked.axis, &asked.values, &setup) {
+            Ok(axis) => axes.push(axis),
+            Err(AxisError::Without(why)) => return Ok(Err(why)),
+            Err(AxisError::Build(e)) => return Err(scene.locate_in(&entry.label, &e).into()),
+        }
+    }
+    let duration = set.duration.unwrap_or(scene.duration);
+    let adaptive = row.info.stepping == Stepping::Adaptive;
+    let at = if adaptive {
+        set.tolerances.map_or_else(
+            || spaced(TOLERANCES[0], TOLERANCES[1], about.columns),
+            |s| s.values(),
+        )
+    } else {
+        set.steps.map_or_else(
+            || {
+                let [from, to] = STEPS.map(|x| x * about.pace);
+                spaced(from, to.min(duration).max(2.0 * from), about.columns)
+            },
+            |s| s.values(),
+        )
+    };
+    if let Some(h) = at.iter().find(|h| !adaptive && **h > duration) {
+        return Err(Refusal::Input(miette::miette!(
+            help =
+                "give smaller steps (--steps, `step_s` of the scene's maps) or a longer --duration",
+            "a step of {h:e} s is longer than the {duration:e} s that are simulated"
+        )));
+    }
+    Ok(Ok(MapPlan {
+        set: about.number,
+        entry: about.entry,
+        method: text.to_owned(),
+        implicit: row.info.implicit,
+        columns: if adaptive {
+            Columns::Tolerance
+        } else {
+            Columns::Step
+        },
+        at,
+        axes,
+        duration,
+        max_steps: set.max_steps.unwrap_or(MAX_STEPS),
+    }))
+}
+
+/// How many cells of each label, and the largest stable steps.
+fn summarise(results: &Results) {
+    let total: usize = results.maps.iter().map(|m| m.cells.len()).sum();
+    let of = |s: Status| -> usize {
+        let all = results.maps.iter().flat_map(|m| &m.cells);
+        all.filter(|c| c.status == s).count()
+    };
+    let counted: Vec<String> = (Status::ALL.into_iter())
+        .filter(|s| of(*s) > 0)
+        .map(|s| format!("{} {s}", of(s)))
+        .collect();
+    say(&format!("{total} cells: {}", counted.join(", ")));
+    say(&format!(
+        "{:<26} {:<32} {:>14} {:>10} {:>8}  failing with",
+        "model", "integrator", "largest stable", "theory", "ratio"
+    ));
+    for (i, map) in results.maps.iter().enumerate() {
+        let same =
+            |o: &Map| (o.model_label(), &o.integrator) == (map.model_label(), &map.integrator);
+        // Sets of maps may share a pair of model and integrator.
+        let Some(limit) = map.limit().filter(|_| !results.maps[..i].iter().any(same)) else {
+            continue;
+        };
+        let step = match (limit.stable_s, limit.unstable_s) {
+            (Some(h), Some(_)) => quantity(h, "s", 3),
+            (Some(h), None) => format!("> {}", quantity(h, "s", 3)),
+            (None, Some(h)) => format!("< {}", quantity(h, "s", 3)),
+            (None, None) => String::new(),
+        };
+        let theory = map.theory(map.own_row()).map(|(h, _)| h);
+        say(&format!(
+            "{:<26} {:<32} {step:>14} {:>10} {:>8}  {}",
+            map.model_label(),
+            map.integrator,
+            theory.map_or(String::new(), |h| quantity(h, "s", 3)),
+            map.ratio().map_or(String::new(), |r| short(r, 3)),
+            limit.status.map_or("", Status::as_str),
+        ));
+    }
+}

@@ -1,0 +1,178 @@
+//! Theory beside what is found, model by model and method by method.
+
+use super::LimitError;
+use super::found::found;
+use super::frozen::Frozen;
+use super::linear::Linear;
+use crate::experiment::configuration::Configuration;
+use gearbench_integrators::stability;
+use gearbench_models::contact::law::Damping;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec, Value};
+
+/// The damping that a model without any is given: ratio of its modes, of its contact, of its teeth.
+pub const RATIO: f64 = 0.02;
+
+/// The largest stable step of a method on a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepLimit {
+    /// Label of the model.
+    pub model: String,
+    /// Integrator, as in a scene.
+    pub integrator: String,
+    /// What damps it.
+    pub damping: String,
+    /// By theory [s].
+    pub theory_s: f64,
+    /// Found by stepping the linear system [s].
+    pub found_s: f64,
+}
+
+impl StepLimit {
+    /// Found over theory.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.found_s / self.theory_s
+    }
+}
+
+/// A model of the table.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Label of the model.
+    pub label: String,
+    /// What damps it.
+    pub damping: String,
+    /// The scene.
+    pub scene: SceneSpec,
+    /// Its models, with damping.
+    pub modelling: Modelling,
+}
+
+impl Case {
+    /// A model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or contacts.
+    #[must_use]
+    pub fn of(entry: &Configuration) -> Case {
+        let mut modelling = entry.modelling.clone();
+        let own = modelling.gears.iter().any(damps) || modelling.contacts.iter().any(dissipates);
+        let mut given = Vec::new();
+        if !own {
+            for gear in &mut modelling.gears {
+                given.extend(damp(gear));
+            }
+            if given.is_empty() {
+                for contact in &mut modelling.contacts {
+                    given.extend(damp_contact(contact));
+                }
+            }
+            given.dedup();
+        }
+        Case {
+            label: entry.label.clone(),
+            damping: if own {
+                "its own".into()
+            } else {
+                format!("{} % of critical in {}", 100.0 * RATIO, given.join(", "))
+            },
+            scene: entry.scene.clone(),
+            modelling,
+        }
+    }
+}
+
+fn number(gear: &ModelSpec, key: &str) -> Option<f64> {
+    match gear.parameters.get(key) {
+        Some(Value::Number(x)) => Some(*x),
+        Some(Value::List(x)) => x.iter().copied().reduce(f64::max),
+        _ => None,
+    }
+}
+
+fn damps(gear: &ModelSpec) -> bool {
+    ["tooth_damping_ns_per_m", "damping_ratio", "rayleigh"]
+        .iter()
+        .any(|key| number(gear, key).is_some_and(|x| x > 0.0))
+}
+
+fn dissipates(contact: &ContactSpec) -> bool {
+    match contact.points {
+        Some(p) => p.damping > 0.0,
+        None => contact.damping != Damping::None,
+    }
+}
+
+fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
+    let (key, value, what) = match gear.id.as_str() {
+        "elastic" => ("damping_ratio", RATIO, "its modes"),
+        "movable-teeth" => {
+            let k = number(gear, "tooth_stiffness_n_per_m")?;
+            let m = number(gear, "tooth_mass_kg")?;
+            let c = 2.0 * RATIO * (k * m).sqrt();
+            ("tooth_damping_ns_per_m", c, "its teeth")
+        }
+        _ => return None,
+    };
+    gear.parameters.insert(key.into(), Value::Number(value));
+    Some(what)
+}
+
+fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
+    if contact.points.is_some() || contact.exponent != 1.0 {
+        return None;
+    }
+    contact.damping = Damping::KelvinVoigtRatio { ratio: RATIO };
+    Some("its contact")
+}
+
+/// Limits of methods on models, without dampers and with those of the case. Methods and models without a limit have no
+/// row, nor have scenes too large to be stepped for it; the trigonometric method has rows without dampers only.
+/// `progress` is told what comes next.
+///
+/// # Errors
+/// [`LimitError`]
+pub fn table(
+    cases: &[Case],
+    models: &[Model],
+    methods: &[&str],
+    mut progress: impl FnMut(&str),
+) -> Result<Vec<StepLimit>, LimitError> {
+    let mut rows = Vec::new();
+    for case in cases {
+        progress(&case.label);
+        let mut frozen = Frozen::new(&case.scene, &case.modelling, models)?;
+        for &text in methods {
+            let (row, stability) = stability(text).map_err(LimitError::Method)?;
+            for damped in [false, true] {
+                if damped && row.info.linear_part {
+                    continue;
+                }
+                let theory = if row.info.linear_part {
+                    frozen.largest_step(&stability)?
+                } else {
+                    match frozen.linear()? {
+                        Linear::Dense(x) if !damped => {
+                            Linear::Dense(x.undamped()).largest_step(&stability)?
+                        }
+                        other => other.largest_step(&stability)?,
+                    }
+                };
+                let Some(theory_s) = theory else { continue };
+                let Some(found_s) = found(&mut frozen, text, damped)? else {
+                    continue;
+                };
+                rows.push(StepLimit {
+                    model: case.label.clone(),
+                    integrator: text.into(),
+                    damping: if damped {
+                        case.damping.clone()
+                    } else {
+                        "none".into()
+                    },
+                    theory_s,
+                    found_s,
+                });
+            }
+        }
+    }
+    Ok(rows)
+}

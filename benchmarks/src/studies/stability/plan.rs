@@ -1,0 +1,305 @@
+//! What a study of stability is to compute: maps with their axes, cells in order, and an echo that tells one plan from
+//! another.
+
+use super::axis::{Axis, AxisError, Setup};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::machine;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::Value;
+use gearbench_reports::record::Tolerance;
+use gearbench_reports::stability::Columns;
+use std::time::Duration;
+
+/// One parameter with its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedAxis {
+    /// The parameter.
+    pub axis: Axis,
+    /// Its values, ascending, the scene's own among them.
+    pub values: Vec<f64>,
+    /// Place of the scene's own value.
+    pub own: usize,
+}
+
+impl PlannedAxis {
+    /// The values of an axis for a model: the scene's own takes the place of a value that is next to it, or is added.
+    ///
+    /// # Errors
+    /// [`AxisError`] when the parameter does not go with the model or the method.
+    pub fn new(axis: Axis, values: &[f64], setup: &Setup) -> Result<Self, AxisError> {
+        let own = axis.own(setup)?;
+        let mut values: Vec<f64> = (values.iter())
+            .map(|x| if axis.is_count() { x.round() } else { *x })
+            .filter(|x| (x - own).abs() > NEXT_TO * own.abs())
+            .collect();
+        values.push(own);
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let own = values.iter().position(|x| *x == own).unwrap_or(0);
+        Ok(PlannedAxis { axis, values, own })
+    }
+}
+
+/// Values this close to the scene's own, relatively, are taken for it.
+const NEXT_TO: f64 = 0.12;
+
+/// One model under one integrator.
+#[derive(Clone, Debug)]
+pub struct MapPlan {
+    /// Maps of one set share axes and duration.
+    pub set: usize,
+    /// Place of the model in the plan.
+    pub entry: usize,
+    /// Integrator.
+    pub method: String,
+    /// Whether it is implicit.
+    pub implicit: bool,
+    /// Steps, or tolerances for methods that choose their steps.
+    pub columns: Columns,
+    /// Steps [s] or tolerances, ascending.
+    pub at: Vec<f64>,
+    /// One or two parameters.
+    pub axes: Vec<PlannedAxis>,
+    /// Simulated time [s].
+    pub duration: f64,
+    /// Bound on the steps of a run, rejected ones included.
+    pub max_steps: u64,
+}
+
+impl MapPlan {
+    /// Number of rows: the first axis runs first.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.axes.iter().map(|a| a.values.len()).product()
+    }
+
+    /// Number of cells.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows() * self.at.len()
+    }
+
+    /// Whether the map has no cell.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The row of the scene's own parameters.
+    #[must_use]
+    pub fn own_row(&self) -> usize {
+        let mut place = 1;
+        let mut row = 0;
+        for a in &self.axes {
+            row += place * a.own;
+            place *= a.values.len();
+        }
+        row
+    }
+
+    /// Value of every axis in a row.
+    #[must_use]
+    pub fn values(&self, row: usize) -> Vec<(Axis, f64)> {
+        let mut rest = row;
+        (self.axes.iter())
+            .map(|a| {
+                let value = a.values[rest % a.values.len()];
+                rest /= a.values.len();
+                (a.axis, value)
+            })
+            .collect()
+    }
+
+    /// Name of the converged solution of a row: rows that differ in parameters of the integrator alone share it, and so
+    /// do all integrators of a model.
+    #[must_use]
+    pub fn reference_key(&self, row: usize) -> String {
+        let values: Vec<String> = (self.values(row).iter())
+            .filter(|(a, _)| !a.is_of_method())
+            .map(|(a, x)| format!("{}={x:e}", a.id()))
+            .collect();
+        format!("r{}/{}/{}", self.set, self.entry, values.join(","))
+    }
+}
+
+/// What to study.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Command that makes the record again.
+    pub command: String,
+    /// Models.
+    pub entries: Vec<Configuration>,
+    /// Maps, in the order of the record.
+    pub maps: Vec<MapPlan>,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// What is accurate enough, against the model's own converged solution.
+    pub tolerance: Tolerance,
+    /// Samples of the histories that errors are taken from.
+    pub samples: usize,
+    /// Locate events.
+    pub events: bool,
+    /// Close in on the largest stable step.
+    pub refine: bool,
+    /// Settings to show.
+    pub settings: Vec<(String, String)>,
+    /// Backstop on the wall clock of a run; the bound that counts is that on the steps.
+    pub timeout: Duration,
+}
+
+impl Plan<'_> {
+    /// Scene, models and integrator of a row of a map.
+    ///
+    /// # Errors
+    /// [`AxisError`].
+    pub fn setup(&self, map: &MapPlan, row: usize) -> Result<Setup, AxisError> {
+        let mut setup = self.own(map);
+        for (axis, value) in map.values(row) {
+            axis.apply(value, &mut setup)?;
+        }
+        Ok(setup)
+    }
+
+    /// The same at the scene's own parameters.
+    #[must_use]
+    pub fn own(&self, map: &MapPlan) -> Setup {
+        let entry = &self.entries[map.entry];
+        Setup {
+            scene: entry.scene.clone(),
+            modelling: entry.modelling.clone(),
+            method: map.method.clone(),
+        }
+    }
+
+    /// Number of cells of all maps.
+    #[must_use]
+    pub fn cells(&self) -> usize {
+        self.maps.iter().map(MapPlan::len).sum()
+    }
+
+    /// What a plan consists of, by name: two plans are one when all of it is equal. Long parts are told by their
+    /// fingerprint.
+    #[must_use]
+    pub fn echo(&self) -> Vec<(String, String)> {
+        let mut all = vec![
+            (
+                "program".to_owned(),
+                format!(
+                    "gearbench {} {}",
+                    env!("CARGO_PKG_VERSION"),
+                    machine::COMMIT
+                ),
+            ),
+            ("scene".to_owned(), self.name.clone()),
+            (
+                "judged by".to_owned(),
+                format!(
+                    "{} {:e}, {} samples, events {}, closing in {}",
+                    self.tolerance.metric,
+                    self.tolerance.limit,
+                    self.samples,
+                    self.events,
+                    self.refine
+                ),
+            ),
+        ];
+        for entry in &self.entries {
+            let text = format!("{:?} {:?}", entry.scene, entry.modelling);
+            let mut print = fingerprint(FNV_START, text.as_bytes());
+            for path in files(entry) {
+                if let Ok(bytes) = std::fs::read(path) {
+                    print = fingerprint(print, &bytes);
+                }
+            }
+            all.push((format!("model {}", entry.label), format!("{print:032x}")));
+        }
+        for (i, map) in self.maps.iter().enumerate() {
+            let axes: Vec<String> = (map.axes.iter())
+                .map(|a| format!("{} {:?} own {}", a.axis.id(), a.values, a.own))
+                .collect();
+            all.push((
+                format!(
+                    "map {}, {} under {}",
+                    i + 1,
+                    self.entries[map.entry].label,
+                    map.method
+                ),
+                format!(
+                    "{} {:?}; {}; {:e} s; at most {} steps; set {}",
+                    map.columns.as_str(),
+                    map.at,
+                    axes.join("; "),
+                    map.duration,
+                    map.max_steps,
+                    map.set
+                ),
+            ));
+        }
+        all
+    }
+}
+
+/// Files that a model reads.
+fn files(entry: &Configuration) -> impl Iterator<Item = &str> {
+    (entry.modelling.gears.iter())
+        .flat_map(|g| g.parameters.values())
+        .filter_map(|v| match v {
+            Value::Text(text) if std::path::Path::new(text).is_file() => Some(text.as_str()),
+            _ => None,
+        })
+}
+
+/// Start of the 128-bit FNV-1a hash.
+pub(super) const FNV_START: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+
+/// FNV-1a (Fowler, Noll, Vo) with 128 bits, the same on every machine and compiler.
+pub(super) fn fingerprint(start: u128, bytes: &[u8]) -> u128 {
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    (bytes.iter()).fold(start, |h, b| (h ^ u128::from(*b)).wrapping_mul(PRIME))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Published test vector of FNV-1a, 128 bits: the empty text and "a".
+    #[test]
+    fn fingerprints() {
+        assert_eq!(fingerprint(FNV_START, b""), FNV_START);
+        assert_eq!(
+            fingerprint(FNV_START, b"a"),
+            0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964
+        );
+    }
+
+    #[test]
+    fn rows_and_references() {
+        let axis = |axis, values: &[f64], own| PlannedAxis {
+            axis,
+            values: values.to_vec(),
+            own,
+        };
+        let map = MapPlan {
+            set: 0,
+            entry: 2,
+            method: "generalised-alpha".into(),
+            implicit: true,
+            columns: Columns::Step,
+            at: vec![1e-7, 1e-6],
+            axes: vec![
+                axis(Axis::RhoInf, &[0.0, 0.5, 1.0], 1),
+                axis(Axis::Speed, &[1.0, 2.0], 1),
+            ],
+            duration: 1e-3,
+            max_steps: 1000,
+        };
+        assert_eq!((map.rows(), map.len(), map.own_row()), (6, 12, 4));
+        assert_eq!(map.values(4), [(Axis::RhoInf, 0.5), (Axis::Speed, 2.0)]);
+        assert_eq!(map.reference_key(3), map.reference_key(5));
+        assert_ne!(map.reference_key(0), map.reference_key(3));
+    }
+}

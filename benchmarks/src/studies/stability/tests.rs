@@ -1,0 +1,146 @@
+//! The study as a whole, on rigid gears: labels, threads, limits.
+
+use super::axis::{Axis, Setup};
+use super::cell::tolerance;
+use super::journal::{JOURNAL, Journal};
+use super::plan::{MapPlan, Plan, PlannedAxis};
+use super::{Means, study};
+use crate::experiment::configuration::Configuration;
+use crate::models::models;
+use crate::scene_file::{Selection, load_for};
+use gearbench_reports::record::{Results, Status};
+use gearbench_reports::stability::Columns;
+use std::time::Duration;
+
+/// Rigid gears in an impact under some methods, from steps that are cut off by their number to hopeless ones.
+fn plan(methods: &[&str]) -> Plan<'static> {
+    let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
+    let choice = scene.model("rigid").unwrap();
+    let entry = Configuration::of(&scene, choice);
+    let map = |method: &str| {
+        let setup = Setup {
+            scene: entry.scene.clone(),
+            modelling: entry.modelling.clone(),
+            method: method.into(),
+        };
+        MapPlan {
+            set: 0,
+            entry: 0,
+            method: method.into(),
+            implicit: method == "newmark",
+            columns: Columns::Step,
+            at: super::axis::spaced(5e-7, 1.5e-4, 8),
+            axes: vec![
+                PlannedAxis::new(Axis::ContactStiffness, &[0.1, 0.99, 10.0], &setup).unwrap(),
+            ],
+            duration: scene.duration,
+            max_steps: 200,
+        }
+    };
+    Plan {
+        name: scene.name.clone(),
+        title: scene.title.clone(),
+        command: "gearbench".into(),
+        maps: methods.iter().map(|m| map(m)).collect(),
+        entries: vec![entry.clone()],
+        models: models(),
+        tolerance: tolerance(scene.tolerance.as_ref()),
+        samples: 200,
+        events: true,
+        refine: true,
+        settings: Vec::new(),
+        timeout: Duration::from_secs(60),
+    }
+}
+
+fn run(plan: &Plan<'_>, threads: usize) -> Results {
+    let name = format!("gearbench-stability-{}-{threads}", std::process::id());
+    let folder = std::env::temp_dir().join(name);
+    let journal = Journal::open(&folder.join(JOURNAL), &plan.echo(), true).unwrap();
+    let means = Means {
+        journal,
+        threads,
+        progress: &|_, _, _| {},
+    };
+    let (results, timings) = study(plan, means).unwrap();
+    let runs: usize = (results.maps.iter())
+        .map(|m| m.cells.len() + m.refined.len())
+        .sum();
+    assert_eq!(timings.len(), runs, "every run has its time");
+    let _ = std::fs::remove_dir_all(folder);
+    results
+}
+
+#[test]
+fn every_cell_has_a_label_whatever_the_threads() {
+    let plan = plan(&["velocity-verlet", "newmark"]);
+    let results = run(&plan, 1);
+    results.validate().unwrap();
+    assert_eq!(results.maps, run(&plan, 3).maps);
+    for map in &results.maps {
+        // The value next to the scene's own is the scene's own.
+        assert_eq!(map.axes[0].values, [0.1, 1.0, 10.0]);
+        assert_eq!(map.cells.len(), 24);
+        assert!(
+            map.references.iter().all(|r| r.checked.is_some()),
+            "{map:?}"
+        );
+        for cell in &map.cells {
+            assert!(
+                cell.status == Status::Converged || cell.message.is_some(),
+                "{cell:?}"
+            );
+        }
+        // The smallest step takes more steps than are allowed, whatever the machine.
+        assert_eq!(map.cells[0].status, Status::Timeout, "{:?}", map.cells[0]);
+        assert!(map.counts()[0] > 3, "{:?}", map.counts());
+    }
+    let [verlet, newmark] = results.maps.as_slice() else {
+        panic!("{} maps", results.maps.len())
+    };
+    // One spring and two masses: omega h = 2. The run is called lost before, where its energy swings by 2 %: from
+    // about a sixth of the limit on.
+    let limit = verlet.limit().unwrap();
+    let ratio = verlet.ratio().unwrap();
+    assert!((0.1..1.1).contains(&ratio), "{limit:?}, {ratio}");
+    let (a, b) = (limit.stable_s.unwrap(), limit.unstable_s.unwrap());
+    assert!(b / a <= gearbench_reports::stability::BRACKET);
+    assert!(!verlet.refined.is_empty());
+    assert_eq!(newmark.limit().unwrap().unstable_s, None);
+    assert!(newmark.theory(newmark.own_row()).is_none());
+}
+
+/// Ten times the stiffness brings the limit in by the root of ten, in theory and in the map.
+#[test]
+fn the_limit_goes_with_the_root_of_the_stiffness() {
+    let mut plan = plan(&["velocity-verlet"]);
+    plan.refine = false;
+    let map = &run(&plan, 2).maps[0];
+    let [soft, own, stiff] = [0, 1, 2].map(|row| map.theory(row).unwrap().0);
+    assert!(
+        (soft / own / 10_f64.sqrt() - 1.0).abs() < 1e-3,
+        "{soft} {own}"
+    );
+    assert!(
+        (own / stiff / 10_f64.sqrt() - 1.0).abs() < 1e-3,
+        "{own} {stiff}"
+    );
+    for row in 0..3 {
+        let theory = map.theory(row).unwrap().0;
+        for c in map.row(row).iter().filter(|c| c.at > 1.6 * theory) {
+            assert!(c.status != Status::Converged, "{c:?} beyond {theory}");
+        }
+    }
+}
+
+#[test]
+fn another_plan_has_another_echo() {
+    let first = plan(&["velocity-verlet"]);
+    assert_eq!(first.echo(), plan(&["velocity-verlet"]).echo());
+    let mut other = plan(&["velocity-verlet"]);
+    other.maps[0].at[3] *= 1.0 + 1e-15;
+    assert_ne!(first.echo(), other.echo());
+    let mut other = plan(&["velocity-verlet"]);
+    other.entries[0].scene.gears[0].speed += 1e-9;
+    assert_ne!(first.echo(), other.echo());
+}

@@ -1,0 +1,99 @@
+//! Lines of theory over the rows of a map.
+//!
+//! A scene is linearised once per model and row; all integrators of the model take their lines from there.
+
+use super::plan::{MapPlan, Plan};
+use crate::studies::stability::limits::{Frozen, LineKind};
+use gearbench_reports::record::finite;
+use gearbench_reports::stability::{Columns, LineKind as Kind, MapLine};
+
+/// The lines of all maps that share their converged solutions with map `first` (one model over one set of axes), by
+/// place in the plan. A row that cannot be linearised has no lines.
+#[must_use]
+pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
+    let mut all: Vec<(usize, Vec<MapLine>)> = maps.iter().map(|m| (*m, Vec::new())).collect();
+    let mut frozen: Vec<(String, Option<Frozen>)> = Vec::new();
+    for (m, lines) in &mut all {
+        let map = &plan.maps[*m];
+        if map.columns != Columns::Step {
+            continue;
+        }
+        for row in 0..map.rows() {
+            let key = map.reference_key(row);
+            let at = match frozen.iter().position(|f| f.0 == key) {
+                Some(at) => at,
+                None => {
+                    frozen.push((key, freeze(plan, map, row)));
+                    frozen.len() - 1
+                }
+            };
+            if let Some(scene) = &mut frozen[at].1
+                && let Ok(setup) = plan.setup(map, row)
+                && let Ok(found) = scene.lines(&setup.method)
+            {
+                for line in found {
+                    put(
+                        lines,
+                        (row, map.rows()),
+                        line.label,
+                        kind(line.kind),
+                        line.step_s,
+                    );
+                }
+            }
+        }
+    }
+    all
+}
+
+fn freeze(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Option<Frozen> {
+    let setup = plan.setup(map, row).ok()?;
+    Frozen::new(&setup.scene, &setup.modelling, plan.models).ok()
+}
+
+fn kind(kind: LineKind) -> Kind {
+    match kind {
+        LineKind::Stability => Kind::Stability,
+        LineKind::Resonance => Kind::Resonance,
+        LineKind::Penalty => Kind::Penalty,
+    }
+}
+
+/// Puts the step of one row into the line with this label.
+fn put(
+    lines: &mut Vec<MapLine>,
+    (row, rows): (usize, usize),
+    label: String,
+    kind: Kind,
+    step: f64,
+) {
+    let at = match lines.iter().position(|l| l.label == label) {
+        Some(at) => at,
+        None => {
+            lines.push(MapLine {
+                label,
+                kind,
+                step_s: vec![None; rows],
+            });
+            lines.len() - 1
+        }
+    };
+    lines[at].step_s[row] = finite(step);
+}
+
+/// The places of maps that share their linearised scenes.
+#[must_use]
+pub fn shared(plan: &Plan<'_>) -> Vec<Vec<usize>> {
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    for (m, map) in plan.maps.iter().enumerate() {
+        let same = |group: &&mut Vec<usize>| {
+            let first = &plan.maps[group[0]];
+            (first.set, first.entry) == (map.set, map.entry)
+        };
+        match found.iter_mut().find(same) {
+            Some(group) => group.push(m),
+            None => found.push(vec![m]),
+        }
+    }
+    found
+}

@@ -1,0 +1,43 @@
+//! Arguments of `stiffness`.
+
+use crate::cli::values::{DEFAULT_LOAD, DEFAULT_POSITIONS, positions, positive_load};
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench stiffness spur_impact --models fe       finite elements, ISO 6336-1, analytic tooth compliance
+  gearbench stiffness spur_impact --load 100        at 100 N per mm of face width
+  gearbench stiffness my_scene.toml --torque 80 --positions 48 --out out/te
+
+Both hubs are held: the first gear is turned until it carries the load, at positions over one base pitch. Mounts,
+loads, speeds, damping and friction of the scene play no part. Beside the models stand the stiffness of ISO 6336-1
+and the analytic compliance of the same gears.
+
+Results (--out DIR, default out/SCENE/stiffness/):
+  stiffness.csv      one line per model
+  cycle_MODEL.csv    transmission error, stiffness and load of each tooth pair by position
+  stiffness.svg      the chart";
+
+/// Arguments of `stiffness`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Stiffness {
+    /// Name of a shipped scene, or path of a scene file (.toml), with two gears
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of its study]
+    #[arg(long, visible_alias = "model", value_name = "A,B")]
+    pub models: Option<String>,
+    /// Load along the line of action over the common face width [N/mm]
+    #[arg(long, value_name = "N_PER_MM", default_value_t = DEFAULT_LOAD, value_parser = positive_load)]
+    pub load: f64,
+    /// Torque on the first gear [N m], in place of --load
+    #[arg(long, value_name = "NM", conflicts_with = "load", value_parser = positive_load)]
+    pub torque: Option<f64>,
+    /// Positions over one base pitch
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]
+    pub positions: usize,
+    /// Folder to write to [default: out/SCENE/stiffness]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}

@@ -1,0 +1,56 @@
+//! Arguments of `sweep`.
+
+use crate::cli::values::{DEFAULT_POSITIONS, DEFAULT_TIMEOUT, positions, positive, positive_load};
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench sweep                                    the scene loaded_mesh
+  gearbench sweep loaded_mesh --models rigid --points 100
+  gearbench sweep my_scene.toml --from 200 --to 6000 --out out/run_up
+
+At every speed each model runs until it has settled; then transmission error, contact force and bearing forces are taken
+over whole mesh cycles. The static transmission error under the same load is the limit of slow running; models `fe` of
+the scene stand beside it at rest.
+
+The scene has one mesh of two gears with constant torques that press the flank of its start: on both gears in balance,
+or on one while the other is driven. Speeds are those of [study] sweep in the scene; without, around the mesh resonance.
+
+Results (--out DIR, default out/SCENE/sweep/), beside report and record:
+  sweep.csv         one line per speed: transmission error, forces, harmonics
+  sweep_cycles.csv  one mean mesh cycle of each run
+  statics.csv       the static transmission error";
+
+/// Arguments of `sweep`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Sweep {
+    /// Name of a shipped scene, or path of a scene file (.toml)
+    #[arg(default_value = "loaded_mesh")]
+    pub scene: String,
+    /// Models of the scene by label, between commas [default: those of its study]
+    #[arg(long, value_name = "A,B")]
+    pub models: Option<String>,
+    /// Lowest mesh frequency in hertz
+    #[arg(long, value_name = "HZ", value_parser = positive_load, requires = "to")]
+    pub from: Option<f64>,
+    /// Highest mesh frequency in hertz
+    #[arg(long, value_name = "HZ", value_parser = positive_load, requires = "from")]
+    pub to: Option<f64>,
+    /// Number of speeds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub points: Option<u32>,
+    /// Whole mesh cycles that are measured
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub cycles: Option<u32>,
+    /// Positions of the static cycle over one base pitch
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]
+    pub positions: usize,
+    /// Folder to write to [default: out/SCENE/sweep]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Wall-clock bound of one integration in seconds
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
+}

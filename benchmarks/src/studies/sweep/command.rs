@@ -1,0 +1,142 @@
+//! `gearbench sweep SCENE`: loaded running over the speed.
+
+use super::arguments::Sweep;
+use super::{Plan, SweepError, mesh_resonance, sweep};
+use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::Method;
+use crate::experiment::settings::settings;
+use crate::models::models;
+use crate::scene_file::{self, ModelChoice, Selection};
+use crate::studies::stiffness::build_error;
+use gearbench_integrators::Resolution;
+use gearbench_reports::record::Results;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Speeds around the mesh resonance when nobody says.
+const AROUND: [f64; 2] = [0.06, 1.5];
+
+/// Runs the sweep and writes its folder.
+pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
+    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+    let choices = scene.select(args.models.as_deref())?;
+    // Full models run far too long; they stand for the static limit.
+    let full = |m: &ModelChoice| m.model == "fe";
+    let mut standing: Vec<&ModelChoice> = choices.iter().copied().filter(|m| full(m)).collect();
+    if args.models.is_none() {
+        let more = scene.models.iter().filter(|m| full(m));
+        standing.extend(more.filter(|m| !choices.iter().any(|c| c.label == m.label)));
+    }
+    let running: Vec<&ModelChoice> = choices.into_iter().filter(|m| !full(m)).collect();
+    let entry = |c: &&ModelChoice| Configuration::of(&scene, c);
+    let told = scene.study.sweep;
+    let mut shown = running.clone();
+    shown.extend(&standing);
+    let mut plan = Plan {
+        name: scene.name.clone(),
+        title: scene.title.clone(),
+        command: command.to_string(),
+        entries: running.iter().map(entry).collect(),
+        standing: standing.iter().map(entry).collect(),
+        method: (scene.study.integrators.first().cloned()).unwrap_or(Method {
+            text: "velocity-verlet".into(),
+            resolution: Resolution::Step(2e-7),
+        }),
+        models: models(),
+        frequencies: Vec::new(),
+        cycles: args.cycles.map_or(told.cycles, |n| n as usize),
+        settle: told.settle,
+        positions: args.positions,
+        settings: settings(&scene, &shown, false),
+        timeout: Duration::from_secs_f64(args.timeout),
+    };
+    let refuse = |e: SweepError| match e {
+        SweepError::Run(e) => refuse_run(e),
+        SweepError::Scene(message) => Refusal::Input(miette::miette!(
+            help = "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how",
+            "the scene `{}` cannot be swept: {message}",
+            scene.name
+        )),
+        SweepError::Statics(label, e) => match build_error(&e) {
+            Some(b) => Refusal::from(scene.locate_in(&label, b)),
+            None => Refusal::Failed(format!("{label}: {e}")),
+        },
+    };
+    let range = match (args.from, args.to, told.range) {
+        (Some(from), Some(to), _) if from < to => [from, to],
+        (Some(from), Some(to), _) => {
+            return Err(Refusal::Input(miette::miette!(
+                help = "give the lower mesh frequency with --from",
+                "the sweep from {from} to {to} Hz goes nowhere"
+            )));
+        }
+        (_, _, Some(range)) => range,
+        _ => {
+            let first = plan.entries.first().or(plan.standing.first());
+            let found = first.map(|e| mesh_resonance(&plan, e)).transpose();
+            let f = found.map_err(refuse)?.flatten().unwrap_or(1000.0);
+            AROUND.map(|x| x * f)
+        }
+    };
+    let points = args.points.map_or(told.points, |n| n as usize).max(2);
+    plan.frequencies = (0..points)
+        .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
+        .collect();
+
+    let bar = progress_bar(plan.frequencies.len() * plan.entries.len());
+    let results = sweep(&plan, None, |done, what| {
+        bar.set_position(done as u64);
+        bar.set_message(what.to_string());
+    });
+    bar.finish_and_clear();
+    let results = results.map_err(refuse)?;
+    write(&results, (&args.out, &scene.name), summarise)?;
+    Ok(exit_code(&results))
+}
+
+/// One line per model, and the failures.
+fn summarise(results: &Results) {
+    say(&format!(
+        "{:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
+        "model", "TE at rest", "fn", "greatest TE", "at", "speeds", "wall"
+    ));
+    let mut labels: Vec<String> = results.statics.iter().map(|s| s.label.clone()).collect();
+    labels.dedup();
+    for label in labels {
+        let statics = results.statics.iter().find(|s| s.label == label);
+        let runs: Vec<_> = (results.runs.iter())
+            .filter(|r| r.model_label() == label)
+            .collect();
+        let peak = (runs.iter().filter(|r| !r.status.is_failure()))
+            .filter_map(|r| r.steady.as_ref())
+            .max_by(|a, b| a.error_rms_m.total_cmp(&b.error_rms_m));
+        let um = |x: f64| format!("{:.3} um", 1e6 * x);
+        say(&format!(
+            "{label:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
+            statics.map_or(String::new(), |s| um(s.error_peak_to_peak_m)),
+            statics
+                .and_then(|s| s.resonance_hz)
+                .map_or(String::new(), |f| format!("{:.0} Hz", f)),
+            peak.map_or(String::new(), |p| format!("{} rms", um(p.error_rms_m))),
+            peak.map_or(String::new(), |p| format!("{:.0} Hz", p.mesh_frequency_hz)),
+            runs.len(),
+            match runs.len() {
+                0 => String::new(),
+                _ => format!("{:.1} s", runs.iter().map(|r| r.wall_s).sum::<f64>()),
+            }
+        ));
+    }
+    let failed: Vec<_> = (results.runs.iter())
+        .filter(|r| r.status.is_failure())
+        .collect();
+    if let Some(first) = failed.first() {
+        say(&format!(
+            "{} of {} runs failed; the first: {}: {}",
+            failed.len(),
+            results.runs.len(),
+            first.status,
+            first.message.as_deref().unwrap_or("no reason given")
+        ));
+    }
+}

@@ -1,0 +1,149 @@
+//! Sweeps with known answers.
+
+use super::*;
+use crate::models::models;
+use crate::scene_file::{Origin, SceneFile};
+
+/// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
+fn scene(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {
+    let text = |rows: &str| {
+        format!(
+            r#"
+schema = 1
+name = "wave"
+duration_s = 1e-3
+[gears.pinion]
+teeth = 20
+module_m = 0.004
+face_width_m = 0.01
+loads = [{{ torque_nm = 10.0 }}]
+[gears.wheel]
+teeth = 30
+module_m = 0.004
+face_width_m = 0.01
+loads = [{{ torque_nm = {wheel_torque} }}]
+[[meshes]]
+gears = ["pinion", "wheel"]
+centre_distance_m = 0.1001
+[[models]]
+model = "rigid"
+contact = {{ stiffness = {rows}, damping = {{ law = "kelvin-voigt-ratio", ratio = {ratio} }} }}
+"#
+        )
+    };
+    let parse =
+        |rows: &str| SceneFile::parse("wave.toml", &text(rows), Origin::Shipped, false).unwrap();
+    let plain = parse("\"iso6336\"");
+    let [a, b] = [&plain.spec.gears[0], &plain.spec.gears[1]];
+    let l = mesh_layout(a, b).unwrap();
+    let (mut at, mut k) = (Vec::new(), Vec::new());
+    for i in 0..=64 {
+        let u = f64::from(i) / 64.0;
+        at.push(format!("{:.12e}", l.pitch_point + (u - 0.5) * l.base_pitch));
+        k.push(format!("{:.12e}", 1e8 * (1.0 + depth * (TAU * u).cos())));
+    }
+    parse(&format!(
+        "{{ kind = \"table\", of = \"mesh\", ends = \"periodic\", path_coordinate_m = [{}], stiffness_n_per_m = [{}] }}",
+        at.join(", "),
+        k.join(", ")
+    ))
+}
+
+fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> Plan<'static> {
+    Plan {
+        name: scene.name.clone(),
+        title: String::new(),
+        command: String::new(),
+        entries: vec![Configuration::of(scene, &scene.models[0])],
+        standing: Vec::new(),
+        method: Method {
+            text: "dopri5".into(),
+            resolution: gearbench_integrators::Resolution::Tolerance(1e-7),
+        },
+        models: models(),
+        frequencies,
+        cycles,
+        settle,
+        positions: 16,
+        settings: Vec::new(),
+        timeout: Duration::from_secs(60),
+    }
+}
+
+/// `x'' + 2 zeta w x' + w^2 (1 + e cos(W t)) x = w^2 d`: to first order in e the error vibrates about d with
+/// `e d / sqrt((1 - r^2)^2 + (2 zeta r)^2)`, r = W / w.
+#[test]
+fn a_stiffness_wave_answers_as_an_oscillator_does() {
+    let (depth, ratio) = (0.01, 0.05);
+    let scene = scene(depth, ratio, 15.0);
+    let still = plan(&scene, Vec::new(), 4, 4e-3);
+    let fn_hz = mesh_resonance(&still, &still.entries[0]).unwrap().unwrap();
+    let pair = Pair::of(&scene.spec).unwrap();
+    let deflection = pair.force / 1e8;
+    let orders = [0.25, 0.8, 1.0, 1.25];
+    let plan = plan(&scene, orders.map(|r| r * fn_hz).to_vec(), 4, 8e-3);
+    let results = sweep(&plan, None, |_, _| {}).unwrap();
+    for (run, r) in results.runs.iter().zip(orders) {
+        assert!(!run.status.is_failure(), "{:?}", run.message);
+        let s = run.steady.as_ref().unwrap();
+        assert!((s.mesh_frequency_hz / (r * fn_hz) - 1.0).abs() < 1e-5);
+        let expected =
+            depth * deflection / ((1.0 - r * r).powi(2) + (2.0 * ratio * r).powi(2)).sqrt();
+        let found = s.error_harmonics_m[0];
+        assert!(
+            (found / expected - 1.0).abs() < 0.03,
+            "r = {r}: {found} {expected}"
+        );
+        assert!((s.error_mean_m / deflection - 1.0).abs() < 0.02);
+        assert!(
+            (s.force_mean_n / pair.force - 1.0).abs() < 1e-3,
+            "{}",
+            s.force_mean_n
+        );
+        assert_eq!(s.separated, 0.0);
+        // Rigid gears hand the force on.
+        let b = &s.bearings[0];
+        assert!(!b.own_inertia && (b.mean_n / s.force_mean_n - 1.0).abs() < 1e-6);
+    }
+    let still = &results.statics[0];
+    assert!((still.error_peak_to_peak_m / (2.0 * depth * deflection) - 1.0).abs() < 0.01);
+}
+
+/// With heavy damping, slow running follows the static transmission error.
+#[test]
+fn slow_running_comes_to_the_static_limit() {
+    let scene = scene(0.2, 0.7, 15.0);
+    let plan = plan(&scene, vec![60.0], 1, 1e-3);
+    let results = sweep(&plan, None, |_, _| {}).unwrap();
+    let s = results.runs[0].steady.as_ref().unwrap();
+    let still = &results.statics[0];
+    assert!((s.error_peak_to_peak_m / still.error_peak_to_peak_m - 1.0).abs() < 0.02);
+    // Both stand at the same positions.
+    for (p, e) in still.position.iter().zip(&still.error_m) {
+        let near = |q: &f64| (q - p).abs();
+        let i = (0..s.position.len())
+            .min_by(|a, b| near(&s.position[*a]).total_cmp(&near(&s.position[*b])))
+            .unwrap();
+        let off = (s.error_cycle_m[i] - e).abs() / still.error_peak_to_peak_m;
+        assert!(off < 0.03, "at {p}: {} {e}", s.error_cycle_m[i]);
+    }
+}
+
+#[test]
+fn what_cannot_be_swept_is_said() {
+    let of = |s: &SceneFile| Pair::of(&s.spec).err().unwrap();
+    assert!(of(&scene(0.1, 0.1, 14.0)).contains("do not balance"));
+    let mut turned = scene(0.1, 0.1, 15.0);
+    for g in &mut turned.spec.gears {
+        let opposite = -torque(&g.loads);
+        g.loads = vec![Load::Applied(Profile::Constant(opposite))];
+    }
+    assert!(of(&turned).contains("press"));
+    let mut driven = scene(0.1, 0.1, 15.0);
+    for g in &mut driven.spec.gears {
+        g.mount = Mount::Driven(Profile::Constant(1.0));
+    }
+    assert!(of(&driven).contains("nothing can vibrate"));
+    driven.spec.gears[1].mount = Mount::Revolute;
+    assert!(Pair::of(&driven.spec).is_ok());
+}

@@ -1,0 +1,454 @@
+//! The study of mode counts: error of the elastic model over the number of modes and their highest frequency, with
+//! and without residual compliance, chosen by frequency and by flank compliance, against full finite elements on the
+//! same mesh.
+//!
+//! The full model runs once, at a step so small that its own error does not show, and all runs are held against it.
+//! Between the largest number of modes that misses a limit and the fewest that keeps it the study halves the
+//! distance, so that the fewest modes are found and not only bracketed.
+
+pub mod arguments;
+pub mod command;
+
+use crate::experiment::machine;
+use crate::experiment::run::{Job, Method, RunError, run};
+use crate::experiment::thin::thin;
+use gearbench_integrators::Resolution;
+use gearbench_models::gear::table::Model;
+use gearbench_models::scene::spec::{Modelling, SceneSpec, Value};
+use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::truncation::{LIMITS, ways};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// Numbers of modes that are tried when nobody says.
+pub const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
+/// Frequency bound of the published truncation [Hz]: "modes up to 80 kHz" (GTM, SIMPACK User Meeting 2014; rack and
+/// pinion of an electric power steering).
+pub const PUBLISHED_HZ: f64 = 80e3;
+/// So many times longer than others the full model may take.
+const PATIENCE: u32 = 10;
+/// Published number of elastic coordinates per body.
+pub const PUBLISHED_MODES: usize = 200;
+
+/// A way of keeping modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// Variant in the record.
+    pub label: &'static str,
+    /// Value of the parameter `choose`.
+    pub choose: &'static str,
+    /// Value of the parameter `residual`.
+    pub residual: bool,
+    /// Part of the step of the scene's integrator.
+    pub step: f64,
+}
+
+/// The ways that are compared.
+pub const WAYS: [Way; 5] = [
+    Way {
+        label: "by flank compliance",
+        choose: "flank-compliance",
+        residual: true,
+        step: 1.0,
+    },
+    // What the step costs beside what the cut modes cost.
+    Way {
+        label: "by flank compliance, a quarter of the step",
+        choose: "flank-compliance",
+        residual: true,
+        step: 0.25,
+    },
+    Way {
+        label: "by frequency",
+        choose: "frequency",
+        residual: true,
+        step: 1.0,
+    },
+    Way {
+        label: "truncated, by flank compliance",
+        choose: "flank-compliance",
+        residual: false,
+        step: 1.0,
+    },
+    Way {
+        label: "truncated, by frequency",
+        choose: "frequency",
+        residual: false,
+        step: 1.0,
+    },
+];
+
+/// A model with its scene and its integrator.
+#[derive(Clone, Debug)]
+pub struct Side {
+    /// The scene, with the gap of this model.
+    pub scene: SceneSpec,
+    /// Its models.
+    pub modelling: Modelling,
+    /// Its integrator.
+    pub method: Method,
+}
+
+/// What to study.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Command that makes the record again.
+    pub command: String,
+    /// Id of the elastic model in the records.
+    pub model: String,
+    /// The elastic model; modes, `choose` and `residual` are the study's.
+    pub elastic: Side,
+    /// Integrator of plain truncation, whose contact is stiff.
+    pub truncated: Method,
+    /// The full model on the same mesh.
+    pub full: Side,
+    /// Numbers of modes.
+    pub counts: Vec<usize>,
+    /// Halve the distance to the fewest modes.
+    pub refine: bool,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// End [s].
+    pub duration: f64,
+    /// Samples of the histories.
+    pub samples: usize,
+    /// External reference.
+    pub external: Option<ReferenceSeries>,
+    /// Settings to show.
+    pub settings: Vec<(String, String)>,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+}
+
+/// What a run keeps.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    way: Way,
+    modes: Kept,
+    mark: Option<&'static str>,
+}
+
+/// How many modes.
+#[derive(Clone, Copy, Debug)]
+enum Kept {
+    /// At most so many.
+    Count(usize),
+    /// All below a frequency [Hz].
+    Below(f64),
+}
+
+impl std::fmt::Display for Kept {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Kept::Count(n) => write!(f, "{n} modes"),
+            Kept::Below(hz) => write!(f, "modes to {:.0} kHz", 1e-3 * hz),
+        }
+    }
+}
+
+impl Plan<'_> {
+    /// The runs of the grid, without refinement.
+    fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for way in WAYS {
+            let published = !way.residual && way.choose == "frequency";
+            for &modes in &self.counts {
+                cases.push(Case {
+                    way,
+                    modes: Kept::Count(modes),
+                    mark: (published && modes == PUBLISHED_MODES)
+                        .then_some("plain truncation with 200 modes"),
+                });
+            }
+            if published {
+                cases.push(Case {
+                    way,
+                    modes: Kept::Below(PUBLISHED_HZ),
+                    mark: Some("plain truncation at 80 kHz"),
+                });
+            }
+        }
+        cases
+    }
+
+    fn method(&self, case: &Case) -> Method {
+        let scene = if case.way.residual {
+            &self.elastic.method
+        } else {
+            &self.truncated
+        };
+        Method {
+            text: scene.text.clone(),
+            resolution: match scene.resolution {
+                Resolution::Step(h) => Resolution::Step(case.way.step * h),
+                Resolution::Tolerance(r) => Resolution::Tolerance(case.way.step * r),
+            },
+        }
+    }
+
+    /// The elastic model with the modes of a case.
+    fn modelling(&self, case: &Case) -> Modelling {
+        let mut modelling = self.elastic.modelling.clone();
+        for gear in (modelling.gears.iter_mut()).filter(|g| g.id == self.model) {
+            let p = &mut gear.parameters;
+            p.remove("modes");
+            p.remove("max_frequency_hz");
+            p.remove("target_error");
+            match case.modes {
+                Kept::Count(n) => p.insert("modes".into(), Value::Number(n as f64)),
+                Kept::Below(hz) => p.insert("max_frequency_hz".into(), Value::Number(hz)),
+            };
+            p.insert("choose".into(), Value::Text(case.way.choose.into()));
+            p.insert("residual".into(), Value::Flag(case.way.residual));
+            // Modes that the step cannot carry are cut.
+            if let Resolution::Step(h) = self.method(case).resolution {
+                p.insert("step_s".into(), Value::Number(h / case.way.step));
+            }
+        }
+        modelling
+    }
+
+    fn job<'j>(
+        &'j self,
+        side: (&'j SceneSpec, &'j Modelling, &'j Method),
+        grid: &'j [f64],
+        cancel: Option<&'j AtomicBool>,
+    ) -> Job<'j> {
+        Job {
+            scene: side.0,
+            modelling: side.1,
+            models: self.models,
+            method: side.2,
+            t_end: self.duration,
+            grid,
+            also_steps: true,
+            forces: false,
+            events: true,
+            repeats: self.repeats,
+            timeout: self.timeout,
+            max_steps: u64::MAX,
+            cancel,
+        }
+    }
+}
+
+/// Runs the study. `progress` is told the runs done, all that are known of, and the name of the next.
+///
+/// # Errors
+/// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.
+pub fn study(
+    plan: &Plan<'_>,
+    cancel: Option<&AtomicBool>,
+    mut progress: impl FnMut(usize, usize, &str),
+) -> Result<Results, RunError> {
+    let grid = grid(plan);
+    let cases = plan.cases();
+    let mut total = 1 + cases.len();
+    progress(0, total, "full finite elements");
+    let full = &plan.full;
+    let mut reference = run(&Job {
+        repeats: 0,
+        timeout: PATIENCE * plan.timeout,
+        ..plan.job((&full.scene, &full.modelling, &full.method), &grid, cancel)
+    })?;
+    reference.model = "fe".into();
+    let Some(series) = reference
+        .series
+        .clone()
+        .filter(|_| !reference.status.is_failure())
+    else {
+        return Err(RunError::Reference(format!(
+            "the full model under {} did not reach the end: {}",
+            plan.full.method.text,
+            reference.message.as_deref().unwrap_or("no reason given")
+        )));
+    };
+    if let Some(external) = &plan.external {
+        let metrics = measure(&series, &reference.ledger, &external.series, &external.id);
+        reference.metrics.push(metrics);
+    }
+    let mut references = vec![ReferenceSeries {
+        id: "fe".into(),
+        title: "full finite elements on the same mesh".into(),
+        source: format!(
+            "the first run of this record: {} coordinates under {}",
+            reference.dofs, plan.full.method.text
+        ),
+        series,
+        ..ReferenceSeries::default()
+    }];
+    references.extend(plan.external.iter().cloned());
+
+    let mut results = Results {
+        scene: plan.name.clone(),
+        title: plan.title.clone(),
+        study: Study::Truncation,
+        command: plan.command.clone(),
+        machine: machine::machine(),
+        commit: machine::COMMIT.into(),
+        created: machine::now(),
+        settings: plan.settings.clone(),
+        references,
+        runs: vec![reference],
+        ..Results::default()
+    };
+    let mut one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
+        let what = format!("{}, {}", case.modes, case.way.label);
+        progress(results.runs.len(), total, &what);
+        let modelling = plan.modelling(case);
+        let method = plan.method(case);
+        let job = plan.job((&plan.elastic.scene, &modelling, &method), &grid, cancel);
+        let mut row = run(&job)?;
+        row.model.clone_from(&plan.model);
+        row.variant = Some(case.way.label.into());
+        row.choose = Some(case.way.choose.into());
+        row.residual = Some(case.way.residual);
+        // The modes that were kept, as the model says; a model without any keeps none.
+        row.modes = Some(row.modes.unwrap_or(0));
+        row.mark = case.mark.map(Into::into);
+        if let Some(series) = &row.series {
+            for r in &results.references {
+                let metrics = measure(series, &row.ledger, &r.series, &r.id);
+                row.metrics.push(metrics);
+            }
+        }
+        row.contacts = None;
+        row.series = row.series.map(|s| thin(&s));
+        results.runs.push(row);
+        Ok(())
+    };
+    for case in &cases {
+        one(case, &mut results, total)?;
+    }
+    if plan.refine {
+        for way in WAYS.iter().filter(|w| w.residual && w.step == 1.0) {
+            for limit in LIMITS {
+                while let Some(modes) = between(&results, way.label, limit) {
+                    total += 1;
+                    let case = Case {
+                        way: *way,
+                        modes: Kept::Count(modes),
+                        mark: None,
+                    };
+                    let before = counts(&results, way.label).len();
+                    one(&case, &mut results, total)?;
+                    // Families are kept whole: another number asked for may be one that was had.
+                    if counts(&results, way.label).len() == before {
+                        results.runs.pop();
+                        break;
+                    }
+                }
+            }
+        }
+    }
+    keep_histories(&mut results);
+    Ok(results)
+}
+
+/// Even times, and those of the external reference.
+fn grid(plan: &Plan<'_>) -> Vec<f64> {
+    let n = plan.samples.max(2) - 1;
+    let even = (0..=n).map(|i| plan.duration * i as f64 / n as f64);
+    let external = (plan.external.iter())
+        .flat_map(|r| r.series.time_s.iter().copied())
+        .filter(|t| *t <= plan.duration);
+    let mut grid: Vec<f64> = even.chain(external).collect();
+    grid.sort_by(f64::total_cmp);
+    grid.dedup();
+    grid
+}
+
+/// Numbers of modes that a way has kept, ascending, each once.
+fn counts(results: &Results, label: &str) -> Vec<usize> {
+    let mut all: Vec<usize> = (results.runs.iter())
+        .filter(|r| r.variant.as_deref() == Some(label))
+        .filter_map(|r| r.modes)
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// The number of modes halfway between the fewest that keep a limit and the next smaller that was tried; `None` when
+/// there is none in between, or nothing keeps the limit.
+fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
+    let ways = ways(results);
+    let way = ways.iter().find(|w| w.label == label)?;
+    let fewest = way.fewest("fe", limit)?.modes?;
+    let below = (counts(results, label).into_iter())
+        .filter(|n| *n < fewest)
+        .max()?;
+    (fewest - below > 1).then_some(below + (fewest - below) / 2)
+}
+
+/// Histories stay where they are looked at: the reference, runs that are pointed out, the best of each way and the
+/// one that reaches the middle limit.
+fn keep_histories(results: &mut Results) {
+    let mut keep = vec![0];
+    for way in ways(results) {
+        let least = (way.errors("fe", |m| m.force_l2).into_iter())
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(_, _, r)| r.clone());
+        let middle = way.fewest("fe", LIMITS[1]).cloned();
+        for (i, r) in &way.runs {
+            let is = |o: &Option<Run>| o.as_ref().is_some_and(|o| o.modes == r.modes);
+            if r.mark.is_some() || is(&least) || is(&middle) {
+                keep.push(*i);
+            }
+        }
+    }
+    for (i, run) in results.runs.iter_mut().enumerate() {
+        if !keep.contains(&i) {
+            run.series = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_reports::record::Metrics;
+
+    /// A run of a made-up model whose error falls with its modes.
+    fn row(modes: usize) -> Run {
+        Run {
+            model: "elastic".into(),
+            integrator: "trigonometric".into(),
+            variant: Some("by frequency".into()),
+            modes: Some(modes),
+            residual: Some(true),
+            metrics: vec![Metrics {
+                force_l2: Some(0.5 / (1.0 + modes as f64)),
+                against: "fe".into(),
+                ..Metrics::default()
+            }],
+            ..Run::default()
+        }
+    }
+
+    #[test]
+    fn halving_finds_the_fewest_modes() {
+        let mut results = Results {
+            runs: [0, 10, 25, 50, 100, 200].map(row).to_vec(),
+            ..Results::default()
+        };
+        let mut tried = 0;
+        while let Some(modes) = between(&results, "by frequency", 0.01) {
+            results.runs.push(row(modes));
+            tried += 1;
+        }
+        // 0.5 / (1 + n) falls to 1 % at 49 modes.
+        let ways = ways(&results);
+        assert_eq!(ways[0].fewest("fe", 0.01).and_then(|r| r.modes), Some(49));
+        assert!(tried <= 5, "{tried} runs");
+        assert_eq!(between(&results, "by frequency", 1e-6), None);
+        assert_eq!(between(&results, "another", 0.01), None);
+    }
+}

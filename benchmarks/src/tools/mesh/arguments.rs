@@ -1,0 +1,64 @@
+//! Arguments of `mesh`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench mesh spur_impact                             nothing is written: sizes and quality of the meshes
+  gearbench mesh spur_impact --gear pinion --out pinion.inp
+  gearbench mesh spur_impact --flank 20 --fine-teeth 1,2,20 --out fine.inp --vtu fine.vtu
+  gearbench mesh my_scene.toml --element C3D20R --sector --out sector.inp
+  gearbench mesh old_deck.inp --vtu old_deck.vtu         quality of a mesh from elsewhere
+
+A deck holds one gear in its own frame: axis z, tooth 1 on +x, metre. Its sets are bore, flank_1l, flank_1r, ...
+(l: the counter-clockwise flank), its surfaces sflank_1l, ...; a sector also has cut_low and cut_high, where node i
+of one is node i of the other turned by a pitch. Several gears make several files, NAME appended to each.";
+
+/// Arguments of `mesh`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Mesh {
+    /// Name of a shipped scene, path of a scene file (.toml) or of a deck (.inp, .inp.gz)
+    #[arg(value_name = "SCENE|DECK")]
+    pub input: String,
+    /// Write a deck
+    #[arg(long, value_name = "F.inp")]
+    pub out: Option<PathBuf>,
+    /// Write a file for ParaView, with the sets and the quality of the elements
+    #[arg(long, value_name = "F.vtu")]
+    pub vtu: Option<PathBuf>,
+    /// Only this gear [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub gear: Option<String>,
+    /// Kind of element: C3D8, C3D8I, C3D20 or C3D20R [default: C3D8I]
+    #[arg(long, value_name = "KIND")]
+    pub element: Option<String>,
+    /// Elements along the involute flank [default: 8]
+    #[arg(long, value_name = "N")]
+    pub flank: Option<usize>,
+    /// Elements along the fillet [default: 4]
+    #[arg(long, value_name = "N")]
+    pub fillet: Option<usize>,
+    /// Elements on the root arc, from the fillet to the middle of the tooth space [default: 2]
+    #[arg(long, value_name = "N")]
+    pub root: Option<usize>,
+    /// Elements across the tooth [default: 6]
+    #[arg(long, value_name = "N")]
+    pub across: Option<usize>,
+    /// Layers of the skin under flank, fillet and root, which grow inwards [default: 2]
+    #[arg(long, value_name = "N")]
+    pub layers: Option<usize>,
+    /// Layers from the root to the bore or the back of a rack [default: 4]
+    #[arg(long, value_name = "N")]
+    pub rim: Option<usize>,
+    /// Layers over the face width [default: 4]
+    #[arg(long, value_name = "N")]
+    pub width: Option<usize>,
+    /// One pitch only, for cyclic symmetry
+    #[arg(long)]
+    pub sector: bool,
+    /// Only these teeth as fine as asked for, the others coarse; numbers from 1, between commas
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    pub fine_teeth: Vec<u32>,
+}

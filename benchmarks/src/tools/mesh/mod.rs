@@ -1,0 +1,364 @@
+//! `gearbench mesh SCENE|DECK`: meshes of gears, their quality, decks and files for ParaView.
+
+pub mod arguments;
+
+use crate::cli::terminal::{Refusal, say};
+use crate::scene_file;
+use arguments::Mesh as Arguments;
+use gearbench_models::scene::spec::Body;
+use gearbench_models::stiffness::Material;
+use gearbench_reference::deck::{self, GearDeck};
+use gearbench_reference::mesh::vtu::{self, Field, Values};
+use gearbench_reference::mesh::{
+    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, RackMeshParams, Tooth,
+};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// A gear on its way to its files.
+struct Meshed {
+    name: String,
+    material: Material,
+    mesh: GearMesh,
+    /// Time to make or read it [s].
+    seconds: f64,
+}
+
+/// Meshes the gears, prints what came out and writes what was asked for.
+pub fn run(args: &Arguments, command: &str) -> Result<ExitCode, Refusal> {
+    let gears = if is_deck(&args.input) {
+        from_deck(args)?
+    } else {
+        from_scene(args)?
+    };
+    table(&gears);
+    let mut files = Files::default();
+    for g in &gears {
+        let several = (gears.len() > 1).then_some(g.name.as_str());
+        if let Some(out) = &args.out {
+            files.add(&named(out, several), &args.input, |f| {
+                write_deck(f, g, &format!("{} of {}\n{command}", g.name, args.input))
+            })?;
+        }
+        if let Some(out) = &args.vtu {
+            files.add(&named(out, several), &args.input, |f| write_vtu(f, &g.mesh))?;
+        }
+    }
+    if files.0.is_empty() {
+        say("nothing was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView");
+    }
+    for path in files.keep()? {
+        say(&format!("written: {}", path.display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+pub(super) fn is_deck(input: &str) -> bool {
+    let name = input.to_ascii_lowercase();
+    name.ends_with(".inp") || name.ends_with(".inp.gz")
+}
+
+/// `F.inp` of one gear among several is `F-NAME.inp`.
+pub(super) fn named(path: &Path, gear: Option<&str>) -> PathBuf {
+    let Some(gear) = gear else {
+        return path.to_owned();
+    };
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut name = format!("{stem}-{gear}");
+    if let Some(e) = path.extension() {
+        name = format!("{name}.{}", e.to_string_lossy());
+    }
+    path.with_file_name(name)
+}
+
+/// Those with the name that was asked for.
+pub(super) fn chosen<T>(
+    all: Vec<T>,
+    wanted: Option<&str>,
+    input: &str,
+    name: impl Fn(&T) -> String,
+) -> Result<Vec<T>, Refusal> {
+    let Some(wanted) = wanted else {
+        return Ok(all);
+    };
+    let names: Vec<String> = all.iter().map(&name).collect();
+    let found: Vec<T> = all.into_iter().filter(|g| name(g) == wanted).collect();
+    if found.is_empty() {
+        return Err(Refusal::Input(miette::miette!(
+            help = format!("its gears are {}", names.join(", ")),
+            "there is no gear `{wanted}` in {input}"
+        )));
+    }
+    Ok(found)
+}
+
+fn from_deck(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
+    let counts = [
+        ("--flank", args.flank.is_some()),
+        ("--fillet", args.fillet.is_some()),
+        ("--root", args.root.is_some()),
+        ("--across", args.across.is_some()),
+        ("--layers", args.layers.is_some()),
+        ("--rim", args.rim.is_some()),
+        ("--width", args.width.is_some()),
+        ("--element", args.element.is_some()),
+        ("--sector", args.sector),
+        ("--fine-teeth", !args.fine_teeth.is_empty()),
+    ];
+    if let Some((option, _)) = counts.iter().find(|(_, given)| *given) {
+        return Err(Refusal::Input(miette::miette!(
+            help = "leave it out, or mesh a scene with that gear",
+            "{option} does not go with a deck, which brings its own mesh"
+        )));
+    }
+    let start = Instant::now();
+    let refuse = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
+    let deck = deck::read(&args.input).map_err(refuse)?;
+    let gears = deck::gears(&deck).map_err(refuse)?;
+    let seconds = start.elapsed().as_secs_f64() / gears.len().max(1) as f64;
+    let gears = chosen(gears, args.gear.as_deref(), &args.input, |g| g.name.clone())?;
+    Ok(gears
+        .into_iter()
+        .map(|g| Meshed {
+            name: g.name,
+            material: g.material,
+            mesh: g.mesh,
+            seconds,
+        })
+        .collect())
+}
+
+fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
+    let scene = scene_file::load_unbuilt(&args.input)?;
+    let params = params(args)?;
+    let gears = chosen(scene.spec.gears, args.gear.as_deref(), &args.input, |g| {
+        g.name.clone()
+    })?;
+    gears
+        .into_iter()
+        .map(|g| {
+            let start = Instant::now();
+            let made = match &g.body {
+                Body::Gear(gear) => mesh::gear(gear, &params),
+                Body::Rack(_) if args.sector => {
+                    return Err(Refusal::Input(miette::miette!(
+                        help = "leave out --sector, or choose a gear with --gear NAME",
+                        "`{}` is a rack: it has no sector",
+                        g.name
+                    )));
+                }
+                Body::Rack(rack) => mesh::rack(rack, &of_rack(&params)),
+            };
+            let mesh = made.map_err(|e| refuse(&g.name, &e))?;
+            Ok(Meshed {
+                name: g.name,
+                material: g.material,
+                mesh,
+                seconds: start.elapsed().as_secs_f64(),
+            })
+        })
+        .collect()
+}
+
+fn params(args: &Arguments) -> Result<GearMeshParams, Refusal> {
+    let mut p = GearMeshParams::default();
+    if let Some(name) = &args.element {
+        p.kind = ElementKind::from_name(name).ok_or_else(|| {
+            let known: Vec<&str> = ElementKind::ALL.iter().map(|k| k.name()).collect();
+            Refusal::Input(miette::miette!(
+                help = format!("there are {}", known.join(", ")),
+                "there is no element `{name}`"
+            ))
+        })?;
+    }
+    for (given, to) in [
+        (args.flank, &mut p.tooth.flank),
+        (args.fillet, &mut p.tooth.fillet),
+        (args.root, &mut p.tooth.root),
+        (args.across, &mut p.tooth.across),
+        (args.layers, &mut p.layers),
+        (args.rim, &mut p.rim),
+        (args.width, &mut p.width),
+    ] {
+        if let Some(n) = given {
+            *to = n;
+        }
+    }
+    p.sector = args.sector;
+    if !args.fine_teeth.is_empty() {
+        p.fine_teeth = Some(FineTeeth {
+            // On the command line as in the names of sets, from 1.
+            teeth: args.fine_teeth.iter().map(|t| t - 1).collect(),
+            others: Tooth::coarse(),
+        });
+    }
+    Ok(p)
+}
+
+fn of_rack(p: &GearMeshParams) -> RackMeshParams {
+    RackMeshParams {
+        kind: p.kind,
+        tooth: p.tooth,
+        layers: p.layers,
+        body: p.rim,
+        width: p.width,
+        fine_teeth: p.fine_teeth.clone(),
+        ..RackMeshParams::default()
+    }
+}
+
+/// The refusal of a mesh, with the option or the line of the scene that helps.
+fn refuse(name: &str, e: &MeshError) -> Refusal {
+    let help = match e {
+        MeshError::NoBore { proposal, .. } => {
+            format!("add `bore_radius_m = {proposal:.4}` to [gears.{name}] in a scene of your own")
+        }
+        MeshError::NoSuchTooth { .. } => {
+            "--fine-teeth counts from 1, as the sets flank_1l, flank_1r".to_owned()
+        }
+        _ => "--flank, --fillet, --root, --across, --layers, --rim and --width set the counts"
+            .to_owned(),
+    };
+    Refusal::Input(miette::miette!(
+        help = help,
+        "the gear `{name}` cannot be meshed: {e}"
+    ))
+}
+
+fn table(gears: &[Meshed]) {
+    let width = gears.iter().map(|g| g.name.len()).max().unwrap_or(0).max(4);
+    say(&format!(
+        "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>15}  {:>8}  {:>9}",
+        "gear",
+        "teeth",
+        "element",
+        "nodes",
+        "elements",
+        "unknowns",
+        "scaled Jacobian",
+        "greatest",
+        "time"
+    ));
+    say(&format!(
+        "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7} {:>7}  {:>8}  {:>9}",
+        "", "", "", "", "", "", "least", "mean", "aspect", "ms"
+    ));
+    for g in gears {
+        let (m, q) = (&g.mesh.mesh, mesh::quality(&g.mesh.mesh));
+        say(&format!(
+            "{:<width$}  {:>5}  {:>7}  {:>8}  {:>8}  {:>8}  {:>7.3} {:>7.3}  {:>8.1}  {:>9.1}",
+            g.name,
+            g.mesh.teeth,
+            m.kind.name(),
+            m.nodes.len(),
+            m.element_count(),
+            3 * m.nodes.len(),
+            q.min_scaled_jacobian,
+            q.mean_scaled_jacobian,
+            q.max_aspect_ratio,
+            1e3 * g.seconds
+        ));
+        if q.min_scaled_jacobian <= 0.0 {
+            let i = q.worst_element;
+            say(&format!(
+                "  element {} (counted from 1) is turned inside out: no program can compute with it",
+                i + 1
+            ));
+        }
+    }
+}
+
+fn write_deck(out: &mut dyn Write, g: &Meshed, title: &str) -> Result<(), String> {
+    let options = GearDeck {
+        title: title.to_owned(),
+        modes: None,
+    };
+    deck::write(out, &g.mesh, &g.material, &options).map_err(|e| e.to_string())?;
+    for name in ["cut_low", "cut_high"] {
+        let Some(nodes) = g.mesh.mesh.node_sets.get(name) else {
+            continue;
+        };
+        writeln!(out, "*NSET, NSET={name}, UNSORTED").map_err(|e| e.to_string())?;
+        for line in nodes.chunks(12) {
+            let labels: Vec<String> = line.iter().map(|n| (n + 1).to_string()).collect();
+            writeln!(out, "{}", labels.join(", ")).map_err(|e| e.to_string())?;
+        }
+    }
+    Ok(())
+}
+
+fn write_vtu(out: &mut dyn Write, g: &GearMesh) -> Result<(), String> {
+    let (jacobian, aspect): (Vec<f64>, Vec<f64>) = mesh::element_qualities(&g.mesh)
+        .map(|q| (q.scaled_jacobian, q.aspect_ratio))
+        .unzip();
+    let sets = vtu::membership(&g.mesh);
+    let at_nodes: Vec<Field<'_>> = sets
+        .iter()
+        .map(|(name, v)| Field {
+            name,
+            values: Values::Integers(v),
+        })
+        .collect();
+    let at_elements =
+        [("scaled_jacobian", &jacobian), ("aspect_ratio", &aspect)].map(|(name, v)| Field {
+            name,
+            values: Values::Scalars(v),
+        });
+    vtu::write(out, &g.mesh, &at_nodes, &at_elements).map_err(|e| e.to_string())
+}
+
+/// Files written under another name until all of them are whole: (written, wanted).
+#[derive(Default)]
+struct Files(Vec<(PathBuf, PathBuf)>);
+
+impl Files {
+    fn add(
+        &mut self,
+        path: &Path,
+        input: &str,
+        write: impl Fn(&mut dyn Write) -> Result<(), String>,
+    ) -> Result<(), Refusal> {
+        let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
+        let same =
+            |a: &Path| matches!((a.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        if same(Path::new(input)) {
+            return Err(fail(&"is the input; choose another name for the output"));
+        }
+        if self.0.iter().any(|(_, other)| other == path) {
+            return Err(fail(
+                &"is asked for twice; --out and --vtu need names of their own",
+            ));
+        }
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        let part = PathBuf::from(part);
+        let file = std::fs::File::create(&part).map_err(|e| fail(&e))?;
+        self.0.push((part, path.to_owned()));
+        let mut out = BufWriter::new(file);
+        write(&mut out).map_err(|e| fail(&e))?;
+        out.flush().map_err(|e| fail(&e))
+    }
+
+    /// Gives all files the names they were asked for.
+    fn keep(mut self) -> Result<Vec<PathBuf>, Refusal> {
+        let mut kept = Vec::new();
+        while !self.0.is_empty() {
+            let (part, path) = &self.0[0];
+            std::fs::rename(part, path)
+                .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+            kept.push(self.0.remove(0).1);
+        }
+        Ok(kept)
+    }
+}
+
+impl Drop for Files {
+    /// What was not kept is not left half written.
+    fn drop(&mut self) {
+        for (part, _) in &self.0 {
+            let _ = std::fs::remove_file(part);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Arguments of `reduce`.
+
+use crate::cli::values::positive_load;
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench reduce gear.inp                              nothing is written: what the deck holds, modes, compliance
+  gearbench reduce gear.inp.gz --modes 200 --out gear.npz
+  gearbench reduce old.inp --gear wheel --mount held --max-frequency 80e3 --out wheel.npz
+  gearbench reduce a.inp b.inp --modes 100 --out reduced/      one file each: reduced/a.npz, reduced/b.npz
+  gearbench reduce spur_impact --modes 200 --out spur.npz      spur-pinion.npz, spur-wheel.npz
+
+A deck from elsewhere needs hexahedra, SI units, a node set `bore` and node sets of the flanks that may touch,
+`flank_1l`, `flank_1r`, ... (l: the counter-clockwise flank). Of a scene the meshes of its elastic model are taken,
+with the mounts and added inertias of its gears.
+
+What the file holds: flank nodes with normals, frequencies and mode shapes there, static compliance between the flank
+nodes and towards the hub; docs/reduction-format.md describes it. The elastic model of a scene takes it by
+`parameters = { reduction = \"gear.npz\" }`, paths from the folder of the scene.
+
+What was computed before comes from a cache ($GEARBENCH_CACHE, else the user's cache folder; `off` for none).";
+
+/// Arguments of `reduce`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Reduce {
+    /// Decks (.inp, .inp.gz); or the name of a shipped scene, or the path of a scene file (.toml)
+    #[arg(value_name = "SCENE|DECK", required = true)]
+    pub inputs: Vec<String>,
+    /// Write to this file, or into this folder [default: nothing is written]
+    #[arg(long, value_name = "F.npz|DIR")]
+    pub out: Option<PathBuf>,
+    /// Modes to store, most [default: 400, or all up to --max-frequency]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=5000))]
+    pub modes: Option<u32>,
+    /// Highest frequency of a mode to store [Hz]
+    #[arg(long, value_name = "HZ", value_parser = positive_load)]
+    pub max_frequency: Option<f64>,
+    /// Which modes to store where --modes leaves some out
+    #[arg(long, value_name = "RULE", default_value = "frequency", value_parser = ["frequency", "flank-compliance"])]
+    pub choose: String,
+    /// Only this gear [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub gear: Option<String>,
+    /// Label of the scene's elastic model whose meshes are taken [default: its first]
+    #[arg(long, value_name = "LABEL")]
+    pub model: Option<String>,
+    /// The hub is free to move or held [default: free; of a scene as its gear is mounted]
+    #[arg(long, value_name = "MOUNT", value_parser = ["free", "held"])]
+    pub mount: Option<String>,
+    /// Inertia added at the hub [kg m^2], mass of a rack [kg] [default: 0; of a scene that of its gear]
+    #[arg(long, value_name = "J", value_parser = not_negative)]
+    pub added_inertia: Option<f64>,
+    /// Young's modulus [Pa] [default: as the deck says, else steel]
+    #[arg(long, value_name = "PA", value_parser = modulus)]
+    pub young: Option<f64>,
+    /// Poisson's ratio [default: as the deck says, else steel]
+    #[arg(long, value_name = "NU", value_parser = not_negative)]
+    pub poisson: Option<f64>,
+    /// Density [kg/m^3] [default: as the deck says, else steel]
+    #[arg(long, value_name = "KG_M3", value_parser = positive_load)]
+    pub density: Option<f64>,
+}
+
+fn modulus(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e15 => Ok(x),
+        _ => Err("expected a positive number of pascals, for example 2.1e11".into()),
+    }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.0..=1e9).contains(&x) => Ok(x),
+        _ => Err("expected a number of 0 or more".into()),
+    }
+}

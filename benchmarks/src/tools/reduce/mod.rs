@@ -1,0 +1,337 @@
+//! `gearbench reduce SCENE|DECK`: pass 1 of the elastic model, told and stored.
+
+pub mod arguments;
+mod report;
+
+use crate::cli::terminal::{Refusal, progress_bar, say};
+use crate::scene_file;
+use crate::tools::mesh::{chosen, is_deck, named};
+use arguments::Reduce as Arguments;
+use gearbench_models::Vec3;
+use gearbench_models::gear::placement::Placement;
+use gearbench_models::gear::table::GearContext;
+use gearbench_models::mount::Hub;
+use gearbench_models::scene::spec::{Body, GearSpec, Parameters};
+use gearbench_models::stiffness::Material;
+use gearbench_reference::deck::{self, BodyShape};
+use gearbench_reference::mesh::GearMesh;
+use gearbench_reference::reduction::choose::{self, Choice, Criterion};
+use gearbench_reference::reduction::store::{self, Meta, Motion};
+use gearbench_reference::reduction::{
+    Basis, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
+};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Modes when the command line does not say.
+const MODES: usize = 400;
+
+/// A gear to be reduced.
+struct Job {
+    /// Of its file, where there are several.
+    name: String,
+    /// Where the mesh is from, in words.
+    source: String,
+    mesh: GearMesh,
+    /// The mesh is one sector of the gear.
+    sector: bool,
+    material: Material,
+    mounting: Mounting,
+    /// What a reader should know of the input.
+    notes: Vec<String>,
+}
+
+/// A reduced gear.
+struct Done {
+    basis: Arc<Basis>,
+    meta: Meta,
+    /// It had been computed before.
+    hit: bool,
+    /// [s].
+    seconds: f64,
+}
+
+/// Reduces the gears, tells what came out and writes what was asked for.
+pub fn run(args: &Arguments) -> Result<ExitCode, Refusal> {
+    let mut jobs = Vec::new();
+    for input in &args.inputs {
+        match is_deck(input) {
+            true => jobs.extend(from_deck(args, input)?),
+            false => jobs.extend(from_scene(args, input)?),
+        }
+    }
+    let files = files(args, &jobs)?;
+    let bar = progress_bar(jobs.len());
+    for (job, file) in jobs.iter().zip(&files) {
+        let done = reduce(args, job, &bar).inspect_err(|_| bar.finish_and_clear())?;
+        bar.suspend(|| report::tell(job, &done));
+        if let Some(path) = file {
+            let size = store::write(path, &done.basis, &done.meta)
+                .map_err(|e| Refusal::Files(e.to_string()))?;
+            bar.suspend(|| say(&report::line("written", &report::file(path, size))));
+        }
+    }
+    bar.finish_and_clear();
+    if args.out.is_none() {
+        say("nothing was written; `--out F.npz` writes the reduction");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn refuse(message: &str, help: &str) -> Refusal {
+    Refusal::Input(miette::miette!(help = help.to_owned(), "{message}"))
+}
+
+fn from_deck(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
+    if args.model.is_some() {
+        return Err(refuse(
+            "--model does not go with a deck, which brings its own mesh",
+            "leave it out, or give a scene",
+        ));
+    }
+    let bad = |e: deck::DeckError| Refusal::Input(miette::miette!("{e}"));
+    let deck = deck::read(input).map_err(bad)?;
+    let mut notes: Vec<String> = deck::check_gtm(&deck)
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    if deck::gears(&deck).is_err() {
+        notes.push("what the deck does not say of the material is taken from steel".to_owned());
+    }
+    let gears = deck::gears_with(&deck, Some(Material::STEEL)).map_err(bad)?;
+    let one = gears.len() == 1;
+    let gears = chosen(gears, args.gear.as_deref(), input, |g| g.name.clone())?;
+    let stem = stem(input);
+    let jobs = gears.into_iter().map(|g| {
+        let free = args.mount.as_deref() != Some("held");
+        let added = args.added_inertia.unwrap_or(0.0);
+        Ok(Job {
+            name: match one {
+                true => stem.clone(),
+                false => format!("{stem}-{}", g.name),
+            },
+            source: match one {
+                true => format!("deck {input}"),
+                false => format!("deck {input}, gear {}", g.name),
+            },
+            mounting: match g.shape {
+                BodyShape::Gear => Mounting::gear(free, added),
+                BodyShape::Rack { .. } => Mounting::rack(free, added),
+            },
+            material: material(args, g.material)?,
+            mesh: g.mesh,
+            sector: false,
+            notes: std::mem::take(&mut notes),
+        })
+    });
+    jobs.collect()
+}
+
+/// Name of a deck without folder and ending.
+fn stem(input: &str) -> String {
+    let name = Path::new(input).file_name().unwrap_or_default();
+    let name = name.to_string_lossy();
+    let lower = name.to_ascii_lowercase();
+    let end = [".inp.gz", ".inp"].iter().find(|e| lower.ends_with(*e));
+    name[..name.len() - end.map_or(0, |e| e.len())].to_owned()
+}
+
+/// A material with what the command line says of it.
+fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
+    let material = Material {
+        young: args.young.unwrap_or(of.young),
+        poisson: args.poisson.unwrap_or(of.poisson),
+        density: args.density.unwrap_or(of.density),
+    };
+    let sound = material.check();
+    sound.map_err(|e| refuse(&e.to_string(), "set --young, --poisson and --density"))?;
+    Ok(material)
+}
+
+fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
+    let scene = scene_file::load_unbuilt(input)?;
+    // The configuration whose gears are elastic: it says where meshes come from.
+    let mut elastic = scene
+        .models
+        .iter()
+        .filter(|m| m.modelling.gears.iter().any(|g| g.id == "elastic"));
+    let model = match &args.model {
+        None => elastic.next(),
+        Some(label) => Some(elastic.find(|m| m.label == *label).ok_or_else(|| {
+            refuse(
+                &format!("the scene `{}` has no elastic model `{label}`", scene.name),
+                "leave --model out to take the first, or meshes with default sizes where there is none",
+            )
+        })?),
+    };
+    let none = Parameters::new();
+    let gears: Vec<(usize, GearSpec)> = scene.spec.gears.into_iter().enumerate().collect();
+    let gears = chosen(gears, args.gear.as_deref(), input, |g| g.1.name.clone())?;
+    let jobs = gears.into_iter().filter_map(|(i, g)| {
+        let own = model.map(|m| &m.modelling.gears[i]);
+        // In a mixed configuration only the elastic gears have a mesh.
+        let parameters = match own {
+            Some(spec) if spec.id != "elastic" => return None,
+            Some(spec) => &spec.parameters,
+            None => &none,
+        };
+        Some(of_scene(args, &scene.name, &g, parameters))
+    });
+    let jobs: Vec<Job> = jobs.collect::<Result<_, _>>()?;
+    match jobs.is_empty() {
+        true => Err(refuse(
+            "the gear is not elastic in the scene's elastic model",
+            "leave --gear out, or choose another model with --model",
+        )),
+        false => Ok(jobs),
+    }
+}
+
+/// A gear of a scene, meshed as the parameters of its model say.
+fn of_scene(
+    args: &Arguments,
+    scene: &str,
+    g: &GearSpec,
+    parameters: &Parameters,
+) -> Result<Job, Refusal> {
+    let rack = matches!(g.body, Body::Rack(_));
+    let hub = Hub {
+        mount: g.mount.clone(),
+        centre: Vec3::new(g.position[0], g.position[1], 0.0),
+        slide: rack.then(Vec3::y),
+        inertia: 1.0,
+    };
+    let material = material(args, g.material)?;
+    let context = GearContext {
+        name: &g.name,
+        body: &g.body,
+        material,
+        hub: &hub,
+        added_inertia: args.added_inertia.unwrap_or(g.added_inertia),
+        placement: Placement::new(&hub, 0.0),
+        lever: 1.0,
+        parameters,
+    };
+    let of = of_gear("elastic", &context)
+        .map_err(|e| Refusal::Input(miette::miette!("scene `{scene}`, gear `{}`: {e}", g.name)))?;
+    let mesh = match parameters.get("mesh") {
+        Some(gearbench_models::scene::spec::Value::Text(text)) => format!("mesh {text}"),
+        _ => "generated mesh".to_owned(),
+    };
+    Ok(Job {
+        name: g.name.clone(),
+        source: format!("scene {scene}, gear {}, {mesh}", g.name),
+        mesh: of.mesh,
+        sector: of.sector,
+        material,
+        mounting: Mounting {
+            free: args
+                .mount
+                .as_deref()
+                .map_or(of.mounting.free, |m| m == "free"),
+            ..of.mounting
+        },
+        notes: Vec::new(),
+    })
+}
+
+/// Where each gear is written to.
+fn files(args: &Arguments, jobs: &[Job]) -> Result<Vec<Option<PathBuf>>, Refusal> {
+    let Some(out) = &args.out else {
+        return Ok(vec![None; jobs.len()]);
+    };
+    let fail = |path: &Path, what: &str| Refusal::Files(format!("{}: {what}", path.display()));
+    let ends_open = out.as_os_str().to_string_lossy().ends_with(['/', '\\']);
+    let folder = out.is_dir() || ends_open;
+    let ends_so = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("npz");
+    if !folder && !out.extension().is_some_and(ends_so) {
+        return Err(fail(
+            out,
+            "is neither a folder nor the name of a file that ends in .npz",
+        ));
+    }
+    let mut files: Vec<PathBuf> = Vec::with_capacity(jobs.len());
+    for job in jobs {
+        let path = match (folder, jobs.len()) {
+            (true, _) => out.join(format!("{}.npz", job.name)),
+            (false, 1) => out.clone(),
+            (false, _) => named(out, Some(&job.name)),
+        };
+        if files.contains(&path) {
+            return Err(fail(
+                &path,
+                "is asked for twice; reduce the gears one by one",
+            ));
+        }
+        files.push(path);
+    }
+    if folder {
+        std::fs::create_dir_all(out).map_err(|e| fail(out, &e.to_string()))?;
+    }
+    Ok(files.into_iter().map(Some).collect())
+}
+
+fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<Done, Refusal> {
+    let most = args.modes.map(|n| n as usize);
+    let by = match args.choose.as_str() {
+        "flank-compliance" => Criterion::FlankCompliance,
+        _ => Criterion::Frequency,
+    };
+    let wanted = match (most, args.max_frequency) {
+        (_, Some(f)) => Wanted::UpTo(f),
+        (None, None) => Wanted::Count(MODES),
+        // Among twice as many there is something to choose from.
+        (Some(n), None) if by == Criterion::FlankCompliance => Wanted::Count(MODES.max(2 * n)),
+        (Some(n), None) => Wanted::Count(n.max(1)),
+    };
+    let request = Request {
+        mesh: &job.mesh,
+        sector: job.sector,
+        material: job.material,
+        mounting: job.mounting,
+        wanted,
+    };
+    let start = Instant::now();
+    bar.set_message(job.name.clone());
+    let found = cache::in_use().basis(&request, &job.source, || request.compute());
+    bar.inc(1);
+    let found = found.map_err(|e| match e {
+        ReductionError::Modes(_) => Refusal::Failed(format!("{}: {e}", job.source)),
+        e => Refusal::Input(miette::miette!("{}: {e}", job.source)),
+    })?;
+    let mut meta = Meta::new(&request, &job.source);
+    let mut basis = found.basis;
+    if let Some(count) = most.filter(|n| *n < basis.omega.len()) {
+        let kept = choose::choose(
+            &basis,
+            &Choice {
+                by,
+                count,
+                candidates: basis.omega.len(),
+                highest: args.max_frequency.map_or(f64::INFINITY, |f| TAU * f),
+                even_over_width: Toothing::of(&basis, meta.motion, meta.teeth).straight,
+            },
+        );
+        meta.asked = format!("at most {count} by {} of {}", args.choose, meta.asked);
+        meta.key.text(&meta.asked);
+        basis = Arc::new(basis.with_modes(&kept));
+    }
+    Ok(Done {
+        basis,
+        meta,
+        hit: found.hit,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// What the hub does, in words.
+fn hub(motion: Motion, free: bool) -> &'static str {
+    match (motion, free) {
+        (Motion::Turn, true) => "free to turn",
+        (Motion::Slide, true) => "free to slide",
+        (_, false) => "held",
+    }
+}

@@ -1,0 +1,220 @@
+//! What `reduce` tells of a gear.
+
+use super::{Done, Job, hub};
+use crate::cli::terminal::say;
+use gearbench_models::gear::elastic::reduced::FlankCompliance;
+use gearbench_reference::mesh;
+use gearbench_reference::reduction::store::Motion;
+use gearbench_reference::reduction::{Basis, Toothing};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// Frequencies that are named.
+const FIRST: usize = 6;
+
+/// A line of the report.
+pub(super) fn line(what: &str, text: &str) -> String {
+    format!("  {what:<12}  {text}")
+}
+
+/// A file with its size.
+pub(super) fn file(path: &Path, bytes: u64) -> String {
+    let (size, unit) = match bytes {
+        0..1_000_000 => (bytes as f64 / 1e3, "kB"),
+        _ => (bytes as f64 / 1e6, "MB"),
+    };
+    format!("{}, {size:.1} {unit}", path.display())
+}
+
+/// Tells what a gear is and what it was reduced to.
+pub(super) fn tell(job: &Job, done: &Done) {
+    let (basis, meta) = (&*done.basis, &done.meta);
+    let shown = Toothing::of(basis, meta.motion, meta.teeth);
+    say(&format!("{}, from {}", job.name, job.source));
+    for note in &job.notes {
+        say(&line("note", note));
+    }
+    say(&line("mesh", &of_mesh(job)));
+    say(&line(
+        "geometry",
+        &of_toothing(&shown, meta.motion, meta.teeth),
+    ));
+    say(&line("contact", &of_flanks(basis, &shown)));
+    say(&line("bore", &of_bore(job, meta.motion, basis)));
+    say(&line("inertia", &of_inertia(job, meta.motion, basis)));
+    let m = &job.material;
+    say(&line(
+        "material",
+        &format!(
+            "E = {:e} Pa, nu = {}, {} kg/m^3",
+            m.young, m.poisson, m.density
+        ),
+    ));
+    say(&line("modes", &of_modes(basis, &meta.asked)));
+    if let Some(text) = of_compliance(basis) {
+        say(&line("compliance", &text));
+    }
+    let from = if done.hit { ", from the cache" } else { "" };
+    say(&line("time", &format!("{:.2} s{from}", done.seconds)));
+}
+
+/// `1 flank`, `2 flanks`.
+fn some(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    }
+}
+
+fn of_mesh(job: &Job) -> String {
+    let mesh = &job.mesh.mesh;
+    let q = mesh::quality(mesh);
+    let of = match job.sector {
+        true => format!("one sector of {}: ", job.mesh.teeth),
+        false => String::new(),
+    };
+    format!(
+        "{of}{}, {}, {}, scaled Jacobian {:.3} or more",
+        some(mesh.nodes.len(), "node"),
+        some(mesh.element_count(), "element"),
+        mesh.kind.name(),
+        q.min_scaled_jacobian
+    )
+}
+
+fn of_toothing(t: &Toothing, motion: Motion, teeth: u32) -> String {
+    let module = format!(
+        "module {:.3} mm at {:.1} degrees{}",
+        1e3 * t.module,
+        t.pressure_angle.to_degrees(),
+        if t.standard { "" } else { ", none of ISO 54" }
+    );
+    match motion {
+        Motion::Turn => format!(
+            "gear with {}, tip radius {:.3} mm, base radius {:.3} mm; {module}",
+            some(teeth as usize, "tooth").replace("tooths", "teeth"),
+            1e3 * t.tip,
+            1e3 * t.base
+        ),
+        Motion::Slide => format!(
+            "rack with {}, tips {:.3} mm above its reference line; {module}",
+            some(teeth as usize, "tooth").replace("tooths", "teeth"),
+            1e3 * t.tip
+        ),
+    }
+}
+
+fn of_flanks(basis: &Basis, t: &Toothing) -> String {
+    let grids = basis.flanks.grids();
+    let faces: usize = grids.iter().map(|g| (g.rows - 1) * (g.columns - 1)).sum();
+    let ends = |of: &dyn Fn(usize) -> usize| {
+        let all = || (0..grids.len()).map(of);
+        match (all().min(), all().max()) {
+            (Some(least), Some(most)) if least < most => format!("{least} to {most}"),
+            (least, _) => least.unwrap_or(0).to_string(),
+        }
+    };
+    format!(
+        "{} with {} and {}: {} nodes along the profile, {} over {:.3} mm of width{}",
+        some(grids.len(), "flank"),
+        some(basis.normals.len(), "node"),
+        some(faces, "face"),
+        ends(&|i| grids[i].rows),
+        ends(&|i| grids[i].columns),
+        1e3 * t.width,
+        if t.straight { ", straight" } else { "" }
+    )
+}
+
+fn of_bore(job: &Job, motion: Motion, basis: &Basis) -> String {
+    let nodes = &job.mesh.mesh.nodes;
+    let bore = &job.mesh.bore;
+    let held = some(bore.len(), "node");
+    let hub = hub(motion, basis.free);
+    match (motion, bore.first()) {
+        (Motion::Turn, Some(&first)) => {
+            let radius = nodes[first as usize].xy().norm();
+            format!(
+                "{held} at {:.3} mm tied to the hub, which is {hub}",
+                1e3 * radius
+            )
+        }
+        _ => format!("{held} tied to the hub, which is {hub}"),
+    }
+}
+
+fn of_inertia(job: &Job, motion: Motion, basis: &Basis) -> String {
+    let parts = if job.sector {
+        f64::from(job.mesh.teeth)
+    } else {
+        1.0
+    };
+    let mass = parts * job.material.density * mesh::quality(&job.mesh.mesh).volume;
+    let added = basis.added_inertia;
+    match motion {
+        Motion::Turn => {
+            let added = match added {
+                0.0 => String::new(),
+                j => format!(", of it {j:e} kg m^2 added at the hub"),
+            };
+            format!(
+                "mass {mass:.6} kg, inertia {:.6e} kg m^2{added}",
+                basis.inertia
+            )
+        }
+        Motion::Slide => {
+            let added = match added {
+                0.0 => String::new(),
+                m => format!(", with {m} kg added at the hub {:.6} kg", basis.inertia),
+            };
+            format!("mass {mass:.6} kg{added}")
+        }
+    }
+}
+
+fn of_modes(basis: &Basis, asked: &str) -> String {
+    let hertz = |w: &f64| w / TAU;
+    let Some(highest) = basis.omega.last() else {
+        return format!("none of {} unknowns ({asked})", basis.unknowns);
+    };
+    let mut first: Vec<String> = basis
+        .omega
+        .iter()
+        .take(FIRST)
+        .map(|w| format!("{:.1}", hertz(w)))
+        .collect();
+    if basis.omega.len() > FIRST {
+        first.push("...".to_owned());
+    }
+    format!(
+        "{} of {} unknowns to {:.1} Hz ({asked}): {} Hz",
+        basis.omega.len(),
+        basis.unknowns,
+        hertz(highest),
+        first.join(", ")
+    )
+}
+
+/// The compliance in the middle of the first flank, and how much of it the modes have.
+fn of_compliance(basis: &Basis) -> Option<String> {
+    let c = &basis.compliance;
+    let g = basis.flanks.grids().first()?;
+    let node = g.nodes[(g.rows / 2) * g.columns + g.columns / 2];
+    let own = c.flanks.between(node, node, basis.normals.len());
+    let modes = basis.omega.len();
+    let shapes = &basis.shapes[node as usize * modes..][..modes];
+    let modal: f64 = shapes
+        .iter()
+        .zip(&basis.omega)
+        .map(|(b, w)| (b / w).powi(2))
+        .sum();
+    let layout = match c.flanks {
+        FlankCompliance::Full(_) => "between all flank nodes",
+        FlankCompliance::Cyclic { .. } => "of one tooth on all",
+    };
+    Some(format!(
+        "{layout}; {own:.4e} m/N in the middle of a flank of tooth {}, {:.1} % of it in the modes",
+        g.tooth + 1,
+        100.0 * modal / own
+    ))
+}

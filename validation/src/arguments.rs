@@ -1,0 +1,99 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench-validation sample tuning:7 > scene.toml     scene 7 of the set `tuning`
+  gearbench-validation run tuning --scenes 1..12        choices beside all candidates, tried one by one
+  gearbench-validation run held-out --threads 2         on the set that no rule was made on
+
+Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
+
+/// Are the choices of `gearbench choose` right? Validation on random scenes.
+///
+/// The seeds of the sets stand in validation/sets.toml. On every scene all candidates are tried against a reference over
+/// the whole scene, and the choice is held against the cheapest that keeps the tolerance.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "gearbench-validation", version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Command {
+    /// Print a random scene as a scene file
+    Sample {
+        /// The scene, for example tuning:7
+        #[arg(value_name = "SET:NUMBER", value_parser = one)]
+        scene: (String, usize),
+    },
+    /// Validate the choices on a set of random scenes
+    Run(Run),
+}
+
+/// Arguments of `run`.
+#[derive(Args, Clone, Debug)]
+pub struct Run {
+    /// `tuning` or `held-out`
+    pub set: String,
+    /// Scenes of the set, from the first to the last [default: all]
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    pub scenes: Option<[usize; 2]>,
+    /// Hold so many scenes, the first of one impact, against full finite elements [default: as the set says]
+    #[arg(long, value_name = "N")]
+    pub full_order: Option<usize>,
+    /// Scenes that are validated at the same time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub threads: u32,
+    /// Folder to write to [default: out/SET/choice-check]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+fn range(text: &str) -> Result<[usize; 2], String> {
+    let (a, b) = text.split_once("..").unwrap_or((text, text));
+    match (a.trim().parse(), b.trim().parse()) {
+        (Ok(a), Ok(b)) if 1 <= a && a <= b => Ok([a, b]),
+        _ => Err("expected two numbers from 1 on, for example 1..12, both ends included".into()),
+    }
+}
+
+fn one(text: &str) -> Result<(String, usize), String> {
+    let parts = text.split_once(':');
+    match parts.map(|(set, number)| (set, number.trim().parse())) {
+        Some((set, Ok(number))) if !set.is_empty() => Ok((set.to_owned(), number)),
+        _ => Err("expected a set and a number, for example tuning:7".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line() {
+        Cli::command().debug_assert();
+        let parse = |args: &[&str]| Cli::try_parse_from([&["gearbench-validation"], args].concat());
+        let Ok(Cli {
+            command: Command::Run(run),
+        }) = parse(&["run", "tuning", "--scenes", "3..5"])
+        else {
+            panic!("not understood");
+        };
+        assert_eq!((run.scenes, run.threads), (Some([3, 5]), 1));
+        for wrong in [
+            &["run"][..],
+            &["run", "tuning", "--scenes", "5..3"],
+            &["sample", "tuning"],
+            &["sample", ":7"],
+        ] {
+            assert_eq!(parse(wrong).unwrap_err().exit_code(), 2);
+        }
+    }
+}

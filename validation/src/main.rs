@@ -1,0 +1,205 @@
+//! Validation of the model choice: random scenes, every candidate tried, the choice held against the cheapest adequate.
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`arguments`] | the command line |
+//! | [`sampling`] | random scenes: sets, seeds, distributions |
+//! | [`validate`] | one scene: its reference, all candidates, the choice |
+//! | [`campaign`] | a set of scenes, in parallel, with a journal |
+
+mod arguments;
+mod campaign;
+mod sampling;
+mod validate;
+
+use arguments::{Cli, Command};
+use campaign::{Plan, check};
+use clap::Parser;
+use gearbench::cli::terminal::{self, FELL_SHORT, Refusal, progress_bar, say, write};
+use gearbench::experiment::machine;
+use gearbench_reference::reduction::cache::{self, Cache};
+use gearbench_reports::choice_check::{JudgedChoice, Outcome, share};
+use gearbench_reports::record::{Results, Study};
+use sampling::DrawError;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use validate::JudgeError;
+
+/// Share of scenes that choices are to meet, and cost ratio that their median is to keep.
+const ASKED: (f64, f64) = (0.95, 2.0);
+
+fn main() -> ExitCode {
+    cache::choose(Cache::standard());
+    terminal::end(match Cli::parse().command {
+        Command::Sample { scene } => print(&scene.0, scene.1),
+        Command::Run(args) => judge(&args, &terminal::told("gearbench-validation")),
+    })
+}
+
+fn refuse_draw(e: DrawError) -> Refusal {
+    match e {
+        DrawError::Set { .. } | DrawError::Number { .. } => Refusal::Input(miette::miette!(
+            help = "sets and their sizes stand in validation/sets.toml",
+            "{e}"
+        )),
+        e => Refusal::Failed(e.to_string()),
+    }
+}
+
+fn refuse(e: JudgeError) -> Refusal {
+    match e {
+        JudgeError::Draw(e) => refuse_draw(e),
+        e @ JudgeError::Journal { .. } => Refusal::Files(e.to_string()),
+        e => Refusal::Failed(e.to_string()),
+    }
+}
+
+/// Prints a random scene as a scene file.
+fn print(set: &str, number: usize) -> Result<ExitCode, Refusal> {
+    let set = sampling::set(set).map_err(refuse_draw)?;
+    let drawn = sampling::draw(&set, number).map_err(refuse_draw)?;
+    say(drawn.text.trim_end());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Judges choices on a set of random scenes and writes the folder.
+fn judge(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
+    let name = args.set.as_str();
+    let mut set = sampling::set(name).map_err(refuse_draw)?;
+    set.full_order = args.full_order.unwrap_or(set.full_order);
+    let scenes = args.scenes.unwrap_or([1, set.scenes]);
+    if scenes[1] > set.scenes {
+        return Err(refuse_draw(DrawError::Number {
+            set: set.name,
+            last: set.scenes,
+            number: scenes[1],
+        }));
+    }
+    let out =
+        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join("choice-check"));
+    let plan = Plan {
+        set: set.clone(),
+        scenes,
+        threads: args.threads as usize,
+        journal: Some(out.join("journal.jsonl")),
+    };
+    let bar = Mutex::new(progress_bar(scenes[1] - scenes[0] + 1));
+    let choices = check(&plan, None, |row, done, _| {
+        if let Ok(bar) = bar.lock() {
+            bar.set_position(done as u64);
+            bar.set_message(format!("{}: {}", row.scene, row.outcome));
+        }
+    });
+    if let Ok(bar) = bar.lock() {
+        bar.finish_and_clear();
+    }
+    let mut choices = choices.map_err(refuse)?;
+    let candidates = candidates_csv(&choices);
+    for row in &mut choices {
+        row.tried.clear();
+    }
+    let results = Results {
+        scene: name.into(),
+        title: format!("Model choice on random scenes: {name}"),
+        study: Study::ChoiceCheck,
+        command: command.into(),
+        machine: machine::machine(),
+        commit: machine::COMMIT.into(),
+        created: machine::now(),
+        settings: vec![
+            ("seed".into(), set.seed.to_string()),
+            ("scenes".into(), format!("{} to {}", scenes[0], scenes[1])),
+            (
+                "against full finite elements".into(),
+                format!("the first {} scenes of one impact", set.full_order),
+            ),
+            ("judged at the same time".into(), args.threads.to_string()),
+            (
+                "drawn again, because not sound".into(),
+                choices.iter().map(|c| c.redraws).sum::<u32>().to_string(),
+            ),
+        ],
+        choices,
+        ..Results::default()
+    };
+    write(&results, (&Some(out.clone()), name), summarise)?;
+    let path: PathBuf = out.join("candidates.csv");
+    std::fs::write(&path, candidates)
+        .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
+    say(&format!("candidates: {}", path.display()));
+    Ok(verdict(&results))
+}
+
+fn verdict(results: &Results) -> ExitCode {
+    let all: Vec<&JudgedChoice> = results.choices.iter().collect();
+    let s = share("all", &all);
+    let met = s.met as f64 >= ASKED.0 * s.scenes as f64;
+    let cheap = s.cost_ratio[1].is_none_or(|r| r <= ASKED.1);
+    if met && cheap {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(FELL_SHORT)
+    }
+}
+
+fn summarise(results: &Results) {
+    let all: Vec<&JudgedChoice> = results.choices.iter().collect();
+    for s in gearbench_reports::choice_check::shares(&results.choices) {
+        let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
+        say(&format!(
+            "{:24} {:3} scenes  met {:3} ({} rightly none)  cost ratio {} (90 % below {})  predicted/true error {}",
+            s.name,
+            s.scenes,
+            s.met,
+            s.rightly_none,
+            number(s.cost_ratio[1]),
+            number(s.cost_ratio[3]),
+            number(s.prediction[1])
+        ));
+    }
+    for row in all.iter().filter(|r| !r.outcome.is_met()) {
+        say(&format!(
+            "{}: {}, {} {} to {} %: {} [{}]",
+            row.scene,
+            row.outcome,
+            row.kind,
+            row.metric,
+            100.0 * row.tolerance,
+            row.why_missed(),
+            row.chosen.as_deref().unwrap_or("none")
+        ));
+    }
+    let unjudged = all
+        .iter()
+        .filter(|r| r.outcome == Outcome::NotJudged)
+        .count();
+    if unjudged > 0 {
+        say(&format!("{unjudged} scenes could not be judged"));
+    }
+}
+
+/// All candidates of all scenes.
+fn candidates_csv(rows: &[JudgedChoice]) -> String {
+    let mut out = String::from("scene,metric,tolerance,candidate,status,error,cost_s\n");
+    let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.6e}"));
+    for row in rows {
+        for t in &row.tried {
+            let quoted = |text: &str| format!("\"{}\"", text.replace('"', "'"));
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                out,
+                "{},{},{},{},{},{},{}",
+                row.scene,
+                row.metric,
+                row.tolerance,
+                quoted(&t.name),
+                quoted(&t.status),
+                number(t.error),
+                number(t.cost_s)
+            );
+        }
+    }
+    out
+}

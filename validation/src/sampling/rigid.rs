@@ -1,0 +1,83 @@
+//! Rigid gears run through a drawn scene: when their teeth touch, and how hard.
+
+use super::DrawError;
+use gearbench::models::models;
+use gearbench::scene_file::SceneFile;
+use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
+use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work, method};
+use gearbench_models::scene::Scene;
+
+/// Label of the model.
+const RIGID: &str = "rigid";
+/// Method, which steps from event to event, its tolerance, and steps that are never needed: steps bound a run, not
+/// time, for a scene is the same on every machine.
+const METHOD: (&str, f64, u64) = ("dopri5", 1e-8, 100_000);
+/// Places inside a step that are looked at.
+const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Spells of contact that part for less than this part of an impact's length are one: rounding of events.
+const APART: f64 = 1e-3;
+
+/// Contacts of a run: methods that locate events have no step across the begin or the end of one.
+struct Contacts {
+    channel: usize,
+    apart: f64,
+    peak: f64,
+    spells: Vec<[f64; 2]>,
+    sample: State,
+    out: Outputs,
+}
+
+impl Sink for Contacts {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let (from, to) = (step.from.t, step.to.t);
+        let mut touches = false;
+        for place in PLACES {
+            self.sample.copy_from(step.from);
+            let State { q, v, .. } = &mut self.sample;
+            step.dense.eval(place, q, v);
+            self.sample.t = from + place * (to - from);
+            sys.output(self.sample.at(), &mut self.out);
+            let force = self.out.channels[self.channel].abs();
+            self.peak = self.peak.max(force);
+            touches |= place < 1.0 && force > 0.0;
+        }
+        match self.spells.last_mut() {
+            Some(last) if touches && from - last[1] < self.apart => last[1] = to,
+            _ if touches => self.spells.push([from, to]),
+            _ => {}
+        }
+        Control::Continue
+    }
+}
+
+/// Peak force [N] of rigid gears, and when their contacts begin and end [s]; an impact takes about `contact_time`. The
+/// peak is not a number where the run does not reach the end.
+///
+/// # Errors
+/// [`DrawError`] when the scene cannot be built.
+pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), DrawError> {
+    let (id, tolerance, max_steps) = METHOD;
+    let (Some(choice), Ok((_, mut integrator))) = (scene.model(RIGID), method(id)) else {
+        return Ok((f64::NAN, Vec::new()));
+    };
+    let mut system = Scene::build(&scene.spec, &choice.modelling, models())?;
+    let mut state = system.initial();
+    let mut seen = Contacts {
+        channel: system.channel("force:0").unwrap_or(0),
+        apart: APART * contact_time,
+        peak: 0.0,
+        spells: Vec::new(),
+        sample: State::default(),
+        out: Outputs::default(),
+    };
+    let plan = TimePlan {
+        max_steps,
+        ..TimePlan::new(scene.duration, Resolution::Tolerance(tolerance))
+    };
+    let mut work = Work::default();
+    let ended = integrator.run(&mut system, &mut state, &plan, &mut seen, &mut work);
+    if ended.is_err() {
+        seen.peak = f64::NAN;
+    }
+    Ok((seen.peak, seen.spells))
+}

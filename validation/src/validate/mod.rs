@@ -1,0 +1,387 @@
+//! Choices judged: on random scenes, against a reference over the whole scene, beside all other candidates.
+//!
+//! For a scene the judge runs the reference, then every candidate there is: what it costs, and how far it is off. The
+//! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
+//! to the end: those that cost more than the cheapest adequate one so far need no error, and where a candidate costs
+//! three times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
+//! choice and the cheapest are timed in turn.
+
+mod measure;
+mod reference;
+#[cfg(test)]
+mod tests;
+
+pub use reference::{DENSEST_NAME, FULL_NAME};
+
+use crate::sampling::{DrawError, Drawn};
+use gearbench::experiment::machine::cpu_time;
+use gearbench::experiment::run::RunError;
+use gearbench::studies::choose::candidate::{Candidate, Rung, candidates};
+use gearbench::studies::choose::choice::{ChooseError, choose};
+use gearbench::studies::choose::situation::Situation;
+use gearbench::studies::choose::wish::{Metric, Wish};
+use gearbench_integrators::Resolution;
+use gearbench_models::scene::spec::Body;
+use gearbench_reports::choice_check::{JudgedChoice, Outcome, TriedCandidate};
+use gearbench_reports::record::Status;
+use measure::{Ready, grid, side_by_side};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
+const DEARER: f64 = 3.0;
+/// Cost over that of the cheapest adequate candidate up to which errors are looked at: first times are rough.
+const NEAR: f64 = 1.3;
+/// Bounds of a timed run: while nothing is adequate, and over the cheapest adequate one.
+const LONGEST: Duration = Duration::from_secs(20);
+/// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
+const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
+
+/// Why a scene could not be judged, or a set not be gone through.
+#[derive(Debug, thiserror::Error)]
+pub enum JudgeError {
+    /// The drawing.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+    /// A run could not start, or was stopped.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Candidates or choice.
+    #[error(transparent)]
+    Choose(#[from] ChooseError),
+    /// The reference did not reach the end.
+    #[error("the reference under {method} did not reach the end: {why}")]
+    Reference {
+        /// Its method.
+        method: String,
+        /// How it ended.
+        why: String,
+    },
+    /// A metric that choices do not know.
+    #[error("there is no wish for the metric `{0}`")]
+    Metric(gearbench_reports::Metric),
+    /// The journal.
+    #[error("{path}: {why}")]
+    Journal {
+        /// Where it lies.
+        path: String,
+        /// What is wrong with it.
+        why: String,
+    },
+}
+
+/// Judges the choice for a drawn scene.
+///
+/// # Errors
+/// [`JudgeError::Run`] with an interruption; everything else is a scene that was not judged.
+pub fn judge(
+    drawn: &Drawn,
+    full_order: bool,
+    cancel: Option<&AtomicBool>,
+) -> Result<JudgedChoice, JudgeError> {
+    let mut row = JudgedChoice {
+        scene: drawn.scene.name.clone(),
+        number: drawn.number,
+        kind: drawn.kind.as_str().into(),
+        gears: gears(drawn),
+        duration_s: drawn.scene.duration,
+        metric: drawn.metric,
+        tolerance: drawn.tolerance,
+        reference: if full_order { FULL_NAME } else { DENSEST_NAME }.into(),
+        redraws: drawn.redraws,
+        ..JudgedChoice::default()
+    };
+    match judge_into(&mut row, drawn, full_order, cancel) {
+        Ok(()) => Ok(row),
+        Err(JudgeError::Run(RunError::Interrupted)) => Err(RunError::Interrupted.into()),
+        Err(JudgeError::Choose(ChooseError::Run(RunError::Interrupted))) => {
+            Err(RunError::Interrupted.into())
+        }
+        Err(e) => {
+            row.outcome = Outcome::NotJudged;
+            row.note = Some(e.to_string());
+            Ok(row)
+        }
+    }
+}
+
+fn gears(drawn: &Drawn) -> String {
+    let teeth: Vec<String> = (drawn.scene.spec.gears.iter())
+        .map(|g| match &g.body {
+            Body::Gear(g) => g.teeth().to_string(),
+            Body::Rack(r) => format!("rack of {}", r.teeth()),
+        })
+        .collect();
+    let module = match &drawn.scene.spec.gears[0].body {
+        Body::Gear(g) => g.params().module,
+        Body::Rack(r) => r.params().module,
+    };
+    format!("{}, m = {:.1} mm", teeth.join("/"), 1e3 * module)
+}
+
+/// A candidate that keeps the tolerance.
+struct Best {
+    index: usize,
+    cost: f64,
+    error: f64,
+}
+
+fn judge_into(
+    row: &mut JudgedChoice,
+    drawn: &Drawn,
+    full_order: bool,
+    cancel: Option<&AtomicBool>,
+) -> Result<(), JudgeError> {
+    let metric = (Metric::ALL.into_iter())
+        .find(|m| m.key() == Some(drawn.metric))
+        .ok_or(JudgeError::Metric(drawn.metric))?;
+    let situation = Situation::of(&drawn.scene);
+    let times = grid(situation.duration, drawn.contact_time);
+
+    let wish = Wish {
+        metric,
+        tolerance: drawn.tolerance,
+    };
+    let (begin, start) = (Instant::now(), cpu_time());
+    let choice = choose(&situation, &wish, cancel, |_| {});
+    row.choosing_s = match (start, cpu_time()) {
+        (Some(a), Some(b)) => Some(b - a),
+        _ => Some(begin.elapsed().as_secs_f64()),
+    };
+    let choice = match choice {
+        Ok(choice) => Some(choice),
+        Err(ChooseError::Run(RunError::Interrupted)) => return Err(RunError::Interrupted.into()),
+        // No answer is none chosen.
+        Err(e) => {
+            row.note = Some(e.to_string());
+            None
+        }
+    };
+
+    let truth = reference::reference(
+        &situation,
+        metric,
+        full_order,
+        (&times, drawn.contact_time),
+        cancel,
+    )?;
+    row.reference = truth.name.into();
+    row.reference_error = truth.own_error;
+    row.densest_error = truth.densest_error;
+
+    let mut all = candidates(&situation)?;
+    all.sort_by(|a, b| effort(a).total_cmp(&effort(b)));
+    row.candidates = all.len();
+    let mut best: Option<Best> = None;
+    for index in 0..all.len() {
+        let tried = try_one(
+            (&situation, &all, index),
+            &row.tried,
+            (&mut best, drawn.tolerance),
+            |seen| seen.error(metric, &truth.run),
+            &times,
+            cancel,
+        )?;
+        row.tried.push(tried);
+    }
+    let with = |status: &[&str]| {
+        (row.tried.iter())
+            .filter(|t| status.contains(&t.status.as_str()))
+            .count()
+    };
+    row.cut_short = with(&[DEAR, SKIPPED]);
+    row.failed = row.tried.len() - with(&[DEAR, SKIPPED, ADEQUATE, INADEQUATE]);
+    row.least_error = (row.tried.iter())
+        .filter_map(|t| t.error)
+        .min_by(f64::total_cmp);
+
+    let chosen = choice.as_ref().and_then(|c| c.candidate.as_ref());
+    if let Some(c) = &choice {
+        row.predicted_error = Some(c.predicted_error).filter(|e| e.is_finite());
+        row.outside.clone_from(&c.outside);
+    }
+    let Some(chosen) = chosen else {
+        row.outcome = match &best {
+            Some(_) => Outcome::WronglyNone,
+            None => Outcome::RightlyNone,
+        };
+        if let Some(b) = &best {
+            put_cheapest(row, &all[b.index], b.error, Some(b.cost));
+        }
+        return Ok(());
+    };
+    row.chosen = Some(chosen.name());
+    row.predicted_cost_s = choice
+        .as_ref()
+        .map(|c| c.predicted_cost_s)
+        .filter(|c| c.is_finite());
+    let mut ready = Ready::new(&situation, &chosen.scene, &chosen.modelling, cancel)?;
+    let seen = ready.observe(&chosen.method, &times, LONGEST)?;
+    row.error = seen.error(metric, &truth.run);
+    let adequate = row.error.is_some_and(|e| e <= drawn.tolerance);
+    row.outcome = if adequate {
+        Outcome::Adequate
+    } else {
+        Outcome::Inadequate
+    };
+    if row.error.is_none() {
+        row.note = seen.message.or_else(|| Some(seen.status.to_string()));
+    }
+    match &best {
+        Some(b) if all[b.index].name() != chosen.name() => {
+            let cheapest = &all[b.index];
+            let mut other = Ready::new(&situation, &cheapest.scene, &cheapest.modelling, cancel)?;
+            let [own, least] =
+                side_by_side((&mut ready, &chosen.method), (&mut other, &cheapest.method))?;
+            row.cost_s = own;
+            // Timed in turn the choice may turn out to be the cheapest itself.
+            match (own, least) {
+                (Some(a), Some(b)) if adequate && a <= b => {
+                    put_cheapest(row, chosen, row.error.unwrap_or_default(), own);
+                }
+                _ => put_cheapest(row, cheapest, b.error, least),
+            }
+        }
+        _ => {
+            row.cost_s = ready.time(&chosen.method, LONGEST)?;
+            if adequate {
+                put_cheapest(row, chosen, row.error.unwrap_or_default(), row.cost_s);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn put_cheapest(row: &mut JudgedChoice, c: &Candidate, error: f64, cost: Option<f64>) {
+    row.cheapest = Some(c.name());
+    row.cheapest_error = Some(error);
+    row.cheapest_cost_s = cost;
+}
+
+/// Words for candidates.
+const ADEQUATE: &str = "adequate";
+const INADEQUATE: &str = "inadequate";
+/// It costs more than the cheapest adequate one.
+const DEAR: &str = "dearer";
+/// Its kin is far dearer than the cheapest adequate one.
+const SKIPPED: &str = "skipped";
+
+/// Tries one candidate and keeps the best so far up to date.
+fn try_one(
+    (situation, all, index): (&Situation, &[Candidate], usize),
+    before: &[TriedCandidate],
+    (best, tolerance): (&mut Option<Best>, f64),
+    error: impl Fn(&measure::Observed) -> Option<f64>,
+    times: &[f64],
+    cancel: Option<&AtomicBool>,
+) -> Result<TriedCandidate, JudgeError> {
+    let candidate = &all[index];
+    let mut tried = TriedCandidate {
+        name: candidate.name(),
+        ..TriedCandidate::default()
+    };
+    let least = best.as_ref().map(|b| b.cost);
+    if let Some(least) = least
+        && (before.iter().zip(all)).any(|(t, other)| {
+            t.cost_s.is_some_and(|c| c > DEARER * least) && is_dearer_kin(candidate, other)
+        })
+    {
+        tried.status = SKIPPED.into();
+        return Ok(tried);
+    }
+    let mut ready = match Ready::new(situation, &candidate.scene, &candidate.modelling, cancel) {
+        Ok(ready) => ready,
+        Err(e) => {
+            tried.status = e.to_string();
+            return Ok(tried);
+        }
+    };
+    // What is adequate has a cost to compare; before anything is, errors come first.
+    if let Some(least) = least {
+        let (factor, slack) = TIMES_CHEAPEST;
+        let limit = Duration::from_secs_f64(slack + factor * least).min(LONGEST);
+        let begin = Instant::now();
+        match ready.time(&candidate.method, limit)? {
+            Some(cost) => {
+                tried.cost_s = Some(cost);
+                if cost > NEAR * least {
+                    tried.status = DEAR.into();
+                    return Ok(tried);
+                }
+            }
+            None if begin.elapsed() >= limit => {
+                tried.cost_s = Some(factor * least);
+                tried.status = DEAR.into();
+                return Ok(tried);
+            }
+            // It failed: the observed run says how.
+            None => {}
+        }
+    }
+    let seen = match ready.observe(&candidate.method, times, LONGEST) {
+        Ok(seen) => seen,
+        Err(JudgeError::Run(RunError::NoLinearPart(e) | RunError::Method(e))) => {
+            tried.status = e;
+            return Ok(tried);
+        }
+        Err(e) => return Err(e),
+    };
+    tried.error = error(&seen);
+    let Some(e) = tried.error else {
+        tried.status = seen.status.to_string();
+        return Ok(tried);
+    };
+    if e > tolerance {
+        tried.status = INADEQUATE.into();
+        return Ok(tried);
+    }
+    // Also a second look at what may be the cheapest.
+    let Some(cost) = ready.time(&candidate.method, LONGEST)? else {
+        tried.status = Status::Timeout.to_string();
+        return Ok(tried);
+    };
+    let cost = tried.cost_s.map_or(cost, |c| c.min(cost));
+    tried.status = ADEQUATE.into();
+    tried.cost_s = Some(cost);
+    if least.is_none_or(|c| cost < c) {
+        *best = Some(Best {
+            index,
+            cost,
+            error: e,
+        });
+    }
+    Ok(tried)
+}
+
+/// Order in which candidates are tried, so that cheap ones come first and dear ones need not be run: steps, by what one
+/// costs with so many coordinates. Only an order; nothing is judged by it.
+fn effort(c: &Candidate) -> f64 {
+    // A step of rigid gears, of movable teeth (which swing faster than steps say), of elastic gears, of each of their
+    // modes.
+    let (rigid, teeth, elastic, mode) = (1.0, 100.0, 30.0, 0.5);
+    let step = match &c.rung {
+        Rung::Rigid(_) => rigid,
+        Rung::MovableTeeth(_) => teeth,
+        other => elastic + mode * other.modes().unwrap_or(0) as f64,
+    };
+    match c.method.resolution {
+        Resolution::Step(h) => step / h,
+        // As many steps as some microseconds would give: tolerances of one scene are not comparable with steps.
+        Resolution::Tolerance(r) => step / (5e-6 * r.powf(0.25)),
+    }
+}
+
+/// A candidate cannot be cheaper than another: the same integrator with steps no longer, on the same rung or with no
+/// fewer modes.
+fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
+    let same_rung = match (c.rung.modes(), other.rung.modes()) {
+        (Some(a), Some(b)) => a >= b,
+        _ => c.rung == other.rung,
+    };
+    let finer = match (c.method.resolution, other.method.resolution) {
+        (Resolution::Step(a), Resolution::Step(b)) => a <= b,
+        (Resolution::Tolerance(a), Resolution::Tolerance(b)) => a <= b,
+        _ => false,
+    };
+    same_rung && finer && c.method.text == other.method.text
+}

@@ -1,0 +1,129 @@
+//! What choices are held against: the densest elastic model, or full finite elements on the same mesh.
+
+use super::JudgeError;
+use super::measure::{Observed, PATIENCE, Ready};
+use gearbench::experiment::run::Method;
+use gearbench::studies::choose::candidate::{DENSEST, densest, elastic, full};
+use gearbench::studies::choose::situation::Situation;
+use gearbench::studies::choose::wish::Metric;
+use gearbench_integrators::Resolution;
+use gearbench_models::scene::spec::Modelling;
+use std::sync::atomic::AtomicBool;
+
+/// Modes of the model whose distance tells what the densest is off by cutting modes.
+const FEWER: usize = 200;
+const _: () = assert!(FEWER < DENSEST);
+/// Methods of full finite elements and their steps per contact time, in the order in which they are tried. Dashpots at
+/// flanks may ask Newton's method for steps that take minutes: where none of these reaches the end, the densest elastic
+/// model is the reference, and the row says so.
+const FULL: [(&str, f64); 2] = [("newmark", 500.0), ("hht-alpha(alpha=0.05)", 500.0)];
+/// Parts of its step that the densest elastic model is given, likewise.
+const FINER: [f64; 2] = [1.0, 0.25];
+
+/// A reference.
+pub struct Reference {
+    /// In words.
+    pub name: &'static str,
+    /// Its run.
+    pub run: Observed,
+    /// The larger of what twice the step and fewer modes change; for the densest elastic model.
+    pub own_error: Option<f64>,
+    /// Error of the densest elastic model, where that is not the reference.
+    pub densest_error: Option<f64>,
+}
+
+/// Names of the references.
+pub const DENSEST_NAME: &str = "densest elastic model";
+/// See [`DENSEST_NAME`].
+pub const FULL_NAME: &str = "full finite elements";
+
+/// Runs the reference.
+///
+/// # Errors
+/// A model that cannot be built or does not reach the end.
+pub fn reference(
+    situation: &Situation,
+    metric: Metric,
+    full_order: bool,
+    (grid, contact_time): (&[f64], f64),
+    cancel: Option<&AtomicBool>,
+) -> Result<Reference, JudgeError> {
+    let dense = densest(situation)?;
+    let run = |modelling: &Modelling, method: &Method| -> Result<Observed, JudgeError> {
+        let mut ready = Ready::new(situation, &dense.scene, modelling, cancel)?;
+        let seen = ready.observe(method, grid, PATIENCE)?;
+        if seen.status.is_failure() {
+            return Err(JudgeError::Reference {
+                method: method.text.clone(),
+                why: seen.message.unwrap_or_else(|| seen.status.to_string()),
+            });
+        }
+        Ok(seen)
+    };
+    let first = |modelling: &Modelling, methods: &[Method]| {
+        let mut last = None;
+        for (i, method) in methods.iter().enumerate() {
+            match run(modelling, method) {
+                Ok(seen) => return Ok((seen, i)),
+                Err(e @ JudgeError::Reference { .. }) => last = Some(e),
+                Err(e) => return Err(e),
+            }
+        }
+        Err(last.unwrap_or(JudgeError::Reference {
+            method: dense.method.text.clone(),
+            why: "no method to try".into(),
+        }))
+    };
+    let finer = FINER.map(|part| scaled(&dense.method, part));
+    let (fine, used) = first(&dense.modelling, &finer)?;
+    let dense_method = &finer[used];
+    if full_order {
+        let methods = FULL.map(|(method, steps)| Method {
+            text: method.into(),
+            resolution: Resolution::Step(contact_time / steps),
+        });
+        match first(&full(situation), &methods) {
+            Ok((run, _)) => {
+                return Ok(Reference {
+                    name: FULL_NAME,
+                    own_error: None,
+                    densest_error: fine.error(metric, &run),
+                    run,
+                });
+            }
+            Err(JudgeError::Reference { .. }) => {}
+            Err(e) => return Err(e),
+        }
+    }
+    let step = match dense_method.resolution {
+        Resolution::Step(h) => Some(h),
+        Resolution::Tolerance(_) => None,
+    };
+    // What does not reach the end says nothing of the one that does.
+    let coarse = run(&dense.modelling, &scaled(dense_method, 2.0)).ok();
+    let fewer = run(&elastic(situation, FEWER, step), dense_method).ok();
+    let own = [coarse, fewer]
+        .iter()
+        .flatten()
+        .filter_map(|o| o.error(metric, &fine))
+        .fold(None, |worst: Option<f64>, e| {
+            Some(worst.map_or(e, |w| w.max(e)))
+        });
+    Ok(Reference {
+        name: DENSEST_NAME,
+        run: fine,
+        own_error: own,
+        densest_error: None,
+    })
+}
+
+/// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.
+fn scaled(method: &Method, part: f64) -> Method {
+    Method {
+        text: method.text.clone(),
+        resolution: match method.resolution {
+            Resolution::Step(h) => Resolution::Step(part * h),
+            Resolution::Tolerance(r) => Resolution::Tolerance(r * 10f64.powf(part.log2())),
+        },
+    }
+}
