@@ -13,7 +13,7 @@ use gearbench_integrators::{
     AcceptedStep, Control, NullSink, Resolution, Sink, State, TimePlan, Work,
 };
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec;
+use gearbench_models::spec;
 use serde_json::{Value, json};
 use std::time::Instant;
 

@@ -11,7 +11,7 @@
 use gearbench::scene_file::{self, SceneFile};
 use gearbench_integrators::{NullSink, Resolution, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec;
+use gearbench_models::spec;
 use gearbench_reference::reference;
 use serde_json::{Value, json};
 use std::time::Instant;

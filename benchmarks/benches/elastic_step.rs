@@ -9,7 +9,7 @@ use gearbench::scene_file;
 use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::Value;
 use nalgebra::DMatrix;
 use std::hint::black_box;
 use std::time::Instant;
@@ -33,7 +33,7 @@ fn scene(modes: f64, surface: &str) -> (Scene, f64) {
         if let Some(points) = &mut contact.points
             && surface == "smooth"
         {
-            points.surface = gearbench_models::contact::flank_points::SurfaceKind::Smooth;
+            points.surface = gearbench_models::spec::SurfaceKind::Smooth;
         }
     }
     let built = Scene::build(

@@ -26,21 +26,21 @@
 //! ```
 #![allow(clippy::print_stdout)]
 
-use gearbench_integrators::observers::{Tee, ledger::Ledger, recorder::Recorder};
+use gearbench_integrators::observers::Tee;
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::system::{At, Coeffs, Energy, SecondOrderSystem, Singular};
 use gearbench_integrators::{Resolution, TimePlan, Work, method};
 use gearbench_models::Vec3;
-use gearbench_models::contact::candidate::{Point, Tooth};
-use gearbench_models::contact::law::Damping;
-use gearbench_models::contact::row::Row;
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
 use gearbench_models::geometry::{Gear, GearParams, Side};
-use gearbench_models::mount::{Hub, Mount};
+use gearbench_models::kinematics::{Hub, Point, Row, Tooth};
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec,
-    Start, Value,
+use gearbench_models::spec::{
+    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
+    SceneSpec, Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 

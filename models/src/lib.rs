@@ -1,18 +1,21 @@
-//! Gear geometry, gear models, contact, mounts and the assembled scene of gearbench.
+//! Gear geometry, gear models, contact and the assembled scene of gearbench.
 //!
 //! What differs between the fidelities is which coordinates a gear has, where its contact points are and
 //! how soft each point is; that is the trait [`gear::GearModel`]. Everything else is common: one search
-//! finds candidate points between any two gears ([`contact::search`]), one set of laws gives the normal
-//! force ([`contact::law`]), one solve serves all points that share a compliance ([`contact::solve`]), and
+//! finds candidate points between any two gears ([`contact`]), one set of laws gives the normal force ([`law`]), and
 //! one scene assembles gears, mounts, loads and meshes into a second-order system ([`scene::Scene`]).
 //!
-//! | room | owns |
+//! Modules in layers: each imports those above it in this table only.
+//!
+//! | module | owns |
 //! |---|---|
-//! | [`geometry`] | involute gears, racks, pairs and their derived quantities |
+//! | [`geometry`] | involute gears, racks, pairs and their derived quantities; flanks as grids of nodes |
 //! | [`stiffness`] | stiffness of a tooth pair along the path of contact |
-//! | [`contact`] | search, gap, contact laws, friction, contact solve |
+//! | [`law`] | laws of normal force and of friction |
+//! | [`spec`] | what a scene is made of: bodies, mounts, loads, meshes, contacts; why it is refused |
+//! | [`kinematics`] | teeth and points, poses, hubs, rows over the coordinates |
 //! | [`gear`] | the trait and the gear models; [`gear::table`] lists them |
-//! | [`mount`], [`load`] | how a hub may move and what drives it |
+//! | [`contact`] | search for candidate points, gaps, contact of nodes |
 //! | [`scene`] | the assembled system |
 //!
 //! Conventions, stated once: SI units; the axis of every gear is z, angles count counter-clockwise;
@@ -23,9 +26,10 @@ mod cholesky;
 pub mod contact;
 pub mod gear;
 pub mod geometry;
-pub mod load;
-pub mod mount;
+pub mod kinematics;
+pub mod law;
 pub mod scene;
+pub mod spec;
 pub mod stiffness;
 
 /// Position or direction in space [m or -].

@@ -3,7 +3,7 @@
 use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
 use crate::{deck, mesh};
 use gearbench_models::gear::table::{GearContext, ParameterInfo};
-use gearbench_models::scene::spec::{Body as Toothing, BuildError, Value};
+use gearbench_models::spec::{Body as Toothing, BuildError, Value};
 use std::path::Path;
 
 const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {

@@ -7,12 +7,11 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
-use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::{Gear, GearParams, Side};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, SceneSpec, Start, Value,
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Passes, PointContact,
+    PointRule, SceneSpec, Start, SurfaceKind, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;

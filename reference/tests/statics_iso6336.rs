@@ -19,15 +19,13 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
-use gearbench_models::contact::flank_points::{PointContact, PointRule};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
 use gearbench_models::geometry::{Gear, GearParams, Side};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec,
-    Start, Value,
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
+    PointContact, PointRule, SceneSpec, Start, Value,
 };
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, Material, PairStiffness, RootLength, ToothModel,

@@ -11,7 +11,7 @@ use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Reduced, Residual};
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
-use gearbench_models::scene::spec::{Body, BuildError};
+use gearbench_models::spec::{Body, BuildError};
 use std::sync::Arc;
 
 /// The model.

@@ -12,16 +12,12 @@
 
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use gearbench_models::Vec3;
-use gearbench_models::contact::candidate::{Locus, Point, Tooth};
-use gearbench_models::contact::flank_points::{FlankGrid, Flanks};
-use gearbench_models::contact::row::Row;
-use gearbench_models::gear::placement::Placement;
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
-use gearbench_models::geometry::{Gear, Rack, Side};
-use gearbench_models::mount::Hub;
-use gearbench_models::scene::spec::{Body, BuildError, Value};
+use gearbench_models::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
+use gearbench_models::kinematics::{Hub, Locus, Placement, Point, Row, Tooth};
+use gearbench_models::spec::{Body, BuildError, Value};
 
 pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {

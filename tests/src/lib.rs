@@ -3,22 +3,21 @@
 //! The kinds of evidence stand in separate test binaries: `analytic` (exact solutions, difference checks,
 //! refusals) and `conformance` (one law over all models and methods, fitted orders).
 
-use gearbench_integrators::observers::{Tee, ledger::Ledger};
+use gearbench_integrators::observers::Tee;
+use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
     AcceptedStep, Control, METHODS, Method, Outputs, Resolution, SecondOrderSystem, Sink, State,
     StepError, Stepping, TimePlan, Work,
 };
-use gearbench_models::contact::candidate::Candidate;
-use gearbench_models::contact::law::Damping;
-use gearbench_models::contact::row::Row;
-use gearbench_models::contact::search::{Party, Wanted};
+use gearbench_models::contact::{Candidate, Party, Wanted};
 use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
-use gearbench_models::mount::Mount;
+use gearbench_models::kinematics::Row;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec,
-    Start, Value,
+use gearbench_models::spec::{
+    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
+    SceneSpec, Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 

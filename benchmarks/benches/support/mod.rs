@@ -5,13 +5,13 @@ use gearbench::scene_file;
 use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{Integrator, NullSink, Resolution, StepError, TimePlan, Work};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::{Gear, GearParams, Pair, Side};
-use gearbench_models::mount::Mount;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Parameters, SceneSpec, Start,
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
+    Start,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use std::f64::consts::PI;

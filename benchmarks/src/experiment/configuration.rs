@@ -2,7 +2,7 @@
 
 use super::run::Method;
 use crate::scene_file::{ModelChoice, SceneFile};
-use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::Run;
 
 /// What is run: a model with its scene (a calibration may place the gears its own way).

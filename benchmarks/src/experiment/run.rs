@@ -11,8 +11,7 @@ use gearbench_integrators::{
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
-use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec, Value};
+use gearbench_models::spec::{Body, BuildError, Modelling, SceneSpec, Value, lever};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::TimeSeries;
@@ -432,8 +431,8 @@ fn ledger_record(
             g.loads.is_empty()
                 && matches!(
                     g.mount,
-                    gearbench_models::mount::Mount::Revolute
-                        | gearbench_models::mount::Mount::Prismatic
+                    gearbench_models::spec::Mount::Revolute
+                        | gearbench_models::spec::Mount::Prismatic
                 )
         });
     let drift = momenta.filter(|_| two_free).map(|[start, end]| {

@@ -3,9 +3,9 @@
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::{Pair, RackPair};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, ContactSpec, GearSpec, ModelSpec, SceneSpec, Value};
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, lever, mesh_layout,
+};
 use gearbench_models::stiffness::{Mate, build_with_warnings};
 use gearbench_reports::numbers::short;
 

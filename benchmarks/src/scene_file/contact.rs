@@ -9,8 +9,8 @@
 use super::contact_points;
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, in_order, key};
-use gearbench_models::contact::law::{Damping, Friction, Law, LawError};
-use gearbench_models::scene::spec::ContactSpec;
+use gearbench_models::law::{Damping, Friction, Law, LawError};
+use gearbench_models::spec::ContactSpec;
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
     ToothModel,

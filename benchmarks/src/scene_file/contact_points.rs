@@ -3,9 +3,7 @@
 use super::contact::word_or;
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, key};
-use gearbench_models::contact::flank_points::{
-    MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
-};
+use gearbench_models::spec::{MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind};
 
 /// Keys that only flank points have.
 const OF_POINTS: [&str; 6] = [

@@ -6,8 +6,7 @@ use super::reader::{Entry, Key, Section, key};
 use gearbench_models::geometry::{
     Gear, GearParams, GeometryError, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::spec::{Body, GearSpec};
+use gearbench_models::spec::{Body, GearSpec, Mount};
 use gearbench_models::stiffness::{Material, StiffnessError};
 use std::collections::BTreeMap;
 use std::ops::Range;

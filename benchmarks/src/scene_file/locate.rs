@@ -2,7 +2,7 @@
 
 use super::model::ModelPlace;
 use super::{SceneError, SceneFile};
-use gearbench_models::scene::spec::BuildError;
+use gearbench_models::spec::BuildError;
 
 impl SceneFile {
     /// The place in the file that an error of the assembly is about.

@@ -9,7 +9,7 @@ use super::gear::{GearDraft, Place, in_words, keys_of};
 use super::reader::{Entry, Key, Section, key};
 use super::suggest;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, RackPair, Side};
-use gearbench_models::scene::spec::{Body, MeshSpec, Start};
+use gearbench_models::spec::{Body, MeshSpec, Start};
 
 pub(super) static MESH: &[Key] = &[
     key(

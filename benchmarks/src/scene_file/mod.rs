@@ -1,4 +1,4 @@
-//! Scene files: TOML in SI units (angles in degrees), read into the data of [`gearbench_models::scene::spec`].
+//! Scene files: TOML in SI units (angles in degrees), read into the data of [`gearbench_models::spec::scene`].
 //!
 //! | module | owns |
 //! |---|---|
@@ -42,7 +42,7 @@ use crate::models::models as model_table;
 use error::Source;
 use gear::Place;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::SceneSpec;
+use gearbench_models::spec::SceneSpec;
 use gearbench_reference::REFERENCES;
 use gearbench_reports::record::Tolerance;
 use model::ModelPlace;

@@ -9,7 +9,7 @@ use super::study_plan::integrator;
 use super::suggest;
 use crate::experiment::run::Method;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
+use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::ops::Range;

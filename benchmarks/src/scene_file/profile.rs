@@ -11,8 +11,7 @@
 
 use super::error::SceneError;
 use super::reader::{Entry, Key, key};
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
+use gearbench_models::spec::{Load, Mount, Profile};
 
 /// The keys of a profile in one unit: constant, ramp and table.
 struct Unit {

@@ -1,10 +1,22 @@
-//! Contact: candidate points, gaps, rows, laws and the contact solve.
+//! Contact: candidate points and gaps of tooth pairs on lines of action and of points of flanks; contacts on nodes.
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`search`] | the seam between a mesh and its search |
+//! | [`pairs`] | tooth pairs on the lines of action |
+//! | [`points`] | points of one flank against the surface of the other |
+//! | [`nodal`] | contact of gears whose flank nodes stand off the rigid flank |
+//! | [`solve`] | the coupled solve of points that share a compliance |
 
-pub mod candidate;
-pub mod flank_points;
-pub mod law;
-pub mod lines_of_action;
+mod candidate;
+mod clearance;
 pub mod nodal;
-pub mod row;
+pub mod pairs;
+mod party;
+pub mod points;
 pub mod search;
 pub mod solve;
+
+pub use candidate::Candidate;
+pub use clearance::{Clearance, LineClearance};
+pub use party::{Party, SearchWork, Wanted, ZoneChange};

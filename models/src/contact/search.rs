@@ -3,85 +3,12 @@
 //! A search owns a part of the mesh's memory: which tooth pairs it looks at. With event location that part
 //! changes only at its guards, so inside a step the set of candidates is fixed.
 
-use super::candidate::{Candidate, Tooth};
-use super::lines_of_action::LineClearance;
+use super::candidate::Candidate;
+use super::clearance::Clearance;
 use super::nodal::{Margin, NodalParty, NodalPoints};
-use crate::gear::GearModel;
+use super::party::{Party, SearchWork, Wanted, ZoneChange};
 use crate::geometry::Side;
-use gearbench_integrators::system::At;
-
-/// A gear with its slice of the state.
-#[derive(Clone, Copy)]
-pub struct Party<'a> {
-    /// The gear.
-    pub gear: &'a dyn GearModel,
-    /// Its own coordinates, velocities and memory.
-    pub at: At<'a>,
-}
-
-/// What a switched guard of a search did.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ZoneChange {
-    /// Slot of a pair that became a candidate.
-    pub entered: Option<usize>,
-    /// Slot of a pair that is none any more.
-    pub left: Option<usize>,
-}
-
-/// What the last evaluation of a point search looked at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SearchWork {
-    /// Pairs of flanks.
-    pub pairs: usize,
-    /// Flanks whose node positions were computed.
-    pub flanks: usize,
-    /// Nodes of these.
-    pub nodes: usize,
-    /// Points that were placed.
-    pub points: usize,
-    /// Points that were projected.
-    pub projections: usize,
-}
-
-/// A lower bound of the gaps between rigid flanks, linear in the travels of both hubs for as long as it is positive:
-/// no point has a smaller gap at any travels on the way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance {
-    /// Of left and of right flanks [m]; they touch, or may, where it is not positive.
-    pub gaps: [f64; 2],
-    /// How that of left flanks changes by the travel of the first and of the second gear [m/rad or -]; that of right
-    /// flanks changes by the opposite.
-    pub per_travel: [f64; 2],
-}
-
-impl Clearance {
-    /// The smaller of both sides after further travels [m].
-    #[must_use]
-    pub fn after(&self, travels: [f64; 2]) -> f64 {
-        let change = self.per_travel[0] * travels[0] + self.per_travel[1] * travels[1];
-        (self.gaps[0] + change).min(self.gaps[1] - change)
-    }
-
-    /// The gap of each side as a linear function of further travels.
-    #[must_use]
-    pub fn lines(&self) -> [LineClearance; 2] {
-        [1.0, -1.0].map(|sign| LineClearance {
-            assembled: self.gaps[usize::from(sign < 0.0)],
-            per_travel: self.per_travel.map(|p| sign * p),
-        })
-    }
-}
-
-/// Which candidates are wanted.
-#[derive(Clone, Copy, Debug)]
-pub enum Wanted<'a> {
-    /// Pairs in the search's memory whose slot is closed; per slot `(mode, impact speed)`.
-    Closed(&'a [f64]),
-    /// All pairs in the search's memory.
-    Listed,
-    /// Pairs that lie in the contact zone at this state, memory aside, with a gap [m] of at most so much.
-    Touching(f64),
-}
+use crate::kinematics::Tooth;
 
 /// A search for candidate points; takes any mix of gear models.
 pub trait ContactSearch {
@@ -113,7 +40,7 @@ pub trait ContactSearch {
         out: &mut Vec<Candidate>,
     );
 
-    /// Appends the points of a mesh with a gear that has a [field](crate::gear::elastic::NormalField), of a gap within
+    /// Appends the points of a mesh with a gear that has a [field](crate::gear::NormalField), of a gap within
     /// the margin before residual compliance, and the nodes that they lie on. Only searches of flank points have any.
     fn nodal_points(
         &self,

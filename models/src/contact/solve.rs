@@ -5,7 +5,7 @@
 //! changes. Damping laws use the rate of `g0`: with the rate of `g` the law would become a differential
 //! equation in `N`.
 
-use super::law::{Law, LawForce};
+use crate::law::{Law, LawForce};
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::Singular;
 
@@ -139,7 +139,7 @@ impl CompliantSolve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::law::Damping;
+    use crate::law::Damping;
 
     #[test]
     fn springs_in_series() {

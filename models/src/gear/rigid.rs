@@ -2,12 +2,10 @@
 //!
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the lever arm is the base radius.
 
-use super::flight::Flight;
-use super::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
+use super::free_flight::Flight;
+use super::model::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
 use crate::Vec3;
-use crate::contact::candidate::{Point, Tooth};
-use crate::contact::row::Row;
-use crate::mount::Hub;
+use crate::kinematics::{Hub, Point, Row, Tooth};
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 

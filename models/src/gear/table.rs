@@ -1,9 +1,9 @@
 //! The table of gear models. A new model is one file and one line in [`MODELS`].
 
-use super::{GearModel, movable_teeth, rigid};
-use crate::gear::placement::Placement;
-use crate::mount::Hub;
-use crate::scene::spec::{Body, BuildError, Parameters};
+use super::model::GearModel;
+use super::{movable_teeth, rigid};
+use crate::kinematics::{Hub, Placement};
+use crate::spec::{Body, BuildError, Parameters};
 use crate::stiffness::Material;
 
 /// What a model is built from.

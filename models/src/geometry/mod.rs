@@ -22,6 +22,7 @@
 
 mod error;
 mod fillet;
+mod flanks;
 mod gear;
 mod involute;
 mod modification;
@@ -37,6 +38,7 @@ mod refusal_tests;
 mod sweep_tests;
 
 pub use error::GeometryError;
+pub use flanks::{FlankGrid, Flanks};
 pub use gear::{Gear, GearParams};
 pub use involute::{inv, inv_inverse};
 pub use modification::{Modifications, ReliefShape, TipRelief};

@@ -14,7 +14,7 @@
 
 use super::{Scene, SceneGear};
 use crate::cholesky::{backward, cholesky, dot, forward};
-use crate::contact::row::Row;
+use crate::kinematics::Row;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
 /// Mark of a coordinate that no row touches.

@@ -5,13 +5,12 @@ use super::nodal::Nodal;
 use super::nodal_tangent::Reduced;
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
-use crate::contact::candidate::{Candidate, Tooth};
-use crate::contact::law::{FrictionForce, LawForce};
-use crate::contact::lines_of_action::all_open;
-use crate::contact::row::Row;
-use crate::contact::search::{Party, Wanted};
+use crate::contact::pairs::all_open;
 use crate::contact::solve::{CompliantSolve, SolvePoint};
+use crate::contact::{Candidate, Party, Wanted};
 use crate::geometry::Side;
+use crate::kinematics::{Row, Tooth};
+use crate::law::{FrictionForce, LawForce};
 use gearbench_integrators::system::{At, Singular};
 
 /// A contact that carries (or may carry) a force.

@@ -10,28 +10,24 @@
 //! Memory layout: `[located, gears..., meshes...]`; a mesh holds its search's memory and then per contact
 //! slot `(mode, impact speed)`, mode 1 closed and 0 open.
 
-pub mod build;
-pub mod spec;
-
+mod assembly;
+mod assembly_points;
 mod condensed;
 mod contacts;
-mod flight;
+mod free_flight;
 mod modal;
 mod nodal;
 mod nodal_tangent;
 mod outputs;
-mod points;
 mod system;
 
 pub use contacts::ContactForce;
 
-use crate::contact::law::{Friction, Law};
-use crate::contact::lines_of_action::LineClearance;
-use crate::contact::search::{ContactSearch, Party};
-use crate::gear::flight::Flight;
-use crate::gear::{GearModel, Magnitudes};
-use crate::load::{Load, Profile};
-use crate::mount::Mount;
+use crate::contact::search::ContactSearch;
+use crate::contact::{LineClearance, Party};
+use crate::gear::{Flight, GearModel, Magnitudes};
+use crate::law::{Friction, Law};
+use crate::spec::{Load, Mount, Profile};
 use contacts::Workspace;
 use gearbench_integrators::system::{At, State};
 

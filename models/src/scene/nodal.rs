@@ -4,13 +4,13 @@
 
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
-use crate::contact::law::LawForce;
 use crate::contact::nodal::{
     Block, GearNodes, HardSolve, Margin, NodalParty, NodalPoints, NodalSolve, Share, Spring,
     UNUSED, weighted,
 };
-use crate::contact::row::Row;
-use crate::load::Load;
+use crate::kinematics::Row;
+use crate::law::LawForce;
+use crate::spec::Load;
 use gearbench_integrators::system::At;
 
 /// A point that carries (or may carry) a force.

@@ -21,7 +21,7 @@ use super::contacts::Active;
 use super::nodal::Nodal;
 use super::{Scene, SceneGear, SceneMesh};
 use crate::contact::nodal::UNUSED;
-use crate::contact::row::Row;
+use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 

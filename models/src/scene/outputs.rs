@@ -9,7 +9,7 @@
 use super::contacts::sliding_direction;
 use super::{Scene, SceneGear};
 use crate::Vec3;
-use crate::mount::Wrench;
+use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
 
 /// Channels of a mesh.

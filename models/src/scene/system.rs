@@ -2,10 +2,9 @@
 
 use super::contacts::Active;
 use super::{Scene, SceneGear, parties};
-use crate::contact::candidate::Candidate;
-use crate::contact::law::Law;
-use crate::contact::row::Row;
-use crate::contact::search::Wanted;
+use crate::contact::{Candidate, Wanted};
+use crate::kinematics::Row;
+use crate::law::Law;
 use gearbench_integrators::Coast;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{
@@ -287,7 +286,7 @@ impl SecondOrderSystem for Scene {
         for g in &self.gears {
             next = next.min(g.model.hub().next_knot(t));
             for l in &g.loads {
-                if let crate::load::Load::Applied(p) = l {
+                if let crate::spec::Load::Applied(p) = l {
                     next = next.min(p.next_knot(t));
                 }
             }

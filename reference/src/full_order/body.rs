@@ -7,9 +7,9 @@ use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::Flanks;
-use gearbench_models::gear::placement::Placement;
-use gearbench_models::mount::Mount;
+use gearbench_models::geometry::Flanks;
+use gearbench_models::kinematics::Placement;
+use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 
 /// A gear's finite elements with the hub's nodes taken out.

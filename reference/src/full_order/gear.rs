@@ -21,11 +21,10 @@ use super::kinematics::dot3;
 use crate::assembly::tie::{MassKind, Tie};
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use gearbench_models::Vec3;
-use gearbench_models::contact::candidate::{Point, Tooth};
-use gearbench_models::contact::flank_points::Flanks;
-use gearbench_models::contact::row::Row;
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
-use gearbench_models::mount::{Hub, Mount, Wrench};
+use gearbench_models::geometry::Flanks;
+use gearbench_models::kinematics::{Hub, Point, Row, Tooth, Wrench};
+use gearbench_models::spec::Mount;
 use std::cell::RefCell;
 
 /// Buffers over all nodes, three components each.

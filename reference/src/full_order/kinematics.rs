@@ -6,9 +6,9 @@ use super::gear::FullOrder;
 use crate::assembly::tie::Tie;
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
-use gearbench_models::contact::candidate::{Locus, Point};
-use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::GearModel;
+use gearbench_models::geometry::Flanks;
+use gearbench_models::kinematics::{Locus, Point};
 
 impl FullOrder {
     #[inline]

@@ -6,7 +6,7 @@ use crate::assembly::tie::MassKind;
 use crate::mesh_source::{self, Reader, Source};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::scene::spec::BuildError;
+use gearbench_models::spec::BuildError;
 
 const MODEL: &str = "fe";
 

@@ -5,9 +5,8 @@ use crate::mesh::{ElementKind, GearMesh, Mesh};
 use gearbench_integrators::system::{At, Coeffs};
 use gearbench_models::Vec3;
 use gearbench_models::gear::GearModel;
-use gearbench_models::gear::placement::Placement;
-use gearbench_models::load::Profile;
-use gearbench_models::mount::{Hub, Mount};
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Mount, Profile};
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
 
@@ -380,7 +379,7 @@ fn the_mount_gives_what_momentum_takes() {
             g.hub.prescribed_acceleration(0.5)
         };
         let (mut all, mut image) = (vec![0.0; 3 * nodes], vec![0.0; 3 * nodes]);
-        let mut contact = gearbench_models::mount::Wrench::default();
+        let mut contact = gearbench_models::kinematics::Wrench::default();
         for node in 0..nodes {
             let place = g.body().place[node];
             let r = x[node] - centre;

@@ -7,8 +7,7 @@ use super::build::{Plan, Template, refine};
 use super::profile::Body;
 use super::{Face, GearMesh, Mesh};
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::FlankGrid;
-use gearbench_models::geometry::Side;
+use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
 
 /// The mesh on its way.

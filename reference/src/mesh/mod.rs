@@ -32,7 +32,7 @@ pub use params::{FineTeeth, GearMeshParams, RackMeshParams, Tooth, Web};
 pub use quality::{ElementQuality, Quality, element_qualities, quality};
 
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::FlankGrid;
+use gearbench_models::geometry::FlankGrid;
 use std::collections::BTreeMap;
 
 /// Kind of a hexahedral element, by the name it has in decks.

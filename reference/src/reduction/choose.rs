@@ -15,8 +15,9 @@
 //! do not count.
 
 use super::{Basis, Kept, ReductionError, without_modes};
-use gearbench_models::contact::flank_points::{PointRule, reference_areas};
+use gearbench_models::contact::points::reference_areas;
 use gearbench_models::gear::elastic::reduced::Reduced;
+use gearbench_models::spec::PointRule;
 use std::f64::consts::PI;
 use std::sync::Arc;
 

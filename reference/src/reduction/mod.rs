@@ -56,9 +56,9 @@ pub use request::Request;
 pub use surface::Surface;
 
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::Flanks;
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::Residual;
+use gearbench_models::geometry::Flanks;
 use std::sync::Arc;
 
 /// Pass 1: modes and static compliance of a gear at its flank nodes and its hub.

@@ -4,7 +4,7 @@ use super::Mounting;
 use crate::mesh::GearMesh;
 use crate::mesh_source::{Reader, Source};
 use gearbench_models::gear::table::GearContext;
-use gearbench_models::scene::spec::{Body, BuildError};
+use gearbench_models::spec::{Body, BuildError};
 
 /// The mesh of a gear, how its hub is mounted.
 #[derive(Clone, Debug)]

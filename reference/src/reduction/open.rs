@@ -3,7 +3,7 @@
 use super::Toothing;
 use super::store::{self, Motion, StoreError, Stored};
 use gearbench_models::gear::table::GearContext;
-use gearbench_models::scene::spec::Body;
+use gearbench_models::spec::Body;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -10,11 +10,11 @@ use crate::mesh::{
 use crate::modes::{self, Options};
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
-use gearbench_models::gear::GearModel;
-use gearbench_models::gear::elastic::{Elastic, NormalField};
-use gearbench_models::gear::placement::Placement;
+use gearbench_models::gear::elastic::Elastic;
+use gearbench_models::gear::{GearModel, NormalField};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_models::mount::{Hub, Mount, Wrench};
+use gearbench_models::kinematics::{Hub, Placement, Wrench};
+use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use crate::mesh_source::{self, Reader};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::scene::spec::{Body as Toothing, BuildError, Value};
+use gearbench_models::spec::{Body as Toothing, BuildError, Value};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -261,10 +261,9 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
 mod tests {
     use super::*;
     use gearbench_models::Vec3;
-    use gearbench_models::gear::placement::Placement;
     use gearbench_models::geometry::{Gear, GearParams};
-    use gearbench_models::mount::{Hub, Mount};
-    use gearbench_models::scene::spec::Parameters;
+    use gearbench_models::kinematics::{Hub, Placement};
+    use gearbench_models::spec::{Mount, Parameters};
     use gearbench_models::stiffness::Material;
 
     fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {

@@ -2,14 +2,13 @@
 
 use gearbench_integrators::equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 use gearbench_integrators::system::State;
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
-use gearbench_models::load::Profile;
-use gearbench_models::mount::Mount;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{MeshLayout, lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, BuildError, Modelling, SceneSpec};
+use gearbench_models::spec::{
+    Body, BuildError, MeshLayout, Modelling, Mount, Profile, SceneSpec, lever, mesh_layout,
+};
 
 /// Largest last Newton correction over the approach.
 const TOLERANCE: f64 = 1e-9;

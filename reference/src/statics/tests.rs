@@ -1,14 +1,12 @@
 //! Statics of rigid gears: it must return the law's own curve.
 
 use super::{Load, LoadedPair, MeshCycle, StaticsError};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
-use gearbench_models::load::{Load as HubLoad, Profile};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::build::{mesh_layout, stiffness_curve};
-use gearbench_models::scene::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, SceneSpec, Start,
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, Load as HubLoad, MeshSpec, ModelSpec, Modelling, Mount, Profile,
+    SceneSpec, Start, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{
     IsoVariation, Material, PairOrMesh, PairStiffness, Path, mesh_stiffness,

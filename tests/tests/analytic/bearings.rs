@@ -4,12 +4,9 @@ use gearbench_integrators::{
     EquilibriumOptions, Outputs, Resolution, SecondOrderSystem, State, TimePlan, equilibrium,
 };
 use gearbench_models::Vec3;
-use gearbench_models::contact::candidate::Tooth;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
+use gearbench_models::kinematics::Tooth;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::{Load, Mount, Profile, Value, lever};
 use gearbench_tests::*;
 
 const NAMES: [&str; 2] = ["pinion", "wheel"];

@@ -6,11 +6,10 @@ use gearbench_integrators::{
     Coast, METHODS, NullSink, Outputs, Resolution, SecondOrderSystem, State, Stepping, TimePlan,
     Work, method,
 };
-use gearbench_models::contact::flank_points::PointContact;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, SceneSpec, Value};
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Mount, Parameters, PointContact, Profile, SceneSpec, Value,
+};
 use gearbench_tests::*;
 
 pub fn toy(damping: f64) -> ModelSpec {

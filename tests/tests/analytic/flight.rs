@@ -4,11 +4,8 @@ use gearbench_integrators::{
     AcceptedStep, Control, NullSink, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
     Work, method,
 };
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::mesh_layout;
-use gearbench_models::scene::spec::SceneSpec;
+use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, mesh_layout};
 use gearbench_tests::*;
 
 /// Case A in the middle of `backlash`, hammering.

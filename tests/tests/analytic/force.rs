@@ -1,9 +1,9 @@
 //! The force is a pure function, guards say when its branch ends, and elastic laws switch without a jump.
 
 use gearbench_integrators::{Change, SecondOrderSystem, State};
-use gearbench_models::contact::law::{Damping, Friction};
+use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec};
+use gearbench_models::spec::{ContactSpec, ModelSpec};
 use gearbench_tests::*;
 
 fn force(scene: &mut Scene, s: &State) -> Vec<f64> {
@@ -160,7 +160,7 @@ fn elastic_laws_switch_without_a_jump_of_the_force() {
             } else {
                 range.len()
             };
-            let lever = gearbench_models::scene::build::lever(&case_a(3e-6).gears[0].body);
+            let lever = gearbench_models::spec::lever(&case_a(3e-6).gears[0].body);
             range.take(n).for_each(|i| s.q[i] += gap / lever);
             let mut guards = vec![0.0; scene.layout().guards];
             scene.guards(s.at(), &mut guards);

@@ -1,11 +1,8 @@
 //! Sliding friction: direction, size, flip at the pitch point, energy.
 
 use gearbench_integrators::{Resolution, SecondOrderSystem};
-use gearbench_models::contact::law::{Damping, Friction};
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::build::mesh_layout;
-use gearbench_models::scene::spec::ContactSpec;
+use gearbench_models::law::{Damping, Friction};
+use gearbench_models::spec::{ContactSpec, Load, Mount, Profile, mesh_layout};
 use gearbench_tests::*;
 
 const MU: f64 = 0.08;

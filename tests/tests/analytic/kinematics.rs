@@ -1,11 +1,11 @@
 //! Torque ratio, magnitude of the contact force, and invariants of the line of action.
 
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Pair, ReliefShape, Side, TipRelief,
 };
-use gearbench_models::scene::spec::{Body, ContactSpec, SceneSpec};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{Body, ContactSpec, SceneSpec};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
     ToothModel,

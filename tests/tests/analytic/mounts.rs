@@ -3,13 +3,10 @@
 use gearbench_integrators::{
     AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::Side;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, ContactSpec};
+use gearbench_models::spec::{Body, ContactSpec, Load, Mount, Profile, lever, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 

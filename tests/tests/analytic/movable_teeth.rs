@@ -3,12 +3,12 @@
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::Side;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ContactSpec, MeshSpec, ModelSpec, SceneSpec, Value};
+use gearbench_models::spec::{
+    ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value,
+};
 use gearbench_tests::*;
 
 const K: f64 = 5.3e8;

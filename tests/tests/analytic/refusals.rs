@@ -1,12 +1,10 @@
 //! Scenes that cannot be assembled: every message names the cause and a way out.
 
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::Side;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{
-    ContactSpec, MeshSpec, ModelSpec, Modelling, SceneSpec, Value,
+use gearbench_models::spec::{
+    ContactSpec, Load, MeshSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Value,
 };
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
@@ -83,7 +81,7 @@ fn positions_and_starts() {
     );
 }
 
-fn start_of() -> gearbench_models::scene::spec::Start {
+fn start_of() -> gearbench_models::spec::Start {
     start(Side::Left, 3e-6)
 }
 

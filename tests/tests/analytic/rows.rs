@@ -2,15 +2,14 @@
 //! the gap rate `w . v + gap_t` against differences in time.
 
 use gearbench_integrators::{SecondOrderSystem, State};
-use gearbench_models::contact::candidate::Candidate;
+use gearbench_models::contact::Candidate;
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, Side, TipRelief,
 };
-use gearbench_models::load::Profile;
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
-use gearbench_models::scene::spec::{Body, GearSpec, MeshSpec, ModelSpec, SceneSpec, Value};
+use gearbench_models::spec::{
+    Body, GearSpec, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value, lever,
+};
 use gearbench_tests::*;
 
 /// Largest error of the rows of all candidates over the largest entry, and the number of candidates.

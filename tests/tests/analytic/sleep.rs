@@ -2,14 +2,14 @@
 
 use crate::coast::{toy, with_points};
 use crate::flight::hammer;
-use gearbench_integrators::observers::{Tee, ledger::Ledger};
+use gearbench_integrators::observers::Tee;
+use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
     method,
 };
-use gearbench_models::load::{Load, Profile};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Value};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Profile, Value};
 use gearbench_tests::*;
 
 const FACE: f64 = 0.01;

@@ -1,11 +1,8 @@
 //! Static equilibrium of scenes: a torque held by a tooth contact, against springs in series.
 
 use gearbench_integrators::{EquilibriumError, EquilibriumOptions, State, equilibrium};
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
-use gearbench_models::scene::spec::{ModelSpec, SceneSpec};
+use gearbench_models::spec::{Load, ModelSpec, Mount, Profile, SceneSpec, lever};
 use gearbench_tests::*;
 
 /// Contact stiffness per width [N/m per m], and over the width of 20 mm.
@@ -22,7 +19,7 @@ fn held(torque: f64, wheel: Mount) -> SceneSpec {
 
 /// Torque of the pinion over its base radius [N], and contact stiffness over the width [N/m].
 fn force_and_stiffness(spec: &SceneSpec, torque: f64) -> (f64, f64) {
-    let gearbench_models::scene::spec::Body::Gear(g) = &spec.gears[0].body else {
+    let gearbench_models::spec::Body::Gear(g) = &spec.gears[0].body else {
         panic!("a gear")
     };
     (

@@ -4,11 +4,10 @@
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
 use gearbench_models::Vec3;
-use gearbench_models::contact::law::{Damping, Friction};
-use gearbench_models::contact::row::Row;
-use gearbench_models::load::Load;
+use gearbench_models::kinematics::Row;
+use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec};
 use gearbench_models::stiffness::{Ends, Interpolation, IsoVariation, PairOrMesh, PairStiffness};
 use gearbench_tests::*;
 

@@ -6,10 +6,8 @@ use gearbench_integrators::{
     Coeffs, Outputs, Resolution, SecondOrderSystem, State, TimePlan, Work,
 };
 use gearbench_models::geometry::{Gear, Side};
-use gearbench_models::load::Profile;
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ModelSpec, Value};
+use gearbench_models::spec::{ModelSpec, Mount, Profile, Value};
 use gearbench_tests::*;
 
 use crate::movable_teeth::loaded;
@@ -59,7 +57,7 @@ fn one_tooth_deflects_by_its_torque_over_its_spring() {
             s.q[tooth]
         );
         // |T_i| = N r_b.
-        let rb = gearbench_models::scene::build::lever(&spec.gears[1].body);
+        let rb = gearbench_models::spec::lever(&spec.gears[1].body);
         assert!((torque.abs() / (contact.normal_force * rb) - 1.0).abs() < 1e-12);
     }
 }

@@ -1,13 +1,12 @@
 //! Trains of three gears: statics, motion under load, an idler whose compliance couples its meshes.
 
 use gearbench_integrators::{Coeffs, Resolution, SecondOrderSystem, State, TimePlan};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::Side;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
-use gearbench_models::scene::spec::{Body, ContactSpec, MeshSpec, ModelSpec, SceneSpec, Value};
+use gearbench_models::spec::{
+    Body, ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value, lever,
+};
 use gearbench_tests::*;
 
 /// Settles a damped scene in static equilibrium: Newton with a little mass, that held rigid gears allow.

@@ -3,12 +3,11 @@
 use gearbench_integrators::{
     AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::Side;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, SceneSpec};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, lever, mesh_layout,
+};
 use gearbench_tests::*;
 
 /// The pinion driven against a load on the wheel, from rest against each other.
@@ -270,7 +269,7 @@ fn impact_speeds_belong_to_their_own_impact() {
     // many turns, where rounding in the angles is larger.
     let damping = Damping::Flores { e: 0.8 };
     let chi = 1.6 * 0.2 / 0.8;
-    let r = gearbench_models::contact::law::realised_restitution(chi);
+    let r = gearbench_models::law::realised_restitution(chi);
     for turned in [0.0, 300.0, 30_000.0] {
         let spec = case_a(34e-6);
         let contact = ContactSpec {

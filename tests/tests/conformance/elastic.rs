@@ -5,13 +5,10 @@ use gearbench_integrators::{
     AcceptedStep, Control, EquilibriumOptions, METHODS, Method, Outputs, Resolution,
     SecondOrderSystem, Sink, State, Stepping, TimePlan, Work, equilibrium,
 };
-use gearbench_models::contact::flank_points::{PointContact, SurfaceKind};
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::lever;
-use gearbench_models::scene::spec::{
-    ContactSpec, ModelSpec, Modelling, Parameters, SceneSpec, Value,
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, PointContact, Profile, SceneSpec,
+    SurfaceKind, Value, lever,
 };
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;

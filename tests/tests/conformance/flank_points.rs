@@ -1,13 +1,14 @@
 //! An impact of gears of point masses that touch with the points of their flanks: energy, momentum, restart.
 
-use gearbench_integrators::observers::{Tee, ledger::Ledger};
+use gearbench_integrators::observers::Tee;
+use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, TimePlan, Work,
 };
-use gearbench_models::contact::flank_points::{Passes, PointContact, SurfaceKind};
-use gearbench_models::load::{Load, Profile};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, Value};
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Parameters, Passes, PointContact, Profile, SurfaceKind, Value,
+};
 use gearbench_tests::*;
 
 const T_END: f64 = 1.2e-4;

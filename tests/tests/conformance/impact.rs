@@ -4,11 +4,10 @@ use gearbench_integrators::{
     AcceptedStep, Control, Method, MethodInfo, Outputs, Resolution, SecondOrderSystem, Sink,
     Stepping, TimePlan, Work,
 };
-use gearbench_models::contact::law::{Damping, realised_restitution};
 use gearbench_models::gear::table::Model;
+use gearbench_models::law::{Damping, realised_restitution};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::ContactSpec;
+use gearbench_models::spec::{ContactSpec, lever, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 

@@ -14,7 +14,7 @@ use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{Modelling, Value};
+use gearbench_models::spec::{Modelling, Value};
 use gearbench_reference::ExternalReference;
 use gearbench_reports::metrics;
 use gearbench_reports::record::Run;

@@ -8,9 +8,8 @@ use gearbench::scene_file::{self, SceneFile};
 use gearbench::studies::compare::{Plan, compare};
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work};
-use gearbench_models::contact::flank_points::PointRule;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::{PointRule, Value};
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Run;
 

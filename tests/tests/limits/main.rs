@@ -7,7 +7,7 @@ use gearbench::experiment::configuration::Configuration;
 use gearbench::models::models;
 use gearbench::scene_file::{Selection, load_for};
 use gearbench::studies::stability::limits::table::{Case, StepLimit, table};
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::Value;
 
 mod in_the_scene;
 

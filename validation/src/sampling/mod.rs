@@ -24,8 +24,7 @@ mod toothing;
 
 use gearbench::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_models::geometry::GeometryError;
-use gearbench_models::scene::build::mesh_layout;
-use gearbench_models::scene::spec::BuildError;
+use gearbench_models::spec::{BuildError, mesh_layout};
 use gearbench_reports::Metric;
 use random::{Random, fitting, short};
 use std::collections::BTreeMap;

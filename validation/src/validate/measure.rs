@@ -8,7 +8,7 @@ use gearbench::studies::choose::wish::Metric;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::{Ledger, Status};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -21,7 +21,7 @@ use gearbench::studies::choose::choice::{ChooseError, choose};
 use gearbench::studies::choose::situation::Situation;
 use gearbench::studies::choose::wish::{Metric, Wish};
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::spec::Body;
+use gearbench_models::spec::Body;
 use gearbench_reports::choice_check::{JudgedChoice, Outcome, TriedCandidate};
 use gearbench_reports::record::Status;
 use measure::{Ready, grid, side_by_side};

@@ -7,7 +7,7 @@ use gearbench::studies::choose::candidate::{DENSEST, densest, elastic, full};
 use gearbench::studies::choose::situation::Situation;
 use gearbench::studies::choose::wish::Metric;
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::spec::Modelling;
+use gearbench_models::spec::Modelling;
 use std::sync::atomic::AtomicBool;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.

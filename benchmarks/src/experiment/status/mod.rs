@@ -23,7 +23,7 @@ use super::history::History;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State, StepError};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::SceneSpec;
+use gearbench_models::spec::SceneSpec;
 use gearbench_reports::record::{Run, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
 pub use tunnelling::Passage;

@@ -12,10 +12,9 @@
 use super::super::run::approach;
 use super::Finding;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
-use gearbench_models::mount::Hub;
+use gearbench_models::kinematics::Hub;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::mesh_layout;
-use gearbench_models::scene::spec::{Body, SceneSpec};
+use gearbench_models::spec::{Body, SceneSpec, mesh_layout};
 use gearbench_reports::record::Status;
 use std::ops::Range;
 

@@ -3,8 +3,7 @@
 use super::render;
 use crate::scene_file::{CalibrationUse, Origin, SHIPPED, Selection, load, load_uncalibrated};
 use gearbench_models::geometry::{Pair, Side};
-use gearbench_models::load::Load;
-use gearbench_models::scene::spec::{Body, Value};
+use gearbench_models::spec::{Body, Load, Value};
 use gearbench_models::stiffness::PairStiffness;
 
 #[test]

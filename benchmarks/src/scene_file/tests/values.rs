@@ -3,12 +3,11 @@
 use super::{BASE, changed, parse, read, render};
 use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
-use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
-use gearbench_models::contact::law::Damping;
 use gearbench_models::geometry::{Pair, RackPair, ReliefShape, Side};
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::spec::{Body, BuildError};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    Body, BuildError, Load, Mount, Passes, PointContact, PointRule, Profile, SurfaceKind,
+};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, Material, PairOrMesh, PairStiffness,
     RootLength, ToothModel,

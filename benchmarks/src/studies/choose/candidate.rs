@@ -8,7 +8,7 @@ use super::situation::{Own, Situation};
 use super::statics::{self, Calibrated, Swing, calibrate};
 use crate::experiment::run::Method;
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::spec::{ModelSpec, Modelling, SceneSpec, Value};
+use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec, Value};
 use std::sync::Arc;
 
 /// Modes of the elastic rungs.

@@ -2,13 +2,12 @@
 
 use super::candidate::{Candidate, Prepared, Rung};
 use super::climb::{Climb, climb};
-use super::pick;
-use super::scout;
+use super::scout::Window;
 use super::situation::Situation;
 use super::wish::Wish;
-use super::{domain, scout::Window};
+use super::{domain, pick, scout};
 use crate::experiment::run::{Method, RunError};
-use gearbench_models::scene::spec::BuildError;
+use gearbench_models::spec::BuildError;
 use std::sync::atomic::AtomicBool;
 
 /// Why there is no answer at all.

@@ -3,9 +3,8 @@
 use super::candidate::Candidate;
 use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_models::contact::flank_points::{Passes, PointRule, SurfaceKind};
-use gearbench_models::contact::law::Damping;
-use gearbench_models::scene::spec::{ContactSpec, Parameters, Value};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{ContactSpec, Parameters, Passes, PointRule, SurfaceKind, Value};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
 };

@@ -2,9 +2,7 @@
 
 use super::candidate::Prepared;
 use super::situation::Situation;
-use gearbench_models::load::Profile;
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::spec::Body;
+use gearbench_models::spec::{Body, Mount, Profile};
 use std::f64::consts::{PI, TAU};
 
 /// Numbers of teeth of the gears that choices were judged on.

@@ -11,7 +11,7 @@ use super::trial::{Outcome, Trial};
 use super::wish::Metric;
 use crate::experiment::run::Method;
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::build::{lever, mesh_layout};
+use gearbench_models::spec::{lever, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::sync::atomic::AtomicBool;
 
@@ -159,10 +159,10 @@ fn spells(run: &Outcome) -> Vec<[f64; 2]> {
 fn cycle(situation: &Situation) -> f64 {
     let mesh = &situation.scene.meshes[0];
     let [a, b] = mesh.gears.map(|i| &situation.scene.gears[i]);
-    let speed = |g: &gearbench_models::scene::spec::GearSpec| {
+    let speed = |g: &gearbench_models::spec::GearSpec| {
         let given = match &g.mount {
-            gearbench_models::mount::Mount::Driven(p) => p.value(0.0),
-            gearbench_models::mount::Mount::Fixed => 0.0,
+            gearbench_models::spec::Mount::Driven(p) => p.value(0.0),
+            gearbench_models::spec::Mount::Fixed => 0.0,
             _ => g.speed,
         };
         (given * lever(&g.body)).abs()

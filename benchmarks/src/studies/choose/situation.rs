@@ -18,11 +18,11 @@
 
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
-use gearbench_models::contact::flank_points::PointContact;
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::build::mesh_layout;
-use gearbench_models::scene::spec::{Body, ContactSpec, Modelling, Parameters, SceneSpec, Value};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    Body, ContactSpec, Modelling, Parameters, PointContact, SceneSpec, Value, mesh_layout,
+};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 
 use std::f64::consts::TAU;
@@ -168,7 +168,7 @@ impl Situation {
     /// First frequency of a tooth, by its size [Hz].
     #[must_use]
     pub fn tooth_frequency(&self) -> f64 {
-        let module = |g: &gearbench_models::scene::spec::GearSpec| match &g.body {
+        let module = |g: &gearbench_models::spec::GearSpec| match &g.body {
             Body::Gear(g) => g.params().module,
             Body::Rack(r) => r.params().module,
         };

@@ -9,12 +9,12 @@
 
 use super::situation::Situation;
 use gearbench_integrators::system::SecondOrderSystem;
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::MODELS;
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{
+use gearbench_models::spec::{
     Body, BuildError, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, Value,
+    lever, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -136,7 +136,7 @@ impl Swing {
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
         let pace = built.pace(built.initial().at());
         let mass = |i: usize| built.gears()[i].model.contact_mass();
-        let of = |m: &gearbench_models::scene::spec::MeshSpec| {
+        let of = |m: &gearbench_models::spec::MeshSpec| {
             1.0 / m.gears.map(|i| 1.0 / mass(i)).iter().sum::<f64>()
         };
         let mass = scene.meshes.iter().map(of).fold(f64::INFINITY, f64::min);

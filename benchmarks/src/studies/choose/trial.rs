@@ -8,7 +8,7 @@ use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, Method, RunError, run_in};
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::{Ledger, Run};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;

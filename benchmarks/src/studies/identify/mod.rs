@@ -17,7 +17,7 @@ use crate::experiment::run::force_on_grid;
 use gearbench_integrators::Resolution;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{BuildError, Modelling, SceneSpec, Value};
+use gearbench_models::spec::{BuildError, Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use levenberg_marquardt::{Fit, fit};
 
@@ -188,7 +188,7 @@ pub fn identify(
 fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
     let gap = spec.meshes.first().map_or(1e-6, |m| m.start.gap.max(1e-7));
     let (width, tooth_mass) = spec.gears.first().map_or((0.01, 5e-3), |g| match &g.body {
-        gearbench_models::scene::spec::Body::Gear(gear) => {
+        gearbench_models::spec::Body::Gear(gear) => {
             let m = gear.params().module;
             // A tooth is roughly a bar of half a pitch by 2.25 modules.
             let area = 0.5 * std::f64::consts::PI * m * 2.25 * m;
@@ -197,7 +197,7 @@ fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
                 g.material.density * area * gear.face_width(),
             )
         }
-        gearbench_models::scene::spec::Body::Rack(rack) => (rack.face_width(), 5e-3),
+        gearbench_models::spec::Body::Rack(rack) => (rack.face_width(), 5e-3),
     });
     let pair = 1.5e10;
     if model == "rigid" {

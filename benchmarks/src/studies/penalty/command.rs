@@ -10,7 +10,7 @@ use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError};
 use crate::studies::stiffness::build_error;
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::build::mesh_layout;
+use gearbench_models::spec::mesh_layout;
 use gearbench_reports::record::Results;
 use std::process::ExitCode;
 use std::time::Duration;

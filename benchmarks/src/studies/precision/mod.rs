@@ -21,11 +21,10 @@ pub use plan::{Asked, COUNTS, Full, Plan, Variant};
 
 use crate::experiment::converged::{SMALL, converged, exact_for_modes, tight};
 use crate::experiment::machine;
-use crate::experiment::run::LEFT_OUT;
-use crate::experiment::run::{Job, Method, RunError, run, run_timed};
+use crate::experiment::run::{Job, LEFT_OUT, Method, RunError, run, run_timed};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Ledger, Metrics, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::series::{Column, TimeSeries};

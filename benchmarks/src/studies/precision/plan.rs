@@ -9,7 +9,7 @@ use crate::experiment::run::Method;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::Value;
 use gearbench_reference::ExternalReference;
 use gearbench_reports::Metric;
 use gearbench_reports::record::ReferenceSeries;

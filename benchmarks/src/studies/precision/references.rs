@@ -6,8 +6,7 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::run::Method;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_models::contact::flank_points::{PointContact, PointRule};
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::{PointContact, PointRule, Value};
 use gearbench_reports::record::ReferenceSeries;
 
 /// Step of a full model that is a reference over that of the scene.

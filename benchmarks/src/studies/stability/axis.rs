@@ -1,12 +1,10 @@
 //! The parameters that a map goes over: what they change, which models and methods have them, what the scene's own
 //! value is.
 
-use gearbench_models::contact::law::Damping;
-use gearbench_models::load::Profile;
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::build::{mesh_layout, stiffness_curve};
-use gearbench_models::scene::spec::{
-    BuildError, ContactSpec, GearSpec, ModelSpec, Modelling, SceneSpec, Value,
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    BuildError, ContactSpec, GearSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Value,
+    mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
 

@@ -5,7 +5,7 @@ use super::axis::{Axis, AxisError, Setup};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::Value;
 use gearbench_reports::record::Tolerance;
 use gearbench_reports::stability::Columns;
 use std::time::Duration;

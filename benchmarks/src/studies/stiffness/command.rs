@@ -5,7 +5,7 @@ use super::{Entry, Row, build_error, formulas, includes, solve, summary_csv};
 use crate::cli::terminal::{Refusal, progress_bar, say};
 use crate::models::models;
 use crate::scene_file::{self, Selection};
-use gearbench_models::scene::build::lever;
+use gearbench_models::spec::lever;
 use gearbench_reference::statics::{Load, StaticsError};
 use gearbench_reports::charts::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ fn refuse(label: &str, e: &StaticsError) -> Refusal {
 fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
     let gears = &entry.spec.gears;
     let [a, b] = entry.spec.meshes[0].gears;
-    let layout = gearbench_models::scene::build::mesh_layout(&gears[a], &gears[b])
+    let layout = gearbench_models::spec::mesh_layout(&gears[a], &gears[b])
         .map_err(|e| Refusal::Failed(e.to_string()))?;
     Ok(match args.torque {
         Some(torque) => torque / lever(&gears[a].body),

@@ -7,7 +7,7 @@ pub mod arguments;
 pub mod command;
 
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::{BuildError, ModelSpec, Modelling, Parameters, SceneSpec};
+use gearbench_models::spec::{BuildError, ModelSpec, Modelling, Parameters, SceneSpec};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel,
 };

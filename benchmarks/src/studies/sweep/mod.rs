@@ -14,11 +14,10 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
 use crate::experiment::run::{Job, Method, RunError, run};
 use gearbench_models::gear::table::Model;
-use gearbench_models::load::{Load, Profile};
-use gearbench_models::mount::Mount;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{MeshLayout, lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, SceneSpec};
+use gearbench_models::spec::{
+    Body, Load, MeshLayout, Mount, Profile, SceneSpec, lever, mesh_layout,
+};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status, Study};
 use gearbench_reports::series::TimeSeries;

@@ -10,7 +10,7 @@ use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_models::scene::spec::Value;
+use gearbench_models::spec::Value;
 use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
 use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
@@ -99,7 +99,7 @@ fn sides<'s>(
 }
 
 fn is_truncated(choice: &ModelChoice) -> bool {
-    let flag = |g: &gearbench_models::scene::spec::ModelSpec| g.parameters.get("residual").cloned();
+    let flag = |g: &gearbench_models::spec::ModelSpec| g.parameters.get("residual").cloned();
     choice
         .modelling
         .gears

@@ -14,7 +14,7 @@ use crate::experiment::run::{Job, Method, RunError, run};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::{Modelling, SceneSpec, Value};
+use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
 use gearbench_reports::truncation::{LIMITS, ways};

@@ -5,7 +5,7 @@ pub mod arguments;
 use crate::cli::terminal::{Refusal, say};
 use crate::scene_file;
 use arguments::Mesh as Arguments;
-use gearbench_models::scene::spec::Body;
+use gearbench_models::spec::Body;
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, GearDeck};
 use gearbench_reference::mesh::vtu::{self, Field, Values};

@@ -8,10 +8,9 @@ use crate::scene_file;
 use crate::tools::mesh::{chosen, is_deck, named};
 use arguments::Reduce as Arguments;
 use gearbench_models::Vec3;
-use gearbench_models::gear::placement::Placement;
 use gearbench_models::gear::table::GearContext;
-use gearbench_models::mount::Hub;
-use gearbench_models::scene::spec::{Body, GearSpec, Parameters};
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Body, GearSpec, Parameters};
 use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, BodyShape};
 use gearbench_reference::mesh::GearMesh;
@@ -218,7 +217,7 @@ fn of_scene(
     let of = of_gear("elastic", &context)
         .map_err(|e| Refusal::Input(miette::miette!("scene `{scene}`, gear `{}`: {e}", g.name)))?;
     let mesh = match parameters.get("mesh") {
-        Some(gearbench_models::scene::spec::Value::Text(text)) => format!("mesh {text}"),
+        Some(gearbench_models::spec::Value::Text(text)) => format!("mesh {text}"),
         _ => "generated mesh".to_owned(),
     };
     Ok(Job {

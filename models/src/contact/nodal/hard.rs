@@ -286,7 +286,7 @@ impl HardSolve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::law::{Law, LawForce};
+    use crate::law::{Law, LawForce};
 
     /// Points on nodes of their own, compliances of a smooth body with and without neighbours that rise.
     fn problem(m: usize, coupling: f64) -> (Vec<f64>, Vec<Spring>) {

@@ -1,7 +1,7 @@
 //! The nodes of a gear that take part in contact at a state.
 
 use super::UNUSED;
-use crate::gear::elastic::NormalField;
+use crate::gear::NormalField;
 use gearbench_integrators::system::At;
 
 /// Flank nodes of a gear near contact, with what is known of them. Buffers grow and stay.

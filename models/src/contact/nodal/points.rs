@@ -2,9 +2,9 @@
 
 use super::GearNodes;
 use crate::Vec3;
-use crate::contact::candidate::{Point, Tooth};
-use crate::contact::search::Party;
-use crate::gear::elastic::NormalField;
+use crate::contact::party::Party;
+use crate::gear::NormalField;
+use crate::kinematics::{Point, Tooth};
 
 /// A gear of a mesh in the search for nodal points.
 pub struct NodalParty<'a> {
@@ -68,7 +68,7 @@ pub struct NodalPoints {
 pub struct NodalPoint {
     /// Mesh of the scene.
     pub mesh: u32,
-    /// A mark of its flank side, as [`Candidate::slot`](crate::contact::candidate::Candidate).
+    /// A mark of its flank side, as [`Candidate::slot`](crate::contact::Candidate).
     pub slot: u8,
     /// Which gear of the mesh the point belongs to; the other is the master.
     pub slave: u8,

@@ -21,7 +21,7 @@
 use crate::cholesky::{
     append_inverse, backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded,
 };
-use crate::contact::law::{Law, LawForce};
+use crate::law::{Law, LawForce};
 use gearbench_integrators::system::Singular;
 
 /// Mark of what a gear without a field does not have.

@@ -1,18 +1,16 @@
 //! The elastic gear as a gear model.
 
-use super::field::NormalField;
 use super::kernels;
 use super::lag::Lagging;
 use super::reduced::Reduced;
 use super::spin::Spin;
 use crate::Vec3;
-use crate::contact::candidate::{Locus, Point, Tooth};
-use crate::contact::flank_points::Flanks;
-use crate::contact::row::Row;
-use crate::gear::flight::Flight;
-use crate::gear::placement::Placement;
-use crate::gear::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
-use crate::mount::{Hub, Mount, Wrench};
+use crate::gear::NormalField;
+use crate::gear::free_flight::Flight;
+use crate::gear::model::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
+use crate::geometry::Flanks;
+use crate::kinematics::{Hub, Locus, Placement, Point, Row, Tooth, Wrench};
+use crate::spec::Mount;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use std::sync::Arc;

@@ -18,8 +18,7 @@
 //! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
 //! steel tooth. Gears that turn fast have the centrifugal and Coriolis terms of [`inertia`] as well.
 
-mod field;
-mod flight;
+mod free_flight;
 mod gear;
 pub mod inertia;
 mod kernels;
@@ -27,6 +26,5 @@ mod lag;
 pub mod reduced;
 mod spin;
 
-pub use field::NormalField;
 pub use gear::Elastic;
 pub use inertia::SpinTerms;

@@ -3,7 +3,7 @@
 //! Conventions, stated once:
 //!
 //! - Flank nodes are numbered through from 0, tooth by tooth, left flank before right flank, row by row as in
-//!   [`FlankGrid`](crate::contact::flank_points::FlankGrid); those numbers are the nodes of [`Reduced::flanks`].
+//!   [`FlankGrid`](crate::geometry::FlankGrid); those numbers are the nodes of [`Reduced::flanks`].
 //! - Shapes and displacements at flank nodes are along the outward normal of the undeformed flank, positive out of
 //!   the tooth; forces on them are positive into the tooth.
 //! - Modes are orthonormal in the mass of the whole gear with what is added at the hub: shapes in 1/sqrt(kg),
@@ -12,7 +12,7 @@
 
 use super::inertia::Integrals;
 use crate::Vec3;
-use crate::contact::flank_points::Flanks;
+use crate::geometry::Flanks;
 
 /// A reduced gear.
 #[derive(Clone, Debug)]

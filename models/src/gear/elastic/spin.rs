@@ -10,7 +10,7 @@
 use super::gear::Elastic;
 use super::inertia::{AUTO_LIMIT, Integrals, SpinTerms};
 use crate::cholesky::dot;
-use crate::mount::Mount;
+use crate::spec::Mount;
 use gearbench_integrators::system::At;
 use std::cell::RefCell;
 

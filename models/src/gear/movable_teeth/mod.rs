@@ -29,20 +29,18 @@
 //! parametric.
 
 mod deviations;
-mod flight;
+mod free_flight;
 mod parameters;
 mod reaction;
 mod springs;
 
 pub use parameters::{PARAMETERS, build};
 
-use super::flight::Flight;
-use super::{Coordinates, GearModel, HubState, Magnitudes, MeshView};
+use super::free_flight::Flight;
+use super::model::{Coordinates, GearModel, HubState, Magnitudes};
 use crate::Vec3;
-use crate::contact::candidate::{Point, Tooth};
-use crate::contact::row::Row;
 use crate::geometry::Side;
-use crate::mount::{Hub, Wrench};
+use crate::kinematics::{Hub, MeshView, Point, Row, Tooth, Wrench};
 use deviations::{Deviations, Exchange};
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};

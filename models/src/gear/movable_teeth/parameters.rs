@@ -2,9 +2,9 @@
 
 use super::springs::{RadiusStiffness, ToothSprings};
 use super::{Integrated, MovableTeeth};
-use crate::gear::GearModel;
+use crate::gear::model::GearModel;
 use crate::gear::table::{GearContext, ParameterInfo};
-use crate::scene::spec::{Body, BuildError, Value};
+use crate::spec::{Body, BuildError, Value};
 
 const MODEL: &str = "movable-teeth";
 

@@ -12,7 +12,8 @@
 
 use super::{Integrated, MovableTeeth};
 use crate::Vec3;
-use crate::mount::{Mount, Wrench};
+use crate::kinematics::Wrench;
+use crate::spec::Mount;
 use gearbench_integrators::system::At;
 
 impl MovableTeeth {

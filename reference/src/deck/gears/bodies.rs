@@ -8,8 +8,7 @@ use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
 use crate::mesh::{ElementKind, FACE_CORNERS, Face, GearMesh, Mesh};
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::FlankGrid;
-use gearbench_models::geometry::Side;
+use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
 

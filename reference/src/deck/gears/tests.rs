@@ -1,7 +1,7 @@
 use super::*;
 use crate::deck::{read, read_str};
 use crate::mesh::ElementKind;
-use gearbench_models::contact::flank_points::FlankGrid;
+use gearbench_models::geometry::FlankGrid;
 
 fn stored(name: &str) -> Deck {
     read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()

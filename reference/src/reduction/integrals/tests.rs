@@ -6,14 +6,12 @@ use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh, Tooth};
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Basis, Mounting, Wanted, basis};
 use gearbench_integrators::system::At;
-use gearbench_models::contact::flank_points::FlankGrid;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
-use gearbench_models::gear::placement::Placement;
-use gearbench_models::geometry::{Gear, GearParams, Side};
-use gearbench_models::load::Profile;
-use gearbench_models::mount::{Hub, Mount};
+use gearbench_models::geometry::{FlankGrid, Gear, GearParams, Side};
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Mount, Profile};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 

@@ -6,10 +6,9 @@ use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
 use gearbench_models::Vec3;
-use gearbench_models::gear::placement::Placement;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_models::mount::{Hub, Mount};
-use gearbench_models::scene::spec::Parameters;
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Mount, Parameters};
 use gearbench_models::stiffness::Material;
 
 fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {

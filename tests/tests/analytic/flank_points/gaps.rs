@@ -142,7 +142,7 @@ fn points_stand_for_the_whole_flank() {
     let length = (g.roll_length_tip().powi(2) - g.roll_length_form().powi(2)) / (2.0 * g.r_base());
     for rule in [PointRule::Nodes, quadrature(1, 1), quadrature(3, 2)] {
         let grids = flank_test_gears::grids(g, 41, 4);
-        let areas = gearbench_models::contact::flank_points::reference_areas(&grids, 0, rule);
+        let areas = gearbench_models::contact::points::reference_areas(&grids, 0, rule);
         let sum: f64 = areas.iter().sum();
         let exact = g.face_width() * length;
         assert!((sum / exact - 1.0).abs() < 1e-4, "{rule:?}: {sum} {exact}");

@@ -7,16 +7,14 @@ mod rows;
 
 use gearbench_integrators::system::Coeffs;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
-use gearbench_models::contact::candidate::Candidate;
-use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
-use gearbench_models::contact::law::{Damping, Friction};
-use gearbench_models::contact::search::{Party, Wanted};
+use gearbench_models::contact::{Candidate, Party, Wanted};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side, inv};
-use gearbench_models::load::Profile;
-use gearbench_models::mount::Mount;
+use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{Body, ContactSpec, ModelSpec, Parameters, SceneSpec, Value};
+use gearbench_models::spec::{
+    Body, ContactSpec, ModelSpec, Mount, Parameters, Passes, PointContact, PointRule, Profile,
+    SceneSpec, SurfaceKind, Value, lever, mesh_layout,
+};
 use gearbench_tests::*;
 use std::f64::consts::TAU;
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use gearbench_models::geometry::{GearParams, Side};
-use gearbench_models::scene::spec::Body;
+use gearbench_models::spec::Body;
 
 #[test]
 fn no_point_is_nearer_than_the_clearance() {

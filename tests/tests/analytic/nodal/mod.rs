@@ -9,11 +9,11 @@ mod search;
 mod tangents;
 
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
-use gearbench_models::contact::flank_points::{Passes, PointContact, PointRule, SurfaceKind};
-use gearbench_models::load::{Load, Profile};
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::build::{lever, mesh_layout};
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Parameters, SceneSpec, Value};
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Parameters, Passes, PointContact, PointRule, Profile, SceneSpec,
+    SurfaceKind, Value, lever, mesh_layout,
+};
 use gearbench_tests::*;
 
 fn toy(rows: usize, columns: usize, modes: usize, residual: f64) -> ModelSpec {

@@ -3,8 +3,7 @@
 use super::potential::gradient_error;
 use super::*;
 use gearbench_models::geometry::Side;
-use gearbench_models::mount::Mount;
-use gearbench_models::scene::spec::MeshSpec;
+use gearbench_models::spec::{MeshSpec, Mount};
 
 /// The gradient with partners without fields, on either side. Partners with nodes of their own leave out what the
 /// closest point's sliding brings beyond first order.

@@ -1,8 +1,8 @@
 //! The search in the transverse plane finds what the search on surfaces finds, and its cost follows the contact.
 
 use super::*;
-use gearbench_models::contact::candidate::Locus;
-use gearbench_models::contact::flank_points::Flanks;
+use gearbench_models::geometry::Flanks;
+use gearbench_models::kinematics::Locus;
 
 /// Force of the points that the search on surfaces finds, with displacements taken from the field by hand.
 fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {

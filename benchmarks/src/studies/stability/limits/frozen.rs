@@ -9,7 +9,7 @@ use gearbench_integrators::{
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::scene::spec::{Body, Modelling, SceneSpec};
+use gearbench_models::spec::{Body, Modelling, SceneSpec};
 use nalgebra::DMatrix;
 
 /// Coordinates up to which matrices are formed; beyond, only the fastest mode is sought.

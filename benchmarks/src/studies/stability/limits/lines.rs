@@ -5,7 +5,7 @@ use super::{LimitError, LineKind, StepLine};
 use gearbench_integrators::linear_stability::{Kicks, Stability};
 use gearbench_integrators::stability;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::{Modelling, SceneSpec};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 

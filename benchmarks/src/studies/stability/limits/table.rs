@@ -6,9 +6,9 @@ use super::frozen::Frozen;
 use super::linear::Linear;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::stability;
-use gearbench_models::contact::law::Damping;
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec, Value};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec, Value};
 
 /// The damping that a model without any is given: ratio of its modes, of its contact, of its teeth.
 pub const RATIO: f64 = 0.02;

@@ -2,13 +2,11 @@
 
 use super::*;
 use crate::Vec3;
-use crate::contact::flank_points::{FlankGrid, Flanks};
-use crate::gear::GearModel;
 use crate::gear::elastic::reduced::Reduced;
-use crate::gear::placement::Placement;
-use crate::geometry::Side;
-use crate::load::Profile;
-use crate::mount::{Hub, Wrench};
+use crate::gear::model::GearModel;
+use crate::geometry::{FlankGrid, Flanks, Side};
+use crate::kinematics::{Hub, Placement, Wrench};
+use crate::spec::Profile;
 use std::sync::Arc;
 
 const MODES: usize = 4;

@@ -1,12 +1,11 @@
 //! What a scene is made of: plain data, SI units, no files.
 
-use crate::contact::flank_points::PointContact;
-use crate::contact::law::{Damping, Friction};
+use super::load::Load;
+use super::mount::Mount;
+use super::points::PointContact;
 use crate::geometry::{Gear, Rack, Side};
-use crate::load::Load;
-use crate::mount::Mount;
+use crate::law::{Damping, Friction};
 use crate::stiffness::{Material, PairStiffness};
-use std::collections::BTreeMap;
 
 /// The toothed body of a gear.
 #[derive(Clone, Debug)]
@@ -81,31 +80,6 @@ pub struct ContactSpec {
     pub points: Option<PointContact>,
 }
 
-/// A parameter value of a gear model.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// A number.
-    Number(f64),
-    /// A word.
-    Text(String),
-    /// Numbers, one per tooth or knot.
-    List(Vec<f64>),
-    /// Yes or no.
-    Flag(bool),
-}
-
-/// Parameters of a gear model by name, in SI units.
-pub type Parameters = BTreeMap<String, Value>;
-
-/// Which model a gear takes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ModelSpec {
-    /// Id in the table of models.
-    pub id: String,
-    /// Its parameters.
-    pub parameters: Parameters,
-}
-
 /// A scene without its models.
 #[derive(Clone, Debug)]
 pub struct SceneSpec {
@@ -113,59 +87,4 @@ pub struct SceneSpec {
     pub gears: Vec<GearSpec>,
     /// Meshes.
     pub meshes: Vec<MeshSpec>,
-}
-
-/// How the gears and contacts of a scene are modelled.
-#[derive(Clone, Debug)]
-pub struct Modelling {
-    /// One model per gear.
-    pub gears: Vec<ModelSpec>,
-    /// One contact per mesh.
-    pub contacts: Vec<ContactSpec>,
-}
-
-/// Why a scene cannot be assembled.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{subject}: {message}")]
-pub struct BuildError {
-    /// What the error is about, a gear, a mesh or `gear NAME, parameter KEY`.
-    pub subject: String,
-    /// Gear it concerns, if one.
-    pub gear: Option<String>,
-    /// Parameter it concerns, if one.
-    pub parameter: Option<String>,
-    /// What is wrong and a way out.
-    pub message: String,
-}
-
-impl BuildError {
-    /// An error about a gear.
-    pub fn gear(name: &str, message: impl Into<String>) -> Self {
-        BuildError {
-            subject: format!("gear `{name}`"),
-            gear: Some(name.into()),
-            parameter: None,
-            message: message.into(),
-        }
-    }
-
-    /// An error about a model's parameter.
-    pub fn parameter(model: &str, key: &str, message: impl Into<String>) -> Self {
-        BuildError {
-            subject: format!("model `{model}`, parameter `{key}`"),
-            gear: None,
-            parameter: Some(key.into()),
-            message: message.into(),
-        }
-    }
-
-    /// An error about a mesh.
-    pub fn mesh(a: &str, b: &str, message: impl Into<String>) -> Self {
-        BuildError {
-            subject: format!("mesh of `{a}` and `{b}`"),
-            gear: None,
-            parameter: None,
-            message: message.into(),
-        }
-    }
 }

@@ -1,21 +1,22 @@
 //! The point search: candidates of a mesh at a state.
 
-use super::Flanks;
 use super::flanked::{Flanked, Near, Owner};
 use super::projection::{Begin, Deformed, Hit};
-use super::settings::{Passes, PointContact};
 use super::spur::{Spur, SpurScratch};
 use super::surface::{FlankPoint, Rule, Shape};
 use crate::Vec3;
-use crate::contact::candidate::{Candidate, Locus, Point, Tooth};
-use crate::contact::lines_of_action::MeshGeometry;
+use crate::contact::candidate::Candidate;
+use crate::contact::clearance::Clearance;
 use crate::contact::nodal::{
     GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
 };
-use crate::contact::search::{Clearance, ContactSearch, Party, SearchWork, Wanted, ZoneChange};
-use crate::gear::elastic::NormalField;
-use crate::gear::placement::Pose;
-use crate::geometry::Side;
+use crate::contact::pairs::MeshGeometry;
+use crate::contact::party::{Party, SearchWork, Wanted, ZoneChange};
+use crate::contact::search::ContactSearch;
+use crate::gear::NormalField;
+use crate::geometry::{Flanks, Side};
+use crate::kinematics::{Locus, Point, Pose, Tooth};
+use crate::spec::{Passes, PointContact};
 use std::cell::RefCell;
 
 /// Part of the base pitch up to which undeformed flanks are looked at.

@@ -10,7 +10,7 @@
 
 use super::surface::{Face, Shape, Spot};
 use crate::Vec3;
-use crate::gear::placement::Pose;
+use crate::kinematics::Pose;
 
 /// A projection.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,10 @@
 //! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
 
-use super::{Deviation, Line, LineClearance, LinesOfAction, PathMap, Slice, side_index};
+use super::{Deviation, Line, LinesOfAction, PathMap, Slice, side_index};
 use crate::Vec3;
-use crate::gear::MeshView;
+use crate::contact::clearance::LineClearance;
 use crate::geometry::Side;
+use crate::kinematics::MeshView;
 use crate::stiffness::StiffnessCurve;
 
 /// Everything of [`LinesOfAction`] that is given; lines and slots follow.

@@ -9,12 +9,12 @@
 //! surfaces. Between the rows and columns `B` is the bilinearly blended patch of its four edge curves
 //! (S. A. Coons, MIT MAC-TR-41, 1967). `a`, `b` run from 0 to 1, `xi = 2 (a, b) - 1`.
 
-use super::settings::{PointRule, SurfaceKind, gauss_legendre};
+use super::quadrature::gauss_legendre;
 use super::spline::{bulge, bulges};
-use super::{FlankGrid, Flanks};
 use crate::Vec3;
-use crate::gear::placement::Pose;
-use crate::geometry::Side;
+use crate::geometry::{FlankGrid, Flanks, Side};
+use crate::kinematics::Pose;
+use crate::spec::{PointRule, SurfaceKind};
 
 /// The reference shape of a flank in the gear's own frame.
 #[derive(Clone, Debug)]

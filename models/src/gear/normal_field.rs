@@ -3,7 +3,7 @@
 use gearbench_integrators::system::At;
 
 /// Outward displacements of flank nodes, linear in the gear's coordinates and in the forces on the nodes:
-/// `a = B q - R F + r T`. Nodes are those of the gear's [`Flanks`](crate::contact::flank_points::Flanks), `F`
+/// `a = B q - R F + r T`. Nodes are those of the gear's [`Flanks`](crate::geometry::Flanks), `F`
 /// presses into the tooth, `T` is the load on the hub.
 ///
 /// With constant `B` and `R` the contact forces derive from one potential of `q`, whatever nodes touch.

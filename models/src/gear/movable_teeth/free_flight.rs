@@ -12,7 +12,7 @@
 //! integrated at all. The deviations of teeth outside the windows from their mean are in closed form already.
 
 use super::MovableTeeth;
-use crate::gear::flight::Flight;
+use crate::gear::free_flight::Flight;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::At;
 

@@ -1,11 +1,11 @@
 //! The contact of flank points of a mesh, from its settings.
 
 use super::SceneGear;
-use super::spec::{BuildError, ContactSpec, MeshSpec, SceneSpec};
 use crate::Vec3;
-use crate::contact::flank_points::{FlankPoints, Owner, Passes, PointContact};
-use crate::contact::law::{Damping, Law};
-use crate::contact::lines_of_action::MeshGeometry;
+use crate::contact::pairs::MeshGeometry;
+use crate::contact::points::{FlankPoints, Owner};
+use crate::law::{Damping, Law};
+use crate::spec::{BuildError, ContactSpec, MeshSpec, Passes, PointContact, SceneSpec};
 
 /// Hard contact needs nodes that give way where its points are.
 fn refuse_singular(

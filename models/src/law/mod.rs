@@ -29,7 +29,6 @@
 
 use thiserror::Error;
 
-#[path = "law_friction.rs"]
 mod friction;
 
 pub use friction::{Friction, FrictionForce};
@@ -475,5 +474,4 @@ pub fn realised_restitution(chi: f64) -> f64 {
 }
 
 #[cfg(test)]
-#[path = "law_tests.rs"]
 mod tests;

@@ -12,9 +12,9 @@ use super::search::{FlankPoints, MOST_PAST};
 use super::surface::{Rule, Shape};
 use crate::Vec3;
 use crate::contact::nodal::{Margin, NodalParty, NodalPoint, NodalPoints, UNUSED};
-use crate::contact::search::SearchWork;
-use crate::gear::placement::Pose;
+use crate::contact::party::SearchWork;
 use crate::geometry::Side;
+use crate::kinematics::Pose;
 
 /// Flanks of both gears as profiles.
 #[derive(Clone, Debug)]

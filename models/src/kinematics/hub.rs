@@ -1,27 +1,7 @@
-//! Mounts: how the hub of a gear may move.
-//!
-//! | mount | free coordinate | motion |
-//! |---|---|---|
-//! | fixed | none | at rest |
-//! | revolute | angle about z [rad] | about the gear's centre |
-//! | prismatic | travel [m] | along a direction, as a rack |
-//! | driven | none | a prescribed speed, about z or along the slide |
+//! The hub that carries a gear: where it is, how its mount lets it move, what the mount exerts.
 
 use crate::Vec3;
-use crate::load::Profile;
-
-/// How a hub may move.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Mount {
-    /// At rest.
-    Fixed,
-    /// Free to turn about its axis.
-    Revolute,
-    /// Free to slide.
-    Prismatic,
-    /// Speed prescribed as a function of time [rad/s], or [m/s] for a rack.
-    Driven(Profile),
-}
+use crate::spec::Mount;
 
 /// Force and torque on a gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

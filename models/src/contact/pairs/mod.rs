@@ -25,11 +25,11 @@ mod search;
 pub use assembly::MeshGeometry;
 pub use deviation::Deviation;
 
-use super::candidate::{Candidate, Locus, Point, Tooth};
-use super::search::{Party, Wanted};
+use super::candidate::Candidate;
+use super::party::{Party, Wanted};
 use crate::Vec3;
-use crate::gear::MeshView;
 use crate::geometry::Side;
+use crate::kinematics::{Locus, MeshView, Point, Tooth};
 use crate::stiffness::StiffnessCurve;
 
 /// A slice of the face width.
@@ -112,17 +112,6 @@ impl PathMap {
     fn s(&self, travel: f64, pair: i64) -> f64 {
         self.at_zero + self.per_travel * travel + self.per_pair * pair as f64
     }
-}
-
-/// What facing flanks of two gears whose teeth move with their hubs are apart at least, by the travels of the hubs:
-/// `assembled + per_travel . travel`. An involute that turns moves parallel to itself, so this holds for all points of
-/// the flanks, not only on the line of action.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineClearance {
-    /// At the assembled position [m].
-    pub assembled: f64,
-    /// Its change by the travel of each hub [m/rad], [-] for a rack.
-    pub per_travel: [f64; 2],
 }
 
 /// A gear at a state, as the lines of action see it.

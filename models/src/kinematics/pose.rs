@@ -4,8 +4,8 @@
 //! +x; a rack has its reference line on y and its teeth pointing to -x. A gear turns about its centre by
 //! phase + travel. A rack travels along its slide, which is its own y.
 
+use super::hub::Hub;
 use crate::Vec3;
-use crate::mount::Hub;
 
 /// The assembled position of a gear's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +110,7 @@ impl Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mount::Mount;
+    use crate::spec::Mount;
 
     fn hub(slide: Option<Vec3>) -> Hub {
         Hub {

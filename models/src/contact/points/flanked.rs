@@ -6,14 +6,12 @@
 
 use super::generated;
 use super::search::MOST_PAST;
-use super::settings::SurfaceKind;
 use super::surface::{Rule, Shape};
 use crate::Vec3;
-use crate::contact::flank_points::Flanks;
-use crate::gear::placement::Placement;
-use crate::gear::{GearModel, MeshView};
-use crate::geometry::{Side, inv};
-use crate::scene::spec::Body;
+use crate::gear::GearModel;
+use crate::geometry::{Flanks, Side, inv};
+use crate::kinematics::{MeshView, Placement};
+use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
 
 /// Places along a face at which a surface is compared with its involute.
@@ -271,7 +269,7 @@ fn check(flanks: &Flanks) -> Result<(), String> {
 
 /// Angle [rad] on the base circle (own y [m] on a rack's reference line) of the undeformed flank's outermost
 /// node, carried there along the involute and to the middle of the width.
-fn outermost(body: &Body, view: &MeshView, g: &super::FlankGrid) -> f64 {
+fn outermost(body: &Body, view: &MeshView, g: &crate::geometry::FlankGrid) -> f64 {
     let sign = g.side.sign();
     let own = |x: &Vec3| place_of(body, view, g.side, x);
     // A left flank looks counter-clockwise, on a rack to the own -y.

@@ -2,9 +2,11 @@
 
 use super::{LinesOfAction, Mover, ZONE_GUARDS, all_open};
 use crate::Vec3;
-use crate::contact::candidate::{Candidate, Tooth};
-use crate::contact::search::{ContactSearch, Party, Wanted, ZoneChange};
+use crate::contact::candidate::Candidate;
+use crate::contact::party::{Party, Wanted, ZoneChange};
+use crate::contact::search::ContactSearch;
 use crate::geometry::Side;
+use crate::kinematics::Tooth;
 
 impl ContactSearch for LinesOfAction {
     fn slots(&self) -> usize {

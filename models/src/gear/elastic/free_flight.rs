@@ -10,8 +10,8 @@
 //! bounds how far a node stands off its rigid flank for the whole flight.
 
 use super::gear::Elastic;
-use crate::gear::GearModel;
-use crate::gear::flight::Flight;
+use crate::gear::free_flight::Flight;
+use crate::gear::model::GearModel;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::At;
 

@@ -2,7 +2,7 @@
 //!
 //! **How long.** Under steady loads gears fly as their frames do ([`Flight`]), `theta = theta_0 + theta' t +
 //! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
-//! ([`LineClearance`](crate::contact::lines_of_action::LineClearance)). Flanks stand off these by `B q + r T` of elastic
+//! ([`LineClearance`](crate::contact::LineClearance)). Flanks stand off these by `B q + r T` of elastic
 //! gears and by the travels of movable teeth beside their frames, both bounded for the whole flight by the energy `E`
 //! that swings. No contact can be earlier than the first zero of the clearance less these bounds.
 //!
@@ -11,7 +11,7 @@
 //! full finite elements, and elastic gears against movable teeth have no such form or no such bound: they are stepped
 //! through as before.
 //!
-//! **Sleep.** A gear whose oscillators carry less than a share `eps` ([`GearModel::sleep`](crate::gear::GearModel::sleep))
+//! **Sleep.** A gear whose oscillators carry less than a share `eps` ([`GearModel::sleep`](crate::gear::model::GearModel::sleep))
 //! of the energy `E_0 = m u^2 / 2` of the impact to come is put to rest about the deflection of its loads; `u` is the
 //! speed at which the flanks of the frames will meet, `m` their reduced mass on the line of action. Momentum is kept, the
 //! energy taken, `E < eps E_0`, is a jump that the ledger books. Then flight lasts until the flanks meet. In contact all
@@ -30,9 +30,9 @@
 //! for the force, over that of an impact on the contact's spring alone, and for the speed of rebound. Impacts add up.
 
 use super::{Scene, SceneGear};
-use crate::contact::lines_of_action::LineClearance;
-use crate::gear::flight::Flight;
-use crate::load::Load;
+use crate::contact::LineClearance;
+use crate::gear::Flight;
+use crate::spec::Load;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, SecondOrderSystem, State};
 

@@ -1,22 +1,23 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
+use super::assembly_points::flank_points;
 use super::contacts::Workspace;
 use super::nodal::Nodal;
 use super::outputs::channel_names;
-use super::points::flank_points;
-use super::spec::{Body, BuildError, ContactSpec, GearSpec, MeshSpec, Modelling, SceneSpec};
 use super::{Scene, SceneGear, SceneMesh};
 use crate::Vec3;
-use crate::contact::law::{Damping, Law};
-use crate::contact::lines_of_action::{Deviation, LinesOfAction, MeshGeometry, Slice};
+use crate::contact::pairs::{Deviation, LinesOfAction, MeshGeometry, Slice};
 use crate::contact::search::ContactSearch;
-use crate::gear::placement::Placement;
+use crate::gear::Magnitudes;
 use crate::gear::table::{GearContext, Model};
-use crate::gear::{Magnitudes, MeshView};
-use crate::geometry::{Gear, Pair, RackPair, Side};
-use crate::load::Load;
-use crate::mount::{Hub, Mount};
-use crate::stiffness::{self, PairOrMesh, StiffnessCurve};
+use crate::geometry::{Gear, Side};
+use crate::kinematics::{Hub, MeshView, Placement};
+use crate::law::{Damping, Law};
+use crate::spec::{
+    Body, BuildError, ContactSpec, GearSpec, Load, MeshLayout, MeshSpec, Modelling, Mount,
+    SceneSpec, lever, mesh_layout, stiffness_curve,
+};
+use crate::stiffness::PairOrMesh;
 use gearbench_integrators::system::State;
 
 /// Slices of a mesh whose contact varies over the width.
@@ -28,89 +29,6 @@ const DEVIATION_SAMPLES: usize = 257;
 /// rounding leaves.
 const FLANK_MARGIN: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
-
-/// Quantities of a pair that do not depend on the model.
-#[derive(Clone, Debug)]
-pub struct MeshLayout {
-    /// Direction from the first gear to the second [rad].
-    pub direction: f64,
-    /// Centre distance, or distance to the rack's reference line [m].
-    pub distance: f64,
-    /// Transverse working pressure angle [rad].
-    pub working_pressure_angle: f64,
-    /// Length of the line of action between the tangent points [m].
-    pub length: f64,
-    /// Path of contact on the first gear's path coordinate [m].
-    pub path: [f64; 2],
-    /// Pitch point [m].
-    pub pitch_point: f64,
-    /// Base pitch [m].
-    pub base_pitch: f64,
-    /// Contact ratio in the transverse plane.
-    pub contact_ratio: f64,
-    /// Backlash along the line of action [m].
-    pub backlash: f64,
-    /// Common face width [m].
-    pub face_width: f64,
-    /// Offset of a rack's reference point along its slide, seen from the first gear [m].
-    rack_offset: f64,
-}
-
-/// Base radius [m] of a gear, or `cos(alpha)` of a rack: deflection on the line of action per hub coordinate.
-pub fn lever(body: &Body) -> f64 {
-    match body {
-        Body::Gear(g) => g.r_base() * g.base_helix_angle().cos(),
-        Body::Rack(r) => r.transverse_pressure_angle().cos() * r.base_helix_angle().cos(),
-    }
-}
-
-/// The mesh of two gears at their positions.
-pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
-    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
-    let Body::Gear(ga) = &a.body else {
-        return Err(error(
-            "the first gear of a mesh may not be a rack; name the gear first".into(),
-        ));
-    };
-    let (dx, dy) = (b.position[0] - a.position[0], b.position[1] - a.position[1]);
-    match &b.body {
-        Body::Gear(gb) => {
-            let distance = dx.hypot(dy);
-            let pair = Pair::new(ga, gb, distance).map_err(|e| error(e.to_string()))?;
-            Ok(MeshLayout {
-                direction: dy.atan2(dx),
-                distance,
-                working_pressure_angle: pair.working_pressure_angle(),
-                length: pair.line_length(),
-                path: [pair.s_start(), pair.s_end()],
-                pitch_point: pair.s_pitch(),
-                base_pitch: pair.base_pitch(),
-                contact_ratio: pair.contact_ratio(),
-                backlash: pair.backlash_base(),
-                face_width: ga.face_width().min(gb.face_width()),
-                rack_offset: 0.0,
-            })
-        }
-        Body::Rack(rack) => {
-            let direction = b.facing + std::f64::consts::PI;
-            let distance = dx * direction.cos() + dy * direction.sin();
-            let pair = RackPair::new(ga, rack, distance).map_err(|e| error(e.to_string()))?;
-            Ok(MeshLayout {
-                direction,
-                distance,
-                working_pressure_angle: pair.working_pressure_angle(),
-                length: distance * pair.working_pressure_angle().sin(),
-                path: [pair.s_start(), pair.s_end()],
-                pitch_point: pair.s_pitch(),
-                base_pitch: pair.base_pitch(),
-                contact_ratio: pair.contact_ratio(),
-                backlash: pair.backlash_base(),
-                face_width: ga.face_width().min(rack.face_width()),
-                rack_offset: -dx * direction.sin() + dy * direction.cos(),
-            })
-        }
-    }
-}
 
 /// How gear a and gear b are seen by a mesh, given their phases (angle or travel of tooth 0).
 fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
@@ -312,31 +230,6 @@ fn lines_of_action(
     };
     let search = LinesOfAction::new(geometry.clone(), curve, whole_mesh, slices);
     Ok((search, geometry))
-}
-
-/// Stiffness of a tooth pair along the path of contact of a mesh.
-pub fn stiffness_curve(
-    a: &GearSpec,
-    b: &GearSpec,
-    l: &MeshLayout,
-    contact: &ContactSpec,
-) -> Result<StiffnessCurve, stiffness::StiffnessError> {
-    let Body::Gear(ga) = &a.body else {
-        unreachable!("mesh_layout refuses a rack as the first gear")
-    };
-    let materials = [a.material, b.material];
-    match &b.body {
-        Body::Gear(gb) => {
-            let pair = Pair::new(ga, gb, l.distance)
-                .expect("the pair was built when the mesh was laid out");
-            stiffness::build(&contact.stiffness, ga, gb, &pair, materials, l.face_width)
-        }
-        Body::Rack(rack) => {
-            let pair = RackPair::new(ga, rack, l.distance)
-                .expect("the pair was built when the mesh was laid out");
-            stiffness::build_rack(&contact.stiffness, ga, rack, &pair, materials, l.face_width)
-        }
-    }
 }
 
 fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
@@ -732,9 +625,9 @@ impl SceneGear {
     fn load_bound(&self, load: &Load) -> f64 {
         match load {
             Load::Applied(p) => match p {
-                crate::load::Profile::Constant(x) => x.abs(),
-                crate::load::Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
-                crate::load::Profile::Table { value, .. } => {
+                crate::spec::Profile::Constant(x) => x.abs(),
+                crate::spec::Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
+                crate::spec::Profile::Table { value, .. } => {
                     value.iter().fold(0.0, |m, x| x.abs().max(m))
                 }
             },

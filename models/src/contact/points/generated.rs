@@ -8,10 +8,9 @@
 //! at equal steps of the length of roll `s` from the form circle to the tip, moved into the material by the
 //! flank's modification.
 
-use super::{FlankGrid, Flanks};
 use crate::Vec3;
-use crate::geometry::{Gear, Rack, Side};
-use crate::scene::spec::Body;
+use crate::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
+use crate::spec::Body;
 
 /// Nodes along the profile: the spline's error is far below a nanometre.
 const ROWS: usize = 49;

@@ -1,0 +1,49 @@
+//! Contact between flanks given as structured grids of nodes: points of one flank against the surface of the
+//! other.
+//!
+//! Each point stands for a reference area `A` of its flank; it is projected on the other gear's deformed
+//! flank, and the gap `g` along that flank's unit normal gives the force `N = p A <-g>` with the penalty `p`
+//! [Pa/m]. Deflected teeth touch off the line of action, so nothing here presumes it: path coordinates of the
+//! undeformed involutes only choose which flanks are looked at. Gears that bring no flanks get them from their
+//! geometry, rigid with each tooth, so any gear meets any other.
+//!
+//! Same-named flanks touch: left flanks of one gear meet left flanks of the other, also of a rack.
+//!
+//! Steps of the search, after the gear train module of P. Ziegler and P. Eberhard (2011): teeth about the line
+//! of centres, the flanks they face on both sides, points of these.
+
+mod flanked;
+mod generated;
+mod profile;
+mod projection;
+mod quadrature;
+mod search;
+mod spline;
+mod spur;
+mod surface;
+
+pub use flanked::Owner;
+pub use search::FlankPoints;
+
+use crate::Vec3;
+use crate::geometry::Flanks;
+use crate::spec::{PointRule, SurfaceKind};
+use surface::{Rule, Shape};
+
+/// Reference areas [m^2] that the points of a rule stand for on grid `grid`: nodes row by row, or faces row by
+/// row with their points along the profile, then over the width.
+#[must_use]
+pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64> {
+    let rule = Rule::new(rule);
+    let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, false);
+    let mut areas = Vec::new();
+    shape.points(&rule, |_, _| true, |p| areas.push(p.area));
+    areas
+}
+
+/// Outward unit normals of the smooth surface through the undeformed nodes of grid `grid`, at these nodes, row by
+/// row: `t_z x t_r` of the spline tangents over the width and along the profile, turned out of the tooth.
+#[must_use]
+pub fn nodal_normals(flanks: &Flanks, grid: usize) -> Vec<Vec3> {
+    Shape::new(flanks, grid, SurfaceKind::Smooth, &Rule::default(), false).nodal_normals()
+}

@@ -1,0 +1,13 @@
+//! Where gears are and how their points move: teeth and points, poses, hubs, rows over the coordinates.
+
+mod hub;
+mod point;
+mod pose;
+mod row;
+mod view;
+
+pub use hub::{Hub, Wrench};
+pub use point::{Locus, Point, Tooth};
+pub use pose::{Placement, Pose};
+pub use row::Row;
+pub use view::MeshView;

@@ -1,0 +1,49 @@
+//! How a mesh sees a gear.
+
+use crate::geometry::Side;
+
+/// How a mesh sees a gear: enough to know the path coordinate and contact radius of a tooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshView {
+    /// Base radius [m]; `None` for a rack.
+    pub base_radius: Option<f64>,
+    /// Direction from this gear's centre to its partner [rad].
+    pub direction: f64,
+    /// Transverse working pressure angle [rad].
+    pub working_pressure_angle: f64,
+    /// Angle between the centreline of a tooth and its flank's origin on the base circle [rad]; for a rack
+    /// half the tooth thickness on the pitch line [m].
+    pub half_angle_base: f64,
+    /// Range of the gear's own path coordinate (from its own tangent point) over the path of contact [m].
+    pub path: [f64; 2],
+    /// Angle [rad] (or travel [m]) between teeth.
+    pub pitch: f64,
+    /// Angle (or travel) of tooth 0 at the assembled position.
+    pub assembled: f64,
+}
+
+impl MeshView {
+    /// Derivative of a left flank's path coordinate by the tooth's angle [m] (travel [-] for a rack).
+    pub fn path_per_travel(&self) -> f64 {
+        self.base_radius
+            .unwrap_or_else(|| -self.working_pressure_angle.cos())
+    }
+
+    /// Path coordinate of a flank from the gear's own tangent point [m], for a tooth at `angle` (or
+    /// travel, where it is the flank's distance from the pitch point along the line of action).
+    #[inline]
+    pub fn path_coordinate(&self, side: Side, angle: f64) -> f64 {
+        let sign = side.sign();
+        match self.base_radius {
+            Some(rb) => {
+                rb * (sign * (angle - self.direction)
+                    + self.working_pressure_angle
+                    + self.half_angle_base)
+            }
+            None => {
+                // The lower side of a rack tooth meets the left flanks of a gear at its left.
+                -(sign * angle - self.half_angle_base) * self.working_pressure_angle.cos()
+            }
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! What a scene is made of: plain data, SI units, no files.
+
+mod error;
+mod layout;
+mod load;
+mod model;
+mod mount;
+mod points;
+mod scene;
+
+pub use error::BuildError;
+pub use layout::{MeshLayout, lever, mesh_layout, stiffness_curve};
+pub use load::{Load, Profile};
+pub use model::{ModelSpec, Modelling, Parameters, Value};
+pub use mount::Mount;
+pub use points::{MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind};
+pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};
