@@ -4,30 +4,19 @@
 //! comparison ([`metrics`]), the charts and the page need, so it can be drawn again at any time.
 //! This crate knows neither models nor integrators; its tables iterate the records.
 
-pub mod charts;
-mod checks;
-mod choice;
-pub mod choice_check;
-mod html;
+mod csv_table;
+pub mod drawing;
+mod markup;
 pub mod metrics;
-
 pub mod numbers;
-pub mod pareto;
-mod picture;
-pub mod precision;
-mod precision_csv;
 pub mod record;
 pub mod series;
-pub mod stability;
-mod steady;
 pub mod store;
-mod study;
-mod study_csv;
-pub mod truncation;
+pub mod studies;
 mod view;
 
-pub use charts::{Chart, charts};
-pub use choice::{ChoiceRecord, RungRecord, TriedRecord};
+pub use csv_table::CsvTable;
+pub use drawing::Chart;
 pub use metrics::{CompareOptions, Metric, compare, compare_with};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,
@@ -35,3 +24,6 @@ pub use record::{
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{ReportError, load_results, report_from, write_results};
+pub use studies::choose::{ChoiceRecord, RungRecord, TriedRecord};
+pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
+pub use studies::{StudyReport, choice_check, precision, stability, truncation};

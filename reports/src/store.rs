@@ -4,11 +4,12 @@
 //! made, so that [`report_from`] gives the same bytes at any later time. A file is written whole or
 //! not at all: all go to a staging folder first and are renamed into place.
 
-use crate::charts::{DrawError, FILES, charts};
-use crate::html::page;
+use crate::csv_table::{CsvTable, number};
+use crate::drawing::canvas::DrawError;
+use crate::markup::page;
 use crate::record::{Results, Run, SCHEMA, slug};
 use crate::series::TimeSeries;
-use crate::study_csv;
+use crate::studies::report;
 use serde::Serialize;
 use std::fs;
 use std::io;
@@ -63,12 +64,10 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
     let saved = parse(&text, &path)?;
     let mut files = vec![(RECORD.to_owned(), text)];
     files.extend(render(&saved)?);
-    let stale = match fs::read_to_string(&path) {
-        Ok(old) => parse(&old, &path).map_or(Vec::new(), |old| file_names(&old)),
-        Err(_) => Vec::new(),
-    };
+    // What the record before made is drawn once more for its names; one that cannot be read made nothing known.
+    let before = load_results(&path).and_then(|old| render(&old));
     put(dir, &files)?;
-    for name in stale {
+    for (name, _) in before.unwrap_or_default() {
         if !files.iter().any(|(new, _)| *new == name) {
             // A file that is gone already is what is wanted.
             let _ = fs::remove_file(dir.join(name));
@@ -127,13 +126,18 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
 }
 
 fn render(results: &Results) -> Result<Vec<(String, String)>, ReportError> {
-    let charts = charts(results)?;
+    let report = report(results)?;
     let mut files: Vec<(String, String)> = histories(results)
         .map(|(name, series)| (name, series_csv(series)))
         .collect();
-    files.extend(study_csv::tables(results));
-    files.extend(charts.iter().map(|c| (c.file.to_owned(), c.svg.clone())));
-    files.push((PAGE.to_owned(), page(results, &charts)));
+    files.extend(report.csv.iter().map(|t| (t.file.clone(), t.text())));
+    files.extend(
+        report
+            .charts
+            .iter()
+            .map(|c| (c.file.clone(), c.svg.clone())),
+    );
+    files.push((PAGE.to_owned(), page(results, &report)));
     Ok(files)
 }
 
@@ -153,38 +157,21 @@ fn histories(results: &Results) -> impl Iterator<Item = (String, &TimeSeries)> {
     references.chain(runs)
 }
 
-/// Names of all files a record makes, charts by their fixed names.
-fn file_names(results: &Results) -> Vec<String> {
-    histories(results)
-        .map(|(name, _)| name)
-        .chain(
-            FILES
-                .iter()
-                .chain(study_csv::FILES)
-                .chain(&crate::charts::stability::FILES)
-                .copied()
-                .chain(crate::charts::precision::files())
-                .map(ToString::to_string),
-        )
-        .collect()
-}
-
 fn series_csv(series: &TimeSeries) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let header: Vec<&str> = std::iter::once("time_s")
-        .chain(series.named_columns().map(|(name, _)| name))
+    let columns: Vec<&[f64]> = std::iter::once(series.time_s.as_slice())
+        .chain(series.named_columns().map(|(_, c)| c))
         .collect();
-    // Writing to memory cannot fail; a refused row would be one of unequal length.
-    let _ = writer.write_record(header);
-    for (i, t) in series.time_s.iter().enumerate() {
-        let row: Vec<String> = std::iter::once(t)
-            .chain(series.named_columns().filter_map(|(_, c)| c.get(i)))
-            .map(|x| format!("{x:.9e}"))
-            .collect();
-        let _ = writer.write_record(row);
+    let names = series.named_columns().map(|(name, _)| name);
+    let row = |i: usize| columns.iter().map(|c| number(c.get(i).copied())).collect();
+    CsvTable {
+        file: String::new(),
+        header: std::iter::once("time_s")
+            .chain(names)
+            .map(Into::into)
+            .collect(),
+        rows: (0..series.len()).map(row).collect(),
     }
-    let bytes = writer.into_inner().unwrap_or_default();
-    String::from_utf8(bytes).unwrap_or_default()
+    .text()
 }
 
 /// Writes files to a staging folder and renames them into place, the page last.

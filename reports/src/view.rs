@@ -1,6 +1,7 @@
 //! What charts and page both ask of a record: models in order, their best runs, the reference.
 
 use crate::metrics::Metric;
+use crate::numbers::{percent, quantity};
 use crate::record::{ReferenceSeries, Results, Run, Status, Study};
 
 /// A relative error below this is rounding, not a result.
@@ -94,6 +95,15 @@ impl<'a> View<'a> {
             .get(self.metric)
             .filter(|e| e.is_finite())
             .map(f64::abs)
+    }
+
+    /// An error in the metric of the view, with its unit.
+    pub fn error_text(&self, error: f64) -> String {
+        match self.metric.unit() {
+            "" if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
+            "" => format!("{}\u{a0}%", percent(error, 3)),
+            unit => quantity(error, unit, 3),
+        }
     }
 
     /// Whether a run ended well and its error, if one is asked for, is within the tolerance.

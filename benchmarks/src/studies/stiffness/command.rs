@@ -7,7 +7,7 @@ use crate::models::models;
 use crate::scene_file::{self, Selection};
 use gearbench_models::spec::lever;
 use gearbench_reference::statics::{Load, StaticsError};
-use gearbench_reports::charts::{StiffnessCurves, stiffness};
+use gearbench_reports::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

@@ -12,7 +12,7 @@ use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel,
 };
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
-use gearbench_reports::charts::StiffnessCurve;
+use gearbench_reports::StiffnessCurve;
 use std::time::Instant;
 
 /// Stiffness of one model over a mesh cycle.

@@ -1,0 +1,52 @@
+//! Tables in CSV: SI units in the header, numbers to ten digits, nothing where there is none.
+
+/// A table that a study writes to a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CsvTable {
+    /// File name.
+    pub file: String,
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Cells by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A column of rows of a kind: its name, and its cell in a row.
+pub type CsvColumn<'c, R> = (&'c str, &'c dyn Fn(&R) -> String);
+
+impl CsvTable {
+    /// A table of the cells that columns have in rows.
+    pub fn new<R>(
+        file: &str,
+        rows: impl IntoIterator<Item = R>,
+        columns: &[CsvColumn<'_, R>],
+    ) -> Self {
+        let cells = |row: R| columns.iter().map(|(_, cell)| cell(&row)).collect();
+        Self {
+            file: file.into(),
+            header: columns.iter().map(|(name, _)| (*name).into()).collect(),
+            rows: rows.into_iter().map(cells).collect(),
+        }
+    }
+
+    /// The text of the file.
+    pub fn text(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        // Writing to memory cannot fail; a refused row would be one of unequal length.
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            let _ = writer.write_record(row);
+        }
+        String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+    }
+}
+
+/// A number, or nothing where there is none.
+pub fn number(x: impl Into<Option<f64>>) -> String {
+    let finite = x.into().filter(|x| x.is_finite());
+    finite.map_or(String::new(), |x| format!("{x:.9e}"))
+}
+
+/// What a text says, or nothing.
+pub fn text<T: ToString>(x: &Option<T>) -> String {
+    x.as_ref().map_or(String::new(), T::to_string)
+}

@@ -1,0 +1,494 @@
+//! A drawing surface over the SVG backend of plotters.
+//!
+//! The backend rounds to whole units, so everything is drawn at [`SCALE`] times the size and
+//! brought back by the view box. Dash patterns and a title, which the backend does not know, are
+//! added to its text. Coordinates that are not finite never reach the file.
+
+use plotters::prelude::{DrawingBackend, FontTransform, RGBColor, SVGBackend, ShapeStyle};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, IntoFont};
+
+/// Drawn units per unit of the page.
+const SCALE: f64 = 10.0;
+
+/// A colour with opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ink(pub u8, pub u8, pub u8, pub f64);
+
+impl Ink {
+    /// Nearly black: text, axes, references.
+    pub const DARK: Self = Self(0x1b, 0x1f, 0x24, 1.0);
+    /// Secondary text.
+    pub const GREY: Self = Self(0x57, 0x60, 0x6a, 1.0);
+    /// Frames and failed bars.
+    pub const PALE: Self = Self(0xa8, 0xb0, 0xb8, 1.0);
+    /// Grid lines.
+    pub const GRID: Self = Self(0xe4, 0xe7, 0xea, 1.0);
+    /// Paper.
+    pub const WHITE: Self = Self(0xff, 0xff, 0xff, 1.0);
+    /// Failures.
+    pub const FAIL: Self = Self(0x8c, 0x1d, 0x18, 1.0);
+
+    /// The same colour at another opacity.
+    pub fn opacity(self, alpha: f64) -> Self {
+        Self(self.0, self.1, self.2, alpha)
+    }
+}
+
+/// A rectangle: left, top, right, bottom, on the page or in data (then top > bottom).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rect {
+    /// Left edge.
+    pub x0: f64,
+    /// Top edge.
+    pub y0: f64,
+    /// Right edge.
+    pub x1: f64,
+    /// Bottom edge.
+    pub y1: f64,
+}
+
+impl Rect {
+    /// From edges.
+    pub fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Self {
+        Self { x0, y0, x1, y1 }
+    }
+    /// Width.
+    pub fn width(&self) -> f64 {
+        self.x1 - self.x0
+    }
+    /// Height.
+    pub fn height(&self) -> f64 {
+        self.y1 - self.y0
+    }
+    /// Whether two rectangles overlap.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
+    }
+    /// Whether the other lies inside.
+    pub fn contains(&self, other: &Self) -> bool {
+        self.x0 <= other.x0 && other.x1 <= self.x1 && self.y0 <= other.y0 && other.y1 <= self.y1
+    }
+}
+
+/// Where text stands relative to its point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Anchor {
+    /// Begins at the point.
+    Start,
+    /// Centred on the point.
+    Middle,
+    /// Ends at the point.
+    End,
+}
+
+/// Size, colour and place of text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Type {
+    /// Font size.
+    pub size: f64,
+    /// Colour.
+    pub ink: Ink,
+    /// Horizontal place; vertically text is centred.
+    pub anchor: Anchor,
+    /// Bold.
+    pub bold: bool,
+    /// Turned to read upwards.
+    pub upwards: bool,
+}
+
+impl Type {
+    /// Plain dark text.
+    pub fn new(size: f64, anchor: Anchor) -> Self {
+        Self {
+            size,
+            ink: Ink::DARK,
+            anchor,
+            bold: false,
+            upwards: false,
+        }
+    }
+    /// In another colour.
+    pub fn ink(self, ink: Ink) -> Self {
+        Self { ink, ..self }
+    }
+    /// Bold.
+    pub fn bold(self) -> Self {
+        Self { bold: true, ..self }
+    }
+    /// Reading upwards.
+    pub fn upwards(self) -> Self {
+        Self {
+            upwards: true,
+            ..self
+        }
+    }
+}
+
+/// A stroke: colour, width, dash pattern (lengths of dash and gap; empty for a full line).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Colour.
+    pub ink: Ink,
+    /// Width.
+    pub width: f64,
+    /// Dash pattern.
+    pub dash: &'static [f64],
+}
+
+impl Stroke {
+    /// A full line.
+    pub fn new(ink: Ink, width: f64) -> Self {
+        Self {
+            ink,
+            width,
+            dash: &[],
+        }
+    }
+    /// A dashed line.
+    pub fn dashed(ink: Ink, width: f64, dash: &'static [f64]) -> Self {
+        Self { ink, width, dash }
+    }
+}
+
+/// The drawing failed; on a text buffer this does not happen.
+#[derive(Debug, thiserror::Error)]
+#[error("a chart could not be drawn: {0}")]
+pub struct DrawError(String);
+
+/// Drawing surface of one chart.
+pub struct Canvas<'a> {
+    backend: SVGBackend<'a>,
+    polylines: usize,
+    dashes: Vec<(usize, &'static [f64])>,
+    error: Option<String>,
+}
+
+/// Draws a chart of the given size and returns the SVG document.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn draw(
+    width: f64,
+    height: f64,
+    title: &str,
+    paint: impl FnOnce(&mut Canvas<'_>),
+) -> Result<String, DrawError> {
+    let mut raw = String::new();
+    let size = (unit(width).max(1) as u32, unit(height).max(1) as u32);
+    let (dashes, error) = {
+        let mut canvas = Canvas {
+            backend: SVGBackend::with_string(&mut raw, size),
+            polylines: 0,
+            dashes: Vec::new(),
+            error: None,
+        };
+        paint(&mut canvas);
+        let present = canvas.backend.present().map_err(|e| e.to_string());
+        (canvas.dashes, canvas.error.or(present.err()))
+    };
+    if let Some(error) = error {
+        return Err(DrawError(error));
+    }
+    let header = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{width:.0}\" \
+         height=\"{height:.0}\" role=\"img\" stroke-linejoin=\"round\" font-family=\"Helvetica \
+         Neue, Helvetica, Arial, Liberation Sans, sans-serif\">\n<title>{}</title>\n",
+        size.0,
+        size.1,
+        crate::markup::escape(title)
+    );
+    let body = raw.split_once('\n').map_or("", |(_, body)| body);
+    Ok(header + &with_dashes(&body.replace(" font-family=\"sans-serif\"", ""), &dashes))
+}
+
+fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
+    const TAG: &str = "<polyline";
+    let mut out = String::with_capacity(body.len() + 64 * dashes.len());
+    for (i, part) in body.split(TAG).enumerate() {
+        if i > 0 {
+            out.push_str(TAG);
+            if let Some((_, dash)) = dashes.iter().find(|d| d.0 == i) {
+                let lengths: Vec<String> = dash.iter().map(|d| unit(*d).to_string()).collect();
+                out.push_str(&format!(" stroke-dasharray=\"{}\"", lengths.join(" ")));
+            }
+        }
+        out.push_str(part);
+    }
+    out
+}
+
+fn unit(x: f64) -> i32 {
+    (x * SCALE).round().clamp(-1e7, 1e7) as i32
+}
+
+impl Canvas<'_> {
+    /// A polyline through points on the page.
+    pub fn line(&mut self, points: &[(f64, f64)], stroke: Stroke) {
+        let points = whole(points);
+        if points.len() < 2 {
+            return;
+        }
+        self.polylines += 1;
+        if !stroke.dash.is_empty() {
+            self.dashes.push((self.polylines, stroke.dash));
+        }
+        let style = shape(stroke.ink, stroke.width, false);
+        let result = self.backend.draw_path(points, &style);
+        self.note(result);
+    }
+
+    /// The parts of a polyline that lie in a rectangle of the page.
+    pub fn line_within(&mut self, points: &[(f64, f64)], frame: &Rect, stroke: Stroke) {
+        let mut piece: Vec<(f64, f64)> = Vec::new();
+        for pair in points.windows(2) {
+            match clip_segment(pair[0], pair[1], frame) {
+                Some((a, b)) => {
+                    if piece.last() != Some(&a) {
+                        self.line(&piece, stroke);
+                        piece = vec![a];
+                    }
+                    piece.push(b);
+                }
+                None => {
+                    self.line(&piece, stroke);
+                    piece.clear();
+                }
+            }
+        }
+        self.line(&piece, stroke);
+    }
+
+    /// A filled polygon.
+    pub fn polygon(&mut self, points: &[(f64, f64)], ink: Ink) {
+        let points = whole(points);
+        if points.len() > 2 {
+            let result = self.backend.fill_polygon(points, &shape(ink, 1.0, true));
+            self.note(result);
+        }
+    }
+
+    /// A filled rectangle.
+    pub fn fill(&mut self, r: &Rect, ink: Ink) {
+        self.polygon(
+            &[(r.x0, r.y0), (r.x1, r.y0), (r.x1, r.y1), (r.x0, r.y1)],
+            ink,
+        );
+    }
+
+    /// The edge of a rectangle.
+    pub fn frame(&mut self, r: &Rect, stroke: Stroke) {
+        let corners = [
+            (r.x0, r.y0),
+            (r.x1, r.y0),
+            (r.x1, r.y1),
+            (r.x0, r.y1),
+            (r.x0, r.y0),
+        ];
+        self.line(&corners, stroke);
+    }
+
+    /// Diagonal hatching of a rectangle.
+    pub fn hatch(&mut self, r: &Rect, spacing: f64, stroke: Stroke) {
+        let reach = r.height().abs();
+        let mut x = r.x0 - reach + spacing * 0.5;
+        while x < r.x1 {
+            if let Some((a, b)) = clip_segment((x, r.y1), (x + reach, r.y0), r) {
+                self.line(&[a, b], stroke);
+            }
+            x += spacing.max(0.5);
+        }
+    }
+
+    /// A circle, filled or as a ring.
+    pub fn circle(&mut self, at: (f64, f64), radius: f64, ink: Ink, width: Option<f64>) {
+        if !(at.0.is_finite() && at.1.is_finite()) {
+            return;
+        }
+        let style = shape(ink, width.unwrap_or(1.0), width.is_none());
+        let centre = (unit(at.0), unit(at.1));
+        let radius = unit(radius).max(1) as u32;
+        let result = self
+            .backend
+            .draw_circle(centre, radius, &style, width.is_none());
+        self.note(result);
+    }
+
+    /// Text; control characters are dropped.
+    pub fn text(&mut self, text: &str, at: (f64, f64), kind: Type) {
+        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        if text.is_empty() || !(at.0.is_finite() && at.1.is_finite()) {
+            return;
+        }
+        let horizontal = match kind.anchor {
+            Anchor::Start => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::End => HPos::Right,
+        };
+        // The backend writes size / 1.24.
+        let size = kind.size * SCALE * 1.24;
+        let face = if kind.bold { "bold" } else { "normal" };
+        let mut font = ("sans-serif", size)
+            .into_font()
+            .style(plotters::style::FontStyle::from(face));
+        if kind.upwards {
+            font = font.transform(FontTransform::Rotate270);
+        }
+        let style = font
+            .color(&colour(kind.ink))
+            .pos(Pos::new(horizontal, VPos::Center));
+        let result = self
+            .backend
+            .draw_text(&text, &style, (unit(at.0), unit(at.1)));
+        self.note(result);
+    }
+
+    fn note<E: std::fmt::Display>(&mut self, result: Result<(), E>) {
+        if let Err(e) = result {
+            self.error.get_or_insert(e.to_string());
+        }
+    }
+}
+
+/// Estimated width of text: fonts are the viewer's.
+pub fn text_width(text: &str, size: f64) -> f64 {
+    let em: f64 = text
+        .chars()
+        .map(|c| match c {
+            'i' | 'j' | 'l' | 't' | 'f' | 'r' | '.' | ',' | ':' | ' ' | '\'' | '|' | '-' => 0.31,
+            'm' | 'w' | 'M' | 'W' | '%' => 0.86,
+            'A'..='Z' => 0.68,
+            _ => 0.555,
+        })
+        .sum();
+    em * size
+}
+
+fn colour(ink: Ink) -> plotters::style::RGBAColor {
+    RGBColor(ink.0, ink.1, ink.2).mix(ink.3)
+}
+
+fn shape(ink: Ink, width: f64, filled: bool) -> ShapeStyle {
+    ShapeStyle {
+        color: colour(ink),
+        filled,
+        stroke_width: unit(width).max(1) as u32,
+    }
+}
+
+fn whole(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
+    let mut out: Vec<(i32, i32)> = points
+        .iter()
+        .filter(|p| p.0.is_finite() && p.1.is_finite())
+        .map(|p| (unit(p.0), unit(p.1)))
+        .collect();
+    out.dedup();
+    out
+}
+
+/// The part of a segment inside a rectangle (Liang and Barsky, ACM Trans. Graphics 3, 1984).
+pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64), (f64, f64))> {
+    if ![a.0, a.1, b.0, b.1].iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
+    for (p, q) in [
+        (-dx, a.0 - r.x0),
+        (dx, r.x1 - a.0),
+        (-dy, a.1 - r.y0),
+        (dy, r.y1 - a.1),
+    ] {
+        if p == 0.0 {
+            if q < 0.0 {
+                return None;
+            }
+        } else if p < 0.0 {
+            t0 = t0.max(q / p);
+        } else {
+            t1 = t1.min(q / p);
+        }
+    }
+    let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
+    // Ends that were not cut stay bit for bit, so that pieces join.
+    (t0 <= t1).then(|| {
+        (
+            if t0 > 0.0 { at(t0) } else { a },
+            if t1 < 1.0 { at(t1) } else { b },
+        )
+    })
+}
+
+/// A polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
+pub fn clip_polygon(points: &[(f64, f64)], r: &Rect) -> Vec<(f64, f64)> {
+    type Point = (f64, f64);
+    let mut polygon: Vec<Point> = points.to_vec();
+    let edges: [&dyn Fn(&Point) -> f64; 4] =
+        [&|p| p.0 - r.x0, &|p| r.x1 - p.0, &|p| p.1 - r.y0, &|p| {
+            r.y1 - p.1
+        }];
+    for inside in edges {
+        let mut cut = Vec::with_capacity(polygon.len());
+        for i in 0..polygon.len() {
+            let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+            let (da, db) = (inside(&a), inside(&b));
+            if da >= 0.0 {
+                cut.push(a);
+            }
+            if (da < 0.0) != (db < 0.0) {
+                let t = da / (da - db);
+                cut.push((a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1)));
+            }
+        }
+        polygon = cut;
+    }
+    polygon
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clipping() {
+        let r = Rect::new(0.0, 0.0, 1.0, 1.0);
+        let cut = clip_segment((-1.0, 0.5), (2.0, 0.5), &r).unwrap();
+        assert_eq!(cut, ((0.0, 0.5), (1.0, 0.5)));
+        assert!(clip_segment((-1.0, 2.0), (2.0, 2.0), &r).is_none());
+        let square = [(-1.0, -1.0), (0.5, -1.0), (0.5, 0.5), (-1.0, 0.5)];
+        let p = clip_polygon(&square, &r);
+        let area: f64 = (0..p.len())
+            .map(|i| {
+                let (a, b) = (p[i], p[(i + 1) % p.len()]);
+                0.5 * (a.0 * b.1 - b.0 * a.1)
+            })
+            .sum();
+        assert!((area.abs() - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn document_carries_dashes_and_no_bad_numbers() {
+        let svg = draw(100.0, 50.0, "a < b", |c| {
+            c.line(&[(0.0, 0.0), (1.0, 1.0)], Stroke::new(Ink::DARK, 1.0));
+            let dotted = Stroke::dashed(Ink::DARK, 1.0, &[2.0, 1.5]);
+            c.line(
+                &[
+                    (0.0, 0.0),
+                    (f64::NAN, 1.0),
+                    (2.0, f64::INFINITY),
+                    (3.0, 3.0),
+                ],
+                dotted,
+            );
+            c.circle((f64::NAN, 1.0), 2.0, Ink::DARK, None);
+            c.text("x & <y>\u{0}", (1.0, 1.0), Type::new(10.0, Anchor::Middle));
+            c.text("z", (f64::NAN, 1.0), Type::new(10.0, Anchor::Middle));
+        })
+        .unwrap();
+        assert_eq!(svg.matches("stroke-dasharray=\"20 15\"").count(), 1);
+        assert!(svg.contains("<title>a &lt; b</title>"));
+        assert!(svg.contains("x &amp; &lt;y&gt;"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains('\u{0}'));
+        assert!(svg.trim_end().ends_with("</svg>"));
+    }
+}

@@ -1,0 +1,40 @@
+//! The table of judged choices.
+
+use super::JudgedChoice;
+use crate::csv_table::{CsvTable, number, text};
+
+/// One line per scene.
+pub fn tables(choices: &[JudgedChoice]) -> Vec<CsvTable> {
+    vec![CsvTable::new(
+        "choice_check.csv",
+        choices,
+        &[
+            ("scene", &|s| s.scene.clone()),
+            ("kind", &|s| s.kind.clone()),
+            ("gears", &|s| s.gears.clone()),
+            ("duration_s", &|s| number(s.duration_s)),
+            ("metric", &|s| s.metric.to_string()),
+            ("tolerance", &|s| s.tolerance.to_string()),
+            ("reference", &|s| s.reference.clone()),
+            ("reference_error", &|s| number(s.reference_error)),
+            ("densest_error", &|s| number(s.densest_error)),
+            ("redraws", &|s| s.redraws.to_string()),
+            ("candidates", &|s| s.candidates.to_string()),
+            ("failed", &|s| s.failed.to_string()),
+            ("cut_short", &|s| s.cut_short.to_string()),
+            ("outcome", &|s| s.outcome.to_string()),
+            ("chosen", &|s| text(&s.chosen)),
+            ("predicted_error", &|s| number(s.predicted_error)),
+            ("error", &|s| number(s.error)),
+            ("predicted_cost_s", &|s| number(s.predicted_cost_s)),
+            ("cost_s", &|s| number(s.cost_s)),
+            ("cheapest", &|s| text(&s.cheapest)),
+            ("cheapest_error", &|s| number(s.cheapest_error)),
+            ("cheapest_cost_s", &|s| number(s.cheapest_cost_s)),
+            ("cost_ratio", &|s| number(s.cost_ratio())),
+            ("least_error", &|s| number(s.least_error)),
+            ("choosing_s", &|s| number(s.choosing_s)),
+            ("note", &|s| text(&s.note)),
+        ],
+    )]
+}

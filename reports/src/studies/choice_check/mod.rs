@@ -1,0 +1,345 @@
+//! Choices of a model judged on random scenes, and what they come to together.
+//!
+//! A scene is **met** when the chosen candidate keeps the tolerance against the reference over the whole scene, or when
+//! none was chosen and none of all that were tried keeps it. Its **cost ratio** is the time of the chosen candidate over
+//! that of the cheapest that keeps the tolerance.
+
+mod chart;
+mod csv;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::metrics::Metric;
+use crate::studies::StudyReport;
+use crate::view::View;
+use serde::{Deserialize, Serialize};
+
+/// How a choice came out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Outcome {
+    /// It keeps the tolerance.
+    #[serde(rename = "adequate")]
+    Adequate,
+    /// It does not.
+    #[serde(rename = "inadequate")]
+    Inadequate,
+    /// None was chosen, and none keeps the tolerance.
+    #[serde(rename = "rightly none")]
+    RightlyNone,
+    /// None was chosen, but there is one that keeps the tolerance.
+    #[serde(rename = "wrongly none")]
+    WronglyNone,
+    /// There is no reference to judge by.
+    #[default]
+    #[serde(rename = "not judged")]
+    NotJudged,
+}
+
+impl Outcome {
+    /// The words of the format and of the report.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Outcome::Adequate => "adequate",
+            Outcome::Inadequate => "inadequate",
+            Outcome::RightlyNone => "rightly none",
+            Outcome::WronglyNone => "wrongly none",
+            Outcome::NotJudged => "not judged",
+        }
+    }
+
+    /// The choice did what was asked; a scene that could not be judged did not.
+    #[must_use]
+    pub fn is_met(self) -> bool {
+        matches!(self, Outcome::Adequate | Outcome::RightlyNone)
+    }
+}
+
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// A candidate that was tried on the whole scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TriedCandidate {
+    /// Its name.
+    pub name: String,
+    /// Error against the reference; absent when it failed, or costs more than the cheapest that is adequate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+    /// Time on a processor \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost_s: Option<f64>,
+    /// `adequate`, `inadequate`, `dearer`, `skipped`, or how it failed.
+    pub status: String,
+}
+
+/// A choice on one scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct JudgedChoice {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its number in the set.
+    pub number: usize,
+    /// What happens in it.
+    pub kind: String,
+    /// Its gears.
+    pub gears: String,
+    /// Simulated time \[s\].
+    pub duration_s: f64,
+    /// Metric that was asked for.
+    pub metric: Metric,
+    /// Largest error that is accurate enough [-].
+    pub tolerance: f64,
+    /// What errors are against.
+    pub reference: String,
+    /// What the reference itself may be off: the larger of what twice the step and fewer modes change [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_error: Option<f64>,
+    /// Error of the densest elastic model, where the reference is another [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub densest_error: Option<f64>,
+    /// Draws that were not sound before this scene.
+    pub redraws: u32,
+    /// Number of candidates.
+    pub candidates: usize,
+    /// Candidates that failed.
+    pub failed: usize,
+    /// Candidates that were not run to the end, because they could not be the cheapest.
+    pub cut_short: usize,
+    /// How the choice came out.
+    pub outcome: Outcome,
+    /// The candidate that was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<String>,
+    /// Its error as the choice predicts it [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_error: Option<f64>,
+    /// Its error [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+    /// Its time as the choice predicts it \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_cost_s: Option<f64>,
+    /// Its time on a processor \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cost_s: Option<f64>,
+    /// The cheapest candidate that keeps the tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cheapest: Option<String>,
+    /// Its error [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cheapest_error: Option<f64>,
+    /// Its time, measured in turn with that of the choice \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cheapest_cost_s: Option<f64>,
+    /// Least error of all candidates that were run to the end [-].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_error: Option<f64>,
+    /// Time that choosing took \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choosing_s: Option<f64>,
+    /// In which ways the choice says that the scene lies outside of what it has been checked on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<String>,
+    /// Why it could not be judged, or there is no answer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+    /// All candidates; left out of records that are kept.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tried: Vec<TriedCandidate>,
+}
+
+impl JudgedChoice {
+    /// Cost of the choice over that of the cheapest adequate candidate, where the choice is adequate.
+    #[must_use]
+    pub fn cost_ratio(&self) -> Option<f64> {
+        let ratio = self.cost_s? / self.cheapest_cost_s?;
+        (self.outcome == Outcome::Adequate && ratio.is_finite()).then_some(ratio)
+    }
+
+    /// Error over tolerance.
+    #[must_use]
+    pub fn error_ratio(&self) -> Option<f64> {
+        over(self.error?, self.tolerance)
+    }
+
+    /// Predicted error over the error that was found.
+    #[must_use]
+    pub fn prediction_ratio(&self) -> Option<f64> {
+        over(self.predicted_error?, self.error?)
+    }
+
+    /// Predicted time over the time that was measured.
+    #[must_use]
+    pub fn predicted_cost_ratio(&self) -> Option<f64> {
+        over(self.predicted_cost_s?, self.cost_s?)
+    }
+
+    /// Why a scene was missed, in words.
+    #[must_use]
+    pub fn why_missed(&self) -> String {
+        let percent =
+            |x: Option<f64>| x.map_or_else(|| "no error".into(), |e| format!("{:.2} %", 100.0 * e));
+        match self.outcome {
+            Outcome::Adequate | Outcome::RightlyNone => String::new(),
+            Outcome::Inadequate => format!(
+                "{} found, {} predicted, {} allowed",
+                percent(self.error),
+                percent(self.predicted_error),
+                percent(Some(self.tolerance))
+            ),
+            Outcome::WronglyNone => format!(
+                "{} has {}{}",
+                self.cheapest.as_deref().unwrap_or("a candidate"),
+                percent(self.cheapest_error),
+                self.note
+                    .as_ref()
+                    .map_or(String::new(), |n| format!("; {n}"))
+            ),
+            Outcome::NotJudged => self.note.clone().unwrap_or_default(),
+        }
+    }
+}
+
+fn over(a: f64, b: f64) -> Option<f64> {
+    let ratio = a / b;
+    (ratio.is_finite() && ratio >= 0.0).then_some(ratio)
+}
+
+/// Figures of a group of scenes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Share {
+    /// What the scenes have in common.
+    pub name: String,
+    /// Scenes.
+    pub scenes: usize,
+    /// Scenes that are met.
+    pub met: usize,
+    /// Scenes among them in which nothing keeps the tolerance, as the choice said.
+    pub rightly_none: usize,
+    /// Quartiles and 90 % point of the cost ratios.
+    pub cost_ratio: [Option<f64>; 4],
+    /// The same of predicted over true errors.
+    pub prediction: [Option<f64>; 4],
+}
+
+/// Parts of the sorted values at which [`Share`] looks.
+pub const QUANTILES: [f64; 4] = [0.25, 0.5, 0.75, 0.9];
+
+/// The value below which a part of the values lies, between neighbours by proportion; values in any order.
+#[must_use]
+pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    let place = part.clamp(0.0, 1.0) * last as f64;
+    let (low, rest) = (place.floor() as usize, place.fract());
+    let high = (low + 1).min(last);
+    Some(sorted[low] + rest * (sorted[high] - sorted[low]))
+}
+
+/// Figures of scenes.
+#[must_use]
+pub fn share(name: &str, scenes: &[&JudgedChoice]) -> Share {
+    let quantiles = |get: fn(&JudgedChoice) -> Option<f64>| {
+        let values: Vec<f64> = scenes.iter().filter_map(|s| get(s)).collect();
+        QUANTILES.map(|part| quantile(&values, part))
+    };
+    let count = |f: fn(&JudgedChoice) -> bool| scenes.iter().filter(|s| f(s)).count();
+    Share {
+        name: name.into(),
+        scenes: scenes.len(),
+        met: count(|s| s.outcome.is_met()),
+        rightly_none: count(|s| s.outcome == Outcome::RightlyNone),
+        cost_ratio: quantiles(JudgedChoice::cost_ratio),
+        prediction: quantiles(|s| s.prediction_ratio().filter(|r| *r > 0.0)),
+    }
+}
+
+/// Figures of all scenes, then by kind, by metric and by reference.
+#[must_use]
+pub fn shares(scenes: &[JudgedChoice]) -> Vec<Share> {
+    let all: Vec<&JudgedChoice> = scenes.iter().collect();
+    let mut found = vec![share("all", &all)];
+    let keys: [fn(&JudgedChoice) -> &str; 3] = [|s| &s.kind, |s| s.metric.key(), |s| &s.reference];
+    for key in keys {
+        let mut names: Vec<&str> = all.iter().map(|s| key(s)).collect();
+        names.sort_unstable();
+        names.dedup();
+        for name in names {
+            let of: Vec<&JudgedChoice> = all.iter().filter(|s| key(s) == name).copied().collect();
+            found.push(share(name, &of));
+        }
+    }
+    found
+}
+
+/// What the study says of a record.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(view),
+        tables: tables::tables(view),
+        charts: chart::choice_check(view)?,
+        details: tables::scenes(view),
+        csv: csv::tables(&view.results.choices),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(outcome: Outcome, cost: f64, cheapest: f64) -> JudgedChoice {
+        JudgedChoice {
+            kind: if cost > 2.0 { "a" } else { "b" }.into(),
+            metric: Metric::PeakForceRel,
+            reference: "fe".into(),
+            tolerance: 0.05,
+            outcome,
+            predicted_error: Some(0.02),
+            error: Some(0.01),
+            cost_s: Some(cost),
+            cheapest_cost_s: Some(cheapest),
+            ..JudgedChoice::default()
+        }
+    }
+
+    #[test]
+    fn quantiles_of_small_samples() {
+        assert_eq!(quantile(&[], 0.5), None);
+        assert_eq!(quantile(&[3.0], 0.9), Some(3.0));
+        assert_eq!(quantile(&[4.0, 1.0, f64::NAN, 2.0], 0.5), Some(2.0));
+        assert_eq!(quantile(&[0.0, 10.0], 0.25), Some(2.5));
+    }
+
+    /// A miss has no cost ratio: to be cheap and wrong is no merit. What could not be judged is not met.
+    #[test]
+    fn figures_of_a_set() {
+        let scenes = [
+            judged(Outcome::Adequate, 3.0, 1.0),
+            judged(Outcome::Adequate, 1.0, 1.0),
+            judged(Outcome::Inadequate, 0.1, 1.0),
+            judged(Outcome::WronglyNone, 1.0, 1.0),
+            judged(Outcome::RightlyNone, 1.0, 1.0),
+            judged(Outcome::NotJudged, 1.0, 1.0),
+        ];
+        let found = shares(&scenes);
+        let all = &found[0];
+        assert_eq!((all.scenes, all.met, all.rightly_none), (6, 3, 1));
+        assert_eq!(all.cost_ratio[1], Some(2.0));
+        assert_eq!(all.prediction[1], Some(2.0));
+        let names: Vec<&str> = found.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["all", "a", "b", "peak_force_rel", "fe"]);
+        assert_eq!((found[1].scenes, found[1].met), (1, 1));
+        assert!(scenes[2].why_missed().contains("5.00 %"));
+        assert!(scenes[0].why_missed().is_empty());
+    }
+}

@@ -1,0 +1,331 @@
+//! What runs cost: wall time per run, and error against wall time. Failures are drawn as failures.
+
+use crate::drawing::Chart;
+use crate::drawing::axis::{Axis, Frame, TICK_SIZE, tick_label};
+use crate::drawing::canvas::{
+    Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw, text_width,
+};
+use crate::drawing::labels::point_label;
+use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
+use crate::drawing::style::{cross, look, marker};
+use crate::numbers::{Prefix, quantity, short};
+use crate::record::{Run, Status};
+use crate::view::{NOTHING, View, resolution};
+
+const ROW: f64 = 19.0;
+const HEAD: f64 = 27.0;
+const BARS_LEFT: f64 = 262.0;
+const BARS_RIGHT: f64 = 110.0;
+
+fn measured(run: &Run) -> bool {
+    run.wall_s.is_finite() && run.wall_s > 0.0
+}
+
+/// Bars of wall time, one per run, sorted within each model.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
+    let times: Vec<f64> = (view.results.runs.iter())
+        .filter(|r| !r.status.is_failure() && measured(r))
+        .map(|r| r.wall_s)
+        .collect();
+    if view.results.runs.is_empty() {
+        return Ok(None);
+    }
+    let least = times.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = times.iter().copied().fold(0.0, f64::max);
+    let prefix = Prefix::of(if most > 0.0 { most } else { 1.0 }, 1.0);
+    let (low, high) = (least * prefix.factor, most * prefix.factor);
+    let log = times.len() > 1 && high > 30.0 * low;
+    let axis = if log {
+        let mut axis = Axis::logarithmic(low, high);
+        axis.min = 10f64.powf((low.log10() - 0.05).floor());
+        axis
+    } else {
+        Axis::from_zero(high)
+    };
+    let rows = view.results.runs.len() as f64;
+    let heads = view.groups.len() as f64;
+    let body = rows * ROW + heads * HEAD;
+    let area = Rect::new(BARS_LEFT, 6.0, WIDTH - BARS_RIGHT, 6.0 + body + 6.0);
+    let title = "Wall time per run";
+    let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
+        let frame = Frame {
+            area,
+            x: axis,
+            y: Axis::linear(0.0, 1.0),
+        };
+        bars_axis(c, &frame, &format!("wall time [{}s]", prefix.symbol));
+        let mut y = area.y0 + 3.0;
+        for group in &view.groups {
+            c.text(
+                &group.label,
+                (4.0, y + 0.6 * HEAD),
+                Type::new(13.5, Anchor::Start).bold(),
+            );
+            y += HEAD;
+            let mut runs: Vec<&Run> = group.runs.iter().map(|(_, r)| *r).collect();
+            runs.sort_by(|a, b| {
+                (a.status.is_failure().cmp(&b.status.is_failure()))
+                    .then(a.wall_s.total_cmp(&b.wall_s))
+            });
+            for run in runs {
+                bar(c, &frame, run, group.style, y, prefix);
+                y += ROW;
+            }
+        }
+    })?;
+    let scale = if log { " (logarithmic axis)" } else { "" };
+    Ok(Some(Chart {
+        file: "runtime.svg".into(),
+        title,
+        caption: format!(
+            "Median wall time of the repeats{scale}, fixed costs not included; the thin line spans \
+             the fastest and the slowest repeat. Bars of implicit methods are lighter, outlined bars are beyond the scene's tolerance. \
+             Hatched rows failed: the time at which a run failed is not a cost, so no bar is drawn."
+        ),
+        svg,
+    }))
+}
+
+fn bars_axis(c: &mut Canvas<'_>, frame: &Frame, name: &str) {
+    let r = frame.area;
+    let ticks = frame.x.ticks(7);
+    for &t in &ticks {
+        let (x, _) = frame.at(t, 0.0);
+        c.line(&[(x, r.y0), (x, r.y1)], Stroke::new(Ink::GRID, 0.8));
+        let label = tick_label(t, &ticks, frame.x.log);
+        let kind = Type::new(TICK_SIZE, Anchor::Middle).ink(Ink::GREY);
+        c.text(&label, (x, r.y1 + 12.0), kind);
+    }
+    c.line(&[(r.x0, r.y1), (r.x1, r.y1)], Stroke::new(Ink::PALE, 1.0));
+    c.line(&[(r.x0, r.y0), (r.x0, r.y1)], Stroke::new(Ink::PALE, 1.0));
+    let middle = 0.5 * (r.x0 + r.x1);
+    c.text(name, (middle, r.y1 + 31.0), Type::new(13.5, Anchor::Middle));
+}
+
+fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefix: Prefix) {
+    let middle = y + 0.5 * ROW;
+    let label = Type::new(12.5, Anchor::Start);
+    c.text(&run.integrator, (16.0, middle), label);
+    let at = BARS_LEFT - 9.0;
+    c.text(
+        &resolution(run),
+        (at, middle),
+        Type::new(12.0, Anchor::End).ink(Ink::GREY),
+    );
+    let full = Rect::new(frame.area.x0, y + 3.0, frame.area.x1, y + ROW - 3.0);
+    if run.status.is_failure() || !measured(run) {
+        let text = if run.status.is_failure() {
+            run.status.as_str()
+        } else {
+            "no time recorded"
+        };
+        c.hatch(&full, 7.0, Stroke::new(Ink::PALE, 1.0));
+        c.frame(&full, Stroke::new(Ink::PALE, 1.0));
+        let width = text_width(text, 12.5) + 18.0;
+        let plate = Rect::new(
+            full.x0 + 10.0,
+            y + 1.0,
+            full.x0 + 16.0 + width,
+            y + ROW - 1.0,
+        );
+        c.fill(&plate, Ink::WHITE);
+        cross(c, (plate.x0 + 9.0, middle), 3.6, Ink::FAIL);
+        let kind = Type::new(12.5, Anchor::Start).ink(Ink::FAIL);
+        c.text(text, (plate.x0 + 18.0, middle), kind);
+        return;
+    }
+    let ink = look(style).ink;
+    let (end, _) = frame.at(run.wall_s * prefix.factor, 0.0);
+    let rect = Rect::new(full.x0, full.y0, end.max(full.x0 + 1.0), full.y1);
+    let mut text = quantity(run.wall_s, "s", 3);
+    if run.status == Status::Inaccurate {
+        c.fill(&rect, ink.opacity(0.12));
+        c.frame(&rect, Stroke::dashed(ink, 1.3, &[3.0, 2.0]));
+        text.push_str("  inaccurate");
+    } else {
+        c.fill(&rect, ink.opacity(if run.implicit { 0.62 } else { 1.0 }));
+        c.frame(&rect, Stroke::new(ink, 1.0));
+    }
+    let mut label_x = rect.x1;
+    if let Some([fast, slow]) = run.wall_spread_s {
+        let place = |t: f64| {
+            let x = frame.at(t * prefix.factor, 0.0).0;
+            x.clamp(frame.area.x0, frame.area.x1 + 8.0)
+        };
+        let (a, b) = (place(fast), place(slow));
+        if fast > 0.0 && b > a {
+            let stroke = Stroke::new(Ink::DARK, 1.1);
+            c.line(&[(a, middle), (b, middle)], stroke);
+            for x in [a, b] {
+                c.line(&[(x, middle - 3.0), (x, middle + 3.0)], stroke);
+            }
+            label_x = label_x.max(b);
+        }
+    }
+    let kind = Type::new(12.5, Anchor::Start);
+    c.text(&text, (label_x + 7.0, middle), kind);
+}
+
+/// Error against wall time, one point per run.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
+    let Some(against) = &view.against else {
+        return Ok(None);
+    };
+    let good: Vec<(usize, &Run, f64)> = (view.groups.iter())
+        .flat_map(|g| g.runs.iter().map(move |(_, r)| (g.style, *r)))
+        .filter(|(_, r)| !r.status.is_failure() && measured(r))
+        .filter_map(|(s, r)| Some((s, r, view.error(r)?)))
+        .filter(|p| p.2 > NOTHING)
+        .collect();
+    if good.is_empty() {
+        return Ok(None);
+    }
+    let failed: Vec<&Run> = (view.results.runs.iter())
+        .filter(|r| r.status.is_failure())
+        .collect();
+    let relative = view.metric.unit().is_empty();
+    let factor = if relative { 100.0 } else { 1.0 };
+    let limit = (view.results.tolerance.as_ref()).map(|t| t.limit * factor);
+    let errors = || good.iter().map(|p| p.2 * factor);
+    let (low, high) = (
+        errors().fold(f64::INFINITY, f64::min),
+        errors().chain(limit).fold(0.0, f64::max),
+    );
+    let y = if high > 8.0 * low {
+        Axis::logarithmic(low, high)
+    } else {
+        Axis::from_zero(high)
+    };
+    let walls = || good.iter().map(|p| p.1.wall_s * 1e3);
+    let x = Axis::logarithmic(
+        walls().fold(f64::INFINITY, f64::min),
+        walls().fold(0.0, f64::max),
+    );
+    let strip = if failed.is_empty() {
+        0.0
+    } else {
+        16.0 + 18.0 * failed.len().min(6) as f64
+    };
+    let top = 62.0;
+    let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + 330.0);
+    let title = "Error against wall time";
+    let unit = if relative { "%" } else { view.metric.unit() };
+    let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
+        key(c, view);
+        if strip > 0.0 {
+            let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
+            failures(c, view, &failed, &edge);
+        }
+        let frame = Frame { area, x, y };
+        frame.paint(c, "wall time [ms]", &view.metric.axis(), true);
+        let mut taken: Vec<Rect> = Vec::new();
+        if let Some(limit) = limit {
+            taken.push(tolerance_line(c, &frame, limit, unit));
+        }
+        let points: Vec<(f64, f64)> = (good.iter())
+            .map(|(_, r, e)| frame.at(r.wall_s * 1e3, e * factor))
+            .collect();
+        for p in &points {
+            taken.push(Rect::new(p.0 - 6.0, p.1 - 6.0, p.0 + 6.0, p.1 + 6.0));
+        }
+        for ((_, run, _), p) in good.iter().zip(&points) {
+            point_label(c, &run.integrator, *p, &area, &mut taken);
+        }
+        for ((style, run, _), p) in good.iter().zip(&points) {
+            marker(c, *p, 5.2, look(*style), !run.implicit);
+        }
+    })?;
+    Ok(Some(Chart {
+        file: "accuracy.svg".into(),
+        title,
+        caption: format!(
+            "{} against {} over wall time; lower left is better. Points on one level share the \
+             error of the model: a finer step no longer helps. Failed runs stand on their own \
+             edge, whatever their time.",
+            capital(view.metric.words()),
+            view.reference_name(against),
+        ),
+        svg,
+    }))
+}
+
+fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    match chars.next() {
+        Some(first) => first.to_uppercase().collect::<String>() + chars.as_str(),
+        None => String::new(),
+    }
+}
+
+fn key(c: &mut Canvas<'_>, view: &View<'_>) {
+    let mut at = (LEFT + 6.0, 12.0);
+    for group in &view.groups {
+        let width = 36.0 + text_width(&group.label, 13.5);
+        if at.0 + width > WIDTH - RIGHT && at.0 > LEFT + 6.0 {
+            at = (LEFT + 6.0, at.1 + 20.0);
+        }
+        marker(c, at, 5.2, look(group.style), true);
+        c.text(
+            &group.label,
+            (at.0 + 12.0, at.1),
+            Type::new(13.5, Anchor::Start),
+        );
+        at.0 += width;
+    }
+    let text = "filled: explicit, open: implicit";
+    let kind = Type::new(12.5, Anchor::Start).ink(Ink::GREY);
+    c.text(text, (LEFT, 44.0), kind);
+}
+
+fn failures(c: &mut Canvas<'_>, view: &View<'_>, failed: &[&Run], edge: &Rect) {
+    c.fill(edge, Ink(0xf7, 0xf3, 0xf2, 1.0));
+    c.frame(edge, Stroke::new(Ink::PALE, 1.0));
+    c.text(
+        "failed",
+        (LEFT - 10.0, 0.5 * (edge.y0 + edge.y1)),
+        Type::new(12.5, Anchor::End).ink(Ink::FAIL),
+    );
+    let shown = if failed.len() > 6 { 5 } else { failed.len() };
+    let mut y = edge.y0 + 13.0;
+    for run in &failed[..shown] {
+        let style = view
+            .groups
+            .iter()
+            .find(|g| g.label == run.model_label())
+            .map_or(0, |g| g.style);
+        cross(c, (edge.x0 + 14.0, y), 4.2, look(style).ink);
+        let text = format!(
+            "{} under {} {}: {}",
+            run.model_label(),
+            run.integrator,
+            resolution(run),
+            run.status
+        );
+        c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
+        y += 18.0;
+    }
+    if shown < failed.len() {
+        let text = format!(
+            "and {} more, see the table of failures",
+            failed.len() - shown
+        );
+        c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
+    }
+}
+
+fn tolerance_line(c: &mut Canvas<'_>, frame: &Frame, limit: f64, unit: &str) -> Rect {
+    let (x, y) = frame.at(frame.x.max, limit);
+    let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
+    c.line_within(&[(frame.area.x0, y), (x, y)], &frame.area, stroke);
+    let text = format!("tolerance {} {unit}", short(limit, 3));
+    let width = text_width(&text, 12.5);
+    let kind = Type::new(12.5, Anchor::End).ink(Ink::GREY);
+    c.text(&text, (x - 8.0, y - 10.0), kind);
+    Rect::new(x - 12.0 - width, y - 18.0, x, y + 2.0)
+}

@@ -1,0 +1,170 @@
+//! The finding: two sentences in plain words, computed from the record.
+
+use crate::markup::escape;
+use crate::numbers::{quantity, short, significant};
+use crate::record::Run;
+use crate::view::{View, resolution};
+
+/// The two sentences, as HTML.
+pub fn finding(view: &View<'_>) -> String {
+    format!("{} {}", first(view), second(view))
+}
+
+fn named(run: &Run) -> String {
+    let at = resolution(run);
+    let at = if at.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", escape(&at))
+    };
+    format!(
+        "<b>{}</b> under <b>{}</b>{at}",
+        escape(&run.model_label()),
+        escape(&run.integrator)
+    )
+}
+
+fn cheapest<'a>(runs: impl Iterator<Item = &'a Run>) -> Option<&'a Run> {
+    runs.filter(|r| r.wall_s.is_finite())
+        .min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
+}
+
+fn first(view: &View<'_>) -> String {
+    let runs = &view.results.runs;
+    if runs.is_empty() {
+        return "The record holds no runs.".into();
+    }
+    if runs.iter().all(|r| r.status.is_failure()) {
+        return format!("None of the {} runs reached a usable end.", runs.len());
+    }
+    let adequate = cheapest(runs.iter().filter(|r| view.adequate(r)));
+    let Some(tolerance) = &view.results.tolerance else {
+        return match adequate {
+            Some(run) => format!(
+                "The cheapest run that converged is {}, in {}.",
+                named(run),
+                quantity(run.wall_s, "s", 3)
+            ),
+            None => "No run converged.".into(),
+        };
+    };
+    let limit = match view.metric.unit() {
+        "" => format!("{}\u{a0}%", short(100.0 * tolerance.limit, 3)),
+        _ => view.error_text(tolerance.limit),
+    };
+    let metric = tolerance.metric.words();
+    let article = if metric.starts_with(['a', 'e', 'i', 'o', 'u']) {
+        "an"
+    } else {
+        "a"
+    };
+    let asked = format!(
+        "{article} {metric} of at most {limit} against {}",
+        escape(&view.reference_name(&tolerance.against)),
+    );
+    match adequate {
+        Some(run) => format!(
+            "The cheapest run that meets the scene's tolerance, {asked}, is {}: {} in {}.",
+            named(run),
+            escape(
+                &view
+                    .error(run)
+                    .map_or(String::new(), |e| view.error_text(e))
+            ),
+            quantity(run.wall_s, "s", 3),
+        ),
+        None => {
+            let closest = (runs.iter().filter(|r| !r.status.is_failure()))
+                .filter_map(|r| Some((r, view.error(r)?)))
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match closest {
+                Some((run, e)) => format!(
+                    "No run meets the scene's tolerance, {asked}; closest comes {} with {}.",
+                    named(run),
+                    view.error_text(e)
+                ),
+                None => format!("No run could be held against the scene's tolerance, {asked}."),
+            }
+        }
+    }
+}
+
+fn second(view: &View<'_>) -> String {
+    let failed = view
+        .results
+        .runs
+        .iter()
+        .filter(|r| r.status.is_failure())
+        .count();
+    let total = view.results.runs.len();
+    let failures = match failed {
+        0 if total == 1 => "the run did not fail".to_owned(),
+        0 => format!("none of the {total} runs failed"),
+        1 => format!("one of {total} runs failed and is shown as a failure"),
+        n => format!("{n} of {total} runs failed and are shown as failures"),
+    };
+    let best: Vec<String> = (view.groups.iter())
+        .filter_map(|g| {
+            let (_, run) = view.best(g)?;
+            let e = view.error(run)?;
+            Some(format!(
+                "{} {} ({})",
+                escape(&g.label),
+                view.error_text(e),
+                escape(&run.integrator)
+            ))
+        })
+        .collect();
+    if best.is_empty() {
+        let mut sentence = failures;
+        if let Some(initial) = sentence.get(..1).map(str::to_uppercase) {
+            sentence.replace_range(..1, &initial);
+        }
+        return format!("{sentence}.");
+    }
+    let ratio = match costs(view).as_slice() {
+        [(label, ratio), ..] => format!(
+            "; {} costs {} times as much as {} at the same method and step",
+            escape(label),
+            significant(*ratio, 2),
+            escape(&view.groups[0].label)
+        ),
+        [] => String::new(),
+    };
+    let kind = match view.against.as_deref() {
+        Some("self") => "integration error",
+        _ => "error",
+    };
+    format!(
+        "Least {kind} per model: {}{ratio}; {failures}.",
+        best.join(", ")
+    )
+}
+
+/// For every model but the first: the median ratio of its wall time to the first model's, over
+/// the runs at the same method and step that did not fail.
+pub fn costs(view: &View<'_>) -> Vec<(String, f64)> {
+    let Some((base, others)) = view.groups.split_first() else {
+        return Vec::new();
+    };
+    others
+        .iter()
+        .filter_map(|group| {
+            let mut ratios: Vec<f64> = group
+                .runs
+                .iter()
+                .filter_map(|(_, run)| {
+                    let (_, twin) = base.runs.iter().find(|(_, b)| {
+                        b.integrator == run.integrator && b.step == run.step && b.rtol == run.rtol
+                    })?;
+                    let ratio = run.wall_s / twin.wall_s;
+                    let usable = !run.status.is_failure() && !twin.status.is_failure();
+                    (usable && ratio.is_finite() && ratio > 0.0).then_some(ratio)
+                })
+                .collect();
+            ratios.sort_by(f64::total_cmp);
+            let median = ratios.get(ratios.len() / 2)?;
+            Some((group.label.clone(), *median))
+        })
+        .collect()
+}

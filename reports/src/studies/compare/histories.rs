@@ -1,0 +1,388 @@
+//! Contact force and angular velocities over time: one run per model, with the reference.
+
+use crate::drawing::Chart;
+use crate::drawing::axis::Axis;
+use crate::drawing::canvas::{DrawError, Ink, Stroke, draw};
+use crate::drawing::lines::{Entry, Line, Panel, WIDTH, height, paint};
+use crate::drawing::style::{model_stroke, reference_stroke};
+use crate::numbers::{Prefix, percent, quantity};
+use crate::record::{ReferenceSeries, Run};
+use crate::series::{TimeSeries, resample};
+use crate::view::{View, resolution};
+
+/// A run that a history chart shows.
+struct Drawn<'a> {
+    run: &'a Run,
+    curve: usize,
+}
+
+/// A history with its look.
+struct Curve<'a> {
+    label: String,
+    series: &'a TimeSeries,
+    stroke: Stroke,
+}
+
+/// What both history charts share.
+struct Histories<'a> {
+    reference: Option<&'a ReferenceSeries>,
+    runs: Vec<Drawn<'a>>,
+    /// The reference first, then one run per model.
+    curves: Vec<Curve<'a>>,
+    time: TimeAxis,
+    /// A window to look into when the whole is too busy to read.
+    zoom: Option<TimeAxis>,
+}
+
+impl<'a> Histories<'a> {
+    fn of(view: &View<'a>) -> Option<Self> {
+        let reference = view.reference();
+        let mut curves: Vec<Curve<'a>> = (reference.iter())
+            .map(|r| Curve {
+                label: view.reference_name(&r.id),
+                series: &r.series,
+                stroke: reference_stroke(),
+            })
+            .collect();
+        // Further references: thin, beside the one that runs are held against.
+        let others = (view.results.references.iter())
+            .filter(|r| !r.series.is_empty() && reference.is_some_and(|m| m.id != r.id));
+        let plain = curves.len();
+        curves.extend(others.map(|r| Curve {
+            label: view.reference_name(&r.id),
+            series: &r.series,
+            stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
+        }));
+        let further = curves.len() - plain;
+        let mut runs = Vec::new();
+        for group in &view.groups {
+            // The reference itself may be a run of the record.
+            if further > 0
+                && reference.is_some_and(|r| group.runs.iter().all(|(_, run)| is_run(&r.id, run)))
+            {
+                continue;
+            }
+            let Some((_, run)) = view.drawn(group) else {
+                continue;
+            };
+            let Some(series) = &run.series else {
+                continue;
+            };
+            let mut label = format!("{} ({})", group.label, run.integrator);
+            if run.status.is_failure() {
+                label = format!("{label}: {}", run.status);
+            }
+            runs.push(Drawn {
+                run,
+                curve: curves.len(),
+            });
+            curves.push(Curve {
+                label,
+                series,
+                stroke: model_stroke(group.style),
+            });
+        }
+        let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
+        let time = time_axis(contact_window(&all));
+        let zoom = busy_window(all.first()?).map(time_axis);
+        Some(Self {
+            reference,
+            runs,
+            curves,
+            time,
+            zoom,
+        })
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        (self.curves.iter())
+            .map(|c| Entry {
+                text: c.label.clone(),
+                stroke: c.stroke,
+            })
+            .collect()
+    }
+
+    fn peak(&self) -> f64 {
+        peak_of(&self.curves.iter().map(|c| c.series).collect::<Vec<_>>())
+    }
+
+    /// All curves of a column. Busy overviews take thin full lines: dashes would be lost in them.
+    fn lines(
+        &self,
+        column: fn(&TimeSeries) -> &Vec<f64>,
+        factor: f64,
+        time: &TimeAxis,
+    ) -> Vec<Line> {
+        let overview = self.zoom.is_some() && *time == self.time;
+        (self.curves.iter())
+            .map(|c| Line {
+                x: scaled(&c.series.time_s, time.factor),
+                y: scaled(column(c.series), factor),
+                stroke: if overview {
+                    Stroke::new(c.stroke.ink, 0.9)
+                } else {
+                    c.stroke
+                },
+            })
+            .collect()
+    }
+}
+
+/// Whether a reference is a run of the record: it then has the run's label, `model` or `model-variant`.
+fn is_run(id: &str, run: &Run) -> bool {
+    match &run.variant {
+        None => run.model == id,
+        Some(v) => id == v || id == format!("{}-{v}", run.model),
+    }
+}
+
+/// Time axis: window \[s\], prefix, name.
+#[derive(PartialEq)]
+struct TimeAxis {
+    axis: Axis,
+    factor: f64,
+    name: String,
+}
+
+fn time_axis(window: (f64, f64)) -> TimeAxis {
+    let prefix = Prefix::of(window.1.abs().max(window.0.abs()), 1.0);
+    TimeAxis {
+        axis: Axis::linear(window.0 * prefix.factor, window.1 * prefix.factor),
+        factor: prefix.factor,
+        name: format!("time [{}s]", prefix.symbol),
+    }
+}
+
+/// The time in which something happens: all contact with a margin, or everything.
+fn contact_window(all: &[&TimeSeries]) -> (f64, f64) {
+    let mut whole = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut contact = whole;
+    let peak = peak_of(all);
+    for s in all {
+        for (&t, &f) in s.time_s.iter().zip(&s.contact_force_n) {
+            whole = (whole.0.min(t), whole.1.max(t));
+            if f > 1e-3 * peak {
+                contact = (contact.0.min(t), contact.1.max(t));
+            }
+        }
+    }
+    let span = contact.1 - contact.0;
+    if span > 0.0 && span < 0.75 * (whole.1 - whole.0) {
+        let margin = 0.12 * span;
+        (
+            whole.0.max(contact.0 - margin),
+            whole.1.min(contact.1 + margin),
+        )
+    } else {
+        whole
+    }
+}
+
+fn peak_of(all: &[&TimeSeries]) -> f64 {
+    (all.iter().flat_map(|s| &s.contact_force_n)).fold(0.0_f64, |a, &f| a.max(f))
+}
+
+/// A window around the highest peak when the history is too busy to read as a whole: five
+/// contacts, or about eight oscillations about the mean.
+fn busy_window(s: &TimeSeries) -> Option<(f64, f64)> {
+    let f = &s.contact_force_n;
+    let n = f.len().min(s.time_s.len());
+    let peak_at = (0..n).max_by(|&a, &b| f[a].total_cmp(&f[b]))?;
+    let mean = f[..n].iter().sum::<f64>() / n as f64;
+    let rises: Vec<usize> = (1..n)
+        .filter(|&i| f[i - 1] <= mean && f[i] > mean)
+        .collect();
+    if rises.len() < 12 {
+        return None;
+    }
+    let here = rises.partition_point(|&i| i <= peak_at);
+    let from = rises[here.saturating_sub(3).min(rises.len() - 1)];
+    let to = rises[(here + 2).min(rises.len() - 1)];
+    let (a, b) = (s.time_s[from], s.time_s[to]);
+    let margin = 0.08 * (b - a);
+    (b > a).then_some((a - margin, b + margin))
+}
+
+fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
+    values.iter().map(|x| x * factor).collect()
+}
+
+/// Contact force over time, and where the models miss the reference.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(view) else {
+        return Ok(None);
+    };
+    let unit = Prefix::of(h.peak(), 20.0);
+    let y_name = format!("contact force [{}N]", unit.symbol);
+    let panel = |time: &TimeAxis, height: f64| Panel {
+        height,
+        y_name: y_name.clone(),
+        y: None,
+        x: time.axis.clone(),
+        remark: String::new(),
+        lines: h.lines(|s| &s.contact_force_n, unit.factor, time),
+        x_name: Some(time.name.clone()),
+    };
+    let mut caption =
+        "Contact force of one run per model, the one with the least error.".to_owned();
+    let mut panels = Vec::new();
+    match &h.zoom {
+        None => panels.push(panel(&h.time, 240.0)),
+        Some(zoom) => {
+            // Head room for the name of the curve.
+            let top = Axis::from_zero(1.3 * h.peak() * unit.factor);
+            let lines = h.lines(|s| &s.contact_force_n, unit.factor, &h.time);
+            let last = h.curves.len() - 1;
+            for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {
+                panels.push(Panel {
+                    height: 88.0,
+                    y_name: format!("force [{}N]", unit.symbol),
+                    y: Some(top.clone()),
+                    x: h.time.axis.clone(),
+                    remark: curve.label.clone(),
+                    lines: vec![line],
+                    x_name: (i == last).then(|| h.time.name.clone()),
+                });
+            }
+            panels.push(panel(zoom, 200.0));
+            caption.push_str(
+                " Each history as a whole (drawn so that every peak stays), then all of them \
+                 around the highest peak.",
+            );
+        }
+    }
+    if let Some(reference) = h.reference {
+        panels.push(residual(
+            &h,
+            reference,
+            h.zoom.as_ref().unwrap_or(&h.time),
+            unit,
+        ));
+        caption.push_str(
+            " Below: model minus reference, each run shifted in time to its best fit; what stays \
+             are the shape of the contact law and the ripples that only elastic bodies show.",
+        );
+        let shifts: Vec<String> = (h.runs.iter())
+            .filter_map(|d| {
+                let m = d.run.against(&reference.id)?;
+                let (e, shift) = (m.force_l2_aligned?, m.time_shift_s.unwrap_or(0.0));
+                Some(format!(
+                    "{} under {} ({}): error {} % after a shift of {}",
+                    d.run.model_label(),
+                    d.run.integrator,
+                    resolution(d.run),
+                    percent(e, 3),
+                    quantity(shift, "s", 2),
+                ))
+            })
+            .collect();
+        if !shifts.is_empty() {
+            caption.push_str(&format!(" Here {}.", shifts.join("; ")));
+        }
+    }
+    let entries = h.legend();
+    let title = "Contact force over time";
+    let svg = draw(WIDTH, height(&panels, &entries), title, |c| {
+        paint(c, &panels, &entries);
+    })?;
+    Ok(Some(Chart {
+        file: "force.svg".into(),
+        title,
+        caption,
+        svg,
+    }))
+}
+
+fn residual(
+    h: &Histories<'_>,
+    reference: &ReferenceSeries,
+    time: &TimeAxis,
+    unit: Prefix,
+) -> Panel {
+    let t = &reference.series.time_s;
+    let zero = Line {
+        x: vec![time.axis.min, time.axis.max],
+        y: vec![0.0, 0.0],
+        stroke: Stroke::new(Ink::DARK.opacity(0.82), 1.6),
+    };
+    let mut buffer = Vec::new();
+    let lines = h.runs.iter().map(|d| {
+        let shift = (d.run.against(&reference.id))
+            .and_then(|m| m.time_shift_s)
+            .unwrap_or(0.0);
+        let curve = &h.curves[d.curve];
+        let own = curve.series;
+        resample(&own.time_s, &own.contact_force_n, t, shift, &mut buffer);
+        let y = (buffer.iter().zip(&reference.series.contact_force_n))
+            .map(|(f, r)| (f - r) * unit.factor)
+            .collect();
+        Line {
+            x: scaled(t, time.factor),
+            y,
+            stroke: curve.stroke,
+        }
+    });
+    Panel {
+        height: 150.0,
+        y_name: format!("model \u{2212} ref. [{}N]", unit.symbol),
+        y: None,
+        x: time.axis.clone(),
+        remark: "difference after time alignment".into(),
+        lines: std::iter::once(zero).chain(lines).collect(),
+        x_name: Some(time.name.clone()),
+    }
+}
+
+/// Angular velocities of both gears over time.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
+    let Some(h) = Histories::of(view) else {
+        return Ok(None);
+    };
+    type Column = fn(&TimeSeries) -> &Vec<f64>;
+    let columns: [(&str, Column); 2] = [
+        ("\u{3c9}1 [rad/s]", |s| &s.omega1_rad_s),
+        ("\u{3c9}2 [rad/s]", |s| &s.omega2_rad_s),
+    ];
+    let size = if h.zoom.is_some() { 130.0 } else { 160.0 };
+    let mut panels = Vec::new();
+    for time in std::iter::once(&h.time).chain(&h.zoom) {
+        for (i, (y_name, column)) in columns.into_iter().enumerate() {
+            panels.push(Panel {
+                height: size,
+                y_name: y_name.into(),
+                y: None,
+                x: time.axis.clone(),
+                remark: String::new(),
+                lines: h.lines(column, 1.0, time),
+                x_name: (i == 1).then(|| time.name.clone()),
+            });
+        }
+    }
+    let entries = h.legend();
+    let title = "Angular velocities of both gears";
+    let svg = draw(WIDTH, height(&panels, &entries), title, |c| {
+        paint(c, &panels, &entries);
+    })?;
+    let zoomed = if h.zoom.is_some() {
+        " The lower pair shows the time around the highest peak of the force."
+    } else {
+        ""
+    };
+    Ok(Some(Chart {
+        file: "speeds.svg".into(),
+        title,
+        caption: format!(
+            "Angular velocity of gear 1 (\u{3c9}1) and gear 2 (\u{3c9}2), counter-clockwise \
+             positive. Elastic bodies are shown by their momentum mean, angular momentum over \
+             inertia, which is what a rigid body has.{zoomed}"
+        ),
+        svg,
+    }))
+}

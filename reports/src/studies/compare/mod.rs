@@ -1,0 +1,34 @@
+//! The study that compares models and integrators of a scene; other studies borrow its charts of histories.
+
+mod cost;
+mod finding;
+mod glance;
+pub(super) mod histories;
+mod mesh;
+mod timing;
+
+use crate::drawing::canvas::DrawError;
+use crate::markup::runs;
+use crate::studies::StudyReport;
+use crate::view::View;
+
+/// What the study says of a record.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+    let charts = [
+        histories::force(view)?,
+        histories::speeds(view)?,
+        mesh::mesh(view)?,
+        cost::runtime(view)?,
+        cost::accuracy(view)?,
+    ];
+    Ok(StudyReport {
+        finding: finding::finding(view),
+        tables: glance::glance(view) + &timing::timing(view),
+        charts: charts.into_iter().flatten().collect(),
+        details: runs::all(view),
+        csv: Vec::new(),
+    })
+}

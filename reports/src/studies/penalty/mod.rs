@@ -1,0 +1,27 @@
+//! The study of penalties: force, impulse and transmission error over the penalty of a contact.
+
+mod charts;
+mod csv;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::markup::runs;
+use crate::studies::StudyReport;
+use crate::studies::compare::histories;
+use crate::view::View;
+
+/// What the study says of a record.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+    let mut charts = charts::penalty(view)?;
+    charts.extend(histories::force(view)?);
+    Ok(StudyReport {
+        finding: tables::finding(view),
+        tables: tables::tables(view),
+        charts,
+        details: runs::all(view),
+        csv: csv::tables(view.results),
+    })
+}

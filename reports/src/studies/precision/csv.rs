@@ -1,0 +1,74 @@
+//! The table of accuracy against cost.
+
+use super::{Cloud, Cost, Precision, SELF, Shown};
+use crate::csv_table::{CsvColumn, CsvTable, number, text};
+use crate::metrics::Metric;
+use crate::record::{Metrics, Results, Run};
+
+type Row<'a> = (&'a Run, &'a Metrics);
+
+/// One line per run and reference.
+pub fn tables(results: &Results) -> Vec<CsvTable> {
+    let told = Precision::of(results);
+    let clouds: Vec<Cloud<'_>> = (told.references.iter().map(String::as_str))
+        .chain([SELF])
+        .map(|id| told.cloud(id, told.headline(), Cost::Wall))
+        .collect();
+    // The front of each reference, of the model's own converged solution that of each model.
+    let on_front = |(r, m): &Row<'_>| {
+        let own = |s: &Shown<'_>| m.against != SELF || s.run.model_label() == r.model_label();
+        let Some(cloud) = clouds.iter().find(|c| c.against == m.against) else {
+            return false.to_string();
+        };
+        let front = cloud.front(own);
+        let mut runs = front.iter().map(|i| cloud.shown[*i].run);
+        runs.any(|run| std::ptr::eq(run, *r)).to_string()
+    };
+    let none = Metrics::default();
+    let rows = results.runs.iter().flat_map(|r| {
+        let alone = r.metrics.is_empty().then_some(&none);
+        r.metrics.iter().chain(alone).map(move |m| (r, m))
+    });
+    let errors: Vec<Metric> = (Metric::ALL.into_iter()).filter(|m| m.is_error()).collect();
+    let cells: Vec<_> = (errors.iter())
+        .map(|e| move |(_, m): &Row<'_>| number(m.get(*e)))
+        .collect();
+    let mut columns: Vec<CsvColumn<'_, Row<'_>>> = vec![
+        ("model", &|(r, _)| r.model_label()),
+        ("modes", &|(r, _)| text(&r.modes)),
+        ("integrator", &|(r, _)| r.integrator.clone()),
+        ("step_s", &|(r, _)| number(r.step)),
+        ("rtol", &|(r, _)| number(r.rtol)),
+        ("status", &|(r, _)| r.status.to_string()),
+        ("fitted_to", &|(r, _)| text(&r.fitted_to)),
+        ("against", &|(_, m)| m.against.clone()),
+        ("on_front", &on_front),
+    ];
+    for (metric, cell) in errors.iter().zip(&cells) {
+        columns.push((metric.key(), cell));
+    }
+    let work: [CsvColumn<'_, Row<'_>>; 12] = [
+        ("wall_s", &|(r, _)| number(r.wall_s)),
+        ("wall_min_s", &|(r, _)| {
+            number(r.wall_spread_s.map(|s| s[0]))
+        }),
+        ("wall_max_s", &|(r, _)| {
+            number(r.wall_spread_s.map(|s| s[1]))
+        }),
+        ("repeats", &|(r, _)| r.repeats.to_string()),
+        ("setup_s", &|(r, _)| number(r.setup_s)),
+        ("steps", &|(r, _)| r.steps.to_string()),
+        ("rejected", &|(r, _)| r.rejected.to_string()),
+        ("force_evaluations", &|(r, _)| {
+            r.force_evaluations.to_string()
+        }),
+        ("newton_iterations", &|(r, _)| {
+            r.newton_iterations.to_string()
+        }),
+        ("factorisations", &|(r, _)| r.factorisations.to_string()),
+        ("dofs", &|(r, _)| r.dofs.to_string()),
+        ("message", &|(r, _)| text(&r.message)),
+    ];
+    columns.extend(work);
+    vec![CsvTable::new("precision.csv", rows, &columns)]
+}

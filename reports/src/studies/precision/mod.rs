@@ -1,0 +1,344 @@
+//! What a study of accuracy against cost says: families of runs, their points, who leads.
+//!
+//! A family is a model under an integrator, at every step, tolerance and number of modes. Elastic models whose cut
+//! modes stay as residual compliance under the trigonometric method are the ones whose lead is told.
+
+mod charts;
+mod csv;
+pub mod pareto;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::metrics::Metric;
+use crate::numbers::{quantity, short};
+use crate::record::{Results, Run, Status};
+use crate::studies::StudyReport;
+use crate::studies::precision::pareto::{Point, front, held, lead};
+use crate::view::View;
+use crate::view::{NOTHING, resolution};
+
+/// Limits of the error at which families are compared.
+pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
+/// A point of a front is news when its error is less than this times that of the last that was.
+const NEWS: f64 = 0.95;
+/// Reference of integration errors.
+pub const SELF: &str = "self";
+
+/// What a run is charged with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Wall time \[s\].
+    Wall,
+    /// Evaluations of the force.
+    Evaluations,
+}
+
+impl Cost {
+    /// The cost of a run, if it was measured.
+    pub fn of(self, run: &Run) -> Option<f64> {
+        let x = match self {
+            Cost::Wall => run.wall_s,
+            Cost::Evaluations => run.force_evaluations as f64,
+        };
+        (x.is_finite() && x > 0.0).then_some(x)
+    }
+}
+
+/// A run that reached its end, as a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Place of its model in the order of appearance.
+    pub style: usize,
+    /// Cost and error.
+    pub point: Point,
+}
+
+impl Shown<'_> {
+    /// Whether its constants were fitted to a reference of the record.
+    pub fn is_fitted(&self) -> bool {
+        self.run.fitted_to.is_some()
+    }
+}
+
+/// The points of a record against one reference.
+pub struct Cloud<'a> {
+    /// Reference.
+    pub against: String,
+    /// Runs that reached their end with an error that can be told, in the order of the record.
+    pub shown: Vec<Shown<'a>>,
+    /// Runs of the same models that failed, with the place of their model.
+    pub failed: Vec<(&'a Run, usize)>,
+}
+
+/// A record seen as accuracy against cost.
+pub struct Precision<'a> {
+    /// The record.
+    pub results: &'a Results,
+    /// Labels of the models in the order of appearance.
+    pub models: Vec<String>,
+    /// References that runs are held against, those with most runs that are no own converged solution first.
+    pub references: Vec<String>,
+    /// The metrics.
+    pub metrics: Vec<Metric>,
+}
+
+/// Whether a run is one of those whose lead is told.
+pub fn is_ours(run: &Run) -> bool {
+    run.residual == Some(true) && id_of(&run.integrator) == "trigonometric"
+}
+
+/// An integrator without its parameters.
+pub fn id_of(integrator: &str) -> &str {
+    integrator.split('(').next().unwrap_or(integrator).trim()
+}
+
+/// A family in words: model and integrator.
+pub fn family(run: &Run) -> String {
+    format!("{} under {}", run.model_label(), run.integrator)
+}
+
+/// A run in few words: modes, step or tolerance.
+pub fn rung(run: &Run) -> String {
+    let resolution = match run.step {
+        Some(h) => quantity(h, "s", 3)
+            .replace(".00", "")
+            .replace('\u{a0}', " "),
+        None => resolution(run),
+    };
+    match run.modes {
+        Some(n) => format!("{n} modes, {resolution}"),
+        None => resolution,
+    }
+}
+
+impl<'a> Precision<'a> {
+    /// Sorts a record.
+    pub fn of(results: &'a Results) -> Self {
+        let mut models: Vec<String> = Vec::new();
+        for run in &results.runs {
+            let label = run.model_label();
+            if !models.contains(&label) {
+                models.push(label);
+            }
+        }
+        let references = (results.references.iter())
+            .map(|r| r.id.clone())
+            .filter(|id| results.runs.iter().any(|r| r.against(id).is_some()))
+            .collect();
+        let mut metrics = results.metrics.clone();
+        if metrics.is_empty() {
+            metrics.push(Metric::default());
+        }
+        Self {
+            results,
+            models,
+            references,
+            metrics,
+        }
+    }
+
+    /// The metric above all.
+    pub fn headline(&self) -> Metric {
+        self.metrics.first().copied().unwrap_or_default()
+    }
+
+    fn style(&self, run: &Run) -> usize {
+        let label = run.model_label();
+        self.models.iter().position(|m| *m == label).unwrap_or(0)
+    }
+
+    /// The points against a reference.
+    pub fn cloud(&self, against: &str, metric: Metric, cost: Cost) -> Cloud<'a> {
+        let runs = &self.results.runs;
+        let compared: Vec<String> = (runs.iter())
+            .filter(|r| r.against(against).is_some())
+            .map(Run::model_label)
+            .collect();
+        let shown = (runs.iter())
+            .filter(|r| !r.status.is_failure())
+            .filter_map(|run| {
+                let error = run.against(against)?.get(metric)?.abs();
+                let point = Point {
+                    cost: cost.of(run)?,
+                    error,
+                };
+                (point.is_sound() && error > NOTHING).then(|| Shown {
+                    run,
+                    style: self.style(run),
+                    point,
+                })
+            })
+            .collect();
+        let failed = (runs.iter())
+            .filter(|r| r.status.is_failure() && compared.contains(&r.model_label()))
+            .map(|r| (r, self.style(r)))
+            .collect();
+        Cloud {
+            against: against.to_owned(),
+            shown,
+            failed,
+        }
+    }
+}
+
+impl<'a> Cloud<'a> {
+    fn points(&self, keep: impl Fn(&Shown<'a>) -> bool) -> (Vec<usize>, Vec<Point>) {
+        let kept = (0..self.shown.len()).filter(|&i| keep(&self.shown[i]));
+        kept.map(|i| (i, self.shown[i].point)).unzip()
+    }
+
+    /// Indices of the front among some of the points, ascending in cost.
+    pub fn front(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<usize> {
+        let (kept, points) = self.points(keep);
+        front(&points).into_iter().map(|i| kept[i]).collect()
+    }
+
+    /// Whether any of the models was fitted to a reference of the record.
+    pub fn has_fitted(&self) -> bool {
+        self.shown.iter().any(Shown::is_fitted)
+    }
+
+    /// Whether any of the points is one whose lead is told.
+    pub fn has_ours(&self) -> bool {
+        self.shown.iter().any(|s| is_ours(s.run))
+    }
+
+    /// Who keeps a limit of the error the cheapest, among all or among those that were not fitted; `None` when none of
+    /// ours keeps it.
+    pub fn standing(&self, limit: f64, fitted_too: bool) -> Option<Standing<'_, 'a>> {
+        let among = |rival: &dyn Fn(&Shown<'a>) -> bool| {
+            let (kept, points) =
+                self.points(|s| (fitted_too || !s.is_fitted()) && (is_ours(s.run) || rival(s)));
+            let mine: Vec<bool> = kept.iter().map(|&i| is_ours(self.shown[i].run)).collect();
+            let lead = lead(&points, &mine, limit)?;
+            let next = lead.next.map(|n| &self.shown[kept[n]]);
+            Some((&self.shown[kept[lead.ours]], next.zip(lead.factor)))
+        };
+        let (ours, next) = among(&|_| true)?;
+        let (_, other) = among(&|s| s.run.residual != Some(true))?;
+        Some(Standing {
+            limit,
+            ours,
+            next,
+            other,
+        })
+    }
+
+    /// The errors between which the front is ours alone; see [`held`].
+    pub fn held(&self, fitted_too: bool) -> Option<(f64, Option<f64>)> {
+        let (kept, points) = self.points(|s| fitted_too || !s.is_fitted());
+        let mine: Vec<bool> = kept.iter().map(|&i| is_ours(self.shown[i].run)).collect();
+        held(&points, &mine)
+    }
+
+    /// The points of a front that are news: each errs less than the last by more than a twentieth of it.
+    pub fn news(&self, front: &[usize]) -> Vec<usize> {
+        let mut last = f64::INFINITY;
+        let mut kept = front.to_vec();
+        kept.retain(|&i| {
+            let error = self.shown[i].point.error;
+            let is_news = error < NEWS * last;
+            if is_news {
+                last = error;
+            }
+            is_news
+        });
+        kept
+    }
+
+    /// The news of the front as stretches of one family, all of ours being one: the first point, and the least error.
+    pub fn stretches(&self, keep: impl Fn(&Shown<'a>) -> bool) -> Vec<(&Shown<'a>, f64)> {
+        let mut all: Vec<(&Shown<'a>, f64)> = Vec::new();
+        let alike = |a: &Run, b: &Run| (is_ours(a) && is_ours(b)) || family(a) == family(b);
+        for i in self.news(&self.front(keep)) {
+            let s = &self.shown[i];
+            match all.last_mut() {
+                Some((first, least)) if alike(first.run, s.run) => *least = s.point.error,
+                _ => all.push((s, s.point.error)),
+            }
+        }
+        all
+    }
+
+    /// The reasons of failures in the order of the format, each with its runs.
+    pub fn reasons(&self) -> Vec<(Status, Vec<(&'a Run, usize)>)> {
+        let of = |status: Status| {
+            let all = self.failed.iter().filter(|(r, _)| r.status == status);
+            (status, all.copied().collect::<Vec<_>>())
+        };
+        let all = Status::ALL.into_iter().map(of);
+        all.filter(|(_, runs)| !runs.is_empty()).collect()
+    }
+}
+
+/// Who keeps a limit of the error the cheapest.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing<'c, 'a> {
+    /// The limit.
+    pub limit: f64,
+    /// The cheapest of ours: elastic with residual compliance under the trigonometric method.
+    pub ours: &'c Shown<'a>,
+    /// The cheapest of all other families with its cost over that of ours; `None` when none keeps the limit.
+    pub next: Option<(&'c Shown<'a>, f64)>,
+    /// The same among models that are not elastic with residual compliance.
+    pub other: Option<(&'c Shown<'a>, f64)>,
+}
+
+impl Standing<'_, '_> {
+    /// The limit, in words.
+    pub fn level(&self) -> String {
+        format!("\u{2264} {} %", short(100.0 * self.limit, 2))
+    }
+
+    /// Ours, in words.
+    pub fn own(&self) -> String {
+        let run = self.ours.run;
+        format!(
+            "{} ({}) {}",
+            run.model_label(),
+            rung(run),
+            quantity(run.wall_s, "s", 2).replace('\u{a0}', " ")
+        )
+    }
+
+    /// The next family, in words.
+    pub fn beside_next(&self) -> String {
+        beside(self.next)
+    }
+
+    /// The next other model, in words.
+    pub fn beside_other(&self) -> String {
+        beside(self.other)
+    }
+}
+
+/// By how much ours is faster than a rival, or a rival than ours.
+fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
+    let Some((rival, factor)) = rival else {
+        return "no other gets there".into();
+    };
+    let fitted = if rival.is_fitted() { ", fitted" } else { "" };
+    let (model, integrator) = (rival.run.model_label(), id_of(&rival.run.integrator));
+    let name = format!("{model} under {integrator}{fitted}");
+    if factor >= 1.0 {
+        format!("\u{d7} {} faster than {name}", short(factor, 2))
+    } else {
+        format!("\u{d7} {} slower than {name}", short(1.0 / factor, 2))
+    }
+}
+
+/// What the study says of a record.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(view),
+        tables: tables::tables(view),
+        charts: charts::precision(view)?,
+        details: tables::runs(view),
+        csv: csv::tables(view.results),
+    })
+}

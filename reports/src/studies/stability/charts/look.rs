@@ -1,0 +1,161 @@
+//! One colour and one letter per label, so that a map reads in colour, in greyscale and for the colour-blind.
+//!
+//! Colours after Okabe and Ito, as those of the models; the letter carries the meaning where colours cannot.
+
+use crate::drawing::axis::NAME_SIZE;
+use crate::drawing::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type, text_width};
+use crate::drawing::lines::{RIGHT, WIDTH};
+use crate::record::Status;
+use crate::studies::stability::LineKind;
+
+/// Look of a label.
+#[derive(Clone, Copy)]
+pub struct Look {
+    /// Colour of the cell.
+    pub ink: Ink,
+    /// Letter in it; none for runs that converged.
+    pub letter: &'static str,
+    /// Colour of the letter.
+    pub text: Ink,
+}
+
+/// The look of a label.
+pub fn look(status: Status) -> Look {
+    let (ink, letter, dark) = match status {
+        Status::Converged => (Ink(0xc9, 0xe7, 0xdc, 1.0), "", true),
+        Status::Inaccurate => (Ink(0xf5, 0xea, 0x7a, 1.0), "i", true),
+        Status::EnergyGrowth => (Ink(0xe6, 0x9f, 0x00, 1.0), "E", true),
+        Status::Chatter => (Ink(0x00, 0x72, 0xb2, 1.0), "C", false),
+        Status::NewtonFailure => (Ink(0x6b, 0x4a, 0x9c, 1.0), "N", false),
+        Status::StepUnderflow => (Ink(0x6e, 0x74, 0x7a, 1.0), "U", false),
+        Status::BlowUp => (Ink(0xb8, 0x3a, 0x00, 1.0), "B", false),
+        Status::Tunnelling => (Ink(0xcc, 0x79, 0xa7, 1.0), "T", true),
+        Status::AdhesiveForce => (Ink(0x56, 0xb4, 0xe9, 1.0), "A", true),
+        Status::Timeout => (Ink(0xd9, 0xdd, 0xe1, 1.0), "t", true),
+    };
+    Look {
+        ink,
+        letter,
+        text: if dark { Ink::DARK } else { Ink::WHITE },
+    }
+}
+
+/// Names and dashes of the lines of theory.
+pub const KINDS: [(LineKind, &str, &[f64]); 3] = [
+    (LineKind::Stability, "theory: stability limit", &[]),
+    (
+        LineKind::Penalty,
+        "theory: limit of the penalty alone",
+        &[6.0, 3.0],
+    ),
+    (
+        LineKind::Resonance,
+        "theory: resonance, \u{3c9} h = k \u{3c0}",
+        &[1.8, 2.4],
+    ),
+];
+
+/// A line of theory, readable on every colour.
+pub fn theory_line(c: &mut Canvas<'_>, points: &[(f64, f64)], frame: &Rect, kind: LineKind) {
+    let dash = (KINDS.iter())
+        .find(|k| k.0 == kind)
+        .map_or(&[][..], |k| k.2);
+    c.line_within(points, frame, Stroke::new(Ink::WHITE.opacity(0.9), 3.6));
+    c.line_within(points, frame, Stroke::dashed(Ink::DARK, 1.7, dash));
+}
+
+/// The mark of the largest stable step that was found.
+pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
+    let shape = |r: f64| [(x, y - r), (x + r, y), (x, y + r), (x - r, y)];
+    c.polygon(&shape(6.2), Ink::WHITE);
+    c.polygon(&shape(4.4), Ink::DARK);
+}
+
+/// What a legend names.
+pub enum Entry {
+    /// A label.
+    Label(Status),
+    /// A line of theory.
+    Theory(LineKind),
+    /// The largest stable step that was found.
+    Found,
+}
+
+impl Entry {
+    fn text(&self) -> &'static str {
+        match self {
+            Entry::Label(status) => status.as_str(),
+            Entry::Theory(kind) => (KINDS.iter()).find(|k| k.0 == *kind).map_or("", |k| k.1),
+            Entry::Found => "largest stable step found",
+        }
+    }
+}
+
+/// Height of a row of a legend.
+const ROW: f64 = 21.0;
+
+fn rows(entries: &[Entry]) -> Vec<Vec<(f64, &Entry)>> {
+    let mut rows: Vec<Vec<(f64, &Entry)>> = Vec::new();
+    let mut x = f64::INFINITY;
+    for entry in entries {
+        let width = 46.0 + text_width(entry.text(), NAME_SIZE);
+        if x + width > WIDTH - RIGHT {
+            rows.push(Vec::new());
+            x = 16.0;
+        }
+        if let Some(row) = rows.last_mut() {
+            row.push((x, entry));
+        }
+        x += width;
+    }
+    rows
+}
+
+/// Height of a legend.
+pub fn legend_height(entries: &[Entry]) -> f64 {
+    ROW * rows(entries).len() as f64
+}
+
+/// Paints a legend from `y` downwards.
+pub fn legend(c: &mut Canvas<'_>, entries: &[Entry], y: f64) {
+    for (i, row) in rows(entries).iter().enumerate() {
+        let y = y + ROW * (i as f64 + 0.5);
+        for (x, entry) in row {
+            let sample = Rect::new(*x, y - 7.5, x + 22.0, y + 7.5);
+            match entry {
+                Entry::Label(status) => {
+                    let look = look(*status);
+                    c.fill(&sample, look.ink);
+                    let kind = Type::new(11.0, Anchor::Middle).ink(look.text).bold();
+                    c.text(look.letter, (x + 11.0, y), kind);
+                }
+                Entry::Theory(kind) => {
+                    theory_line(c, &[(*x, y), (x + 22.0, y)], &sample, *kind);
+                }
+                Entry::Found => found_mark(c, (x + 11.0, y)),
+            }
+            c.text(
+                entry.text(),
+                (x + 28.0, y),
+                Type::new(NAME_SIZE, Anchor::Start),
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lightness of neighbours on the scale from converged to failed differs, and no two labels share a letter.
+    #[test]
+    fn labels_differ_without_colour() {
+        let all = Status::ALL.map(look);
+        for (i, a) in all.iter().enumerate() {
+            for b in &all[i + 1..] {
+                assert_ne!(a.letter, b.letter);
+                assert_ne!(a.ink, b.ink);
+            }
+        }
+    }
+}

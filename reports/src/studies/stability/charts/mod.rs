@@ -1,0 +1,319 @@
+//! Maps of where methods fail: an overview at the scene's own parameters, and one figure of small multiples per model.
+
+mod look;
+mod overview;
+mod panel;
+
+use crate::drawing::Chart;
+use crate::drawing::axis::NAME_SIZE;
+use crate::drawing::canvas::{Anchor, DrawError, Rect, Type, draw};
+use crate::drawing::lines::{RIGHT, WIDTH};
+use crate::numbers::{quantity, short};
+use crate::record::Status;
+use crate::studies::stability::{LineKind, Map};
+use crate::view::View;
+use look::{Entry, KINDS, legend, legend_height};
+use panel::{Panel, labels};
+
+/// Panels side by side.
+const ACROSS: usize = 3;
+/// Space for the values of the parameter.
+const LEFT: f64 = 74.0;
+/// Space between panels.
+const BETWEEN: f64 = 16.0;
+/// Space above a panel for its heading, below for its ticks, and below the last for the name of the abscissa.
+const ABOVE: f64 = 26.0;
+const BELOW: f64 = 22.0;
+const NAME: f64 = 22.0;
+
+/// Maps that are drawn; those beyond are left out, and the last caption says so.
+const DRAWN: usize = 24;
+
+/// The maps of one model over one set of axes.
+fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
+    let mut found: Vec<Vec<&Map>> = Vec::new();
+    for map in maps {
+        let same =
+            |f: &&mut Vec<&Map>| f[0].set == map.set && f[0].model_label() == map.model_label();
+        match found.iter_mut().find(same) {
+            Some(figure) => figure.push(map),
+            None => found.push(vec![map]),
+        }
+    }
+    found
+}
+
+/// The charts of a study of stability.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn stability(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
+    let maps = &view.results.maps;
+    let mut charts = Vec::new();
+    if let Some(svg) = overview::overview(maps)? {
+        charts.push(Chart {
+            file: "stability.svg".into(),
+            title: "Where methods fail",
+            caption: "How runs ended at the scene's own parameters, by step (or tolerance, for methods that choose \
+                      their steps). The diamond is the largest step up to which every run held, closed in on to \
+                      2 %; the vertical line is the stability limit of linear theory at the closed contact."
+                .into(),
+            svg,
+        });
+    }
+    let all = figures(maps);
+    for (i, figure) in all.iter().take(DRAWN).enumerate() {
+        charts.push(Chart {
+            file: format!("stability_map{:02}.svg", i + 1),
+            title: "Map of how runs ended",
+            caption: caption(figure),
+            svg: paint(figure)?,
+        });
+    }
+    if all.len() > DRAWN
+        && let Some(last) = charts.last_mut()
+    {
+        last.caption.push_str(&format!(
+            " {} further figures are left out; stability.csv has their cells.",
+            all.len() - DRAWN
+        ));
+    }
+    Ok(charts)
+}
+
+fn caption(maps: &[&Map]) -> String {
+    let first = maps[0];
+    let names: Vec<String> = first.axes.iter().map(|a| labels(a).1).collect();
+    let over = match names.as_slice() {
+        [a, b] => format!("{a}, panels by {b}"),
+        _ => names.join(", "),
+    };
+    let checked: Vec<f64> = (first.references.iter())
+        .filter_map(|r| r.checked)
+        .collect();
+    let worst = checked.iter().copied().fold(0.0, f64::max);
+    let references = match (checked.len(), first.references.len()) {
+        (0, _) => {
+            "No converged solution was to be had: cells are judged by the energy ledger alone."
+                .into()
+        }
+        (n, all) if n == all => format!(
+            "Every row has a converged solution of its own, checked to {}.",
+            short(worst, 2)
+        ),
+        (n, all) => format!(
+            "{n} of {all} rows have a converged solution, checked to {}; the others are judged by the energy ledger \
+             alone.",
+            short(worst, 2)
+        ),
+    };
+    format!(
+        "{}: step over {over}; {} simulated. The framed row is the scene's own value. {references}",
+        first.model_label(),
+        quantity(first.duration_s, "s", 3)
+    )
+}
+
+/// The panels of a figure, in rows.
+fn panels<'a>(maps: &[&'a Map]) -> Vec<Vec<Panel<'a>>> {
+    let name = |map: &Map| {
+        if map.implicit {
+            format!("{} (implicit)", map.integrator)
+        } else {
+            map.integrator.clone()
+        }
+    };
+    let panel = |map, second, title| Panel {
+        map,
+        second,
+        title,
+        y_labels: false,
+        x_name: false,
+    };
+    let mut rows: Vec<Vec<Panel<'a>>> = Vec::new();
+    let seconds = maps.iter().any(|m| m.axes.len() > 1);
+    if seconds {
+        for &map in maps {
+            let Some(axis) = map.axes.get(1) else {
+                continue;
+            };
+            let texts = labels(axis).0;
+            let all: Vec<Panel<'a>> = (texts.iter().enumerate())
+                .map(|(j, text)| panel(map, j, format!("{}: {}", short_name(map), text)))
+                .collect();
+            let mut all = all.into_iter().peekable();
+            while all.peek().is_some() {
+                rows.push(all.by_ref().take(ACROSS).collect());
+            }
+        }
+    } else {
+        for chunk in maps.chunks(ACROSS) {
+            rows.push(chunk.iter().map(|m| panel(*m, 0, name(m))).collect());
+        }
+    }
+    let last = rows.len().saturating_sub(1);
+    for (i, row) in rows.iter_mut().enumerate() {
+        for (k, p) in row.iter_mut().enumerate() {
+            p.y_labels = k == 0;
+            p.x_name = i == last;
+        }
+    }
+    rows
+}
+
+/// The integrator without its parameters.
+fn short_name(map: &Map) -> &str {
+    map.integrator.split('(').next().unwrap_or("")
+}
+
+fn paint(maps: &[&Map]) -> Result<String, DrawError> {
+    let rows = panels(maps);
+    let occurs = |s: &Status| maps.iter().any(|m| m.cells.iter().any(|c| c.status == *s));
+    let mut entries: Vec<Entry> = (Status::ALL.into_iter().filter(occurs))
+        .map(Entry::Label)
+        .collect();
+    let drawn = |kind: LineKind| {
+        let visible = |m: &Map, h: f64| m.at.first() <= Some(&h) && Some(&h) <= m.at.last();
+        (maps.iter()).any(|m| {
+            let of_kind = m.lines.iter().filter(|l| l.kind == kind);
+            of_kind
+                .flat_map(|l| l.step_s.iter().flatten())
+                .any(|h| visible(m, *h))
+        })
+    };
+    entries.extend((KINDS.iter().filter(|k| drawn(k.0))).map(|k| Entry::Theory(k.0)));
+    if maps.iter().any(|m| {
+        m.limit()
+            .is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())
+    }) {
+        entries.push(Entry::Found);
+    }
+    let values = (maps.iter())
+        .filter_map(|m| Some(m.axes.first()?.values.len()))
+        .max()
+        .unwrap_or(1);
+    let tall = (18.0 * values as f64).clamp(96.0, 300.0);
+    let head = 30.0 + legend_height(&entries);
+    let height = head + rows.len() as f64 * (ABOVE + tall + BELOW) + NAME;
+    let wide = (WIDTH - RIGHT - LEFT - BETWEEN * (ACROSS - 1) as f64) / ACROSS as f64;
+    let title = maps[0].model_label();
+    draw(WIDTH, height, &title, |c| {
+        let heading = Type::new(1.15 * NAME_SIZE, Anchor::Start).bold();
+        c.text(&title, (16.0, 14.0), heading);
+        legend(c, &entries, 26.0);
+        for (i, row) in rows.iter().enumerate() {
+            let top = head + i as f64 * (ABOVE + tall + BELOW) + ABOVE;
+            for (k, p) in row.iter().enumerate() {
+                let left = LEFT + k as f64 * (wide + BETWEEN);
+                p.paint(c, &Rect::new(left, top, left + wide, top + tall));
+            }
+        }
+        if let Some(axis) = maps[0].axes.first() {
+            let middle = 0.5 * (head + height - NAME);
+            let kind = Type::new(NAME_SIZE, Anchor::Middle).upwards();
+            c.text(&labels(axis).1, (14.0, middle), kind);
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Results, Study};
+    use crate::studies::stability::{Cell, Columns, MapAxis, MapLine, SelfReference};
+
+    /// A map with every label in its own row.
+    fn map(set: usize, integrator: &str, seconds: usize) -> Map {
+        let at: Vec<f64> = (0..10).map(|i| 1e-8 * 2_f64.powi(i)).collect();
+        let axis = |id: &str, n: usize| MapAxis {
+            id: id.into(),
+            name: format!("{id} <over> the scene's"),
+            unit: if n == 3 { "N/m".into() } else { String::new() },
+            values: (0..n).map(|i| 10_f64.powi(i as i32 + 8)).collect(),
+            own: n - 1,
+        };
+        let mut axes = vec![axis("tooth-stiffness", 3)];
+        if seconds > 0 {
+            axes.push(axis("speed", seconds));
+        }
+        let rows: usize = axes.iter().map(|a| a.values.len()).product();
+        let cells = (0..rows).flat_map(|_| {
+            at.iter().zip(Status::ALL).map(|(h, status)| Cell {
+                at: *h,
+                status,
+                ..Cell::default()
+            })
+        });
+        let steps = (0..rows).map(|r| (r != 1).then_some(3e-7 / (r + 1) as f64));
+        Map {
+            set,
+            model: "movable-teeth".into(),
+            variant: Some("<b>".into()),
+            integrator: integrator.into(),
+            duration_s: 1e-3,
+            columns: if integrator == "bdf" {
+                Columns::Tolerance
+            } else {
+                Columns::Step
+            },
+            cells: cells.collect(),
+            lines: KINDS
+                .iter()
+                .map(|k| MapLine {
+                    label: k.1.into(),
+                    kind: k.0,
+                    step_s: steps.clone().collect(),
+                })
+                .collect(),
+            references: vec![SelfReference::default(); rows],
+            at,
+            axes,
+            ..Map::default()
+        }
+    }
+
+    fn results(maps: Vec<Map>) -> Results {
+        Results {
+            scene: "made up".into(),
+            study: Study::Stability,
+            maps,
+            ..Results::default()
+        }
+    }
+
+    #[test]
+    fn every_label_has_its_letter_and_nothing_is_not_a_number() {
+        let maps = vec![map(0, "rk4", 0), map(0, "bdf", 0), map(1, "rk4", 4)];
+        let record = results(maps);
+        record.validate().unwrap();
+        let view = View::new(&record);
+        let charts = stability(&view).unwrap();
+        assert_eq!(charts.len(), 3, "an overview and one figure per set");
+        for chart in &charts {
+            assert!(!chart.svg.contains("NaN") && !chart.svg.contains("<b>"));
+            for status in Status::ALL {
+                let letter = look::look(status).letter;
+                let written = format!(">\n{letter}\n<");
+                assert!(
+                    letter.is_empty() || chart.svg.contains(&written),
+                    "{letter}"
+                );
+                assert!(chart.svg.contains(status.as_str()), "{status}");
+            }
+        }
+        assert!(charts[1].svg.contains("theory: stability limit"));
+        let report = crate::studies::report(&record).unwrap();
+        let page = crate::markup::page(&record, &report);
+        assert!(page.contains("Largest stable steps") && !page.contains("<b></b>"));
+        assert!(!page.contains("NaN") && page.contains("&lt;b&gt;"));
+    }
+
+    #[test]
+    fn more_figures_than_there_is_room_for_are_told_of() {
+        let record = results((0..40).map(|set| map(set, "rk4", 0)).collect());
+        let charts = stability(&View::new(&record)).unwrap();
+        assert_eq!(charts.len(), DRAWN + 1);
+        let last = charts.last().map(|c| c.caption.as_str()).unwrap_or("");
+        assert!(last.contains("16 further figures"), "{last}");
+    }
+}

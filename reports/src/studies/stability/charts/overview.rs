@@ -1,0 +1,165 @@
+//! Where methods fail at the scene's own parameters: one strip of cells per model and integrator.
+
+use super::look::{self, Entry, found_mark, legend, legend_height};
+use super::panel::{Abscissa, column_scale};
+use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
+use crate::drawing::lines::{RIGHT, WIDTH};
+use crate::record::Status;
+use crate::studies::stability::{Columns, LineKind, Map, once};
+
+/// Height of a strip and of a heading.
+const STRIP: f64 = 18.0;
+const HEADING: f64 = 24.0;
+/// Space for names at the left.
+const LEFT: f64 = 236.0;
+
+/// Maps of the overview: each pair of model and integrator once.
+pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
+    let mut found = once(maps.iter().filter(|m| m.columns == columns));
+    // Models stay together, in the order of their first map.
+    let order: Vec<String> = found.iter().map(|m| m.model_label()).collect();
+    found.sort_by_key(|m| order.iter().position(|l| *l == m.model_label()));
+    found
+}
+
+/// Place on a logarithmic axis over several maps.
+struct Common {
+    low: f64,
+    high: f64,
+}
+
+impl Common {
+    fn of(maps: &[&Map]) -> Option<Self> {
+        let ends: Vec<[f64; 2]> = (maps.iter())
+            .filter_map(|m| Some(Abscissa::of(&m.at)?.ends()))
+            .collect();
+        let low = ends.iter().map(|e| e[0]).fold(f64::INFINITY, f64::min);
+        let high = ends.iter().map(|e| e[1]).fold(0.0, f64::max);
+        (low < high).then_some(Common { low, high })
+    }
+
+    fn place(&self, x: f64, area: &Rect) -> f64 {
+        area.x0 + (x / self.low).ln() / (self.high / self.low).ln() * area.width()
+    }
+}
+
+fn block_height(maps: &[&Map]) -> f64 {
+    let models = headings(maps).len() as f64;
+    HEADING * models + STRIP * maps.len() as f64 + 52.0
+}
+
+/// Places at which a new model begins.
+fn headings(maps: &[&Map]) -> Vec<usize> {
+    (0..maps.len())
+        .filter(|&i| i == 0 || maps[i - 1].model_label() != maps[i].model_label())
+        .collect()
+}
+
+/// The chart; `None` without maps.
+///
+/// # Errors
+/// [`DrawError`] when the backend refuses.
+pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
+    let blocks: Vec<Vec<&Map>> = [Columns::Step, Columns::Tolerance]
+        .map(|columns| pairs(maps, columns))
+        .into_iter()
+        .filter(|b| !b.is_empty())
+        .collect();
+    if blocks.is_empty() {
+        return Ok(None);
+    }
+    let shown = || blocks.iter().flatten();
+    let occurs = |s: &Status| shown().any(|m| m.row(m.own_row()).iter().any(|c| c.status == *s));
+    let mut entries: Vec<Entry> = (Status::ALL.into_iter().filter(occurs))
+        .map(Entry::Label)
+        .collect();
+    if shown().any(|m| m.theory(m.own_row()).is_some()) {
+        entries.push(Entry::Theory(LineKind::Stability));
+    }
+    if shown().any(|m| {
+        m.limit()
+            .is_some_and(|l| l.unstable_s.is_some() && l.stable_s.is_some())
+    }) {
+        entries.push(Entry::Found);
+    }
+    let head = 8.0 + legend_height(&entries);
+    let height = head + blocks.iter().map(|b| block_height(b)).sum::<f64>();
+    let svg = draw(WIDTH, height, "Where methods fail", |c| {
+        legend(c, &entries, 4.0);
+        let mut y = head;
+        for block in &blocks {
+            paint(c, block, y);
+            y += block_height(block);
+        }
+    })?;
+    Ok(Some(svg))
+}
+
+fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64) {
+    let Some(common) = Common::of(maps) else {
+        return;
+    };
+    let bottom = top + block_height(maps) - 46.0;
+    let whole = Rect::new(LEFT, top, WIDTH - RIGHT, bottom);
+    let (scale, name) = column_scale(maps[0].columns);
+    let axis = crate::drawing::axis::Axis {
+        min: common.low * scale,
+        max: common.high * scale,
+        log: true,
+    };
+    let ticks = axis.ticks(9);
+    for t in &ticks {
+        let x = common.place(t / scale, &whole);
+        c.line(&[(x, top + 4.0), (x, bottom)], Stroke::new(Ink::GRID, 0.8));
+        let text = crate::drawing::axis::tick_label(*t, &ticks, true);
+        let kind = Type::new(TICK_SIZE, Anchor::Middle).ink(Ink::GREY);
+        c.text(&text, (x, bottom + 12.0), kind);
+    }
+    let begins = headings(maps);
+    let mut y = top;
+    for (i, map) in maps.iter().enumerate() {
+        if begins.contains(&i) {
+            let at = (16.0, y + 0.62 * HEADING);
+            c.text(
+                &map.model_label(),
+                at,
+                Type::new(NAME_SIZE, Anchor::Start).bold(),
+            );
+            y += HEADING;
+        }
+        strip(c, map, &common, &whole, y);
+        y += STRIP;
+    }
+    c.line(
+        &[(whole.x0, bottom), (whole.x1, bottom)],
+        Stroke::new(Ink::PALE, 1.0),
+    );
+    let at = (0.5 * (whole.x0 + whole.x1), bottom + 30.0);
+    c.text(name, at, Type::new(NAME_SIZE, Anchor::Middle));
+}
+
+fn strip(c: &mut Canvas<'_>, map: &Map, common: &Common, whole: &Rect, y: f64) {
+    let middle = y + 0.5 * STRIP;
+    let name = if map.implicit {
+        format!("{} (implicit)", map.integrator)
+    } else {
+        map.integrator.clone()
+    };
+    let kind = Type::new(12.0, Anchor::End);
+    c.text(&name, (LEFT - 8.0, middle), kind);
+    let Some(x) = Abscissa::of(&map.at) else {
+        return;
+    };
+    let [low, high] = x.ends().map(|x| common.place(x, whole));
+    let area = Rect::new(low, y + 1.0, high, y + STRIP - 1.0);
+    super::panel::paint_row(c, map.row(map.own_row()), &x, &area, &area);
+    if let Some((h, _)) = map.theory(map.own_row()) {
+        let at = common.place(h, whole);
+        let line = [(at, area.y1), (at, area.y0)];
+        look::theory_line(c, &line, whole, LineKind::Stability);
+    }
+    if let Some(h) = map.limit().and_then(|l| l.unstable_s.and(l.stable_s)) {
+        found_mark(c, (common.place(h, whole), middle));
+    }
+}

@@ -1,0 +1,438 @@
+//! What a study of stability says: maps of how runs ended over step and parameters, and the largest step that held.
+//!
+//! A map belongs to one model under one integrator. Its cells stand in rows of one value of every axis, and a row runs
+//! from the smallest to the largest step (or tolerance, for methods that choose their steps). Every cell has exactly one
+//! [`Status`].
+
+mod charts;
+mod csv;
+mod tables;
+
+use crate::drawing::canvas::DrawError;
+use crate::record::Status;
+use crate::studies::StudyReport;
+use crate::view::View;
+use serde::{Deserialize, Serialize};
+
+/// Narrowest bracket of the largest stable step: its upper end over its lower end.
+pub const BRACKET: f64 = 1.02;
+
+/// What the columns of a map are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Columns {
+    /// Fixed steps \[s\].
+    #[default]
+    #[serde(rename = "step_s")]
+    Step,
+    /// Relative tolerances [-].
+    #[serde(rename = "rtol")]
+    Tolerance,
+}
+
+impl Columns {
+    /// The word of the format.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Columns::Step => "step_s",
+            Columns::Tolerance => "rtol",
+        }
+    }
+}
+
+/// A parameter that a map goes over.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MapAxis {
+    /// Id, such as `contact-stiffness`.
+    pub id: String,
+    /// Name for axes, such as `contact stiffness over the scene's`.
+    pub name: String,
+    /// Unit, empty for ratios and counts.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+    /// Its values, ascending.
+    pub values: Vec<f64>,
+    /// Place of the scene's own value among them.
+    pub own: usize,
+}
+
+/// How one run ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Step \[s\] or relative tolerance [-].
+    pub at: f64,
+    /// How it ended.
+    pub status: Status,
+    /// Why, or what to know of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Error against the model's own converged solution, in the metric of the tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+    /// Energy that the integration made up or lost, over the largest energy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy_rel: Option<f64>,
+    /// Simulated time reached \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reached_s: Option<f64>,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Evaluations of the force.
+    pub force_evaluations: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+}
+
+/// What a line of theory stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LineKind {
+    /// Beyond this step the linear system grows.
+    #[default]
+    Stability,
+    /// At this step the method resonates with a mode.
+    Resonance,
+    /// The step that follows from the frequency of the contact's penalty.
+    Penalty,
+}
+
+/// A line of theory over the rows of a map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MapLine {
+    /// What it says, such as `omega_max h = 2`.
+    pub label: String,
+    /// What it stands for.
+    pub kind: LineKind,
+    /// Step of every row \[s\]; none where theory has none.
+    pub step_s: Vec<Option<f64>>,
+}
+
+/// The model's own converged solution that the cells of a row are held against.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SelfReference {
+    /// Method and tolerance of the solution and of the run that checks it.
+    pub method: String,
+    /// Distance of the two in the metric of the tolerance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checked: Option<f64>,
+    /// Why there is none; the cells are then judged by the energy ledger alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<String>,
+}
+
+/// One model under one integrator over steps and parameters.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Map {
+    /// Maps of one set share axes and duration.
+    pub set: usize,
+    /// Model id.
+    pub model: String,
+    /// What sets this model apart from others of its id.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
+    /// Integrator.
+    pub integrator: String,
+    /// Whether it is implicit.
+    pub implicit: bool,
+    /// Simulated time \[s\].
+    pub duration_s: f64,
+    /// What the columns are.
+    pub columns: Columns,
+    /// Steps or tolerances, ascending.
+    pub at: Vec<f64>,
+    /// One or two parameters.
+    pub axes: Vec<MapAxis>,
+    /// The cells: along the columns first, then along the first axis, then along the second.
+    pub cells: Vec<Cell>,
+    /// Runs at the scene's own parameters that close in on the largest stable step, in the order they were made.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refined: Vec<Cell>,
+    /// Theory beside.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<MapLine>,
+    /// Converged solutions, one per row.
+    pub references: Vec<SelfReference>,
+}
+
+/// Whether a run lost its stability. One whose contact pulled has a force history that no contact has, but it went on:
+/// that says nothing of growth.
+#[must_use]
+pub fn is_lost(status: Status) -> bool {
+    status.is_failure() && status != Status::AdhesiveForce
+}
+
+/// The largest step at the scene's own parameters up to which every run held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limit {
+    /// Largest step up to which every run held \[s\].
+    pub stable_s: Option<f64>,
+    /// The next larger one that was tried, which failed \[s\].
+    pub unstable_s: Option<f64>,
+    /// How it failed.
+    pub status: Option<Status>,
+    /// Some larger steps hold again.
+    pub holds_again: bool,
+    /// Largest step up to which every run was within the tolerance \[s\].
+    pub accurate_s: Option<f64>,
+    /// Smallest step at which a contact pulled \[s\].
+    pub pulls_from_s: Option<f64>,
+}
+
+impl Limit {
+    /// Whether a further run between the two would narrow the bracket.
+    #[must_use]
+    pub fn next(&self) -> Option<f64> {
+        let (a, b) = (self.stable_s?, self.unstable_s?);
+        (b / a > BRACKET).then(|| (a * b).sqrt())
+    }
+}
+
+/// Each pair of model and integrator once, by its first map: several sets may have it.
+pub(crate) fn once<'a>(maps: impl IntoIterator<Item = &'a Map>) -> Vec<&'a Map> {
+    let mut found: Vec<&Map> = Vec::new();
+    for map in maps {
+        let same =
+            |o: &&Map| o.model_label() == map.model_label() && o.integrator == map.integrator;
+        if !found.iter().any(same) {
+            found.push(map);
+        }
+    }
+    found
+}
+
+impl Map {
+    /// The model with its variant.
+    pub fn model_label(&self) -> String {
+        match &self.variant {
+            Some(variant) => format!("{}, {variant}", self.model),
+            None => self.model.clone(),
+        }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.axes.iter().map(|a| a.values.len()).product()
+    }
+
+    /// The row of the scene's own parameters.
+    pub fn own_row(&self) -> usize {
+        let second = self.axes.get(1).map_or(0, |a| a.own);
+        let (own, length) = (self.axes.first()).map_or((0, 1), |a| (a.own, a.values.len()));
+        second * length + own
+    }
+
+    /// The cells of a row.
+    pub fn row(&self, row: usize) -> &[Cell] {
+        let n = self.at.len();
+        self.cells.get(row * n..(row + 1) * n).unwrap_or(&[])
+    }
+
+    /// Values of the axes in a row.
+    pub fn values(&self, row: usize) -> Vec<f64> {
+        let mut rest = row;
+        let mut value = |a: &MapAxis| {
+            let n = a.values.len().max(1);
+            let found = a.values.get(rest % n).copied().unwrap_or(0.0);
+            rest /= n;
+            found
+        };
+        self.axes.iter().map(&mut value).collect()
+    }
+
+    /// The largest stable step at the scene's own parameters; `None` for tolerances. Runs that were stopped for
+    /// their many steps say nothing of stability: those at the smallest steps are passed over.
+    pub fn limit(&self) -> Option<Limit> {
+        if self.columns != Columns::Step {
+            return None;
+        }
+        let mut tried: Vec<&Cell> = self.row(self.own_row()).iter().collect();
+        tried.extend(&self.refined);
+        tried.sort_by(|a, b| a.at.total_cmp(&b.at));
+        let first = tried.iter().position(|c| c.status != Status::Timeout)?;
+        let tried = &tried[first..];
+        let failed = tried.iter().position(|c| is_lost(c.status));
+        let held = &tried[..failed.unwrap_or(tried.len())];
+        let off = held.iter().position(|c| c.status != Status::Converged);
+        let accurate = &held[..off.unwrap_or(held.len())];
+        Some(Limit {
+            stable_s: held.last().map(|c| c.at),
+            unstable_s: failed.map(|i| tried[i].at),
+            status: failed.map(|i| tried[i].status),
+            holds_again: failed.is_some_and(|i| tried[i..].iter().any(|c| !is_lost(c.status))),
+            accurate_s: accurate.last().map(|c| c.at),
+            pulls_from_s: (tried.iter())
+                .find(|c| c.status == Status::AdhesiveForce)
+                .map(|c| c.at),
+        })
+    }
+
+    /// The smallest step in a row at which theory says the method becomes unstable, with what it says.
+    pub fn theory(&self, row: usize) -> Option<(f64, &str)> {
+        (self.lines.iter())
+            .filter(|l| l.kind == LineKind::Stability)
+            .filter_map(|l| Some(((*l.step_s.get(row)?)?, l.label.as_str())))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The largest stable step over that of theory, where both are known.
+    pub fn ratio(&self) -> Option<f64> {
+        let limit = self.limit()?;
+        let (found, theory) = (limit.stable_s?, self.theory(self.own_row())?.0);
+        limit.unstable_s.map(|_| found / theory)
+    }
+
+    /// Number of cells of each status, in the order of [`Status::ALL`].
+    pub fn counts(&self) -> [usize; 10] {
+        Status::ALL.map(|s| self.cells.iter().filter(|c| c.status == s).count())
+    }
+
+    /// Checks the rules that the types do not enforce.
+    ///
+    /// # Errors
+    /// A sentence that names the rule.
+    pub fn validate(&self) -> Result<(), String> {
+        let name = format!("map of {} under {}", self.model_label(), self.integrator);
+        if self.cells.len() != self.rows() * self.at.len() {
+            return Err(format!(
+                "{name}: {} cells for {} rows of {}",
+                self.cells.len(),
+                self.rows(),
+                self.at.len()
+            ));
+        }
+        if self.axes.is_empty() || self.axes.len() > 2 {
+            return Err(format!("{name}: {} axes, expected 1 or 2", self.axes.len()));
+        }
+        if self.axes.iter().any(|a| a.own >= a.values.len()) {
+            return Err(format!("{name}: the scene's own value is not on the axis"));
+        }
+        let axes = self.axes.iter().flat_map(|a| &a.values);
+        let cells = (self.cells.iter().chain(&self.refined)).flat_map(|c| {
+            let more = [c.error, c.energy_rel, c.reached_s];
+            std::iter::once(c.at).chain(more.into_iter().flatten())
+        });
+        let lines = (self.lines.iter()).flat_map(|l| l.step_s.iter().flatten());
+        let all = (axes.copied().chain(self.at.iter().copied()))
+            .chain(cells)
+            .chain(lines.copied())
+            .chain([self.duration_s]);
+        if all.into_iter().any(|x| !x.is_finite()) {
+            return Err(format!("{name}: a number is not finite"));
+        }
+        Ok(())
+    }
+}
+
+/// What the study says of a record.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+    Ok(StudyReport {
+        finding: tables::finding(view),
+        tables: tables::tables(view),
+        charts: charts::stability(view)?,
+        details: String::new(),
+        csv: csv::tables(&view.results.maps),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A map of one axis whose own row ended as given, other rows converged.
+    fn map(own: &[(f64, Status)]) -> Map {
+        let at: Vec<f64> = own.iter().map(|x| x.0).collect();
+        let cell = |at: f64, status| Cell {
+            at,
+            status,
+            ..Cell::default()
+        };
+        let other = at.iter().map(|h| cell(*h, Status::Converged));
+        let row = own.iter().map(|(h, s)| cell(*h, *s));
+        Map {
+            model: "rigid".into(),
+            integrator: "rk4".into(),
+            axes: vec![MapAxis {
+                values: vec![0.1, 1.0],
+                own: 1,
+                ..MapAxis::default()
+            }],
+            cells: other.chain(row).collect(),
+            at,
+            duration_s: 1.0,
+            ..Map::default()
+        }
+    }
+
+    #[test]
+    fn the_limit_is_below_the_first_failure() {
+        use Status::{AdhesiveForce, BlowUp, Converged, EnergyGrowth, Inaccurate, Timeout};
+        let mut m = map(&[
+            (1e-8, Timeout),
+            (1e-7, Converged),
+            (5e-7, AdhesiveForce),
+            (1e-6, Inaccurate),
+            (1e-5, EnergyGrowth),
+            (1e-4, Inaccurate),
+            (1e-3, BlowUp),
+        ]);
+        m.validate().unwrap();
+        let l = m.limit().unwrap();
+        assert_eq!((l.stable_s, l.unstable_s), (Some(1e-6), Some(1e-5)));
+        assert_eq!((l.status, l.accurate_s), (Some(EnergyGrowth), Some(1e-7)));
+        assert!(l.holds_again && l.pulls_from_s == Some(5e-7));
+        // Runs that close in move both ends.
+        while let Some(h) = m.limit().unwrap().next() {
+            let status = if h < 4.2e-6 { Inaccurate } else { BlowUp };
+            m.refined.push(Cell {
+                at: h,
+                status,
+                ..Cell::default()
+            });
+            assert!(m.refined.len() < 20);
+        }
+        let l = m.limit().unwrap();
+        let (a, b) = (l.stable_s.unwrap(), l.unstable_s.unwrap());
+        assert!(a < 4.2e-6 && 4.2e-6 <= b && b / a <= BRACKET, "{a} {b}");
+    }
+
+    #[test]
+    fn ends_without_a_limit() {
+        use Status::{BlowUp, Converged, Timeout};
+        let all = map(&[(1e-7, Converged), (1e-6, Converged)]);
+        let l = all.limit().unwrap();
+        assert_eq!(
+            (l.stable_s, l.unstable_s, l.next()),
+            (Some(1e-6), None, None)
+        );
+        let none = map(&[(1e-7, BlowUp), (1e-6, BlowUp)]).limit().unwrap();
+        assert_eq!((none.stable_s, none.unstable_s), (None, Some(1e-7)));
+        assert_eq!(map(&[(1e-7, Timeout)]).limit(), None);
+        let mut adaptive = map(&[(1e-7, Converged)]);
+        adaptive.columns = Columns::Tolerance;
+        assert_eq!(adaptive.limit(), None);
+    }
+
+    #[test]
+    fn rows_run_over_the_first_axis_first() {
+        let mut m = map(&[(1e-7, Status::Converged)]);
+        m.axes.push(MapAxis {
+            values: vec![5.0, 6.0, 7.0],
+            own: 2,
+            ..MapAxis::default()
+        });
+        assert_eq!((m.rows(), m.own_row()), (6, 5));
+        assert_eq!(m.values(3), [1.0, 6.0]);
+        assert!(m.validate().unwrap_err().contains("cells"));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_refused() {
+        let mut m = map(&[(1e-7, Status::Converged)]);
+        m.cells[0].error = Some(f64::NAN);
+        assert!(m.validate().unwrap_err().contains("not finite"));
+    }
+}
