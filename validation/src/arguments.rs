@@ -53,6 +53,9 @@ pub struct Run {
     /// Folder to write to [default: out/SET/choice-check]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Start over, whatever the journal of the folder holds
+    #[arg(long)]
+    pub fresh: bool,
 }
 
 fn range(text: &str) -> Result<[usize; 2], String> {

@@ -24,7 +24,6 @@ use sampling::DrawError;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
 use validate::JudgeError;
 
 /// Share of scenes that choices are to meet, and cost ratio that their median is to keep.
@@ -51,7 +50,7 @@ fn refuse_draw(e: DrawError) -> Refusal {
 fn refuse(e: JudgeError) -> Refusal {
     match e {
         JudgeError::Draw(e) => refuse_draw(e),
-        e @ JudgeError::Journal { .. } => Refusal::Files(e.to_string()),
+        e @ JudgeError::Journal(_) => Refusal::Files(e.to_string()),
         e => Refusal::Failed(e.to_string()),
     }
 }
@@ -83,18 +82,15 @@ fn judge(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
         set: set.clone(),
         scenes,
         threads: args.threads as usize,
-        journal: Some(out.join("journal.jsonl")),
+        folder: out.clone(),
+        fresh: args.fresh,
     };
-    let bar = Mutex::new(progress_bar(scenes[1] - scenes[0] + 1));
-    let choices = check(&plan, None, |row, done, _| {
-        if let Ok(bar) = bar.lock() {
-            bar.set_position(done as u64);
-            bar.set_message(format!("{}: {}", row.scene, row.outcome));
-        }
+    let bar = progress_bar(scenes[1] - scenes[0] + 1);
+    let choices = check(&plan, None, |row, done| {
+        bar.set_position(done as u64);
+        bar.set_message(format!("{}: {}", row.scene, row.outcome));
     });
-    if let Ok(bar) = bar.lock() {
-        bar.finish_and_clear();
-    }
+    bar.finish_and_clear();
     let mut choices = choices.map_err(refuse)?;
     let candidates = candidates_csv(&choices);
     for row in &mut choices {

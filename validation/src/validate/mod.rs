@@ -14,6 +14,7 @@ mod tests;
 pub use reference::{DENSEST_NAME, FULL_NAME};
 
 use crate::sampling::{DrawError, Drawn};
+use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::RunError;
 use gearbench::studies::choose::candidate::{Candidate, Rung, candidates};
@@ -61,13 +62,8 @@ pub enum JudgeError {
     #[error("there is no wish for the metric `{0}`")]
     Metric(gearbench_reports::Metric),
     /// The journal.
-    #[error("{path}: {why}")]
-    Journal {
-        /// Where it lies.
-        path: String,
-        /// What is wrong with it.
-        why: String,
-    },
+    #[error(transparent)]
+    Journal(#[from] JournalError),
 }
 
 /// Judges the choice for a drawn scene.

@@ -3,11 +3,12 @@
 use super::arguments::Stability;
 use super::axis::{Axis, AxisError, Setup, spaced};
 use super::cell::tolerance;
-use super::journal::{JOURNAL, Journal};
+use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::{Means, StabilityError, Timings, study};
 use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
 use crate::experiment::configuration::Configuration;
+use crate::experiment::journal::JOURNAL;
 use crate::experiment::methods::methods_from;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;

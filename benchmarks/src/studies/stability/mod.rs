@@ -27,18 +27,20 @@ pub mod theory;
 #[cfg(test)]
 mod tests;
 
+use crate::experiment::journal::JournalError;
 use crate::experiment::machine;
+use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
 use axis::AxisError;
 use cell::Reference;
 use gearbench_models::scene::Scene;
 use gearbench_reports::record::{Results, Study};
 use gearbench_reports::stability::{Columns, Map, MapAxis, MapLine};
-use journal::{Journal, JournalError, Line, Outcome};
+use journal::{Journal, Line, Outcome};
 use plan::{MapPlan, Plan};
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Runs that close in on the largest stable step of one map, at most.
@@ -81,11 +83,6 @@ struct Work<'a> {
     total: AtomicUsize,
     done: AtomicUsize,
     progress: &'a (dyn Fn(usize, usize, &str) + Sync),
-}
-
-/// A poisoned lock belongs to a thread that panicked: the panic is what is told.
-fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Name of a cell in the journal.
@@ -131,19 +128,19 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
             needed.push(at);
         }
     }
-    parallel(threads, &needed, |(m, row)| {
+    in_parallel(threads, &needed, |(m, row)| {
         work.reference(*m, *row).map(|_| ())
     })?;
-    parallel(threads, &pending, |(m, c)| work.cell(*m, *c))?;
+    in_parallel(threads, &pending, |(m, c)| work.cell(*m, *c))?;
     if plan.refine {
         let all: Vec<usize> = (0..plan.maps.len()).collect();
-        parallel(threads, &all, |m| work.refine(*m))?;
+        in_parallel(threads, &all, |m| work.refine(*m))?;
     }
     let lines: Mutex<HashMap<usize, Vec<MapLine>>> = Mutex::new(HashMap::new());
-    parallel(threads, &theory::shared(plan), |maps| {
+    in_parallel(threads, &theory::shared(plan), |maps| {
         let found = theory::lines(plan, maps);
         lock(&lines).extend(found);
-        Ok(())
+        Ok::<(), StabilityError>(())
     })?;
     let mut lines = lines.into_inner().unwrap_or_else(PoisonError::into_inner);
     let journal = work
@@ -327,35 +324,4 @@ fn assemble(plan: &Plan<'_>, m: usize, journal: &Journal, timings: &mut Timings)
         })
         .collect();
     found
-}
-
-/// Does a piece of work on every item, several at a time, in their order; the first error ends it.
-fn parallel<T: Sync>(
-    threads: usize,
-    items: &[T],
-    work: impl Fn(&T) -> Result<(), StabilityError> + Sync,
-) -> Result<(), StabilityError> {
-    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let failed: Mutex<Option<StabilityError>> = Mutex::new(None);
-    let one = || {
-        while !stop.load(Ordering::Relaxed) {
-            let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) else {
-                break;
-            };
-            if let Err(e) = work(item) {
-                stop.store(true, Ordering::Relaxed);
-                lock(&failed).get_or_insert(e);
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..threads.min(items.len()) {
-            scope.spawn(one);
-        }
-        one();
-    });
-    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(e) => Err(e),
-        None => Ok(()),
-    }
 }

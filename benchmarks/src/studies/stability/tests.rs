@@ -2,10 +2,11 @@
 
 use super::axis::{Axis, Setup};
 use super::cell::tolerance;
-use super::journal::{JOURNAL, Journal};
+use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::{Means, study};
 use crate::experiment::configuration::Configuration;
+use crate::experiment::journal::JOURNAL;
 use crate::models::models;
 use crate::scene_file::{Selection, load_for};
 use gearbench_reports::record::{Results, Status};

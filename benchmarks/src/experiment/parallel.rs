@@ -1,0 +1,65 @@
+//! Pieces of work on several threads.
+
+use std::panic::resume_unwind;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A poisoned lock belongs to a thread that panicked: the panic is what is told.
+pub fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does a piece of work on every item, several at a time, in their order; the first error ends it.
+///
+/// Threads of their own, not those of rayon: work is timed and holds locks, and a thread of rayon that waits inside a
+/// solver takes up another piece meanwhile.
+///
+/// # Errors
+/// The first error of the work.
+pub fn in_parallel<T: Sync, E: Send>(
+    threads: usize,
+    items: &[T],
+    work: impl Fn(&T) -> Result<(), E> + Sync,
+) -> Result<(), E> {
+    let queue = Mutex::new(items.iter());
+    let next = || lock(&queue).next();
+    let one = || {
+        while let Some(item) = next() {
+            work(item).inspect_err(|_| *lock(&queue) = [].iter())?;
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let all: Vec<_> = (0..threads.min(items.len()))
+            .map(|_| scope.spawn(one))
+            .collect();
+        all.into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .fold(Ok(()), Result::and)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_parallel;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn every_item_once_and_the_first_error_ends_it() {
+        let items: Vec<usize> = (1..=100).collect();
+        for threads in [1, 3, 200] {
+            let sum = AtomicUsize::new(0);
+            let done: Result<(), usize> = in_parallel(threads, &items, |i| {
+                sum.fetch_add(*i, Ordering::Relaxed);
+                Ok(())
+            });
+            assert_eq!((done, sum.into_inner()), (Ok(()), 5050));
+        }
+        let count = AtomicUsize::new(0);
+        let failed = in_parallel(1, &items, |i| {
+            count.fetch_add(1, Ordering::Relaxed);
+            if *i == 7 { Err(*i) } else { Ok(()) }
+        });
+        assert_eq!((failed, count.into_inner()), (Err(7), 7));
+        assert_eq!(in_parallel(4, &[] as &[u8], |_| Err(())), Ok(()));
+    }
+}
