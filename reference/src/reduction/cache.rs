@@ -2,7 +2,7 @@
 //!
 //! A program [chooses](choose) its cache; a library leaves no files behind unasked, and so do tests.
 //!
-//! A file is named by the hash of everything its basis depends on ([`Request::key`]), the program's own sources
+//! A file is named by the hash of everything its basis depends on ([`Request::key`]), the version of the computation
 //! included: nothing is ever out of date, files are only no longer asked for. They lie in `$GEARBENCH_CACHE`, else in
 //! the folder `gearbench` where the platform keeps caches (`$XDG_CACHE_HOME` or `~/.cache`, `~/Library/Caches`,
 //! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the files that were not used for

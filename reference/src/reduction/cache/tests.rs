@@ -4,9 +4,11 @@ use super::*;
 use crate::assembly::tie::HubMotion;
 use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams};
 use crate::reduction::store::tests::{all_bits, example};
+use crate::reduction::request::ALGORITHM;
 use crate::reduction::{Mounting, Wanted};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::{Gear, GearParams};
+use gearbench_models::contact::flank_points::FlankGrid;
+use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::stiffness::Material;
 use std::collections::HashSet;
 use std::convert::Infallible;
@@ -191,6 +193,60 @@ fn the_key_tells_all_apart_that_the_basis_depends_on() {
         assert_eq!(r.mesh_hash(), base.mesh_hash());
         assert!(keys.insert(r.key()));
     }
+}
+
+/// Neither a comment in the sources nor another compiler gives a basis another name: what is hashed is all stated here.
+#[test]
+fn the_key_depends_on_nothing_else() {
+    let node = |x: u32| Vec3::new(f64::from(x), 0.5, -0.25);
+    let mesh = GearMesh {
+        mesh: mesh::Mesh {
+            nodes: (0..8).map(node).collect(),
+            kind: ElementKind::C3D8,
+            connectivity: (0..8).collect(),
+            node_sets: [("cut_low".to_owned(), vec![1, 2])].into(),
+            face_sets: [].into(),
+        },
+        teeth: 3,
+        bore: vec![0, 1],
+        flanks: vec![FlankGrid {
+            tooth: 0,
+            side: Side::Left,
+            rows: 2,
+            columns: 2,
+            nodes: vec![4, 5, 6, 7],
+            positions: (4..8).map(node).collect(),
+        }],
+    };
+    let key = request(&mesh).key();
+    assert_eq!(key.to_string(), "ab7b3447a001994eda117ad58c127f72");
+}
+
+/// [`ALGORITHM`] stands for numbers: who changes these raises it and renews them.
+#[test]
+fn the_version_of_the_algorithm_belongs_to_its_numbers() {
+    let mesh = small();
+    let basis = request(&mesh).compute().unwrap();
+    let nodes = basis.normals.len();
+    let sum = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+    let found = [
+        basis.omega[0],
+        basis.omega[19],
+        sum(&basis.shapes),
+        sum(&basis.compliance.hub),
+        basis.compliance.flanks.between(3, 5, nodes),
+    ];
+    let numbers = [
+        261828.7368058733,
+        721315.4172871595,
+        182354.23688961356,
+        2.184937024960087e-14,
+        9.57712252242012e-9,
+    ];
+    for (found, number) in found.iter().zip(numbers) {
+        assert!((found / number - 1.0).abs() < 1e-7, "{found} {number}");
+    }
+    assert_eq!(ALGORITHM, 1);
 }
 
 #[test]
