@@ -1,6 +1,6 @@
 //! Finite-element references for gear contact.
 //!
-//! | room | owns |
+//! | module | owns |
 //! |---|---|
 //! | [`mesh`] | structured hexahedral meshes of gears and racks, their quality, VTU |
 //! | [`deck`] | Abaqus and CalculiX decks: reading, checking, writing |
@@ -10,8 +10,8 @@
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
 //! | `mesh_source` | where a model of finite elements takes its mesh from: its parameters |
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
-//! | [`external`] | what a stored reference of another program carries, and how it is read |
-//! | [`table`] | the stored references, embedded in the program: one line each in [`table::REFERENCES`] |
+//! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
+//! | [`hash`] | the hash that names stored results |
 //!
 //! The data lie beside the sources in `reference/calculix/`, each case with its deck, results, parameters
 //! and a `SOURCE.md` that says who computed what and how; `regenerate.sh` there runs a deck again.
@@ -20,22 +20,19 @@
 pub mod assembly;
 pub mod deck;
 pub mod element;
-pub mod external;
 pub mod full_order;
+pub mod hash;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;
-mod parallel;
 pub mod reduction;
 pub mod solve;
 pub mod statics;
-mod stored_format;
-pub mod table;
+pub mod stored;
+#[cfg(test)]
+mod test_support;
 
-pub use external::{
-    ExternalReference, GearData, History, ImpactParameters, RackData, ReferenceError, Summary,
-};
-pub use table::{REFERENCES, StoredReference, reference};
+pub use stored::{ExternalReference, REFERENCES, reference};
 
 use gearbench_models::gear::table::Model;
 

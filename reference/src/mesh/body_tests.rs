@@ -2,20 +2,17 @@
 
 use super::tests::{assert_conforming, bored, params, small, spur};
 use super::*;
+use crate::test_support;
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
 use std::f64::consts::PI;
 
 fn a_rack(helix: f64) -> Rack {
-    Rack::new(RackParams {
-        teeth: 6,
-        module: 4e-3,
-        helix_angle: helix,
-        body_height: 12e-3,
-        ..RackParams::default()
+    test_support::rack(6, 4e-3, |p| {
+        p.helix_angle = helix;
+        p.body_height = 12e-3;
     })
-    .unwrap()
 }
 
 #[test]

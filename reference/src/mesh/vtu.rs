@@ -218,7 +218,7 @@ fn base64(bytes: &[u8]) -> Vec<u8> {
 mod tests {
     use super::*;
     use crate::mesh::{ElementKind, GearMeshParams, sector};
-    use gearbench_models::geometry::{Gear, GearParams};
+    use crate::test_support::gear;
 
     #[test]
     fn base64_of_the_standard() {
@@ -270,13 +270,7 @@ mod tests {
 
     #[test]
     fn what_is_written_reads_back_bit_for_bit() {
-        let g = Gear::new(GearParams {
-            teeth: 20,
-            module: 4e-3,
-            bore_radius: 15e-3,
-            ..GearParams::default()
-        })
-        .unwrap();
+        let g = gear(20, 4e-3, |p| p.bore_radius = 15e-3);
         for kind in [ElementKind::C3D8, ElementKind::C3D20] {
             let p = GearMeshParams {
                 kind,

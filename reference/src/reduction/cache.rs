@@ -8,9 +8,9 @@
 //! `%LOCALAPPDATA%`); `GEARBENCH_CACHE=off` switches the cache off. Beyond [`LIMIT`] the files that were not used for
 //! longest go. A cache that cannot be read or written costs time, never a result.
 
-use super::hash::Hash;
 use super::store::{self, Meta};
 use super::{Basis, Request};
+use crate::hash::Hash;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -35,12 +35,12 @@ use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
-use crate::parallel::in_turn;
 use crate::solve::Cholesky;
 use faer::{Mat, Par};
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 use gearbench_models::stiffness::Material;
+use rayon::prelude::*;
 
 /// Right-hand sides at a time.
 const BLOCK: usize = 48;
@@ -145,9 +145,7 @@ pub fn of_assembly(
     drop(stiffness);
 
     let n = surface.nodes();
-    let starts: Vec<usize> = (0..n).step_by(BLOCK).collect();
-    let solved = in_turn(starts.len(), |i| {
-        let block = &columns[starts[i]..n.min(starts[i] + BLOCK)];
+    let solve = |block: &[(usize, Vec3)]| {
         let mut x = Mat::<f64>::zeros(factor.unknowns(), block.len());
         for (j, (place, normal)) in block.iter().enumerate() {
             for axis in 0..3 {
@@ -163,9 +161,9 @@ pub fn of_assembly(
             }
         }
         rows
-    });
-    let mut compliance: Vec<f64> = Vec::with_capacity(n * n);
-    solved.into_iter().for_each(|rows| compliance.extend(rows));
+    };
+    let solved: Vec<Vec<f64>> = columns.par_chunks(BLOCK).map(solve).collect();
+    let mut compliance = solved.concat();
     symmetrise(&mut compliance, n);
 
     let unit = rigid(nodes, mounting.motion);

@@ -34,7 +34,6 @@ mod cutting;
 mod error;
 pub mod estimate;
 mod geometry;
-pub mod hash;
 mod integrals;
 mod mounting;
 mod of_gear;

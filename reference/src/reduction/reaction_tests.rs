@@ -4,65 +4,24 @@ use super::choose::{self, ModalDamping};
 use super::{Mounting, Surface, Wanted, basis};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
-use crate::mesh::{
-    self, ElementKind, GearMesh, GearMeshParams, RackMeshParams, Tooth as ToothMesh,
-};
+use crate::mesh::{self, GearMesh};
 use crate::modes::{self, Options};
+use crate::test_support::{coarse_gear, coarse_rack, noise, rack, stub};
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::{GearModel, NormalField};
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_models::kinematics::{Hub, Placement, Wrench};
+use gearbench_models::kinematics::Placement;
+use gearbench_models::kinematics::{Hub, Wrench};
 use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
-fn noise(n: usize, size: f64) -> Vec<f64> {
-    (0..n)
-        .map(|i| size * ((i as f64 * 12.9898).sin() * 43_758.545_3).fract())
-        .collect()
-}
-
 fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
-    let gear = Gear::new(GearParams {
-        teeth: 6,
-        module: 4e-3,
-        pressure_angle: 0.5,
-        profile_shift: 0.35,
-        addendum: 0.7,
-        dedendum: 1.0,
-        tip_radius: 0.15,
-        bore_radius: 6e-3,
-        ..GearParams::default()
-    })
-    .unwrap();
-    let rack = Rack::new(RackParams {
-        teeth: 2,
-        module: 4e-3,
-        body_height: 8e-3,
-        ..RackParams::default()
-    })
-    .unwrap();
-    let tooth = ToothMesh::coarse();
-    let params = GearMeshParams {
-        kind: ElementKind::C3D8,
-        tooth,
-        layers: 1,
-        rim: 1,
-        width: 1,
-        ..GearMeshParams::default()
-    };
-    let of_rack = RackMeshParams {
-        kind: ElementKind::C3D8,
-        tooth,
-        layers: 1,
-        body: 1,
-        width: 1,
-        ..RackMeshParams::default()
-    };
-    let wheel = || mesh::gear(&gear, &params).unwrap();
-    let bar = || mesh::rack(&rack, &of_rack).unwrap();
+    let gear = stub(6, 0.0);
+    let rack = rack(2, 4e-3, |p| p.body_height = 8e-3);
+    let wheel = || mesh::gear(&gear, &coarse_gear(1, 1)).unwrap();
+    let bar = || mesh::rack(&rack, &coarse_rack(1)).unwrap();
     let slide = Some(Vec3::new(-0.6, 0.8, 0.0));
     [
         (wheel(), Mounting::gear(true, 1e-5), Mount::Revolute, None),

@@ -1,9 +1,9 @@
 //! All that a basis depends on.
 
-use super::hash::Hash;
 use super::store::SCHEMA;
 use super::{Basis, Mounting, ReductionError, Wanted, basis};
 use crate::assembly::tie::HubMotion;
+use crate::hash::Hash;
 use crate::mesh::GearMesh;
 use gearbench_models::stiffness::Material;
 
@@ -63,6 +63,24 @@ impl Request<'_> {
         let mut h = Hash::START;
         h.count(ALGORITHM as usize);
         h.count(SCHEMA as usize);
+        h.hash(self.body_hash());
+        match self.wanted {
+            Wanted::Count(n) => {
+                h.text("count");
+                h.count(n);
+            }
+            Wanted::UpTo(f) => {
+                h.text("up to");
+                h.number(f);
+            }
+        }
+        h
+    }
+
+    /// Hash of everything but the modes wanted: mesh, material, mounting.
+    #[must_use]
+    pub fn body_hash(&self) -> Hash {
+        let mut h = Hash::START;
         h.hash(self.mesh_hash());
         let m = &self.material;
         [m.young, m.poisson, m.density]
@@ -81,16 +99,6 @@ impl Request<'_> {
             }
         }
         h.number(self.mounting.added_inertia);
-        match self.wanted {
-            Wanted::Count(n) => {
-                h.text("count");
-                h.count(n);
-            }
-            Wanted::UpTo(f) => {
-                h.text("up to");
-                h.number(f);
-            }
-        }
         h.count(usize::from(self.sector));
         h
     }

@@ -5,59 +5,18 @@
 //! of it, so a result does not depend on who came before.
 
 use super::{Basis, Mounting, ReductionError, Request, Wanted, cache};
+use crate::hash::Hash;
 use crate::mesh::GearMesh;
-use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::HashMap;
-use std::collections::hash_map::DefaultHasher;
-use std::hash::{Hash, Hasher};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// What a basis belongs to: mesh, material, mounting. Two hashes of everything that enters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Key([u64; 2]);
-
-impl Key {
-    /// Of a mesh, or of the sector of a gear whose teeth are all alike.
-    #[must_use]
-    pub fn new(mesh: &GearMesh, sector: bool, material: &Material, mounting: &Mounting) -> Self {
-        let hash = |seed: u64| {
-            let mut h = DefaultHasher::new();
-            seed.hash(&mut h);
-            (sector, mounting.free, mesh.teeth).hash(&mut h);
-            mounting
-                .motion
-                .of(&Vec3::x())
-                .iter()
-                .for_each(|x| x.to_bits().hash(&mut h));
-            for x in [
-                mounting.added_inertia,
-                material.young,
-                material.poisson,
-                material.density,
-            ] {
-                x.to_bits().hash(&mut h);
-            }
-            for x in mesh.mesh.nodes.iter().flat_map(|x| x.iter()) {
-                x.to_bits().hash(&mut h);
-            }
-            mesh.mesh.kind.hash(&mut h);
-            mesh.mesh.connectivity.hash(&mut h);
-            mesh.bore.hash(&mut h);
-            for g in &mesh.flanks {
-                (g.tooth, g.side, g.rows, g.columns).hash(&mut h);
-                g.nodes.hash(&mut h);
-            }
-            h.finish()
-        };
-        Key([hash(0), hash(0x9e37_79b9_7f4a_7c15)])
-    }
-}
+use std::panic::resume_unwind;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The largest basis so far and what it holds.
 type Slot = Arc<Mutex<Option<(Wanted, Arc<Basis>)>>>;
 
-static BASES: Mutex<Option<HashMap<Key, Slot>>> = Mutex::new(None);
+static BASES: Mutex<Option<HashMap<Hash, Slot>>> = Mutex::new(None);
 
 impl Wanted {
     /// Whether what was asked for `self` holds what `other` asks for.
@@ -84,18 +43,6 @@ pub fn basis_of(
     mounting: &Mounting,
     wanted: Wanted,
 ) -> Result<Arc<Basis>, ReductionError> {
-    let key = Key::new(mesh, sector, material, mounting);
-    // A basis that was not finished leaves an empty slot: nothing is lost with a poisoned lock.
-    let slot = {
-        let mut all = BASES.lock().unwrap_or_else(PoisonError::into_inner);
-        all.get_or_insert_default().entry(key).or_default().clone()
-    };
-    let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((held, found)) = &*slot
-        && held.holds(wanted, found)
-    {
-        return Ok(found.clone());
-    }
     let request = Request {
         mesh,
         sector,
@@ -103,10 +50,36 @@ pub fn basis_of(
         mounting: *mounting,
         wanted,
     };
-    let cached = cache::in_use().basis(&request, "a scene", || request.compute())?;
+    // A basis that was not finished leaves an empty slot: nothing is lost with a poisoned lock.
+    let slot = {
+        let mut all = BASES.lock().unwrap_or_else(PoisonError::into_inner);
+        all.get_or_insert_default()
+            .entry(request.body_hash())
+            .or_default()
+            .clone()
+    };
+    let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((held, found)) = &*slot
+        && held.holds(wanted, found)
+    {
+        return Ok(found.clone());
+    }
+    let cached = apart(|| cache::in_use().basis(&request, "a scene", || request.compute()))?;
     let found = cached.basis;
     *slot = Some((wanted, found.clone()));
     Ok(found)
+}
+
+/// Runs a job on threads that nothing else uses, while the caller does nothing but wait.
+///
+/// A thread of rayon that waits for a part of its work takes up other work meanwhile. With the slot of a basis locked
+/// that could be a gear that waits for the same slot, and both would wait for ever.
+fn apart<R: Send>(job: impl FnOnce() -> R + Send) -> R {
+    static THREADS: OnceLock<Option<ThreadPool>> = OnceLock::new();
+    let threads = THREADS.get_or_init(|| ThreadPoolBuilder::new().build().ok());
+    let Some(threads) = threads else { return job() };
+    let done = std::thread::scope(|scope| scope.spawn(|| threads.install(job)).join());
+    done.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
 /// Number of modes of a basis that `wanted` asks for, whole families.
@@ -124,4 +97,24 @@ pub fn lowest(basis: &Basis, wanted: Wanted) -> usize {
         count += 1;
     }
     count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh;
+    use crate::test_support::{coarse_gear, stub};
+    use rayon::prelude::*;
+
+    /// More gears than threads, all of them in the pool that the computation would use too.
+    #[test]
+    fn gears_that_are_built_in_parallel_share_a_basis_and_do_not_wait_for_each_other() {
+        let sector = mesh::sector(&stub(8, 0.0), &coarse_gear(1, 1)).unwrap();
+        let (steel, mounting) = (Material::STEEL, Mounting::gear(true, 0.0));
+        let found: Vec<_> = (0..64)
+            .into_par_iter()
+            .map(|_| basis_of(&sector, true, &steel, &mounting, Wanted::Count(20)).unwrap())
+            .collect();
+        assert!(found.iter().all(|b| Arc::ptr_eq(b, &found[0])));
+    }
 }

@@ -1,84 +1,13 @@
 //! Factor `P A P^T = L L^T` of a sparse positive definite matrix: analysis once, numbers as often as needed.
 
-use super::ordering::{self, Ordering};
-use super::{SolveError, sweep};
+use super::ordering::Ordering;
+use super::{Scalar, SolveError, Symbolic, sweep};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{
-    self as sparse, CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw,
-    SymmetricOrdering, supernodal::SymbolicSupernodalCholesky,
-};
-use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::SparseColMatRef;
+use faer::sparse::linalg::cholesky as sparse;
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
-
-/// Numbers a matrix may consist of: `f64`, or [`faer::c64`] for Hermitian matrices.
-pub trait Scalar:
-    faer::traits::ComplexField<Real = f64>
-    + Copy
-    + Send
-    + Sync
-    + std::ops::Add<Output = Self>
-    + std::ops::Sub<Output = Self>
-    + std::ops::Mul<Output = Self>
-    + std::ops::AddAssign
-    + std::ops::SubAssign
-    + std::ops::MulAssign
-{
-    /// A real number.
-    fn real(x: f64) -> Self;
-    /// A complex number; a real type takes its real part.
-    fn complex(re: f64, im: f64) -> Self;
-    /// Real and imaginary part.
-    fn parts(self) -> [f64; 2];
-    /// The complex conjugate.
-    #[must_use]
-    fn conjugate(self) -> Self;
-    /// Square of the modulus.
-    fn modulus2(self) -> f64;
-}
-
-impl Scalar for f64 {
-    fn real(x: f64) -> Self {
-        x
-    }
-    fn complex(re: f64, _: f64) -> Self {
-        re
-    }
-    fn parts(self) -> [f64; 2] {
-        [self, 0.0]
-    }
-    fn conjugate(self) -> Self {
-        self
-    }
-    fn modulus2(self) -> f64 {
-        self * self
-    }
-}
-
-impl Scalar for faer::c64 {
-    fn real(x: f64) -> Self {
-        Self::new(x, 0.0)
-    }
-    fn complex(re: f64, im: f64) -> Self {
-        Self::new(re, im)
-    }
-    fn parts(self) -> [f64; 2] {
-        [self.re, self.im]
-    }
-    fn conjugate(self) -> Self {
-        self.conj()
-    }
-    fn modulus2(self) -> f64 {
-        self.norm_sqr()
-    }
-}
-
-/// Supernodes are merged while the zeros this stores stay below the fraction: (columns, fraction).
-/// Wider merges than faer's: our matrices come in blocks of three columns, and wide blocks sweep faster.
-const RELAXATION: &[(usize, f64)] = &[(12, 0.6), (24, 0.3), (48, 0.12), (usize::MAX, 0.03)];
 
 /// From this many stored entries on, two threads factorise faster than one.
 const PARALLEL_FROM: usize = 4_000_000;
@@ -90,140 +19,6 @@ pub struct Options {
     pub ordering: Ordering,
     /// Threads of the factorisation; `None`: one for small matrices, all for large ones.
     pub par: Option<Par>,
-}
-
-/// Analysis of a pattern: order, fill, supernodes. Serves every matrix of the pattern, real or complex.
-#[derive(Debug)]
-pub struct Symbolic {
-    inner: SymbolicCholesky<usize>,
-    fingerprint: u64,
-    widest: usize,
-    nonzeros: usize,
-    flops: f64,
-    ordering: Ordering,
-}
-
-impl Symbolic {
-    /// Analyses the pattern of a lower triangle.
-    ///
-    /// # Errors
-    /// A matrix that is not square, or a factor too large for the memory.
-    pub fn new(
-        pattern: SymbolicSparseColMatRef<'_, usize>,
-        ordering: Ordering,
-    ) -> Result<Self, SolveError> {
-        let unknowns = pattern.ncols();
-        if pattern.nrows() != unknowns {
-            return Err(SolveError::NotSquare {
-                rows: pattern.nrows(),
-                columns: unknowns,
-            });
-        }
-        let order = ordering::order(pattern, ordering);
-        let inner = sparse::factorize_symbolic_cholesky(
-            pattern,
-            Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(
-                &order.forward,
-                &order.inverse,
-                unknowns,
-            )),
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                supernodal_params: SymbolicSupernodalParams {
-                    relax: Some(RELAXATION),
-                },
-                ..Default::default()
-            },
-        )
-        .map_err(|_| SolveError::TooLarge { unknowns })?;
-        let widest = match inner.raw() {
-            SymbolicCholeskyRaw::Supernodal(s) => (0..s.n_supernodes())
-                .map(|i| s.supernode_end()[i] - s.supernode_begin()[i] + s.nnz_per_super()[i])
-                .max()
-                .unwrap_or(0),
-            SymbolicCholeskyRaw::Simplicial(_) => 0,
-        };
-        Ok(Self {
-            inner,
-            fingerprint: fingerprint(pattern),
-            widest,
-            nonzeros: order.nonzeros,
-            flops: order.flops,
-            ordering: order.chosen,
-        })
-    }
-
-    /// Unknowns.
-    #[must_use]
-    pub fn unknowns(&self) -> usize {
-        self.inner.nrows()
-    }
-
-    /// Non-zeros of the factor, without the zeros stored to widen blocks.
-    #[must_use]
-    pub fn factor_nonzeros(&self) -> usize {
-        self.nonzeros
-    }
-
-    /// Numbers stored for the factor, with the zeros that widen the blocks.
-    #[must_use]
-    pub fn stored(&self) -> usize {
-        self.inner.len_val()
-    }
-
-    /// Multiplications and additions of a factorisation of real numbers.
-    #[must_use]
-    pub fn flops(&self) -> f64 {
-        self.flops
-    }
-
-    /// The order that was chosen.
-    #[must_use]
-    pub fn ordering(&self) -> Ordering {
-        self.ordering
-    }
-
-    /// Whether a matrix has the pattern that was analysed.
-    #[must_use]
-    pub fn fits(&self, pattern: SymbolicSparseColMatRef<'_, usize>) -> bool {
-        pattern.ncols() == self.unknowns() && fingerprint(pattern) == self.fingerprint
-    }
-
-    pub(super) fn inner(&self) -> &SymbolicCholesky<usize> {
-        &self.inner
-    }
-
-    /// Order of elimination: entry i is the unknown eliminated as the i-th, and its inverse.
-    fn order(&self) -> (&[usize], &[usize]) {
-        // A custom order is always given to the analysis.
-        self.inner.perm().map_or((&[], &[]), PermRef::arrays)
-    }
-
-    /// Supernodes of the factor; the analysis always asks for them.
-    fn supernodes(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
-        match self.inner.raw() {
-            SymbolicCholeskyRaw::Supernodal(s) => Some(s),
-            SymbolicCholeskyRaw::Simplicial(_) => None,
-        }
-    }
-
-    pub(super) fn original_unknown(&self, pivot: usize) -> usize {
-        self.order().0.get(pivot).copied().unwrap_or(pivot)
-    }
-}
-
-/// 64 bits of a pattern (FNV-1a over whole words).
-fn fingerprint(pattern: SymbolicSparseColMatRef<'_, usize>) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    let mut add = |x: usize| hash = (hash ^ x as u64).wrapping_mul(0x0100_0000_01b3);
-    for j in 0..pattern.ncols() {
-        add(usize::MAX);
-        for i in pattern.row_idx_of_col_raw(j) {
-            add(*i);
-        }
-    }
-    hash
 }
 
 /// Buffers of a solve, to be kept between solves.
@@ -313,7 +108,7 @@ impl<T: Scalar> Cholesky<T> {
         if unknowns == 0 {
             return Ok(());
         }
-        let inner = &self.symbolic.inner;
+        let inner = self.symbolic.inner();
         let scratch = inner.factorize_numeric_llt_scratch::<T>(self.par, Default::default());
         let mut memory =
             MemBuffer::try_new(scratch).map_err(|_| SolveError::TooLarge { unknowns })?;
@@ -350,7 +145,7 @@ impl<T: Scalar> Cholesky<T> {
     /// Non-zeros of the factor.
     #[must_use]
     pub fn factor_nonzeros(&self) -> usize {
-        self.symbolic.nonzeros
+        self.symbolic.factor_nonzeros()
     }
 
     /// Memory of the factor's numbers [bytes].
@@ -368,7 +163,7 @@ impl<T: Scalar> Cholesky<T> {
         if x.nrows() == 0 || x.ncols() == 0 {
             return;
         }
-        let inner = &self.symbolic.inner;
+        let inner = self.symbolic.inner();
         let mut memory = MemBuffer::new(inner.solve_in_place_scratch::<T>(x.ncols(), par));
         sparse::LltRef::new(inner, &self.values).solve_in_place_with_conj(
             Conj::No,

@@ -13,13 +13,17 @@
 mod cholesky;
 mod inertia;
 pub mod ordering;
+mod scalar;
 mod separator;
 mod sweep;
+mod symbolic;
 #[cfg(test)]
 mod tests;
 
-pub use cholesky::{Cholesky, Options, Scalar, SolveWorkspace, Symbolic};
+pub use cholesky::{Cholesky, Options, SolveWorkspace};
 pub use inertia::negative_eigenvalues;
+pub use scalar::Scalar;
+pub use symbolic::Symbolic;
 
 /// A system that cannot be factorised.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,6 +6,7 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::Value;
+use gearbench_reference::hash::Hash;
 use gearbench_reports::record::Tolerance;
 use gearbench_reports::stability::Columns;
 use std::time::Duration;
@@ -209,13 +210,14 @@ impl Plan<'_> {
         ];
         for entry in &self.entries {
             let text = format!("{:?} {:?}", entry.scene, entry.modelling);
-            let mut print = fingerprint(FNV_START, text.as_bytes());
+            let mut print = Hash::START;
+            print.bytes(text.as_bytes());
             for path in files(entry) {
                 if let Ok(bytes) = std::fs::read(path) {
-                    print = fingerprint(print, &bytes);
+                    print.bytes(&bytes);
                 }
             }
-            all.push((format!("model {}", entry.label), format!("{print:032x}")));
+            all.push((format!("model {}", entry.label), print.to_string()));
         }
         for (i, map) in self.maps.iter().enumerate() {
             let axes: Vec<String> = (map.axes.iter())
@@ -253,28 +255,9 @@ fn files(entry: &Configuration) -> impl Iterator<Item = &str> {
         })
 }
 
-/// Start of the 128-bit FNV-1a hash.
-pub(super) const FNV_START: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-
-/// FNV-1a (Fowler, Noll, Vo) with 128 bits, the same on every machine and compiler.
-pub(super) fn fingerprint(start: u128, bytes: &[u8]) -> u128 {
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    (bytes.iter()).fold(start, |h, b| (h ^ u128::from(*b)).wrapping_mul(PRIME))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Published test vector of FNV-1a, 128 bits: the empty text and "a".
-    #[test]
-    fn fingerprints() {
-        assert_eq!(fingerprint(FNV_START, b""), FNV_START);
-        assert_eq!(
-            fingerprint(FNV_START, b"a"),
-            0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964
-        );
-    }
 
     #[test]
     fn rows_and_references() {

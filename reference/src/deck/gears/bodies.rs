@@ -1,65 +1,22 @@
-//! Connected bodies of a deck with their bores, flanks and material.
+//! The connected bodies of a deck with their bores, flanks and material.
 
+use super::body::{Body, NamedFlank};
+use super::decline;
 use super::groups::joined;
 use super::names::{flank_name, is_bore_name};
-use super::patch::{Grid, Quad, boundary};
-use super::{BodyShape, DeckGear, circle, decline, letter, rack, spur};
+use super::patch::{Quad, boundary};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
-use crate::mesh::{ElementKind, FACE_CORNERS, Face, GearMesh, Mesh};
+use crate::mesh::{FACE_CORNERS, Face};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::{FlankGrid, Side};
+use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
-use std::collections::BTreeMap;
 
 /// Greatest coordinate [m] of a body: squares and sums of squares stay finite.
 const GREATEST: f64 = 1e9;
 
 /// Marks a node that no element has.
 const NONE: u32 = u32::MAX;
-
-/// A flank as the deck names it, in local numbers.
-pub(super) struct NamedFlank {
-    pub(super) set: String,
-    pub(super) label: i64,
-    pub(super) side: Side,
-    pub(super) quads: Vec<Quad>,
-    /// The node set, if it is one, and how many corners of elements it has: all have to lie in the grid.
-    pub(super) members: Option<(Vec<u32>, usize)>,
-}
-
-/// A flank that was found: its grid, and the tooth by where it stands.
-pub(super) struct PlacedFlank {
-    pub(super) tooth: u32,
-    pub(super) side: Side,
-    pub(super) grid: Grid,
-}
-
-/// What the placement of a body adds to its mesh.
-pub(super) struct Placement {
-    pub(super) shape: BodyShape,
-    pub(super) teeth: u32,
-    pub(super) centre: Vec3,
-    pub(super) phase: f64,
-    pub(super) flanks: Vec<PlacedFlank>,
-    /// Positions in the own frame.
-    pub(super) positions: Vec<Vec3>,
-}
-
-/// A connected body in local numbers, where the deck has it.
-pub(super) struct Body {
-    pub(super) name: String,
-    pub(super) kind: ElementKind,
-    pub(super) nodes: Vec<u32>,
-    pub(super) elements: Vec<u32>,
-    pub(super) positions: Vec<Vec3>,
-    pub(super) connectivity: Vec<u32>,
-    pub(super) bore_set: String,
-    pub(super) bore: Vec<u32>,
-    pub(super) flanks: Vec<NamedFlank>,
-    pub(super) material: Material,
-    pub(super) rigid_body: Option<usize>,
-}
 
 /// Splits a deck into bodies; `other` stands in for what the deck does not say of a material.
 pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, DeckError> {
@@ -321,114 +278,4 @@ fn full_material(
             "a gear needs E, nu and the density",
         )
     })
-}
-
-impl Body {
-    /// Corner nodes of an element.
-    pub(super) fn corners(&self, element: usize) -> &[u32] {
-        &self.connectivity[element * self.kind.nodes()..][..8]
-    }
-
-    /// Which nodes are corners of elements.
-    fn corner_nodes(&self) -> Vec<bool> {
-        let mut corner = vec![false; self.positions.len()];
-        for e in 0..self.elements.len() {
-            for &n in self.corners(e) {
-                corner[n as usize] = true;
-            }
-        }
-        corner
-    }
-
-    /// Bore nodes at corners of elements: mid-side nodes may lie on chords.
-    pub(super) fn bore_corners(&self) -> Vec<u32> {
-        let corner = self.corner_nodes();
-        let corners = self.bore.iter().copied();
-        corners.filter(|&n| corner[n as usize]).collect()
-    }
-
-    /// Middle of the width [m].
-    pub(super) fn mid_width(&self) -> f64 {
-        let z = || self.positions.iter().map(|x| x.z);
-        let (low, high) = (z().fold(f64::MAX, f64::min), z().fold(f64::MIN, f64::max));
-        super::snapped(0.5 * (low + high), high - low)
-    }
-
-    /// The mesh in its own frame.
-    pub(super) fn into_gear(self, deck: &Deck) -> Result<DeckGear, DeckError> {
-        let bore: Vec<Vec3> = self
-            .bore_corners()
-            .iter()
-            .map(|&n| self.positions[n as usize])
-            .collect();
-        let mut placement = match circle::shape(&bore) {
-            circle::Shape::Circle { centre, radius } => spur::place(&self, deck, centre, radius)?,
-            circle::Shape::Plane { normal } => rack::place(&self, deck, normal)?,
-            circle::Shape::Neither => {
-                return Err(decline(
-                    deck,
-                    &self.bore_set,
-                    "nodes on a circle about z (a gear) or in a plane parallel to z (a rack)",
-                    "neither",
-                    "z is the axis of rotation: turn the model if it is not",
-                ));
-            }
-        };
-        placement
-            .flanks
-            .sort_by_key(|f| (f.tooth, f.side == Side::Right));
-        if let Some(w) = placement
-            .flanks
-            .windows(2)
-            .find(|w| (w[0].tooth, w[0].side) == (w[1].tooth, w[1].side))
-        {
-            return Err(decline(
-                deck,
-                &w[1].grid.set,
-                "one set for a flank",
-                format!("`{}` for the same flank", w[0].grid.set),
-                "remove one of them",
-            ));
-        }
-        let mut node_sets = BTreeMap::from([("bore".to_owned(), self.bore.clone())]);
-        let mut face_sets = BTreeMap::new();
-        let mut flanks = Vec::with_capacity(placement.flanks.len());
-        for f in placement.flanks {
-            let name = format!("flank_{}{}", f.tooth + 1, letter(f.side));
-            face_sets.insert(format!("s{name}"), f.grid.faces);
-            let members = f.grid.members.unwrap_or_else(|| f.grid.nodes.clone());
-            node_sets.insert(name, members);
-            let nodes = f.grid.nodes.iter();
-            flanks.push(FlankGrid {
-                tooth: f.tooth,
-                side: f.side,
-                rows: f.grid.rows,
-                columns: f.grid.columns,
-                positions: nodes.map(|&n| placement.positions[n as usize]).collect(),
-                nodes: f.grid.nodes,
-            });
-        }
-        Ok(DeckGear {
-            name: self.name,
-            shape: placement.shape,
-            mesh: GearMesh {
-                mesh: Mesh {
-                    nodes: placement.positions,
-                    kind: self.kind,
-                    connectivity: self.connectivity,
-                    node_sets,
-                    face_sets,
-                },
-                teeth: placement.teeth,
-                bore: self.bore,
-                flanks,
-            },
-            material: self.material,
-            centre: placement.centre,
-            phase: placement.phase,
-            nodes: self.nodes,
-            elements: self.elements,
-            rigid_body: self.rigid_body,
-        })
-    }
 }

@@ -10,6 +10,7 @@
 //! - A rack's reference line is where its tooth is half a pitch thick: a thinned tooth counts as one cut deeper.
 
 mod bodies;
+mod body;
 mod circle;
 mod groups;
 mod names;

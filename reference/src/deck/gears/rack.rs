@@ -1,6 +1,6 @@
 //! A rack: its direction, its teeth, its reference line, and where tooth 0 stands.
 
-use super::bodies::{Body, PlacedFlank, Placement};
+use super::body::{Body, PlacedFlank, Placement};
 use super::spur::{centreline, stands, teeth};
 use super::{BodyShape, decline, snapped, turned};
 use crate::deck::data::Deck;

@@ -1,6 +1,6 @@
 //! A gear: its axis, its teeth, and where tooth 0 stands.
 
-use super::bodies::{Body, PlacedFlank, Placement};
+use super::body::{Body, PlacedFlank, Placement};
 use super::groups::Groups;
 use super::patch::{Grid, grid};
 use super::{BodyShape, circle, decline, snapped, turned, wrapped};

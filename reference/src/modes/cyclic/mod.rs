@@ -9,7 +9,7 @@
 //! The bore is held by the hub. Motions of the hub that keep the symmetry enter where they belong: turning and
 //! sliding along z in n = 0; sliding across, and tilting, as a pair of directions in n = 1.
 //!
-//! All harmonics without hub motions share one analysis; two threads take them in turn. A harmonic is searched
+//! All harmonics without hub motions share one analysis; threads take them in turn. A harmonic is searched
 //! until its next mode lies above the last mode wanted of the whole gear.
 
 mod harmonic;
@@ -23,13 +23,13 @@ pub use sector::Sector;
 use super::{ModesError, Options, Report, Target};
 use crate::assembly::tie::HubMotion;
 use crate::mesh::GearMesh;
-use crate::parallel::in_turn;
 use crate::solve::Symbolic;
 use faer::{Mat, c64};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use harmonic::Harmonic;
-use std::sync::{Arc, Mutex};
+use rayon::prelude::*;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Which of the two modes of a pair, or a mode by itself.
@@ -264,30 +264,25 @@ impl Sector {
         })
     }
 
-    /// Runs a job for each harmonic on two threads.
+    /// Runs a job for each harmonic, in parallel; the results, and the first error, are those of their order.
     fn each<S: Send>(
         &self,
         count: usize,
-        job: impl Fn(usize) -> Result<S, ModesError> + Sync,
+        job: impl Fn(usize) -> Result<S, ModesError> + Send + Sync,
     ) -> Result<Vec<S>, ModesError> {
-        in_turn(count, job).into_iter().collect()
+        let done: Vec<_> = (0..count).into_par_iter().map(job).collect();
+        done.into_iter().collect()
     }
 
-    /// Runs a job on each state on two threads.
+    /// Runs a job on each state, in parallel.
     fn each_of(
         &self,
-        states: Vec<Harmonic>,
-        job: impl Fn(&mut Harmonic) -> Result<(), ModesError> + Sync,
+        mut states: Vec<Harmonic>,
+        job: impl Fn(&mut Harmonic) -> Result<(), ModesError> + Send + Sync,
     ) -> Result<Vec<Harmonic>, ModesError> {
-        let states: Vec<_> = states.into_iter().map(|s| Mutex::new(Some(s))).collect();
-        const LOST: ModesError =
-            ModesError::Matrix("a thread stopped before its harmonic was done");
-        self.each(states.len(), |n| {
-            let state = states[n].lock().ok().and_then(|mut s| s.take());
-            let mut state = state.ok_or(LOST)?;
-            job(&mut state)?;
-            Ok(state)
-        })
+        let done: Vec<_> = states.par_iter_mut().map(job).collect();
+        done.into_iter().collect::<Result<(), _>>()?;
+        Ok(states)
     }
 }
 

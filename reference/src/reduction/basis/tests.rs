@@ -1,8 +1,9 @@
 //! One tooth sector against the whole mesh, and what every basis must be.
 
 use super::*;
-use crate::mesh::{self, ElementKind, GearMeshParams, RackMeshParams, Tooth};
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+use crate::mesh::{self, GearMeshParams};
+use crate::test_support::{self, coarse_gear, coarse_rack};
+use gearbench_models::geometry::{Gear, GearParams};
 
 fn params(teeth: u32) -> GearParams {
     GearParams {
@@ -15,16 +16,8 @@ fn params(teeth: u32) -> GearParams {
     }
 }
 
-/// Few elements: what is tested does not depend on how many.
 fn coarse() -> GearMeshParams {
-    GearMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        rim: 2,
-        width: 2,
-        ..GearMeshParams::default()
-    }
+    coarse_gear(2, 2)
 }
 
 /// Shapes of some modes at all flank nodes, and over the frequencies.
@@ -167,25 +160,8 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
 
 #[test]
 fn a_rack_slides_and_a_held_one_is_pulled() {
-    let rack = Rack::new(RackParams {
-        module: 2e-3,
-        teeth: 3,
-        face_width: 4e-3,
-        ..RackParams::default()
-    })
-    .unwrap();
-    let whole = mesh::rack(
-        &rack,
-        &RackMeshParams {
-            kind: ElementKind::C3D8,
-            tooth: Tooth::coarse(),
-            layers: 1,
-            body: 2,
-            width: 1,
-            ..RackMeshParams::default()
-        },
-    )
-    .unwrap();
+    let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
+    let whole = mesh::rack(&rack, &coarse_rack(2)).unwrap();
     for free in [true, false] {
         let mounting = Mounting::rack(free, 0.01);
         let all = of_mesh(

@@ -3,26 +3,24 @@
 use super::*;
 use crate::assembly::tie::HubMotion;
 use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams};
-use crate::reduction::store::tests::{all_bits, example};
 use crate::reduction::request::ALGORITHM;
+use crate::reduction::store::tests::{all_bits, example};
 use crate::reduction::{Mounting, Wanted};
+use crate::test_support::gear;
 use gearbench_models::Vec3;
-use gearbench_models::contact::flank_points::FlankGrid;
-use gearbench_models::geometry::{Gear, GearParams, Side};
+use gearbench_models::geometry::FlankGrid;
+use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use std::collections::HashSet;
 use std::convert::Infallible;
+use tempfile::{TempDir, tempdir};
 
 fn small() -> GearMesh {
-    let gear = Gear::new(GearParams {
-        teeth: 12,
-        module: 2e-3,
-        profile_shift: 0.3,
-        face_width: 5e-3,
-        bore_radius: 4e-3,
-        ..GearParams::default()
-    })
-    .unwrap();
+    let gear = gear(12, 2e-3, |p| {
+        p.profile_shift = 0.3;
+        p.face_width = 5e-3;
+        p.bore_radius = 4e-3;
+    });
     let mut params = GearMeshParams {
         width: 1,
         rim: 1,
@@ -42,34 +40,17 @@ fn request(mesh: &GearMesh) -> Request<'_> {
     }
 }
 
-/// A folder that goes when the test ends.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gearbench-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        Folder(path)
-    }
-
-    fn files(&self) -> Vec<PathBuf> {
-        let entries = fs::read_dir(&self.0).unwrap();
-        let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
-        files.sort();
-        files
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+fn files(folder: &TempDir) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+    files.sort();
+    files
 }
 
 #[test]
 fn computed_once_and_again_when_the_file_is_spoilt() {
-    let folder = Folder::new("cache");
-    let cache = Cache::at(&folder.0, LIMIT);
+    let folder = tempdir().unwrap();
+    let cache = Cache::at(folder.path(), LIMIT);
     let mesh = small();
     let (basis, _) = example(3, 5, true);
     let ask = |mesh: &GearMesh, computes: bool| {
@@ -83,12 +64,12 @@ fn computed_once_and_again_when_the_file_is_spoilt() {
     };
     // The example has the teeth of another gear than this mesh: it is not stored.
     ask(&mesh, true);
-    assert!(folder.files().is_empty());
+    assert!(files(&folder).is_empty());
     let mesh = GearMesh { teeth: 3, ..mesh };
     let ask = |computes| ask(&mesh, computes);
     ask(true);
     ask(false);
-    let [path] = &folder.files()[..] else {
+    let [path] = &files(&folder)[..] else {
         panic!("one file")
     };
     // Cut short; another's file under this name; no file at all.
@@ -103,7 +84,7 @@ fn computed_once_and_again_when_the_file_is_spoilt() {
     ask(false);
     fs::remove_file(path).unwrap();
     ask(true);
-    assert_eq!(folder.files().len(), 1);
+    assert_eq!(files(&folder).len(), 1);
     // Errors of the computation come through, and leave nothing behind.
     let held = Request {
         wanted: Wanted::Count(21),
@@ -111,14 +92,13 @@ fn computed_once_and_again_when_the_file_is_spoilt() {
     };
     let failed = cache.basis(&held, "a test", || Err::<Basis, _>("no modes"));
     assert_eq!(failed.unwrap_err(), "no modes");
-    assert_eq!(folder.files().len(), 1);
+    assert_eq!(files(&folder).len(), 1);
 }
 
 #[test]
 fn a_cache_that_cannot_be_written_is_no_error() {
-    let folder = Folder::new("cache-file");
-    fs::create_dir_all(&folder.0).unwrap();
-    let file = folder.0.join("a file");
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("a file");
     fs::write(&file, "no folder").unwrap();
     let mesh = GearMesh {
         teeth: 3,
@@ -133,7 +113,7 @@ fn a_cache_that_cannot_be_written_is_no_error() {
             assert!(!found.hit);
         }
     }
-    assert_eq!(folder.files(), [file]);
+    assert_eq!(files(&folder), [file]);
 }
 
 #[test]
@@ -219,7 +199,7 @@ fn the_key_depends_on_nothing_else() {
         }],
     };
     let key = request(&mesh).key();
-    assert_eq!(key.to_string(), "ab7b3447a001994eda117ad58c127f72");
+    assert_eq!(key.to_string(), "6e02f7de2ae2bfb4bcebdb8e3b47dfbb");
 }
 
 /// [`ALGORITHM`] stands for numbers: who changes these raises it and renews them.
@@ -251,21 +231,21 @@ fn the_version_of_the_algorithm_belongs_to_its_numbers() {
 
 #[test]
 fn what_was_not_used_for_longest_goes() {
-    let folder = Folder::new("cache-bound");
+    let folder = tempdir().unwrap();
     let mesh = GearMesh {
         teeth: 3,
         ..small()
     };
     let (basis, meta) = example(3, 5, true);
     let size = store::to_bytes(&basis, &meta).unwrap().len() as u64;
-    let cache = Cache::at(&folder.0, 3 * size + size / 2);
+    let cache = Cache::at(folder.path(), 3 * size + size / 2);
     let ask = |modes: usize| {
         let r = Request {
             wanted: Wanted::Count(modes),
             ..request(&mesh)
         };
         let Ok(found) = cache.basis(&r, &meta.source, || Ok::<_, Infallible>(basis.clone()));
-        let path = file(&folder.0, r.key());
+        let path = file(folder.path(), r.key());
         let aged = move |seconds: u64| {
             let time = SystemTime::now() - Duration::from_secs(seconds);
             let opened = fs::File::options().append(true).open(&path).unwrap();
@@ -273,8 +253,7 @@ fn what_was_not_used_for_longest_goes() {
         };
         (found.hit, aged)
     };
-    let foreign = folder.0.join("notes.npz");
-    fs::create_dir_all(&folder.0).unwrap();
+    let foreign = folder.path().join("notes.npz");
     fs::write(&foreign, vec![0; 10 * size as usize]).unwrap();
     for (modes, age) in [(20, 300), (21, 200), (22, 100)] {
         let (hit, aged) = ask(modes);
@@ -288,7 +267,9 @@ fn what_was_not_used_for_longest_goes() {
     assert!(foreign.is_file(), "what is not ours stays");
     // Half written long ago, and just now.
     let part = |name: &str, seconds: u64| {
-        let path = folder.0.join(format!("{}.npz.{name}.part", Hash::START));
+        let path = folder
+            .path()
+            .join(format!("{}.npz.{name}.part", Hash::START));
         let file = fs::File::create(&path).unwrap();
         file.set_modified(SystemTime::now() - Duration::from_secs(seconds))
             .unwrap();

@@ -1,50 +1,24 @@
 use super::*;
-use crate::mesh::{self, ElementKind, GearMeshParams, RackMeshParams, Tooth};
+use crate::mesh;
 use crate::reduction::{Mounting, Wanted, basis};
+use crate::test_support::{self, coarse_gear, coarse_rack};
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
 use gearbench_models::stiffness::Material;
 
 /// All modes of a small rack.
 fn rack() -> Basis {
-    let rack = Rack::new(RackParams {
-        module: 2e-3,
-        teeth: 3,
-        face_width: 4e-3,
-        ..RackParams::default()
-    })
-    .unwrap();
-    let params = RackMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        body: 2,
-        width: 1,
-        ..RackMeshParams::default()
-    };
-    let mesh = mesh::rack(&rack, &params).unwrap();
+    let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
+    let mesh = mesh::rack(&rack, &coarse_rack(2)).unwrap();
     let wanted = Wanted::Count(usize::MAX / 2);
     basis::of_mesh(&mesh, &Material::STEEL, &Mounting::rack(true, 0.01), wanted).unwrap()
 }
 
 fn gear() -> Basis {
-    let gear = Gear::new(GearParams {
-        teeth: 18,
-        module: 2e-3,
-        face_width: 5e-3,
-        bore_radius: 6e-3,
-        ..GearParams::default()
-    })
-    .unwrap();
-    let params = GearMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        rim: 2,
-        width: 2,
-        ..GearMeshParams::default()
-    };
-    let sector = mesh::sector(&gear, &params).unwrap();
+    let gear = test_support::gear(18, 2e-3, |p| {
+        p.face_width = 5e-3;
+        p.bore_radius = 6e-3;
+    });
+    let sector = mesh::sector(&gear, &coarse_gear(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 1e-6);
     basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(120)).unwrap()
 }

@@ -1,30 +1,18 @@
 use super::*;
-use crate::mesh::{self, ElementKind, GearMeshParams, Tooth};
+use crate::mesh;
 use crate::reduction::choose::{Criterion, choose};
 use crate::reduction::{Mounting, Wanted, basis};
-use gearbench_models::geometry::{Gear, GearParams};
+use crate::test_support::{coarse_gear, gear};
 use gearbench_models::stiffness::Material;
 
 const LEVER: f64 = 0.0188;
 
 fn pinion() -> Basis {
-    let gear = Gear::new(GearParams {
-        teeth: 20,
-        module: 2e-3,
-        face_width: 5e-3,
-        bore_radius: 8e-3,
-        ..GearParams::default()
-    })
-    .unwrap();
-    let params = GearMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        rim: 2,
-        width: 1,
-        ..GearMeshParams::default()
-    };
-    let sector = mesh::sector(&gear, &params).unwrap();
+    let gear = gear(20, 2e-3, |p| {
+        p.face_width = 5e-3;
+        p.bore_radius = 8e-3;
+    });
+    let sector = mesh::sector(&gear, &coarse_gear(2, 1)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
     basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(300)).unwrap()
 }

@@ -3,8 +3,8 @@
 use super::*;
 use crate::mesh::{self, GearMesh, GearMeshParams, RackMeshParams};
 use crate::reduction::Surface;
+use crate::test_support;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
 
 /// A basis of the flanks alone: no modes, no compliance.
 pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
@@ -51,18 +51,14 @@ fn a_gear_is_found_again_from_its_flank_nodes() {
         // The transverse module of a helical gear is none of the standard, and its angle is not 20 degrees.
         (24, 3e-3, 20.0, 0.0, 20.0, false),
     ] {
-        let gear = Gear::new(GearParams {
-            teeth,
-            module,
-            pressure_angle: f64::to_radians(angle),
-            profile_shift: shift,
-            helix_angle: f64::to_radians(helix),
-            face_width: 5.0 * module,
-            tip_radius: 0.3,
-            bore_radius: 4.0 * module,
-            ..GearParams::default()
-        })
-        .unwrap();
+        let gear = test_support::gear(teeth, module, |p| {
+            p.pressure_angle = f64::to_radians(angle);
+            p.profile_shift = shift;
+            p.helix_angle = f64::to_radians(helix);
+            p.face_width = 5.0 * module;
+            p.tip_radius = 0.3;
+            p.bore_radius = 4.0 * module;
+        });
         let mut params = GearMeshParams {
             width: 2,
             rim: 1,
@@ -86,14 +82,10 @@ fn a_gear_is_found_again_from_its_flank_nodes() {
 #[test]
 fn a_rack_is_found_again_from_its_flank_nodes() {
     for (module, angle) in [(2e-3, 20.0), (3e-3, 14.5)] {
-        let rack = Rack::new(RackParams {
-            teeth: 5,
-            module,
-            pressure_angle: f64::to_radians(angle),
-            face_width: 8e-3,
-            ..RackParams::default()
-        })
-        .unwrap();
+        let rack = test_support::rack(5, module, |p| {
+            p.pressure_angle = f64::to_radians(angle);
+            p.face_width = 8e-3;
+        });
         let mut params = RackMeshParams {
             width: 1,
             ..RackMeshParams::default()

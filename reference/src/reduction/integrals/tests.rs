@@ -2,37 +2,29 @@
 
 use super::*;
 use crate::assembly::assemble;
-use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh, Tooth};
+use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh};
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Basis, Mounting, Wanted, basis};
+use crate::test_support::{self, coarse_gear};
 use gearbench_integrators::system::At;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
-use gearbench_models::geometry::{FlankGrid, Gear, GearParams, Side};
-use gearbench_models::kinematics::{Hub, Placement};
-use gearbench_models::spec::{Mount, Profile};
+use gearbench_models::geometry::{FlankGrid, Gear, Side};
+use gearbench_models::kinematics::Hub;
+use gearbench_models::kinematics::Placement;
+use gearbench_models::spec::Mount;
+use gearbench_models::spec::Profile;
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
 fn gear() -> (Gear, GearMeshParams) {
-    let gear = Gear::new(GearParams {
-        teeth: 10,
-        module: 4e-3,
-        profile_shift: 0.48,
-        face_width: 8e-3,
-        bore_radius: 5e-3,
-        ..GearParams::default()
+    let gear = test_support::gear(10, 4e-3, |p| {
+        p.profile_shift = 0.48;
+        p.face_width = 8e-3;
+        p.bore_radius = 5e-3;
     });
-    let params = GearMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        rim: 2,
-        width: 1,
-        ..GearMeshParams::default()
-    };
-    (gear.unwrap(), params)
+    (gear, coarse_gear(2, 1))
 }
 
 fn noise(n: usize, seed: f64) -> Vec<f64> {

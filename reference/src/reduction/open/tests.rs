@@ -5,23 +5,20 @@ use crate::mesh::{self, GearMeshParams};
 use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
+use crate::test_support;
 use gearbench_models::Vec3;
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_models::kinematics::{Hub, Placement};
-use gearbench_models::spec::{Mount, Parameters};
+use gearbench_models::geometry::{Gear, GearParams};
+use gearbench_models::kinematics::Hub;
+use gearbench_models::kinematics::Placement;
+use gearbench_models::spec::Mount;
+use gearbench_models::spec::Parameters;
 use gearbench_models::stiffness::Material;
 
 fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {
-    let mut params = GearParams {
-        teeth,
-        module: 3e-3,
-        face_width: 1e-2,
-        tip_radius: 0.3,
-        bore_radius: 8e-3,
-        ..GearParams::default()
-    };
-    change(&mut params);
-    Gear::new(params).unwrap()
+    test_support::gear(teeth, 3e-3, |p| {
+        (p.face_width, p.tip_radius, p.bore_radius) = (1e-2, 0.3, 8e-3);
+        change(p);
+    })
 }
 
 /// What is wrong with a stored gear of 18 teeth for another gear on some mount.
@@ -85,12 +82,7 @@ fn what_does_not_suit_a_gear_is_told_with_a_way_out() {
     }));
     assert_eq!(judged(other, free.clone(), 0.0, steel, |_| {}), None);
 
-    let rack = Rack::new(RackParams {
-        teeth: 18,
-        module: 3e-3,
-        face_width: 1e-2,
-        ..RackParams::default()
-    });
+    let rack = test_support::rack(18, 3e-3, |p| p.face_width = 1e-2);
     let another = |change: &dyn Fn(&mut GearParams)| {
         judged(
             Body::Gear(gear(18, change)),
@@ -117,7 +109,7 @@ fn what_does_not_suit_a_gear_is_told_with_a_way_out() {
             "it is of a gear with 18 teeth, but `pinion` is a gear with 19; reduce the mesh of this gear",
         ),
         (
-            judged(Body::Rack(rack.unwrap()), Mount::Fixed, 0.0, steel, |_| {}),
+            judged(Body::Rack(rack), Mount::Fixed, 0.0, steel, |_| {}),
             "`pinion` is a rack with 18",
         ),
         (another(&|p| p.profile_shift = 0.2), "tip radius"),
@@ -160,7 +152,8 @@ fn what_does_not_suit_a_gear_is_told_with_a_way_out() {
 #[test]
 fn a_file_is_opened_once_until_it_changes() {
     let (basis, meta) = crate::reduction::store::tests::example(3, 5, true);
-    let path = std::env::temp_dir().join(format!("gearbench-open-{}.npz", std::process::id()));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npz");
     store::write(&path, &basis, &meta).unwrap();
     let first = open(&path).unwrap();
     assert!(Arc::ptr_eq(&first, &open(&path).unwrap()));

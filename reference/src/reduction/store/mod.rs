@@ -8,18 +8,21 @@
 //! and numbers that cannot be right are refused with the array they stand in ([`StoreError`]).
 
 mod archive;
+mod checks;
 mod error;
 mod fields;
 mod inertia;
+mod meta;
+mod names;
 mod npy;
 #[cfg(test)]
 pub(super) mod tests;
 
 pub use error::{StoreError, StoreErrorKind};
 
-use super::hash::Hash;
 use super::{Basis, Request, Wanted};
 use crate::assembly::tie::HubMotion;
+use crate::hash::Hash;
 use crate::mesh::ElementKind;
 use archive::Reader;
 use gearbench_models::stiffness::Material;
@@ -120,7 +123,7 @@ pub struct Stored {
 /// [`StoreError`] when the file cannot be written, or the basis does not fit together.
 pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError> {
     let name = path.to_string_lossy();
-    if let Some(problem) = fields::problem(basis, meta) {
+    if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem.of(&name));
     }
     let fail = |e: io::Error| {
@@ -196,7 +199,7 @@ pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Stored, StoreError> {
 /// # Errors
 /// [`StoreError`] when the basis does not fit together.
 pub fn to_bytes(basis: &Basis, meta: &Meta) -> Result<Vec<u8>, StoreError> {
-    if let Some(problem) = fields::problem(basis, meta) {
+    if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem);
     }
     fields::write(Vec::new(), basis, meta).map_err(|e| {

@@ -1,16 +1,13 @@
 use super::*;
 use crate::mesh::{GearMeshParams, RackMeshParams, Tooth, gear, rack, sector};
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
+use crate::test_support;
+use gearbench_models::geometry::{Gear, Side};
 
 fn spur(helix_angle: f64) -> Gear {
-    Gear::new(GearParams {
-        teeth: 20,
-        module: 4e-3,
-        helix_angle,
-        bore_radius: 0.02,
-        ..GearParams::default()
+    test_support::gear(20, 4e-3, |p| {
+        p.helix_angle = helix_angle;
+        p.bore_radius = 0.02;
     })
-    .unwrap()
 }
 
 fn params(flank: usize, width: usize) -> GearMeshParams {
@@ -69,13 +66,7 @@ fn normals_are_those_of_the_involute() {
 
 #[test]
 fn a_rack_has_the_normals_of_its_planes_and_its_teeth_in_order() {
-    let r = Rack::new(RackParams {
-        teeth: 6,
-        module: 4e-3,
-        body_height: 12e-3,
-        ..RackParams::default()
-    })
-    .unwrap();
+    let r = test_support::rack(6, 4e-3, |p| p.body_height = 12e-3);
     let s = Surface::new(&rack(&r, &RackMeshParams::default()).unwrap()).unwrap();
     let teeth: Vec<u32> = s.flanks.grids().iter().map(|g| g.tooth).collect();
     assert_eq!(teeth, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);

@@ -1,172 +1,26 @@
 //! Both routes against each other, against all modes of a body, and against loads solved for directly.
 
+mod shapes;
+
 use super::*;
 use crate::assembly::tie::Reduced;
-use crate::mesh::{ElementKind, GearMeshParams, RackMeshParams, Tooth, gear, rack, sector};
+use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
 use crate::reduction::{Kept, without_modes};
+use crate::test_support::{self, coarse_gear, coarse_rack, stub};
 use faer::Side;
-use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+use gearbench_models::geometry::Gear;
+use shapes::*;
 
 const STEEL: Material = Material::STEEL;
 
 fn toothed(teeth: u32, helix_angle: f64) -> (Gear, GearMeshParams) {
-    let g = Gear::new(GearParams {
-        teeth,
-        module: 4e-3,
-        helix_angle,
-        pressure_angle: 0.5,
-        profile_shift: 0.35,
-        addendum: 0.7,
-        dedendum: 1.0,
-        tip_radius: 0.15,
-        bore_radius: 0.25 * 4e-3 * f64::from(teeth),
-        ..GearParams::default()
-    })
-    .unwrap();
-    let p = GearMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        rim: 1,
-        width: 1,
-        ..GearMeshParams::default()
-    };
-    (g, p)
+    (stub(teeth, helix_angle), coarse_gear(1, 1))
 }
 
 fn small_rack() -> GearMesh {
-    let r = Rack::new(RackParams {
-        teeth: 4,
-        module: 4e-3,
-        body_height: 8e-3,
-        ..RackParams::default()
-    })
-    .unwrap();
-    let p = RackMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        body: 1,
-        width: 1,
-        ..RackMeshParams::default()
-    };
-    rack(&r, &p).unwrap()
-}
-
-/// Modes of a whole mesh at its flank nodes and its hub, rigid motion left out.
-struct Shapes {
-    omega: Vec<f64>,
-    shapes: Vec<f64>,
-    hub: Vec<f64>,
-}
-
-impl Shapes {
-    fn of(mesh: &GearMesh, surface: &Surface, mounting: &Mounting, count: Option<usize>) -> Self {
-        let (tie, r) = matrices(mesh, mounting);
-        let rigid = usize::from(mounting.free);
-        let count = count.map_or(tie.coordinates(), |c| c + rigid);
-        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
-        let found = modes::lowest(k, m, count, &Options::default()).unwrap();
-        let kept = count - rigid;
-        let mut s = Shapes {
-            omega: found.omega2[rigid..].iter().map(|w| w.sqrt()).collect(),
-            shapes: vec![0.0; surface.nodes() * kept],
-            hub: vec![0.0; kept],
-        };
-        let mut full = vec![0.0; 3 * mesh.mesh.nodes.len()];
-        let mut along = vec![0.0; surface.nodes()];
-        for i in 0..kept {
-            let reduced: Vec<f64> = found.vectors.col(i + rigid).iter().copied().collect();
-            tie.expand(&reduced, &mut full);
-            surface.along_normals(&full, &mut along);
-            for (k, a) in along.iter().enumerate() {
-                s.shapes[k * kept + i] = *a;
-            }
-            if mounting.free {
-                s.hub[i] = reduced[reduced.len() - 1];
-            }
-        }
-        s
-    }
-
-    fn kept(&self) -> Kept<'_> {
-        Kept {
-            omega: &self.omega,
-            shapes: &self.shapes,
-            hub: &self.hub,
-        }
-    }
-
-    /// The first `count` of the modes.
-    fn first(&self, count: usize) -> Shapes {
-        let all = self.omega.len();
-        Shapes {
-            omega: self.omega[..count].to_vec(),
-            shapes: (self.shapes.chunks_exact(all))
-                .flat_map(|s| s[..count].to_vec())
-                .collect(),
-            hub: self.hub[..count].to_vec(),
-        }
-    }
-}
-
-fn matrices(mesh: &GearMesh, mounting: &Mounting) -> (Tie, Reduced) {
-    let assembly = assemble(&mesh.mesh, &STEEL).unwrap();
-    let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &mounting.motions());
-    let added = [mounting.added_inertia];
-    let added = &added[..mounting.motions().len()];
-    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
-    (tie, reduced)
-}
-
-fn dense(r: &Residual) -> Vec<f64> {
-    let n = r.hub.len();
-    let nodes = 0..n as u32;
-    nodes
-        .clone()
-        .flat_map(|i| nodes.clone().map(move |j| (i, j)))
-        .map(|(i, j)| r.flanks.between(i, j, n))
-        .collect()
-}
-
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |l, x| l.max(x.abs()))
-}
-
-fn worst(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |l, (a, b)| l.max((a - b).abs()))
-}
-
-/// Smallest eigenvalue of the compliance of flank nodes and hub together, over the largest; the hub in units that
-/// make its own entry one of them.
-fn definiteness(r: &Residual) -> f64 {
-    let n = r.hub.len();
-    let c = dense(r);
-    let unit = if r.hub_hub > 0.0 {
-        (largest(&c) / r.hub_hub).sqrt()
-    } else {
-        1.0
-    };
-    // Outward by outward: the hub's rows count as they are.
-    let all = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
-        (false, false) => c[i * n + j],
-        (true, false) => unit * r.hub[j],
-        (false, true) => unit * r.hub[i],
-        (true, true) => unit * unit * r.hub_hub,
-    });
-    let scale = largest(&c);
-    let all = faer::Scale(1.0 / scale) * all;
-    let values = all.self_adjoint_eigenvalues(Side::Lower).unwrap();
-    values[0] / values[n]
-}
-
-fn mountings() -> [Mounting; 3] {
-    [
-        Mounting::gear(false, 0.0),
-        Mounting::gear(true, 0.0),
-        Mounting::gear(true, 3e-4),
-    ]
+    let bar = test_support::rack(4, 4e-3, |p| p.body_height = 8e-3);
+    rack(&bar, &coarse_rack(1)).unwrap()
 }
 
 #[test]
@@ -418,15 +272,11 @@ fn declines_what_does_not_belong_together() {
 /// between two rows it is less.
 #[test]
 fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
-    let g = Gear::new(GearParams {
-        teeth: 16,
-        module: 4.5e-3,
-        profile_shift: 0.1817,
-        face_width: 14e-3,
-        bore_radius: 15e-3,
-        ..GearParams::default()
-    })
-    .unwrap();
+    let g = test_support::gear(16, 4.5e-3, |p| {
+        p.profile_shift = 0.1817;
+        p.face_width = 14e-3;
+        p.bore_radius = 15e-3;
+    });
     let compliance = |flank: usize| {
         let p = GearMeshParams {
             tooth: Tooth {

@@ -1,6 +1,6 @@
 //! The stored references. A further one is a folder with its files and one line in [`REFERENCES`].
 
-use crate::external::{ExternalReference, ReferenceError};
+use super::{ExternalReference, ReferenceError};
 
 /// A stored reference before it is read: the embedded files.
 #[derive(Clone, Copy, Debug)]
@@ -11,10 +11,10 @@ pub struct StoredReference {
     pub title: &'static str,
     /// Command that computes it again, from the root of the repository.
     pub regenerate: &'static str,
-    pub(crate) source: &'static str,
-    pub(crate) params: &'static str,
-    pub(crate) summary: &'static str,
-    pub(crate) results: &'static str,
+    pub(super) source: &'static str,
+    pub(super) params: &'static str,
+    pub(super) summary: &'static str,
+    pub(super) results: &'static str,
     pub(crate) deck: &'static [u8],
 }
 
@@ -25,11 +25,13 @@ macro_rules! stored {
             id: concat!($program, "/", $case),
             title: $title,
             regenerate: concat!("reference/", $program, "/regenerate.sh ", $case),
-            source: include_str!(concat!("../", $program, "/", $case, "/SOURCE.md")),
-            params: include_str!(concat!("../", $program, "/", $case, "/params.json")),
-            summary: include_str!(concat!("../", $program, "/", $case, "/summary.json")),
-            results: include_str!(concat!("../", $program, "/", $case, "/results.csv")),
-            deck: include_bytes!(concat!("../", $program, "/", $case, "/", $deck, ".inp.gz")),
+            source: include_str!(concat!("../../", $program, "/", $case, "/SOURCE.md")),
+            params: include_str!(concat!("../../", $program, "/", $case, "/params.json")),
+            summary: include_str!(concat!("../../", $program, "/", $case, "/summary.json")),
+            results: include_str!(concat!("../../", $program, "/", $case, "/results.csv")),
+            deck: include_bytes!(concat!(
+                "../../", $program, "/", $case, "/", $deck, ".inp.gz"
+            )),
         }
     };
 }
@@ -93,7 +95,7 @@ pub fn reference(id: &str) -> Result<ExternalReference, ReferenceError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::external::trapezoid;
+    use crate::stored::trapezoid;
 
     fn close(found: f64, expected: f64, relative: f64) {
         assert!(

@@ -16,108 +16,16 @@
 //! over the fillet until it stands on the root. The row nearest to 45 degrees ends in the corner of the core.
 //! The left half is computed, the right half is its mirror image to the last bit.
 
-use super::error::{MeshError, Part};
-use super::grading::{geometric, ratio_from_first, refined};
-use super::params::{Tooth, Web};
-use super::profile::{Body, Plane, Root};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+mod common;
+mod surface;
 
-/// What all teeth of a mesh share, fine and coarse.
-pub(super) struct Common<'a> {
-    pub body: Body<'a>,
-    root: Root<'a>,
-    /// 2 when elements have mid-side nodes, else 1.
-    refine: usize,
-    layers: usize,
-    skin_growth: f64,
-    flank_grading: f64,
-    /// Thickness of the skin in the middle of the tooth space [m].
-    root_skin: f64,
-    /// Unrolled depth of the rim, and of the whole body [m].
-    rim_depth: f64,
-    depth: f64,
-    /// Levels from the skin to the bore: zone (rim, web, hub) and the part of it passed.
-    levels: Vec<(Part, f64)>,
-    /// Unrolled heights at which the zones end.
-    zone_ends: [f64; 3],
-}
+pub(super) use common::Common;
 
-/// Part of the tooth's half thickness that the skin takes.
-fn skin_part(layers: usize, growth: f64, across: usize) -> f64 {
-    let skin: f64 = (0..layers).map(|i| growth.powi(i as i32)).sum();
-    let core = growth.powi(layers as i32) * 0.5 * (across - 2 * layers) as f64;
-    skin / (skin + core)
-}
-
-impl<'a> Common<'a> {
-    #[allow(clippy::too_many_arguments)]
-    pub(super) fn new(
-        body: Body<'a>,
-        tooth: &Tooth,
-        refine: usize,
-        layers: usize,
-        rim: usize,
-        growths: (f64, f64, Option<f64>),
-        web: Option<&Web>,
-    ) -> Result<Self, MeshError> {
-        let (flank_grading, skin_growth, rim_growth) = growths;
-        let depth = body.depth();
-        let rim_depth = web.map_or(depth, |w| -body.unrolled_radius(w.outer_radius));
-        let form = body.flank(0.0).0[0];
-        let part = skin_part(layers, skin_growth, tooth.across);
-        let root_skin = (0.7 * part * form).min(0.35 * rim_depth);
-        let last = {
-            let g = geometric(layers, skin_growth, 1);
-            root_skin * (1.0 - g[layers - 1])
-        };
-        let growth = rim_growth.unwrap_or_else(|| {
-            ratio_from_first(rim, 1.3 * last, rim_depth - root_skin, (1.0 / 1.5, 2.5))
-        });
-        let zone = |part: Part, fractions: Vec<f64>| fractions.into_iter().map(move |f| (part, f));
-        let mut levels: Vec<_> = zone(Part::Rim, geometric(rim, growth, refine)).collect();
-        let mut zone_ends = [-depth; 3];
-        if let Some(w) = web {
-            zone_ends[0] = -rim_depth;
-            zone_ends[1] = body.unrolled_radius(w.inner_radius);
-            levels.extend(zone(Part::Web, geometric(w.layers, 1.0, refine)).skip(1));
-            levels.extend(zone(Part::Hub, geometric(w.hub_layers, 1.0, refine)).skip(1));
-        }
-        Ok(Common {
-            body,
-            root: Root::new(body),
-            refine,
-            layers,
-            skin_growth,
-            flank_grading,
-            root_skin,
-            rim_depth,
-            depth,
-            levels,
-            zone_ends,
-        })
-    }
-
-    /// Elements from the skin to the bore.
-    pub(super) fn level_count(&self) -> usize {
-        (self.levels.len() - 1) / self.refine
-    }
-
-    /// The level `d` of a column that begins at `top` and arrives at the bore at `foot`.
-    fn in_column(&self, top: Plane, foot: f64, d: usize) -> Plane {
-        if d == 0 {
-            return top;
-        }
-        let (part, f) = self.levels[d];
-        let (from, to) = match part {
-            Part::Web => (self.zone_ends[0], self.zone_ends[1]),
-            Part::Hub => (self.zone_ends[1], self.zone_ends[2]),
-            _ => (top[1], self.zone_ends[0]),
-        };
-        let v = if f == 1.0 { to } else { from + (to - from) * f };
-        let passed = (top[1] - v) / (top[1] + self.depth);
-        [top[0] + (foot - top[0]) * passed, v]
-    }
-}
+use super::error::Part;
+use super::grading::geometric;
+use super::params::Tooth;
+use super::profile::Plane;
+use surface::Surface;
 
 /// A quadrilateral: corners counter-clockwise, then mid-side nodes (if the elements have them).
 #[derive(Clone, Copy, Debug)]
@@ -200,116 +108,6 @@ impl Block {
             [a, b, c, d, ab, bc, cd, da]
         };
         Quad { nodes, part }
-    }
-}
-
-/// The surface of the left half: nodes, rows of the skin, ends of the rows.
-struct Surface {
-    /// Where a row starts, from the tip to the middle of the space.
-    start: Vec<Plane>,
-    /// Where it ends, inside.
-    end: Vec<Plane>,
-    /// Dip of the row [rad].
-    dip: Vec<f64>,
-    /// Length of roll that a row belongs to [m] and how far it follows a modified flank.
-    follows: Vec<(f64, f64)>,
-    /// Rows on the flank, and down to the corner of the core.
-    flank: usize,
-    corner: usize,
-}
-
-impl Surface {
-    fn new(common: &Common<'_>, tooth: &Tooth) -> Self {
-        let f = common.refine;
-        let root = &common.root;
-        let part = skin_part(common.layers, common.skin_growth, tooth.across);
-        let (mut start, mut dip, mut follows) = (Vec::new(), Vec::new(), Vec::new());
-        // From the form circle up, then turned: the surface is followed from the tip down.
-        let ratio = match tooth.flank {
-            1 => 1.0,
-            n => common.flank_grading.powf(1.0 / (n - 1) as f64),
-        };
-        for &t in geometric(tooth.flank, ratio, f).iter().rev() {
-            let (p, s) = common.body.flank(t);
-            start.push(p);
-            dip.push(0.0);
-            follows.push((s, 1.0));
-        }
-        let flank = start.len() - 1;
-        let roll_form = follows[flank].0;
-
-        // Even steps over the fillet and over the arc, or over both where one is too short for its own.
-        let (lf, la) = (root.fillet_length(), root.arc_length());
-        let (nf, na) = (tooth.fillet, tooth.root);
-        let (sf, sa) = (lf / nf as f64, la / na as f64);
-        // A sharp tool leaves no fillet on a rack, and next to none on large gears: then the row into the edge
-        // halves its angle and ends in the corner of the core.
-        let sharp = sf < 0.05 * sa;
-        let mut ends = vec![0.0];
-        if sa >= 0.35 * sf && !sharp {
-            ends.extend((1..=nf).map(|i| sf * i as f64));
-            ends.extend((1..=na).map(|i| lf + sa * i as f64));
-        } else {
-            ends.extend((1..=nf + na).map(|i| (lf + la) * i as f64 / (nf + na) as f64));
-        }
-        let lengths = refined(&ends, f);
-        let first = if sharp { 0.0 } else { root.dip(0.0).min(1.2) };
-        if sharp {
-            dip[flank] = FRAC_PI_4;
-        }
-        for &length in &lengths[1..] {
-            let natural = root.dip(length);
-            start.push(root.at(length));
-            let turned = ((natural - first) / (FRAC_PI_2 - first)).clamp(0.0, 1.0);
-            dip.push(FRAC_PI_2 * turned);
-            follows.push((roll_form, (1.0 - length / root.total()).powi(2)));
-        }
-        // In the middle of the space the row stands on the root.
-        let last = start.len() - 1;
-        dip[last] = FRAC_PI_2;
-
-        let form = start[flank][0];
-        let mut end: Vec<Plane> = (0..=last)
-            .map(|j| {
-                let thickness = if j <= flank {
-                    part * start[j][0]
-                } else {
-                    let p = lengths[j - flank] / root.total();
-                    let smooth = p * p * (3.0 - 2.0 * p);
-                    part * form + (common.root_skin - part * form) * smooth
-                };
-                let (sin, cos) = if j == last {
-                    (1.0, 0.0)
-                } else {
-                    dip[j].sin_cos()
-                };
-                // A thin rim leaves no more room.
-                let room = start[j][1] + 0.5 * common.rim_depth;
-                let thickness = thickness.min(room / sin.max(1e-3));
-                [start[j][0] - thickness * cos, start[j][1] - thickness * sin]
-            })
-            .collect();
-        // Inside, edges are straight: only the surface is curved.
-        for j in (1..last).step_by(2).filter(|_| f == 2) {
-            end[j] = [0, 1].map(|k| 0.5 * (end[j - 1][k] + end[j + 1][k]));
-            dip[j] = 0.5 * (dip[j - 1] + dip[j + 1]);
-        }
-        // Corner of the core: a whole element from the form circle and from the middle of the space.
-        let corner = (usize::from(!sharp)..nf + na)
-            .map(|k| flank + k * f)
-            .min_by(|&a, &b| {
-                let away = |j: usize| (dip[j] - FRAC_PI_4).abs();
-                away(a).total_cmp(&away(b))
-            })
-            .unwrap_or(flank + f);
-        Surface {
-            start,
-            end,
-            dip,
-            follows,
-            flank,
-            corner,
-        }
     }
 }
 

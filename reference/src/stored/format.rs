@@ -1,14 +1,14 @@
 //! The shape of a stored `params.json`, as its generator wrote it; angles in degrees.
 
-use crate::external::{GearData, ImpactParameters, RackData};
+use super::{GearData, ImpactParameters, RackData};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// What is used of the file.
 #[derive(Deserialize)]
-pub(crate) struct RawParameters {
+pub(super) struct RawParameters {
     case: String,
-    pub(crate) solver: String,
+    pub(super) solver: String,
     element_type: String,
     material: RawMaterial,
     gear_common: RawToothing,
@@ -110,7 +110,7 @@ impl RawGear {
 
 impl RawParameters {
     /// The parameters in the crate's own units and names.
-    pub(crate) fn typed(self) -> Result<ImpactParameters, String> {
+    pub(super) fn typed(self) -> Result<ImpactParameters, String> {
         // The pair that touches first has the smallest gap.
         let gap_effective = self
             .effective_gap_faceted_m

@@ -1,0 +1,188 @@
+//! Ritz pairs of the basis: what has converged, restarts, and the last step of inverse iteration.
+
+use super::Lanczos;
+use crate::modes::dense::{adjoint_product, eigen, residuals};
+use crate::modes::{Modes, ModesError, Symmetric};
+use crate::solve::{Cholesky, Scalar};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+use std::time::Instant;
+
+/// Ritz values `theta`, descending, with vectors and estimated residuals.
+pub(super) struct Ritz<T: Scalar> {
+    pub(super) theta: Vec<f64>,
+    vectors: Mat<T>,
+    residuals: Vec<f64>,
+}
+
+impl<T: Scalar> Lanczos<T> {
+    pub(super) fn timed_ritz(&mut self) -> Result<Ritz<T>, ModesError> {
+        let start = Instant::now();
+        let ritz = self.ritz();
+        self.report.projection_s += start.elapsed().as_secs_f64();
+        ritz
+    }
+
+    pub(super) fn ritz(&self) -> Result<Ritz<T>, ModesError> {
+        let m = self.size;
+        let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m), self.par)?;
+        let descending = Mat::from_fn(m, m, |i, j| vectors[(i, m - 1 - j)]);
+        let theta: Vec<f64> = values.into_iter().rev().collect();
+        let mut rest = Mat::zeros(self.block, m);
+        matmul(
+            rest.as_mut(),
+            Accum::Replace,
+            &self.coupling,
+            descending.subrows(m - self.block, self.block),
+            T::real(1.0),
+            Par::Seq,
+        );
+        let norm = |j: usize| {
+            (0..self.block)
+                .map(|i| rest[(i, j)].modulus2())
+                .sum::<f64>()
+                .sqrt()
+        };
+        let residuals = (0..m).map(norm).collect();
+        Ok(Ritz {
+            theta,
+            vectors: descending,
+            residuals,
+        })
+    }
+
+    /// Leading Ritz pairs that have all converged.
+    pub(super) fn converged(&self, ritz: &Ritz<T>) -> usize {
+        let fine = |(t, r): &(&f64, &f64)| **t > 0.0 && **r <= self.tolerance * **t;
+        ritz.theta
+            .iter()
+            .zip(&ritz.residuals)
+            .take_while(fine)
+            .count()
+    }
+
+    /// Replaces the basis by its leading Ritz vectors; the last block stays.
+    pub(super) fn restart(&mut self, ritz: &Ritz<T>, keep: usize) {
+        let start = Instant::now();
+        let kept = self.combined(ritz.vectors.as_ref().subcols(0, keep));
+        let last = self.basis.subcols(self.size, self.block).to_owned();
+        self.basis.as_mut().subcols_mut(0, keep).copy_from(&kept);
+        self.basis
+            .as_mut()
+            .subcols_mut(keep, self.block)
+            .copy_from(&last);
+        for j in 0..keep {
+            for i in 0..keep {
+                self.projected[(i, j)] = T::real(if i == j { ritz.theta[j] } else { 0.0 });
+            }
+        }
+        self.size = keep;
+        self.restarted = true;
+        self.report.restarts += 1;
+        self.report.orthogonalisation_s += start.elapsed().as_secs_f64();
+    }
+
+    pub(super) fn combined(&self, coefficients: MatRef<'_, T>) -> Mat<T> {
+        let mut x = Mat::zeros(self.basis.nrows(), coefficients.ncols());
+        let v = self.basis.subcols(0, self.size);
+        matmul(
+            x.as_mut(),
+            Accum::Replace,
+            v,
+            coefficients,
+            T::real(1.0),
+            self.par,
+        );
+        x
+    }
+
+    /// The lowest `count` modes, improved once more, with their true residuals.
+    ///
+    /// # Errors
+    /// Matrices that are not finite.
+    pub fn modes(
+        &self,
+        factor: &Cholesky<T>,
+        stiffness: &Symmetric<T>,
+        count: usize,
+    ) -> Result<Modes<T>, ModesError> {
+        let mut report = self.report;
+        let start = Instant::now();
+        if count == 0 {
+            return Ok(Modes {
+                omega2: Vec::new(),
+                vectors: Mat::zeros(self.mass.size(), 0),
+                residuals: Vec::new(),
+                report,
+            });
+        }
+        let ritz = self.ritz()?;
+        let count = count.min(ritz.theta.len());
+        let mut x = self.combined(ritz.vectors.as_ref().subcols(0, count));
+        // (K - sigma M) y = M x: then y^H (K - sigma M) y = y^H M x.
+        let mut mx = Mat::zeros(x.nrows(), count);
+        self.mass.apply(x.as_ref(), mx.as_mut());
+        for j in 0..count {
+            // Scaled so that y is about x.
+            let scale = T::real(1.0 / ritz.theta[j]);
+            for i in 0..mx.nrows() {
+                mx[(i, j)] *= scale;
+            }
+        }
+        x.copy_from(&mx);
+        const TOGETHER: usize = 32;
+        let mut first = 0;
+        while first < count {
+            let width = TOGETHER.min(count - first);
+            factor.solve_many(x.as_mut().subcols_mut(first, width), self.par);
+            report.solves += width;
+            first += width;
+        }
+        let elastic = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
+        self.mass.apply(x.as_ref(), mx.as_mut());
+        let inertial = adjoint_product(x.as_ref(), mx.as_ref(), self.par);
+        // Both are nearly diagonal: orthonormalise by the inertial one, then diagonalise the elastic one.
+        let (lambda, u) = eigen(inertial.as_ref(), self.par)?;
+        let to_unit = Mat::from_fn(count, count, |i, j| {
+            u[(i, j)] * T::real(1.0 / lambda[j].sqrt())
+        });
+        let mut product = Mat::zeros(count, count);
+        matmul(
+            product.as_mut(),
+            Accum::Replace,
+            &elastic,
+            &to_unit,
+            T::real(1.0),
+            self.par,
+        );
+        let small = adjoint_product(to_unit.as_ref(), product.as_ref(), self.par);
+        let (shifted, s) = eigen(small.as_ref(), self.par)?;
+        let mut rotation = Mat::zeros(count, count);
+        matmul(
+            rotation.as_mut(),
+            Accum::Replace,
+            &to_unit,
+            &s,
+            T::real(1.0),
+            self.par,
+        );
+        let mut vectors = Mat::zeros(x.nrows(), count);
+        matmul(
+            vectors.as_mut(),
+            Accum::Replace,
+            &x,
+            &rotation,
+            T::real(1.0),
+            self.par,
+        );
+        let omega2: Vec<f64> = shifted.iter().map(|l| l + self.shift).collect();
+        let residuals = residuals(stiffness, &self.mass, &omega2, vectors.as_ref(), self.shift);
+        report.polish_s += start.elapsed().as_secs_f64();
+        Ok(Modes {
+            omega2,
+            vectors,
+            residuals,
+            report,
+        })
+    }
+}

@@ -1,0 +1,123 @@
+//! All modes of a mesh at its flank nodes, and residual compliances as dense matrices.
+
+use super::*;
+
+/// Modes of a whole mesh at its flank nodes and its hub, rigid motion left out.
+pub(super) struct Shapes {
+    pub(super) omega: Vec<f64>,
+    pub(super) shapes: Vec<f64>,
+    pub(super) hub: Vec<f64>,
+}
+
+impl Shapes {
+    pub(super) fn of(
+        mesh: &GearMesh,
+        surface: &Surface,
+        mounting: &Mounting,
+        count: Option<usize>,
+    ) -> Self {
+        let (tie, r) = matrices(mesh, mounting);
+        let rigid = usize::from(mounting.free);
+        let count = count.map_or(tie.coordinates(), |c| c + rigid);
+        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
+        let found = modes::lowest(k, m, count, &Options::default()).unwrap();
+        let kept = count - rigid;
+        let mut s = Shapes {
+            omega: found.omega2[rigid..].iter().map(|w| w.sqrt()).collect(),
+            shapes: vec![0.0; surface.nodes() * kept],
+            hub: vec![0.0; kept],
+        };
+        let mut full = vec![0.0; 3 * mesh.mesh.nodes.len()];
+        let mut along = vec![0.0; surface.nodes()];
+        for i in 0..kept {
+            let reduced: Vec<f64> = found.vectors.col(i + rigid).iter().copied().collect();
+            tie.expand(&reduced, &mut full);
+            surface.along_normals(&full, &mut along);
+            for (k, a) in along.iter().enumerate() {
+                s.shapes[k * kept + i] = *a;
+            }
+            if mounting.free {
+                s.hub[i] = reduced[reduced.len() - 1];
+            }
+        }
+        s
+    }
+
+    pub(super) fn kept(&self) -> Kept<'_> {
+        Kept {
+            omega: &self.omega,
+            shapes: &self.shapes,
+            hub: &self.hub,
+        }
+    }
+
+    /// The first `count` of the modes.
+    pub(super) fn first(&self, count: usize) -> Shapes {
+        let all = self.omega.len();
+        Shapes {
+            omega: self.omega[..count].to_vec(),
+            shapes: (self.shapes.chunks_exact(all))
+                .flat_map(|s| s[..count].to_vec())
+                .collect(),
+            hub: self.hub[..count].to_vec(),
+        }
+    }
+}
+
+pub(super) fn matrices(mesh: &GearMesh, mounting: &Mounting) -> (Tie, Reduced) {
+    let assembly = assemble(&mesh.mesh, &STEEL).unwrap();
+    let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &mounting.motions());
+    let added = [mounting.added_inertia];
+    let added = &added[..mounting.motions().len()];
+    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
+    (tie, reduced)
+}
+
+pub(super) fn dense(r: &Residual) -> Vec<f64> {
+    let n = r.hub.len();
+    let nodes = 0..n as u32;
+    nodes
+        .clone()
+        .flat_map(|i| nodes.clone().map(move |j| (i, j)))
+        .map(|(i, j)| r.flanks.between(i, j, n))
+        .collect()
+}
+
+pub(super) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |l, x| l.max(x.abs()))
+}
+
+pub(super) fn worst(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |l, (a, b)| l.max((a - b).abs()))
+}
+
+/// Smallest eigenvalue of the compliance of flank nodes and hub together, over the largest; the hub in units that
+/// make its own entry one of them.
+pub(super) fn definiteness(r: &Residual) -> f64 {
+    let n = r.hub.len();
+    let c = dense(r);
+    let unit = if r.hub_hub > 0.0 {
+        (largest(&c) / r.hub_hub).sqrt()
+    } else {
+        1.0
+    };
+    // Outward by outward: the hub's rows count as they are.
+    let all = Mat::from_fn(n + 1, n + 1, |i, j| match (i == n, j == n) {
+        (false, false) => c[i * n + j],
+        (true, false) => unit * r.hub[j],
+        (false, true) => unit * r.hub[i],
+        (true, true) => unit * unit * r.hub_hub,
+    });
+    let scale = largest(&c);
+    let all = faer::Scale(1.0 / scale) * all;
+    let values = all.self_adjoint_eigenvalues(Side::Lower).unwrap();
+    values[0] / values[n]
+}
+
+pub(super) fn mountings() -> [Mounting; 3] {
+    [
+        Mounting::gear(false, 0.0),
+        Mounting::gear(true, 0.0),
+        Mounting::gear(true, 3e-4),
+    ]
+}

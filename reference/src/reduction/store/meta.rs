@@ -1,0 +1,108 @@
+//! The array `meta`: JSON text that says where a basis comes from.
+
+use super::error::{MAKE_AGAIN, StoreError, StoreErrorKind};
+use super::names::{META, MOST, value};
+use super::{Meta, Motion, SCHEMA};
+use crate::hash::Hash;
+use crate::reduction::Basis;
+use serde_json::{Value, json};
+
+pub(super) fn text(b: &Basis, meta: &Meta) -> String {
+    json!({
+        "format": "gearbench reduction",
+        "schema": SCHEMA,
+        "program": meta.program,
+        "source": meta.source,
+        "mesh": meta.mesh.to_string(),
+        "key": meta.key.to_string(),
+        "mount": if b.free { "free" } else { "held" },
+        "motion": match meta.motion {
+            Motion::Turn => "turn",
+            Motion::Slide => "slide",
+        },
+        "element": meta.element.name(),
+        "teeth": meta.teeth,
+        "nodes": meta.nodes,
+        "elements": meta.elements,
+        "unknowns": b.unknowns,
+        "asked": meta.asked,
+        "integrals": b.integrals.is_some(),
+    })
+    .to_string()
+}
+
+/// Entries of `meta`.
+pub(super) struct Entries(Value);
+
+impl Entries {
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, StoreError> {
+        let text = serde_json::from_slice(bytes);
+        let entries = Entries(text.map_err(|e| value(META, "JSON text", e.to_string()))?);
+        match entries.0.get("schema").and_then(Value::as_u64) {
+            Some(SCHEMA) => Ok(entries),
+            Some(newer) if newer > SCHEMA => Err(StoreError::new(
+                StoreErrorKind::Newer,
+                META,
+                format!("schema {SCHEMA}"),
+                format!("schema {newer}"),
+                "a newer gearbench reads it; or make it again with this one: `gearbench reduce`",
+            )),
+            other => Err(value(
+                META,
+                format!("schema {SCHEMA}"),
+                other.map_or("none".to_owned(), |s| format!("schema {s}")),
+            )),
+        }
+    }
+
+    pub(super) fn get<T>(
+        &self,
+        name: &str,
+        what: &str,
+        as_t: impl Fn(&Value) -> Option<T>,
+    ) -> Result<T, StoreError> {
+        let found = self.0.get(name);
+        found.and_then(as_t).ok_or_else(|| {
+            StoreError::new(
+                match found {
+                    Some(_) => StoreErrorKind::Value,
+                    None => StoreErrorKind::Missing,
+                },
+                META,
+                format!("`{name}`, {what}"),
+                found.map_or("no such entry".to_owned(), |v| {
+                    v.to_string().chars().take(60).collect()
+                }),
+                MAKE_AGAIN,
+            )
+        })
+    }
+
+    pub(super) fn flag(&self, name: &str) -> Option<bool> {
+        self.0.get(name).and_then(Value::as_bool)
+    }
+
+    pub(super) fn text(&self, name: &str) -> Result<String, StoreError> {
+        self.get(name, "a text", |v| v.as_str().map(str::to_owned))
+    }
+
+    pub(super) fn count(&self, name: &str) -> Result<usize, StoreError> {
+        self.get(name, "a count", |v| {
+            v.as_u64().filter(|n| *n <= MOST as u64).map(|n| n as usize)
+        })
+    }
+
+    pub(super) fn word<T: Copy>(&self, name: &str, words: &[(&str, T)]) -> Result<T, StoreError> {
+        let known: Vec<&str> = words.iter().map(|w| w.0).collect();
+        self.get(name, &format!("one of {}", known.join(", ")), |v| {
+            let text = v.as_str()?;
+            words.iter().find(|w| w.0 == text).map(|w| w.1)
+        })
+    }
+
+    pub(super) fn hash(&self, name: &str) -> Result<Hash, StoreError> {
+        self.get(name, "32 hexadecimal digits", |v| {
+            v.as_str().and_then(Hash::from_hex)
+        })
+    }
+}
