@@ -72,9 +72,9 @@ const PARTS: &[Part] = &[
         "compare hammer.toml --models rigid,movable-teeth --no-events --repeats 1 --timeout T --out OUT",
     ),
     part(
-        "modes",
+        "truncation",
         "impact",
-        "modes impact.toml --models elastic,fe --counts 0,5,20 --repeats 1 --timeout T --out OUT",
+        "truncation impact.toml --models elastic,fe --counts 0,5,20 --repeats 1 --timeout T --out OUT",
     ),
     part(
         "penalty",
@@ -173,7 +173,7 @@ fn run(part: &Part, own: &Path, list: &mut List) {
         });
         let arguments = std::iter::once("gearbench".to_owned()).chain(arguments);
         let cli = Cli::try_parse_from(arguments).unwrap_or_else(|e| panic!("{command}: {e}"));
-        let code = gearbench::commands::run(cli);
+        let code = gearbench::cli::run(cli);
         list.add(format!("{at}/command{i}.exit"), format!("{code:?}"));
     }
     let mut files = Vec::new();
