@@ -32,6 +32,7 @@ use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::system::{At, Coeffs, Energy, SecondOrderSystem, Singular};
 use gearbench_integrators::{Resolution, TimePlan, Work, method};
 use gearbench_models::Vec3;
+use gearbench_models::error::{BuildError, GearPart, Reason};
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
 use gearbench_models::geometry::{Gear, GearParams, Side};
@@ -39,8 +40,8 @@ use gearbench_models::kinematics::{Hub, Point, Row, Tooth};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
-    SceneSpec, Start, Value,
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
+    Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 
@@ -106,7 +107,7 @@ pub struct ElasticTestGear {
     coupling: f64,
 }
 
-fn refuse(key: &str, message: impl Into<String>) -> BuildError {
+fn refuse(key: &str, message: impl Into<Reason>) -> BuildError {
     BuildError::parameter(MODEL.id, key, message)
 }
 
@@ -134,8 +135,8 @@ fn numbers(context: &GearContext<'_>, key: &str, low: f64) -> Result<Vec<f64>, B
 
 fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let Body::Gear(gear) = context.body else {
-        let message = "the elastic test gear is no rack; use another model";
-        return Err(BuildError::gear(context.name, message));
+        let why = ("the elastic test gear is no rack", "use another model");
+        return Err(BuildError::gear(context.name, GearPart::Model, why));
     };
     let teeth = gear.teeth() as usize;
     let omega = numbers(context, "omega_rad_per_s", f64::MIN_POSITIVE)?;

@@ -9,6 +9,7 @@
 //!
 //! | module | owns |
 //! |---|---|
+//! | [`error`] | why something cannot be built: what it is about, cause, way out |
 //! | [`geometry`] | involute gears, racks, pairs and their derived quantities; flanks as grids of nodes |
 //! | [`stiffness`] | stiffness of a tooth pair along the path of contact |
 //! | [`law`] | laws of normal force and of friction |
@@ -24,6 +25,7 @@
 
 mod cholesky;
 pub mod contact;
+pub mod error;
 pub mod gear;
 pub mod geometry;
 pub mod kinematics;

@@ -2,8 +2,9 @@
 
 use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
 use crate::{deck, mesh};
+use gearbench_models::error::{BuildError, Reason};
 use gearbench_models::gear::table::{GearContext, ParameterInfo};
-use gearbench_models::spec::{Body as Toothing, BuildError, Value};
+use gearbench_models::spec::{Body as Toothing, Value};
 use std::path::Path;
 
 const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
@@ -78,8 +79,8 @@ pub struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// An error about a parameter.
     #[must_use]
-    pub fn error(&self, key: &str, message: impl Into<String>) -> BuildError {
-        BuildError::parameter(self.model, key, message)
+    pub fn error(&self, key: &str, why: impl Into<Reason>) -> BuildError {
+        BuildError::parameter(self.model, key, why)
     }
 
     /// A word.
@@ -163,9 +164,9 @@ impl Source {
                 let known: Vec<&str> = ElementKind::ALL.iter().map(|k| k.name()).collect();
                 reader.error(
                     "element",
-                    format!(
-                        "there is no element \"{name}\"; there are {}",
-                        known.join(", ")
+                    (
+                        format!("there is no element \"{name}\""),
+                        format!("there are {}", known.join(", ")),
                     ),
                 )
             })?),
@@ -245,7 +246,6 @@ fn stored(
     element: Option<ElementKind>,
 ) -> Result<GearMesh, BuildError> {
     let context = reader.context;
-    let error = |key: &str, message: String| reader.error(key, message);
     for key in [
         "flank_elements",
         "fillet_elements",
@@ -254,9 +254,12 @@ fn stored(
         "width_elements",
     ] {
         if context.parameters.contains_key(key) {
-            return Err(error(
+            return Err(reader.error(
                 key,
-                format!("is for generated meshes, but the mesh is \"{source}\"; leave it out"),
+                (
+                    format!("is for generated meshes, but the mesh is \"{source}\""),
+                    "leave it out",
+                ),
             ));
         }
     }
@@ -266,18 +269,18 @@ fn stored(
         None if Path::new(source).is_file() => deck::read(source),
         None => {
             let known: Vec<&str> = crate::REFERENCES.iter().map(|r| r.id).collect();
-            return Err(error(
+            return Err(reader.error(
                 "mesh",
-                format!(
-                    "\"{source}\" is neither a file nor a stored reference; there are \"generated\", {}",
-                    known.join(", ")
+                (
+                    format!("\"{source}\" is neither a file nor a stored reference"),
+                    format!("there are \"generated\", {}", known.join(", ")),
                 ),
             ));
         }
     };
     let gears = deck
         .and_then(|d| deck::gears(&d))
-        .map_err(|e| error("mesh", e.to_string()))?;
+        .map_err(|e| reader.error("mesh", e.to_string()))?;
     let (teeth, rack) = match context.body {
         Toothing::Gear(g) => (g.teeth(), false),
         Toothing::Rack(r) => (r.teeth(), true),
@@ -293,7 +296,7 @@ fn stored(
         .filter(|g| rack || g.mesh.teeth == teeth)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .ok_or_else(|| {
-            error(
+            reader.error(
                 "mesh",
                 format!(
                     "gear `{}` has {teeth} teeth, but \"{source}\" has {}",
@@ -305,14 +308,15 @@ fn stored(
         .mesh;
     if let Some(kind) = element {
         if kind.nodes() != gear.mesh.kind.nodes() {
-            return Err(error(
+            return Err(reader.error(
                 "element",
-                format!(
-                    "the elements of \"{source}\" are {} with {} nodes; {} has {}",
-                    gear.mesh.kind.name(),
-                    gear.mesh.kind.nodes(),
-                    kind.name(),
-                    kind.nodes()
+                (
+                    format!(
+                        "the elements of \"{source}\" are {} with {} nodes",
+                        gear.mesh.kind.name(),
+                        gear.mesh.kind.nodes()
+                    ),
+                    format!("{} has {}", kind.name(), kind.nodes()),
                 ),
             ));
         }

@@ -19,13 +19,14 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
+use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
 use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
-    PointContact, PointRule, SceneSpec, Start, Value,
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, PointContact,
+    PointRule, SceneSpec, Start, Value,
 };
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, Material, PairStiffness, RootLength, ToothModel,
@@ -178,7 +179,11 @@ const FINE_WHERE_IT_TOUCHES: Model = Model {
 
 fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let Body::Gear(gear) = context.body else {
-        return Err(BuildError::gear(context.name, "is no gear"));
+        return Err(BuildError::gear(
+            context.name,
+            GearPart::Model,
+            "is no gear",
+        ));
     };
     let n = |key: &str| match &context.parameters[key] {
         Value::Number(x) => *x as usize,
@@ -210,7 +215,7 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         }),
         ..Default::default()
     };
-    let refused = |e: String| BuildError::gear(context.name, e);
+    let refused = |e: String| BuildError::gear(context.name, GearPart::Model, e);
     let mesh = mesh::gear(gear, &params).map_err(|e| refused(e.to_string()))?;
     let body = Elements::new(
         mesh,

@@ -6,12 +6,13 @@
 
 use crate::flank_test_gears::{flanks_of, number, takes};
 use gearbench_models::Vec3;
+use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Reduced, Residual};
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
-use gearbench_models::spec::{Body, BuildError};
+use gearbench_models::spec::Body;
 use std::sync::Arc;
 
 /// The model.
@@ -40,7 +41,7 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         Arc::new(data),
     )
     .and_then(|model| model.with_sleep(number(context, "sleep", 0.0)))
-    .map_err(|e| BuildError::gear(context.name, e))?;
+    .map_err(|e| BuildError::gear(context.name, GearPart::Model, e))?;
     Ok(Box::new(model))
 }
 

@@ -12,12 +12,13 @@
 
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use gearbench_models::Vec3;
+use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
 use gearbench_models::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
 use gearbench_models::kinematics::{Hub, Locus, Placement, Point, Row, Tooth};
-use gearbench_models::spec::{Body, BuildError, Value};
+use gearbench_models::spec::{Body, Value};
 
 pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
@@ -242,6 +243,7 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
     if matches!(context.body, Body::Rack(_)) {
         return Err(BuildError::gear(
             context.name,
+            GearPart::Model,
             "the nodal test gear is no rack",
         ));
     }
@@ -251,7 +253,11 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
     let of_nodes: f64 = positions.iter().map(|x| m * (x.x * x.x + x.y * x.y)).sum();
     let body = context.hub.inertia - of_nodes;
     if body <= 0.0 {
-        return Err(BuildError::gear(context.name, "the nodes are too heavy"));
+        return Err(BuildError::gear(
+            context.name,
+            GearPart::Inertia,
+            "the nodes are too heavy",
+        ));
     }
     Ok(Box::new(Nodal {
         hub: context.hub.clone(),

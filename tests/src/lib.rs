@@ -11,14 +11,15 @@ use gearbench_integrators::{
     StepError, Stepping, TimePlan, Work,
 };
 use gearbench_models::contact::{Candidate, Party, Wanted};
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::kinematics::Row;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, BuildError, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters,
-    SceneSpec, Start, Value,
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
+    Start, Value,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 

@@ -8,10 +8,11 @@ use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{
     Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
 };
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Body, BuildError, Modelling, SceneSpec, Value, lever};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, Value, lever};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::TimeSeries;

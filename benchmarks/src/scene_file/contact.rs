@@ -9,6 +9,7 @@
 use super::contact_points;
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, in_order, key};
+use gearbench_models::error::Reason;
 use gearbench_models::law::{Damping, Friction, Law, LawError};
 use gearbench_models::spec::ContactSpec;
 use gearbench_models::stiffness::{
@@ -203,11 +204,10 @@ fn check_law(s: &Section<'_>, exponent: f64, damping: Damping) -> Result<(), Sce
         LawError::Exponent { .. } => "exponent",
         _ => "damping",
     };
-    let text = e.to_string();
-    let (message, help) = text.split_once("; ").unwrap_or((&text, ""));
+    let Reason { cause, help } = e.reason();
     match s.get(key) {
-        Some(at) => Err(at.error(message, "this value", help)),
-        None => Err(s.error(message, "here", help)),
+        Some(at) => Err(at.error(cause, "this value", help)),
+        None => Err(s.error(cause, "here", help)),
     }
 }
 
@@ -468,8 +468,7 @@ fn friction(entry: &Entry<'_>) -> Result<Friction, SceneError> {
     let s = entry.section("`friction`", FRICTION)?;
     let (mu, v_ref) = (s.number("mu")?, s.number("v_ref_m_s")?);
     Friction::new(mu, v_ref).map_err(|e| {
-        let text = e.to_string();
-        let (message, help) = text.split_once("; ").unwrap_or((&text, ""));
-        entry.error(message, "this friction", help)
+        let Reason { cause, help } = e.reason();
+        entry.error(cause, "this friction", help)
     })
 }

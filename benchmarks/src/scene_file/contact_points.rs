@@ -3,6 +3,7 @@
 use super::contact::word_or;
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, key};
+use gearbench_models::error::Reason;
 use gearbench_models::spec::{MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind};
 
 /// Keys that only flank points have.
@@ -102,10 +103,7 @@ pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError
 fn checked(settings: PointContact, entry: &Entry<'_>) -> Result<PointContact, SceneError> {
     match settings.problem() {
         None => Ok(settings),
-        Some(problem) => {
-            let (message, help) = problem.split_once("; ").unwrap_or((&problem, ""));
-            Err(entry.error(message, "in this contact", help))
-        }
+        Some(Reason { cause, help }) => Err(entry.error(cause, "in this contact", help)),
     }
 }
 

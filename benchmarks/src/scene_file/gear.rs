@@ -3,11 +3,13 @@
 use super::error::SceneError;
 use super::profile;
 use super::reader::{Entry, Key, Section, key};
+use gearbench_models::error::Reason;
 use gearbench_models::geometry::{
-    Gear, GearParams, GeometryError, Modifications, Rack, RackParams, ReliefShape, TipRelief,
+    Gear, GearParams, GeometryError, Modifications, Quantity, Rack, RackParams, ReliefShape,
+    TipRelief,
 };
 use gearbench_models::spec::{Body, GearSpec, Mount};
-use gearbench_models::stiffness::{Material, StiffnessError};
+use gearbench_models::stiffness::{Material, Property, StiffnessError};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -356,10 +358,11 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
     };
     material.check().map_err(|e| {
         let key = match &e {
-            StiffnessError::Poisson { .. } => "poisson",
-            StiffnessError::NotPositive { what, .. } if what.starts_with("density") => {
-                "density_kg_m3"
-            }
+            StiffnessError::Material { property, .. } => match property {
+                Property::Young => "young_pa",
+                Property::Poisson => "poisson",
+                Property::Density => "density_kg_m3",
+            },
             _ => "young_pa",
         };
         match s.get(key) {
@@ -376,75 +379,41 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
 
 /// A refusal of the geometry at the key that causes it.
 fn geometry(s: &Section<'_>, place: &Place, e: &GeometryError) -> SceneError {
-    let (message, help) = in_words(e);
+    let Reason { cause, help } = e.reason();
     let span = place.first(keys_of(e));
     s.source.error(
         span,
-        format!("{}: {message}", s.place),
+        format!("{}: {cause}", s.place),
         "this cannot be cut",
         help,
     )
 }
 
-/// A geometry error as cause and way out; its text has both, separated by a semicolon or a colon. Angles in
-/// degrees, as the file has them.
-pub(super) fn in_words(e: &GeometryError) -> (String, String) {
-    if let GeometryError::Invalid {
-        what,
-        value,
-        expected,
-    } = e
-        && let Some(what) = what.strip_suffix(" [rad]")
-    {
-        return (
-            format!("{what} is {:.6} degrees", value.to_degrees()),
-            format!("expected {expected}"),
-        );
-    }
-    if let GeometryError::Invalid {
-        what,
-        value,
-        expected,
-    } = e
-    {
-        return (format!("{what} is {value}"), format!("expected {expected}"));
-    }
-    let text = e.to_string();
-    match text.split_once("; ").or_else(|| text.rsplit_once(": ")) {
-        Some((cause, way_out)) => (cause.to_owned(), way_out.to_owned()),
-        None => (text, String::new()),
-    }
-}
-
 /// The keys that can cause a geometry error, the likeliest first.
 pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
     use GeometryError as E;
+    use Quantity as Q;
     match e {
-        E::Invalid { what, .. } => {
-            const NAMES: &[(&str, &[&str])] = &[
-                ("teeth", &["teeth"]),
-                ("normal module", &["module_m"]),
-                ("pressure angle", &["pressure_angle_deg"]),
-                ("helix angle", &["helix_angle_deg"]),
-                ("addendum", &["addendum_factor"]),
-                ("dedendum", &["dedendum_factor"]),
-                ("tip radius factor", &["tip_radius_factor"]),
-                ("thinning", &["thinning_m"]),
-                ("face width", &["face_width_m"]),
-                ("profile shift", &["profile_shift"]),
-                ("bore", &["bore_radius_m"]),
-                ("profile crowning", &["profile_crowning_m"]),
-                ("lead crowning", &["lead_crowning_m"]),
-                ("tip relief", &["tip_relief"]),
-                ("rack body", &["body_height_m"]),
-                ("backlash", &["backlash_m"]),
-                ("distance", &["centre_distance_m"]),
-            ];
-            NAMES
-                .iter()
-                .find(|(word, _)| what.contains(word))
-                .map_or(&[], |(_, keys)| keys)
-        }
+        E::Invalid { what, .. } => match what {
+            Q::Teeth | Q::RackTeeth => &["teeth"],
+            Q::ReliefAmount | Q::ReliefStart => &["tip_relief"],
+            Q::CentreDistance | Q::RackDistance => &["centre_distance_m"],
+            Q::ReferenceCircle | Q::TipCircle | Q::RootCircle => &["module_m"],
+            Q::Module => &["module_m"],
+            Q::PressureAngle => &["pressure_angle_deg"],
+            Q::HelixAngle => &["helix_angle_deg"],
+            Q::Addendum => &["addendum_factor"],
+            Q::Dedendum => &["dedendum_factor"],
+            Q::TipRadius => &["tip_radius_factor"],
+            Q::Thinning => &["thinning_m"],
+            Q::FaceWidth => &["face_width_m"],
+            Q::ProfileShift => &["profile_shift"],
+            Q::BoreRadius => &["bore_radius_m"],
+            Q::ProfileCrowning => &["profile_crowning_m"],
+            Q::LeadCrowning => &["lead_crowning_m"],
+            Q::BodyHeight => &["body_height_m"],
+            Q::Backlash => &["backlash_m"],
+        },
         E::Undercut { .. } => &["profile_shift", "teeth"],
         E::PointedTooth { .. } => &["addendum_factor", "profile_shift", "thinning_m", "teeth"],
         E::NoToothLeft { .. } => &["thinning_m"],

@@ -2,102 +2,86 @@
 
 use super::model::ModelPlace;
 use super::{SceneError, SceneFile};
-use gearbench_models::spec::BuildError;
+use gearbench_models::error::{BuildError, GearPart, MeshPart, Subject};
+use std::ops::Range;
 
 impl SceneFile {
-    /// The place in the file that an error of the assembly is about.
-    pub fn locate(&self, error: &BuildError) -> SceneError {
-        let choice = self.models.iter().position(|m| {
-            error.parameter.is_some() && error.subject.contains(&format!("model `{}`", m.model))
-        });
-        self.place(choice, error)
-    }
-
-    /// The same for an error met while building the model with a label.
+    /// The place in the file that an error met while building the model with a label is about.
     pub fn locate_in(&self, label: &str, error: &BuildError) -> SceneError {
-        self.place(self.models.iter().position(|m| m.label == label), error)
-    }
-
-    fn place(&self, choice: Option<usize>, error: &BuildError) -> SceneError {
+        let choice = self.models.iter().position(|m| m.label == label);
         let model = choice.and_then(|i| self.model_places.get(i));
-        let label = choice.map_or(String::new(), |i| {
-            format!(" (model `{}`)", self.models[i].label)
-        });
-        let (message, help) = match error.message.split_once("; ") {
-            Some((message, help)) => (message, help),
-            None => (
-                error.message.as_str(),
-                "correct the value, or leave it out to take the default",
+        let help = match error.reason.help.as_str() {
+            "" => "correct the value, or leave it out to take the default",
+            help => help,
+        };
+        self.source.error(
+            self.span_of(model, &error.subject),
+            format!(
+                "{}: {} (model `{label}`)",
+                error.subject, error.reason.cause
             ),
-        };
-        let message = format!("{}: {message}{label}", error.subject);
-        let gear = error
-            .gear
-            .as_ref()
-            .and_then(|g| self.spec.gears.iter().position(|s| s.name == *g));
-        let span = if let (Some(key), Some(model)) = (&error.parameter, model) {
-            model.first(&[&format!("parameters.{key}"), "parameters", "model"])
-        } else if let Some(i) = gear {
-            self.gears[i].first(keys_in(&error.message))
-        } else if let Some(mesh) = self.mesh_of(&error.subject) {
-            self.mesh_span(mesh, model, &error.message)
-        } else {
-            model.map_or(0..0, |m| m.header.clone())
-        };
-        self.source.error(span, message, "this", help)
+            "this",
+            help,
+        )
     }
 
-    fn mesh_of(&self, subject: &str) -> Option<usize> {
-        self.spec.meshes.iter().position(|m| {
-            let [a, b] = m.gears.map(|i| format!("`{}`", self.spec.gears[i].name));
-            subject.starts_with("mesh") && subject.contains(&a) && subject.contains(&b)
-        })
+    fn span_of(&self, model: Option<&ModelPlace>, subject: &Subject) -> Range<usize> {
+        let of_model = |keys: &[&str]| model.map_or(0..0, |m| m.first(keys));
+        match subject {
+            Subject::Scene => of_model(&[]),
+            Subject::Parameter { key, .. } => {
+                of_model(&[&format!("parameters.{key}"), "parameters", "model"])
+            }
+            Subject::Gear { name, part } => {
+                let index = self.spec.gears.iter().position(|g| g.name == *name);
+                let keys: &[&str] = match part {
+                    GearPart::Model => return of_model(&[&format!("gears.{name}"), "model"]),
+                    GearPart::Whole => &[],
+                    GearPart::Inertia => &[
+                        "inertia_kgm2",
+                        "mass_kg",
+                        "added_inertia_kgm2",
+                        "added_mass_kg",
+                    ],
+                    GearPart::Load => &["loads"],
+                    GearPart::Mount => &["mount"],
+                };
+                index.map_or_else(|| of_model(&[]), |i| self.gears[i].first(keys))
+            }
+            Subject::Mesh { gears, part } => self.span_of_mesh(model, gears, *part),
+        }
     }
 
     /// An error about a mesh is about a model's contact or about the mesh itself.
-    fn mesh_span(
+    fn span_of_mesh(
         &self,
-        mesh: usize,
         model: Option<&ModelPlace>,
-        message: &str,
-    ) -> std::ops::Range<usize> {
-        let says = |words: &[&str]| words.iter().any(|w| message.contains(w));
-        let contact: &[&str] = if says(&["slices"]) {
-            &["contact.slices", "contact"]
-        } else if says(&["damp", "restitution", "Kelvin"]) {
-            &["contact.damping", "contact"]
-        } else if says(&["exponent"]) {
-            &["contact.exponent", "contact"]
-        } else if says(&["tiffness", "Hertz", "ISO", "oundation", "table"]) {
-            &["contact.stiffness", "contact"]
-        } else {
-            &[]
+        gears: &[String; 2],
+        part: MeshPart,
+    ) -> Range<usize> {
+        let key = match part {
+            MeshPart::Layout | MeshPart::Start => None,
+            MeshPart::Stiffness => Some("contact.stiffness"),
+            MeshPart::Exponent => Some("contact.exponent"),
+            MeshPart::Damping => Some("contact.damping"),
+            MeshPart::Friction => Some("contact.friction"),
+            MeshPart::Slices => Some("contact.slices"),
+            MeshPart::Contact => Some("contact"),
         };
-        let draft = &self.meshes[mesh];
-        match (model, &draft.start) {
-            (Some(model), _) if !contact.is_empty() => model.first(contact),
-            (_, Some(start)) if says(&["start lies"]) => start.first(&["path_coordinate_m"]),
-            _ => draft
-                .place
-                .first(&["centre_distance_m", "backlash_m", "gears"]),
+        let name = |i: usize| &self.spec.gears[i].name;
+        let draft = self.meshes.iter().find(|m| {
+            let [a, b] = m.spec.gears;
+            [name(a), name(b)] == [&gears[0], &gears[1]]
+        });
+        match (model, key, draft) {
+            (Some(model), Some(key), _) => model.first(&[key, "contact"]),
+            (_, _, Some(draft)) => match (&draft.start, part) {
+                (Some(start), MeshPart::Start) => start.first(&["path_coordinate_m", "gap_m"]),
+                _ => draft
+                    .place
+                    .first(&["centre_distance_m", "backlash_m", "gears"]),
+            },
+            (model, _, None) => model.map_or(0..0, |m| m.header.clone()),
         }
-    }
-}
-
-/// Keys of a gear that a message speaks of.
-fn keys_in(message: &str) -> &'static [&'static str] {
-    if message.contains("inertia") {
-        &[
-            "inertia_kgm2",
-            "mass_kg",
-            "added_inertia_kgm2",
-            "added_mass_kg",
-        ]
-    } else if message.contains("load") {
-        &["loads"]
-    } else if message.contains("mount") || message.contains("driven") {
-        &["mount"]
-    } else {
-        &[]
     }
 }

@@ -5,9 +5,10 @@
 //! of the first mesh stands at the origin unless it says otherwise.
 
 use super::error::{SceneError, Source};
-use super::gear::{GearDraft, Place, in_words, keys_of};
+use super::gear::{GearDraft, Place, keys_of};
 use super::reader::{Entry, Key, Section, key};
 use super::suggest;
+use gearbench_models::error::Reason;
 use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, RackPair, Side};
 use gearbench_models::spec::{Body, MeshSpec, Start};
 
@@ -325,8 +326,8 @@ fn refusal(
     b: &GearDraft,
     e: &GeometryError,
 ) -> SceneError {
-    let (message, help) = in_words(e);
-    let message = format!("`{}` and `{}`: {message}", a.spec.name, b.spec.name);
+    let Reason { cause, help } = e.reason();
+    let message = format!("`{}` and `{}`: {cause}", a.spec.name, b.spec.name);
     if matches!(
         e,
         GeometryError::UnequalModules { .. }

@@ -223,11 +223,8 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
 /// An error of the TOML syntax.
 fn syntax_error(source: &Source, e: &toml::de::Error) -> SceneError {
     let message = e.message().trim().replace('\n', "; ");
-    let help = if message.contains("duplicate") {
-        "a name stands once in a file; rename or remove one"
-    } else {
-        "a line is `key = value`, a table begins with `[name]`, text stands in quotes (https://toml.io)"
-    };
+    let help = "a line is `key = value`, a table begins with `[name]`, text stands in quotes, a name stands once \
+                (https://toml.io)";
     source.error(
         e.span().unwrap_or(0..0),
         format!("not TOML: {message}"),
@@ -383,7 +380,7 @@ impl SceneFile {
         for choice in choices {
             let incomplete = choice.calibration.is_some() && !calibrated;
             if let Err(e) = Scene::build(&self.spec_for(choice), &choice.modelling, model_table())
-                && !(incomplete && e.message.contains("is missing"))
+                && !(incomplete && e.is_missing())
             {
                 return Err(self.locate_in(&choice.label, &e));
             }

@@ -2,8 +2,9 @@
 
 use super::model::GearModel;
 use super::{movable_teeth, rigid};
+use crate::error::BuildError;
 use crate::kinematics::{Hub, Placement};
-use crate::spec::{Body, BuildError, Parameters};
+use crate::spec::{Body, Parameters};
 use crate::stiffness::Material;
 
 /// What a model is built from.
@@ -91,7 +92,7 @@ impl Model {
                 return Err(BuildError::parameter(
                     self.id,
                     key,
-                    format!("is not known; {way_out}"),
+                    ("is not known", way_out),
                 ));
             }
         }

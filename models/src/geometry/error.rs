@@ -1,27 +1,83 @@
 //! Why a geometry is refused: one variant per cause, each with the numbers and a way out.
 
-use thiserror::Error;
+use crate::error::Reason;
+use std::fmt;
+
+/// A quantity that a geometry is made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "each is what its name says")]
+pub enum Quantity {
+    Teeth,
+    RackTeeth,
+    Module,
+    PressureAngle,
+    HelixAngle,
+    Addendum,
+    Dedendum,
+    TipRadius,
+    Thinning,
+    FaceWidth,
+    ProfileShift,
+    BoreRadius,
+    ProfileCrowning,
+    LeadCrowning,
+    ReliefAmount,
+    ReliefStart,
+    BodyHeight,
+    CentreDistance,
+    RackDistance,
+    Backlash,
+    ReferenceCircle,
+    TipCircle,
+    RootCircle,
+}
+
+impl Quantity {
+    /// Its name with its unit.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Teeth => "number of teeth",
+            Self::RackTeeth => "number of rack teeth",
+            Self::Module => "normal module [m]",
+            Self::PressureAngle => "normal pressure angle",
+            Self::HelixAngle => "helix angle",
+            Self::Addendum => "addendum factor",
+            Self::Dedendum => "dedendum factor",
+            Self::TipRadius => "tip radius factor",
+            Self::Thinning => "thinning [m]",
+            Self::FaceWidth => "face width [m]",
+            Self::ProfileShift => "profile shift coefficient",
+            Self::BoreRadius => "bore radius [m]",
+            Self::ProfileCrowning => "profile crowning [m]",
+            Self::LeadCrowning => "lead crowning [m]",
+            Self::ReliefAmount => "tip relief amount [m]",
+            Self::ReliefStart => "tip relief start radius [m]",
+            Self::BodyHeight => "height of the rack body [m]",
+            Self::CentreDistance => "centre distance [m]",
+            Self::RackDistance => "distance from gear centre to rack reference line [m]",
+            Self::Backlash => "backlash [m]",
+            Self::ReferenceCircle => "reference radius [m]",
+            Self::TipCircle => "tip radius [m]",
+            Self::RootCircle => "root radius [m]",
+        }
+    }
+}
 
 /// A gear, rack or pair that cannot exist, with the cause and a way out. Lengths in metre.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GeometryError {
     /// A value outside its admissible range, or not a number.
-    #[error("{what} is {value}: expected {expected}")]
     Invalid {
-        /// Name of the quantity.
-        what: &'static str,
-        /// The value found (in the unit `expected` names).
+        /// The quantity.
+        what: Quantity,
+        /// The value found [m or rad].
         value: f64,
         /// The admissible range in words.
         expected: &'static str,
     },
     /// The rack tool cuts below the start of the involute.
-    #[error(
-        "undercut: {teeth} teeth with profile shift {profile_shift:.4} let the tool cut into the \
-         involute; use a profile shift of at least {min_profile_shift:.4}, at least {min_teeth} teeth, or \
-         a larger tip radius factor"
-    )]
     Undercut {
         /// Number of teeth.
         teeth: u32,
@@ -33,10 +89,6 @@ pub enum GeometryError {
         min_teeth: u64,
     },
     /// The flanks of a tooth meet below the tip circle.
-    #[error(
-        "pointed tooth: both flanks meet at radius {r_pointed:.6} m, below the tip radius {r_tip:.6} m; \
-         reduce the addendum factor below {max_addendum:.4}, the profile shift or the thinning"
-    )]
     PointedTooth {
         /// Tip radius asked for (m).
         r_tip: f64,
@@ -46,10 +98,6 @@ pub enum GeometryError {
         max_addendum: f64,
     },
     /// Thinning leaves no tooth at the reference circle or line.
-    #[error(
-        "no tooth left: thinning {thinning:.6} m takes the whole tooth thickness {thickness:.6} m \
-         at the reference circle; thin less"
-    )]
     NoToothLeft {
         /// Thinning asked for (m).
         thinning: f64,
@@ -57,10 +105,6 @@ pub enum GeometryError {
         thickness: f64,
     },
     /// The rounding does not fit into the tip of the rack tool.
-    #[error(
-        "tip radius factor {factor:.4} does not fit the rack tool: the full radius is reached at \
-         {max_factor:.4}; use a smaller factor"
-    )]
     TipRadius {
         /// Tip radius factor given.
         factor: f64,
@@ -68,10 +112,6 @@ pub enum GeometryError {
         max_factor: f64,
     },
     /// The flanks of the rack tool meet before its tip.
-    #[error(
-        "dedendum factor {dedendum:.4} is too deep: the flanks of the rack tool meet before its tip; \
-         use a dedendum factor below {max_dedendum:.4} or a smaller pressure angle"
-    )]
     PointedTool {
         /// Dedendum factor given.
         dedendum: f64,
@@ -79,19 +119,11 @@ pub enum GeometryError {
         max_dedendum: f64,
     },
     /// The root circle vanishes.
-    #[error(
-        "the root radius {r_root:.6} m is not positive: use more teeth, more profile shift or a \
-         smaller dedendum factor"
-    )]
     NoRoot {
         /// Root radius that follows from the input (m).
         r_root: f64,
     },
     /// The fillet reaches the tip, or the tip lies below the base circle.
-    #[error(
-        "no involute flank: the fillet ends at radius {r_form:.6} m, not below the tip radius \
-         {r_tip:.6} m; use a larger addendum factor or a smaller tip radius factor"
-    )]
     NoInvolute {
         /// Form radius (m).
         r_form: f64,
@@ -99,16 +131,8 @@ pub enum GeometryError {
         r_tip: f64,
     },
     /// The trochoid generated by the tool tip is not a single-valued root fillet.
-    #[error(
-        "the trochoidal root fillet folds back on itself; use a profile shift farther from the \
-         dedendum factor or a larger tip radius factor"
-    )]
     FilletFolds,
     /// The bore reaches the root circle.
-    #[error(
-        "bore too large: the bore radius {bore:.6} m is not below the root radius {r_root:.6} m; \
-         use a smaller bore"
-    )]
     BoreTooLarge {
         /// Bore radius (m).
         bore: f64,
@@ -116,10 +140,6 @@ pub enum GeometryError {
         r_root: f64,
     },
     /// Tip relief starts outside the involute flank.
-    #[error(
-        "tip relief starts at radius {start:.6} m, outside the involute flank: choose a start radius \
-         from {r_form:.6} m (form) to below {r_tip:.6} m (tip)"
-    )]
     ReliefStart {
         /// Start radius given (m).
         start: f64,
@@ -129,10 +149,6 @@ pub enum GeometryError {
         r_tip: f64,
     },
     /// Modifications take away the whole tip of a tooth.
-    #[error(
-        "flank modifications take {removed:.6} m normal to each flank at the tip, where only \
-         {available:.6} m is there; use smaller amounts"
-    )]
     ModificationTooDeep {
         /// Sum of the amounts at the tip (m).
         removed: f64,
@@ -140,7 +156,6 @@ pub enum GeometryError {
         available: f64,
     },
     /// The two modules differ.
-    #[error("unequal modules: {first} m and {second} m do not mesh; use one normal module")]
     UnequalModules {
         /// Normal module of gear 1 (m).
         first: f64,
@@ -148,10 +163,6 @@ pub enum GeometryError {
         second: f64,
     },
     /// The two pressure angles differ.
-    #[error(
-        "unequal pressure angles: {first_deg:.6} and {second_deg:.6} degrees do not mesh; use one \
-         normal pressure angle"
-    )]
     UnequalPressureAngles {
         /// Normal pressure angle of gear 1 (degree).
         first_deg: f64,
@@ -159,10 +170,6 @@ pub enum GeometryError {
         second_deg: f64,
     },
     /// The helix angles are not equal and opposite.
-    #[error(
-        "helix angles {first_deg:.6} and {second_deg:.6} degrees do not mesh on parallel axes: \
-         external teeth need equal angles of opposite hand (opposite sign)"
-    )]
     HelixMismatch {
         /// Helix angle of gear 1 (degree).
         first_deg: f64,
@@ -170,10 +177,6 @@ pub enum GeometryError {
         second_deg: f64,
     },
     /// The base circles overlap: there is no common tangent between them.
-    #[error(
-        "centre distance too small: {centre_distance:.6} m is not above the sum of the base radii \
-         {base_sum:.6} m; increase it"
-    )]
     CentreDistanceTooSmall {
         /// Centre distance given (m).
         centre_distance: f64,
@@ -181,10 +184,6 @@ pub enum GeometryError {
         base_sum: f64,
     },
     /// The teeth do not reach each other.
-    #[error(
-        "no tooth engagement: at {centre_distance:.6} m the tips do not reach each other; the \
-         distance must stay below {max_distance:.6} m"
-    )]
     NoEngagement {
         /// Distance given (m).
         centre_distance: f64,
@@ -192,10 +191,6 @@ pub enum GeometryError {
         max_distance: f64,
     },
     /// Negative backlash: both flanks of a tooth would penetrate the mating gear.
-    #[error(
-        "flanks overlap: at {centre_distance:.6} m the backlash is {backlash:.3e} m; increase the \
-         distance to at least {min_distance:.8} m, or thin the teeth"
-    )]
     FlanksOverlap {
         /// Distance given (m).
         centre_distance: f64,
@@ -205,10 +200,6 @@ pub enum GeometryError {
         min_distance: f64,
     },
     /// The tip of one gear runs into the root of the other.
-    #[error(
-        "tip and root collide: the tip of {tip_of} passes the root of its mate with clearance \
-         {clearance:.3e} m; increase the distance, shorten that addendum or deepen the mating dedendum"
-    )]
     TipRootCollision {
         /// Whose tip: `gear 1`, `gear 2` or `the rack`.
         tip_of: &'static str,
@@ -216,11 +207,6 @@ pub enum GeometryError {
         clearance: f64,
     },
     /// The tip of one gear touches the mate below its involute.
-    #[error(
-        "interference: the tip of {tip_of} meets its mate {below:.3e} m (along the line of action) \
-         below the start of the involute; reduce the tip radius (or rack addendum) of {tip_of} by \
-         {reduce_by:.3e} m, or change profile shift or distance"
-    )]
     Interference {
         /// Whose tip: `gear 1`, `gear 2` or `the rack`.
         tip_of: &'static str,
@@ -230,19 +216,237 @@ pub enum GeometryError {
         reduce_by: f64,
     },
     /// Contact would be lost between one tooth pair and the next.
-    #[error(
-        "contact ratio {value:.4} is below 1: contact is lost between tooth pairs; reduce the \
-         distance, or use a larger addendum, more teeth or a smaller pressure angle"
-    )]
     ContactRatio {
         /// Total contact ratio.
         value: f64,
     },
 }
 
+impl GeometryError {
+    /// Cause and way out.
+    #[must_use]
+    pub fn reason(&self) -> Reason {
+        let (cause, help) = match self {
+            Self::Invalid {
+                what,
+                value,
+                expected,
+            } => (
+                match what {
+                    Quantity::PressureAngle | Quantity::HelixAngle => {
+                        format!("{} is {:.6} degrees", what.name(), value.to_degrees())
+                    }
+                    _ => format!("{} is {value}", what.name()),
+                },
+                format!("expected {expected}"),
+            ),
+            Self::Undercut {
+                teeth,
+                profile_shift,
+                min_profile_shift,
+                min_teeth,
+            } => (
+                format!(
+                    "undercut: {teeth} teeth with profile shift {profile_shift:.4} let the \
+                     tool cut into the involute"
+                ),
+                format!(
+                    "use a profile shift of at least {min_profile_shift:.4}, at least \
+                     {min_teeth} teeth, or a larger tip radius factor"
+                ),
+            ),
+            Self::PointedTooth {
+                r_pointed,
+                r_tip,
+                max_addendum,
+            } => (
+                format!(
+                    "pointed tooth: both flanks meet at radius {r_pointed:.6} m, below the \
+                     tip radius {r_tip:.6} m"
+                ),
+                format!(
+                    "reduce the addendum factor below {max_addendum:.4}, the profile shift or \
+                     the thinning"
+                ),
+            ),
+            Self::NoToothLeft {
+                thinning,
+                thickness,
+            } => (
+                format!(
+                    "no tooth left: thinning {thinning:.6} m takes the whole tooth thickness \
+                     {thickness:.6} m at the reference circle"
+                ),
+                "thin less".to_owned(),
+            ),
+            Self::TipRadius { factor, max_factor } => (
+                format!(
+                    "tip radius factor {factor:.4} does not fit the rack tool: the full \
+                     radius is reached at {max_factor:.4}"
+                ),
+                "use a smaller factor".to_owned(),
+            ),
+            Self::PointedTool {
+                dedendum,
+                max_dedendum,
+            } => (
+                format!(
+                    "dedendum factor {dedendum:.4} is too deep: the flanks of the rack tool \
+                     meet before its tip"
+                ),
+                format!(
+                    "use a dedendum factor below {max_dedendum:.4} or a smaller pressure \
+                     angle"
+                ),
+            ),
+            Self::NoRoot { r_root } => (
+                format!("the root radius {r_root:.6} m is not positive"),
+                "use more teeth, more profile shift or a smaller dedendum factor".to_owned(),
+            ),
+            Self::NoInvolute { r_form, r_tip } => (
+                format!(
+                    "no involute flank: the fillet ends at radius {r_form:.6} m, not below \
+                     the tip radius {r_tip:.6} m"
+                ),
+                "use a larger addendum factor or a smaller tip radius factor".to_owned(),
+            ),
+            Self::FilletFolds => (
+                "the trochoidal root fillet folds back on itself".to_owned(),
+                "use a profile shift farther from the dedendum factor or a larger tip \
+                     radius factor"
+                    .to_owned(),
+            ),
+            Self::BoreTooLarge { bore, r_root } => (
+                format!(
+                    "bore too large: the bore radius {bore:.6} m is not below the root radius \
+                     {r_root:.6} m"
+                ),
+                "use a smaller bore".to_owned(),
+            ),
+            Self::ReliefStart {
+                start,
+                r_form,
+                r_tip,
+            } => (
+                format!("tip relief starts at radius {start:.6} m, outside the involute flank"),
+                format!(
+                    "choose a start radius from {r_form:.6} m (form) to below {r_tip:.6} m \
+                     (tip)"
+                ),
+            ),
+            Self::ModificationTooDeep { removed, available } => (
+                format!(
+                    "flank modifications take {removed:.6} m normal to each flank at the tip, \
+                     where only {available:.6} m is there"
+                ),
+                "use smaller amounts".to_owned(),
+            ),
+            Self::UnequalModules { first, second } => (
+                format!("unequal modules: {first} m and {second} m do not mesh"),
+                "use one normal module".to_owned(),
+            ),
+            Self::UnequalPressureAngles {
+                first_deg,
+                second_deg,
+            } => (
+                format!(
+                    "unequal pressure angles: {first_deg:.6} and {second_deg:.6} degrees do \
+                     not mesh"
+                ),
+                "use one normal pressure angle".to_owned(),
+            ),
+            Self::HelixMismatch {
+                first_deg,
+                second_deg,
+            } => (
+                format!(
+                    "helix angles {first_deg:.6} and {second_deg:.6} degrees do not mesh on \
+                     parallel axes"
+                ),
+                "external teeth need equal angles of opposite hand (opposite sign)".to_owned(),
+            ),
+            Self::CentreDistanceTooSmall {
+                centre_distance,
+                base_sum,
+            } => (
+                format!(
+                    "centre distance too small: {centre_distance:.6} m is not above the sum \
+                     of the base radii {base_sum:.6} m"
+                ),
+                "increase it".to_owned(),
+            ),
+            Self::NoEngagement {
+                centre_distance,
+                max_distance,
+            } => (
+                format!(
+                    "no tooth engagement: at {centre_distance:.6} m the tips do not reach \
+                     each other"
+                ),
+                format!("the distance must stay below {max_distance:.6} m"),
+            ),
+            Self::FlanksOverlap {
+                centre_distance,
+                backlash,
+                min_distance,
+            } => (
+                format!(
+                    "flanks overlap: at {centre_distance:.6} m the backlash is {backlash:.3e} \
+                     m"
+                ),
+                format!("increase the distance to at least {min_distance:.8} m, or thin the teeth"),
+            ),
+            Self::TipRootCollision { tip_of, clearance } => (
+                format!(
+                    "tip and root collide: the tip of {tip_of} passes the root of its mate \
+                     with clearance {clearance:.3e} m"
+                ),
+                "increase the distance, shorten that addendum or deepen the mating \
+                     dedendum"
+                    .to_owned(),
+            ),
+            Self::Interference {
+                tip_of,
+                below,
+                reduce_by,
+            } => (
+                format!(
+                    "interference: the tip of {tip_of} meets its mate {below:.3e} m (along \
+                     the line of action) below the start of the involute"
+                ),
+                format!(
+                    "reduce the tip radius (or rack addendum) of {tip_of} by {reduce_by:.3e} \
+                     m, or change profile shift or distance"
+                ),
+            ),
+            Self::ContactRatio { value } => (
+                format!("contact ratio {value:.4} is below 1: contact is lost between tooth pairs"),
+                "reduce the distance, or use a larger addendum, more teeth or a smaller \
+                     pressure angle"
+                    .to_owned(),
+            ),
+        };
+        Reason { cause, help }
+    }
+}
+
+impl fmt::Display for GeometryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.reason().fmt(f)
+    }
+}
+
+impl std::error::Error for GeometryError {}
+
+impl From<&GeometryError> for Reason {
+    fn from(e: &GeometryError) -> Self {
+        e.reason()
+    }
+}
+
 /// Accepts a finite value that passes `test`.
 pub(super) fn check(
-    what: &'static str,
+    what: Quantity,
     value: f64,
     test: bool,
     expected: &'static str,
@@ -259,16 +463,16 @@ pub(super) fn check(
 }
 
 /// Accepts a finite value above zero.
-pub(super) fn positive(what: &'static str, value: f64) -> Result<(), GeometryError> {
+pub(super) fn positive(what: Quantity, value: f64) -> Result<(), GeometryError> {
     check(what, value, value > 0.0, "a finite number above 0")
 }
 
 /// Accepts a finite value of zero or above.
-pub(super) fn not_negative(what: &'static str, value: f64) -> Result<(), GeometryError> {
+pub(super) fn not_negative(what: Quantity, value: f64) -> Result<(), GeometryError> {
     check(what, value, value >= 0.0, "a finite number, 0 or above")
 }
 
 /// Accepts a finite value.
-pub(super) fn finite(what: &'static str, value: f64) -> Result<(), GeometryError> {
+pub(super) fn finite(what: Quantity, value: f64) -> Result<(), GeometryError> {
     check(what, value, true, "a finite number")
 }

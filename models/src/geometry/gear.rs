@@ -15,7 +15,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::error::{GeometryError, check, finite, not_negative, positive};
+use super::error::{GeometryError, Quantity, check, finite, not_negative, positive};
 use super::fillet::{Fillet, ToolTip};
 use super::involute::{inv, inv_inverse, inv_of_tangent};
 use super::modification::Modifications;
@@ -82,34 +82,34 @@ pub(super) fn check_basic_rack(
     face_width: f64,
 ) -> Result<(), GeometryError> {
     check(
-        "normal module [m]",
+        Quantity::Module,
         module,
         (1e-6..=10.0).contains(&module),
         "a length from 1e-6 to 10 m (4 mm is 0.004)",
     )?;
     check(
-        "normal pressure angle [rad]",
+        Quantity::PressureAngle,
         pressure_angle,
         pressure_angle > 0.0 && pressure_angle < FRAC_PI_4,
         "an angle between 0 and 45 degrees (0.785 rad), ends excluded",
     )?;
     check(
-        "helix angle [rad]",
+        Quantity::HelixAngle,
         helix_angle,
         helix_angle.abs() <= PI / 3.0,
         "an angle from -60 to 60 degrees (1.047 rad)",
     )?;
-    positive("addendum factor", factors[0])?;
-    positive("dedendum factor", factors[1])?;
-    not_negative("tip radius factor", factors[2])?;
-    not_negative("thinning [m]", thinning)?;
-    positive("face width [m]", face_width)
+    positive(Quantity::Addendum, factors[0])?;
+    positive(Quantity::Dedendum, factors[1])?;
+    not_negative(Quantity::TipRadius, factors[2])?;
+    not_negative(Quantity::Thinning, thinning)?;
+    positive(Quantity::FaceWidth, face_width)
 }
 
 impl GearParams {
     fn check(&self) -> Result<(), GeometryError> {
         check(
-            "number of teeth",
+            Quantity::Teeth,
             f64::from(self.teeth),
             (3..=MAX_TEETH).contains(&self.teeth),
             "a whole number from 3 to 10000",
@@ -122,8 +122,8 @@ impl GearParams {
             self.thinning,
             self.face_width,
         )?;
-        finite("profile shift coefficient", self.profile_shift)?;
-        not_negative("bore radius [m]", self.bore_radius)
+        finite(Quantity::ProfileShift, self.profile_shift)?;
+        not_negative(Quantity::BoreRadius, self.bore_radius)
     }
 }
 
@@ -164,9 +164,9 @@ impl Gear {
         let r_tip = r + m * (p.addendum + x);
         let r_root = r + m * (x - p.dedendum);
         for (what, value) in [
-            ("reference radius [m]", r),
-            ("tip radius [m]", r_tip),
-            ("root radius [m]", r_root),
+            (Quantity::ReferenceCircle, r),
+            (Quantity::TipCircle, r_tip),
+            (Quantity::RootCircle, r_root),
         ] {
             finite(what, value)?;
         }

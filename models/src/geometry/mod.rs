@@ -37,7 +37,7 @@ mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
 
-pub use error::GeometryError;
+pub use error::{GeometryError, Quantity};
 pub use flanks::{FlankGrid, Flanks};
 pub use gear::{Gear, GearParams};
 pub use involute::{inv, inv_inverse};

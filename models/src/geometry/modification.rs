@@ -6,7 +6,7 @@
 //! tip, crowning as a parabola about the middle of the flank. Terms of ISO 21771-1 (flank
 //! modifications); relief after H. Walker, *The Engineer* 166 (1938).
 
-use super::error::{GeometryError, not_negative, positive};
+use super::error::{GeometryError, Quantity, not_negative, positive};
 
 /// Course of a relief from its start to the tip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,11 +48,11 @@ impl Modifications {
 
     /// Checks signs and that the relief starts on the involute; radii in metre.
     pub(super) fn check(&self, r_form: f64, r_tip: f64) -> Result<(), GeometryError> {
-        not_negative("profile crowning [m]", self.profile_crowning)?;
-        not_negative("lead crowning [m]", self.lead_crowning)?;
+        not_negative(Quantity::ProfileCrowning, self.profile_crowning)?;
+        not_negative(Quantity::LeadCrowning, self.lead_crowning)?;
         if let Some(relief) = &self.tip_relief {
-            positive("tip relief amount [m]", relief.amount)?;
-            positive("tip relief start radius [m]", relief.start_radius)?;
+            positive(Quantity::ReliefAmount, relief.amount)?;
+            positive(Quantity::ReliefStart, relief.start_radius)?;
             if relief.start_radius < r_form || relief.start_radius >= r_tip {
                 return Err(GeometryError::ReliefStart {
                     start: relief.start_radius,

@@ -21,7 +21,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Side;
-use super::error::{GeometryError, positive};
+use super::error::{GeometryError, Quantity, positive};
 use super::gear::Gear;
 use super::involute::inv;
 
@@ -98,7 +98,7 @@ impl Pair {
     /// engagement or with overlapping flanks, tips that reach root or fillet of the mate, and a
     /// total contact ratio below 1.
     pub fn new(one: &Gear, two: &Gear, centre_distance: f64) -> Result<Self, GeometryError> {
-        positive("centre distance [m]", centre_distance)?;
+        positive(Quantity::CentreDistance, centre_distance)?;
         check_same_rack(basic_rack(one), basic_rack(two))?;
         let a = centre_distance;
         let r_base = [one.r_base(), two.r_base()];
@@ -184,14 +184,14 @@ impl Pair {
         two: &Gear,
         backlash: f64,
     ) -> Result<f64, GeometryError> {
-        super::error::not_negative("backlash [m]", backlash)?;
+        super::error::not_negative(Quantity::Backlash, backlash)?;
         check_same_rack(basic_rack(one), basic_rack(two))?;
         let base_sum = one.r_base() + two.r_base();
         let constant = backlash_constant(one, two);
         let excess = |aw: f64| constant + 2.0 * base_sum * inv(aw) - backlash * aw.cos();
         if excess(0.0) >= 0.0 {
             return Err(GeometryError::Invalid {
-                what: "backlash [m]",
+                what: Quantity::Backlash,
                 value: backlash,
                 expected: "more: the thinned teeth have a larger backlash at any centre distance",
             });

@@ -12,7 +12,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::error::{GeometryError, check, positive};
+use super::error::{GeometryError, Quantity, check, positive};
 use super::fillet::ToolTip;
 use super::gear::{MAX_TEETH, check_basic_rack};
 
@@ -77,7 +77,7 @@ impl Rack {
     pub fn new(params: RackParams) -> Result<Self, GeometryError> {
         let p = &params;
         check(
-            "number of rack teeth",
+            Quantity::RackTeeth,
             f64::from(p.teeth),
             (1..=MAX_TEETH).contains(&p.teeth),
             "a whole number from 1 to 10000",
@@ -90,7 +90,7 @@ impl Rack {
             p.thinning,
             p.face_width,
         )?;
-        positive("height of the rack body [m]", p.body_height)?;
+        positive(Quantity::BodyHeight, p.body_height)?;
         let cos_beta = p.helix_angle.cos();
         let alpha_t = (p.pressure_angle.tan() / cos_beta).atan();
         let beta_b = (p.helix_angle.sin() * p.pressure_angle.cos()).asin();

@@ -13,7 +13,7 @@
 //! tooth and `w_0` its half thickness at the reference line. ISO 21771-1.
 
 use super::Side;
-use super::error::{GeometryError, positive};
+use super::error::{GeometryError, Quantity, positive};
 use super::gear::Gear;
 use super::pair::{FORM_SLACK, SLACK, check_same_rack};
 use super::rack::Rack;
@@ -42,10 +42,7 @@ impl RackPair {
     /// # Errors
     /// [`GeometryError`] as for [`super::Pair::new`].
     pub fn new(gear: &Gear, rack: &Rack, distance: f64) -> Result<Self, GeometryError> {
-        positive(
-            "distance from gear centre to rack reference line [m]",
-            distance,
-        )?;
+        positive(Quantity::RackDistance, distance)?;
         let (g, k) = (gear.params(), rack.params());
         check_same_rack(
             (g.module, g.pressure_angle, g.helix_angle),

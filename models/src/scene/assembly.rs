@@ -8,14 +8,15 @@ use super::{Scene, SceneGear, SceneMesh};
 use crate::Vec3;
 use crate::contact::pairs::{Deviation, LinesOfAction, MeshGeometry, Slice};
 use crate::contact::search::ContactSearch;
+use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::gear::Magnitudes;
 use crate::gear::table::{GearContext, Model};
 use crate::geometry::{Gear, Side};
 use crate::kinematics::{Hub, MeshView, Placement};
-use crate::law::{Damping, Law};
+use crate::law::{Damping, Law, LawError};
 use crate::spec::{
-    Body, BuildError, ContactSpec, GearSpec, Load, MeshLayout, MeshSpec, Modelling, Mount,
-    SceneSpec, lever, mesh_layout, stiffness_curve,
+    Body, ContactSpec, GearSpec, Load, MeshLayout, MeshSpec, Modelling, Mount, SceneSpec, lever,
+    mesh_layout, stiffness_curve,
 };
 use crate::stiffness::PairOrMesh;
 use gearbench_integrators::system::State;
@@ -81,8 +82,8 @@ fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f64>, BuildE
         let wanted = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
         if !(l.path[0]..=l.path[1]).contains(&wanted) {
             return Err(BuildError::mesh(
-                &a.name,
-                &b.name,
+                [&a.name, &b.name],
+                MeshPart::Start,
                 format!(
                     "the start lies at {wanted:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
                     l.path[0], l.path[1]
@@ -139,18 +140,21 @@ fn check_start(
         }
         let name = if side == Side::Left { "left" } else { "right" };
         return Err(BuildError::mesh(
-            &a.name,
-            &b.name,
-            format!(
-                "at the start the {name} flanks overlap by {:.4e} m (gap asked for: {:.4e} m, backlash along the line of action: {:.4e} m); use a gap between 0 and the backlash, or, where other meshes place both gears, another position",
-                -gap, mesh.start.gap, l.backlash
+            [&a.name, &b.name],
+            MeshPart::Start,
+            (
+                format!(
+                    "at the start the {name} flanks overlap by {:.4e} m (gap asked for: {:.4e} m, backlash along the line of action: {:.4e} m)",
+                    -gap, mesh.start.gap, l.backlash
+                ),
+                "use a gap between 0 and the backlash, or, where other meshes place both gears, another position",
             ),
         ));
     }
     if !mesh.start.gap.is_finite() {
         return Err(BuildError::mesh(
-            &a.name,
-            &b.name,
+            [&a.name, &b.name],
+            MeshPart::Start,
             format!("the gap {} at the start is no number", mesh.start.gap),
         ));
     }
@@ -186,17 +190,19 @@ fn lines_of_action(
     mesh_of_gear: [u8; 2],
 ) -> Result<(LinesOfAction, MeshGeometry), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
-    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
-    let curve = stiffness_curve(a, b, l, contact).map_err(|e| error(e.to_string()))?;
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
+    let curve =
+        stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
     let many = varies_over_width(&a.body) || varies_over_width(&b.body);
     let count = contact
         .slices
         .unwrap_or(if many { DEFAULT_SLICES } else { 1 });
     if count == 0 || count > 1000 {
-        return Err(error(format!(
-            "{count} slices over the width; use 1 to 1000"
-        )));
+        return Err(error(
+            MeshPart::Slices,
+            (format!("{count} slices over the width"), "use 1 to 1000").into(),
+        ));
     }
     let base_helix = match &a.body {
         Body::Gear(g) => g.base_helix_angle(),
@@ -241,6 +247,7 @@ fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
     if !(inertia > 0.0 && inertia.is_finite()) {
         return Err(BuildError::gear(
             &g.name,
+            GearPart::Inertia,
             format!("inertia {inertia} is not positive"),
         ));
     }
@@ -249,13 +256,15 @@ fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
         (Mount::Prismatic, false) => {
             return Err(BuildError::gear(
                 &g.name,
-                "a prismatic mount is for racks; use revolute",
+                GearPart::Mount,
+                ("a prismatic mount is for racks", "use revolute"),
             ));
         }
         (Mount::Revolute, true) => {
             return Err(BuildError::gear(
                 &g.name,
-                "a rack cannot turn; use prismatic or fixed",
+                GearPart::Mount,
+                ("a rack cannot turn", "use prismatic or fixed"),
             ));
         }
         _ => {}
@@ -283,18 +292,13 @@ impl Scene {
         if modelling.gears.len() != spec.gears.len()
             || modelling.contacts.len() != spec.meshes.len()
         {
-            return Err(BuildError {
-                subject: "scene".into(),
-                gear: None,
-                parameter: None,
-                message: format!(
-                    "{} gears and {} meshes, but {} models and {} contacts",
-                    spec.gears.len(),
-                    spec.meshes.len(),
-                    modelling.gears.len(),
-                    modelling.contacts.len()
-                ),
-            });
+            return Err(BuildError::scene(format!(
+                "{} gears and {} meshes, but {} models and {} contacts",
+                spec.gears.len(),
+                spec.meshes.len(),
+                modelling.gears.len(),
+                modelling.contacts.len()
+            )));
         }
         let layouts = spec
             .meshes
@@ -313,6 +317,7 @@ impl Scene {
             {
                 return Err(BuildError::gear(
                     &g.name,
+                    GearPart::Mount,
                     format!("driven motion: {problem}"),
                 ));
             }
@@ -321,10 +326,10 @@ impl Scene {
                 let known: Vec<&str> = models.iter().map(|m| m.id).collect();
                 BuildError::gear(
                     &g.name,
-                    format!(
-                        "there is no model `{}`; there are {}",
-                        model.id,
-                        known.join(", ")
+                    GearPart::Model,
+                    (
+                        format!("there is no model `{}`", model.id),
+                        format!("there are {}", known.join(", ")),
                     ),
                 )
             })?;
@@ -366,12 +371,15 @@ impl Scene {
                 // Pairs take turns in standing for the mesh: that is no jump only where all have one gap.
                 if search.whole_mesh && model.coordinates().n > model.hub().coordinates() {
                     return Err(BuildError::mesh(
-                        &spec.gears[mesh.gears[0]].name,
-                        &spec.gears[mesh.gears[1]].name,
-                        format!(
-                            "one stiffness for the whole mesh needs rigid gears, but gear `{}` is `{}`; give the stiffness of a tooth pair",
-                            spec.gears[i].name,
-                            model.id()
+                        mesh.gears.map(|i| spec.gears[i].name.as_str()),
+                        MeshPart::Stiffness,
+                        (
+                            format!(
+                                "one stiffness for the whole mesh needs rigid gears, but gear `{}` is `{}`",
+                                spec.gears[i].name,
+                                model.id()
+                            ),
+                            "give the stiffness of a tooth pair",
                         ),
                     ));
                 }
@@ -529,12 +537,15 @@ fn refuse_two_laws(
         if let (Some(&soft), Some(&hard)) = (soft, hard) {
             let name = |m: usize, k: usize| spec.gears[meshes[m].gears[k]].name.as_str();
             return Err(BuildError::mesh(
-                name(hard, 0),
-                name(hard, 1),
-                format!(
-                    "its contact is hard, but that of `{}` and `{}`, coupled by the compliance of a gear, has a penalty; give both the same law",
-                    name(soft, 0),
-                    name(soft, 1)
+                [name(hard, 0), name(hard, 1)],
+                MeshPart::Contact,
+                (
+                    format!(
+                        "its contact is hard, but that of `{}` and `{}`, coupled by the compliance of a gear, has a penalty",
+                        name(soft, 0),
+                        name(soft, 1)
+                    ),
+                    "give both the same law",
                 ),
             ));
         }
@@ -549,9 +560,13 @@ fn refuse_two_compliances(gears: &[SceneGear]) -> Result<(), BuildError> {
     match (field, local) {
         (Some(field), Some(local)) => Err(BuildError::gear(
             &local.name,
-            format!(
-                "its compliance is one between contact points, that of gear `{}` one between nodes; use one kind of model for both",
-                field.name
+            GearPart::Model,
+            (
+                format!(
+                    "its compliance is one between contact points, that of gear `{}` one between nodes",
+                    field.name
+                ),
+                "use one kind of model for both",
             ),
         )),
         _ => Ok(()),
@@ -658,9 +673,18 @@ fn check_load(gear: &str, load: &Load) -> Result<(), BuildError> {
         Load::Viscous(_) => None,
     };
     match problem {
-        Some(p) => Err(BuildError::gear(gear, format!("load: {p}"))),
+        Some(p) => Err(BuildError::gear(gear, GearPart::Load, format!("load: {p}"))),
         None => Ok(()),
     }
+}
+
+/// An error of the law of a mesh.
+fn law_error(gears: [&str; 2], e: &LawError) -> BuildError {
+    let part = match e {
+        LawError::Exponent { .. } => MeshPart::Exponent,
+        _ => MeshPart::Damping,
+    };
+    BuildError::mesh(gears, part, e)
 }
 
 fn law_of(
@@ -670,21 +694,26 @@ fn law_of(
     k: f64,
 ) -> Result<Law, BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
-    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let damping = match contact.damping {
         Damping::KelvinVoigtRatio { .. } => {
             let mass = reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]);
             if !mass.is_finite() {
                 return Err(error(
-                    "a damping ratio needs a gear that can move; both are held, give the damper in N s/m".into(),
+                    MeshPart::Damping,
+                    (
+                        "a damping ratio needs a gear that can move, but both are held",
+                        "give the damper in N s/m",
+                    )
+                        .into(),
                 ));
             }
             contact
                 .damping
                 .resolved(contact.exponent, k, mass)
-                .map_err(|e| error(e.to_string()))?
+                .map_err(|e| law_error([&a.name, &b.name], &e))?
         }
         other => other,
     };
-    Law::new(contact.exponent, damping).map_err(|e| error(e.to_string()))
+    Law::new(contact.exponent, damping).map_err(|e| law_error([&a.name, &b.name], &e))
 }

@@ -4,8 +4,9 @@ use super::SceneGear;
 use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
 use crate::contact::points::{FlankPoints, Owner};
+use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::law::{Damping, Law};
-use crate::spec::{BuildError, ContactSpec, MeshSpec, Passes, PointContact, SceneSpec};
+use crate::spec::{ContactSpec, MeshSpec, Passes, PointContact, SceneSpec};
 
 /// Hard contact needs nodes that give way where its points are.
 fn refuse_singular(
@@ -14,11 +15,18 @@ fn refuse_singular(
     contact: &ContactSpec,
     points: &PointContact,
     gears: &[SceneGear],
-) -> Result<(), String> {
+) -> Result<(), (MeshPart, Reason)> {
     if contact.exponent != 1.0 {
-        return Err(format!(
-            "hard contact has no exponent, but {} is given; leave it out",
-            contact.exponent
+        return Err((
+            MeshPart::Exponent,
+            (
+                format!(
+                    "hard contact has no exponent, but {} is given",
+                    contact.exponent
+                ),
+                "leave it out",
+            )
+                .into(),
         ));
     }
     let own = |k: usize| gears[mesh.gears[k]].model.flanks().is_some();
@@ -44,9 +52,17 @@ fn refuse_singular(
     } else {
         "give an elastic gear its residual compliance, or a penalty".into()
     };
-    Err(format!(
-        "hard contact needs nodes that give way under their own force, but gear `{}`, whose points touch, has no residual compliance; {way_out}",
-        name(slave)
+    Err((
+        MeshPart::Contact,
+        (
+            format!(
+                "hard contact needs nodes that give way under their own force, but gear \
+                     `{}`, whose points touch, has no residual compliance",
+                name(slave)
+            ),
+            way_out,
+        )
+            .into(),
     ))
 }
 
@@ -61,40 +77,70 @@ pub(super) fn flank_points(
     lines: [Option<[Vec3; 2]>; 2],
 ) -> Result<(FlankPoints, Law), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
-    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let flanked = mesh
         .gears
         .iter()
         .find(|i| gears[**i].model.flanks().is_some());
     let name = flanked.map_or("", |i| spec.gears[*i].name.as_str());
     let Some(points) = &contact.points else {
-        return Err(error(format!(
-            "gear `{name}` touches with the points of its flanks and needs their penalty in Pa/m; give the contact `penalty_pa_per_m`, for steel for example 1e15"
-        )));
+        return Err(error(
+            MeshPart::Contact,
+            (
+                format!(
+                    "gear `{name}` touches with the points of its flanks and needs their \
+                     penalty in Pa/m"
+                ),
+                "give the contact `penalty_pa_per_m`, for steel for example 1e15",
+            )
+                .into(),
+        ));
     };
     if contact.friction.is_some() {
-        return Err(error(format!(
-            "friction is not known to the flank points of gear `{name}`; leave it out, or use a model without flanks"
-        )));
+        return Err(error(
+            MeshPart::Friction,
+            (
+                format!("friction is not known to the flank points of gear `{name}`"),
+                "leave it out, or use a model without flanks",
+            )
+                .into(),
+        ));
     }
     if contact.damping != Damping::None {
-        return Err(error(format!(
-            "the damping `{}` is that of a tooth pair, but gear `{name}` touches with the points of its flanks; leave it out or give a dashpot per area, `damping_ns_per_m3`",
-            contact.damping.id()
-        )));
+        return Err(error(
+            MeshPart::Damping,
+            (
+                format!(
+                    "the damping `{}` is that of a tooth pair, but gear `{name}` touches \
+                     with the points of its flanks",
+                    contact.damping.id()
+                ),
+                "leave it out or give a dashpot per area, `damping_ns_per_m3`",
+            )
+                .into(),
+        ));
     }
     if let Some(i) = mesh
         .gears
         .iter()
         .find(|i| gears[**i].model.uses_engagement())
     {
-        return Err(error(format!(
-            "the springs of gear `{}` vary with the contact radius, which the flank points of gear `{name}` do not tell; use a constant tooth stiffness",
-            spec.gears[*i].name
-        )));
+        return Err(error(
+            MeshPart::Contact,
+            (
+                format!(
+                    "the springs of gear `{}` vary with the contact radius, which the flank \
+                     points of gear `{name}` do not tell",
+                    spec.gears[*i].name
+                ),
+                "use a constant tooth stiffness",
+            )
+                .into(),
+        ));
     }
     if points.hard {
-        refuse_singular(spec, mesh, contact, points, gears).map_err(error)?;
+        refuse_singular(spec, mesh, contact, points, gears)
+            .map_err(|(part, why)| error(part, why))?;
     }
     let owner = |k: usize| {
         let i = mesh.gears[k];
@@ -108,11 +154,11 @@ pub(super) fn flank_points(
     };
     let search = FlankPoints::new([owner(0), owner(1)], geometry, points, lines).map_err(
         |(gear, message)| match gear {
-            Some(k) => BuildError::gear(&spec.gears[mesh.gears[k]].name, message),
-            None => error(message),
+            Some(k) => BuildError::gear(&spec.gears[mesh.gears[k]].name, GearPart::Model, message),
+            None => error(MeshPart::Contact, message),
         },
     )?;
     let law = Law::new(contact.exponent, Damping::KelvinVoigt { c: points.damping })
-        .map_err(|e| error(e.to_string()))?;
+        .map_err(|e| error(MeshPart::Exponent, e.reason()))?;
     Ok((search, law))
 }

@@ -1,7 +1,7 @@
 //! How the bodies of a mesh stand to each other, whatever their models: centre distance, path of contact, stiffness.
 
-use super::error::BuildError;
 use super::scene::{Body, ContactSpec, GearSpec};
+use crate::error::{BuildError, MeshPart, Reason};
 use crate::geometry::{Pair, RackPair};
 use crate::stiffness::{self, StiffnessCurve};
 
@@ -42,17 +42,21 @@ pub fn lever(body: &Body) -> f64 {
 
 /// The mesh of two gears at their positions.
 pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError> {
-    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let error = |why: Reason| BuildError::mesh([&a.name, &b.name], MeshPart::Layout, why);
     let Body::Gear(ga) = &a.body else {
         return Err(error(
-            "the first gear of a mesh may not be a rack; name the gear first".into(),
+            (
+                "the first gear of a mesh may not be a rack",
+                "name the gear first",
+            )
+                .into(),
         ));
     };
     let (dx, dy) = (b.position[0] - a.position[0], b.position[1] - a.position[1]);
     match &b.body {
         Body::Gear(gb) => {
             let distance = dx.hypot(dy);
-            let pair = Pair::new(ga, gb, distance).map_err(|e| error(e.to_string()))?;
+            let pair = Pair::new(ga, gb, distance).map_err(|e| error(e.reason()))?;
             Ok(MeshLayout {
                 direction: dy.atan2(dx),
                 distance,
@@ -70,7 +74,7 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
         Body::Rack(rack) => {
             let direction = b.facing + std::f64::consts::PI;
             let distance = dx * direction.cos() + dy * direction.sin();
-            let pair = RackPair::new(ga, rack, distance).map_err(|e| error(e.to_string()))?;
+            let pair = RackPair::new(ga, rack, distance).map_err(|e| error(e.reason()))?;
             Ok(MeshLayout {
                 direction,
                 distance,

@@ -1,6 +1,5 @@
 //! What a scene is made of: plain data, SI units, no files.
 
-mod error;
 mod layout;
 mod load;
 mod model;
@@ -8,7 +7,6 @@ mod mount;
 mod points;
 mod scene;
 
-pub use error::BuildError;
 pub use layout::{MeshLayout, lever, mesh_layout, stiffness_curve};
 pub use load::{Load, Profile};
 pub use model::{ModelSpec, Modelling, Parameters, Value};

@@ -1,5 +1,7 @@
 //! What the user chooses of a contact between flank points and flank surfaces.
 
+use crate::error::Reason;
+
 /// Where the points lie on the faces of a flank, and what area each stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointRule {
@@ -102,39 +104,56 @@ impl PointContact {
 
     /// What is wrong with the settings and a way out, if anything.
     #[must_use]
-    pub fn problem(&self) -> Option<String> {
+    pub fn problem(&self) -> Option<Reason> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
-            return Some(format!(
-                "the penalty is {} Pa/m; it must be finite and positive, for steel for example 1e15",
-                self.penalty
-            ));
+            return Some(
+                (
+                    format!("the penalty is {} Pa/m", self.penalty),
+                    "it must be finite and positive, for steel for example 1e15",
+                )
+                    .into(),
+            );
         }
         if !(self.damping >= 0.0 && self.damping.is_finite()) {
-            return Some(format!(
-                "the damping is {} N s/m^3; it must be finite and not negative",
-                self.damping
-            ));
+            return Some(
+                (
+                    format!("the damping is {} N s/m^3", self.damping),
+                    "it must be finite and not negative",
+                )
+                    .into(),
+            );
         }
         if self.hard && self.damping != 0.0 {
-            return Some("hard contact has no dashpot; leave the damping out".into());
+            return Some(("hard contact has no dashpot", "leave the damping out").into());
         }
         if self.hard && self.passes == Passes::Both {
             return Some(
-                "hard contact of both passes holds every place twice; take the first or the second"
+                (
+                    "hard contact of both passes holds every place twice",
+                    "take the first or the second",
+                )
                     .into(),
             );
         }
         if let PointRule::Quadrature { along, across } = self.rule
             && !((1..=MAX_POINTS).contains(&along) && (1..=MAX_POINTS).contains(&across))
         {
-            return Some(format!(
-                "{along} x {across} quadrature points per face; use 1 to {MAX_POINTS} in each direction"
-            ));
+            return Some(
+                (
+                    format!("{along} x {across} quadrature points per face"),
+                    format!("use 1 to {MAX_POINTS} in each direction"),
+                )
+                    .into(),
+            );
         }
         match self.reach {
-            Some(r) if !(r > 0.0 && r.is_finite()) => Some(format!(
-                "the reach is {r} m; it must be finite and positive, or leave it out"
-            )),
+            Some(r) if !(r > 0.0 && r.is_finite()) => Some(
+                (
+                    format!("the reach is {r} m"),
+                    "it must be finite and positive, or leave it out",
+                )
+                    .into(),
+            ),
             _ => None,
         }
     }

@@ -1,36 +1,42 @@
 //! Refusals and warnings of the stiffness models.
 
+use crate::error::Reason;
 use std::fmt;
 
-use thiserror::Error;
+/// A property of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Property {
+    /// Young's modulus.
+    Young,
+    /// Poisson's ratio.
+    Poisson,
+    /// Density.
+    Density,
+}
 
 /// Why a stiffness cannot be built.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum StiffnessError {
     /// A value that has to be positive is not.
-    #[error("{what} is {value}; it must be finite and positive")]
     NotPositive {
         /// Which quantity, with its unit.
         what: &'static str,
         /// The value given.
         value: f64,
     },
-    /// Poisson's ratio out of range.
-    #[error("Poisson's ratio is {value}; it must lie in [0, 0.5)")]
-    Poisson {
+    /// A material that no solid has.
+    Material {
+        /// Which property.
+        property: Property,
         /// The value given.
         value: f64,
     },
     /// A table is malformed.
-    #[error("stiffness table: {reason}")]
     Table {
         /// What is wrong and where.
         reason: String,
     },
     /// The interpolated stiffness is not positive everywhere.
-    #[error(
-        "interpolated stiffness falls to {value:.4e} N/m near s = {s:.6e} m; refine the table or choose linear interpolation"
-    )]
     NotPositiveBetween {
         /// Path coordinate of the minimum (m).
         s: f64,
@@ -38,14 +44,8 @@ pub enum StiffnessError {
         value: f64,
     },
     /// Radzimovsky's Hertz law needs curved bodies.
-    #[error(
-        "the logarithmic Hertz law needs two curved flanks and a rack is flat; use the linear or the Weber-Banaschek one"
-    )]
     HertzFlat,
     /// The contact is wider than the tooth allows.
-    #[error(
-        "Hertz half-width {half_width:.3e} m at the reference load {load} N does not fit the tooth (depth {depth:.3e} m); lower the reference load"
-    )]
     HertzTooWide {
         /// Contact half-width (m).
         half_width: f64,
@@ -55,7 +55,6 @@ pub enum StiffnessError {
         depth: f64,
     },
     /// The path of contact is empty or not finite.
-    #[error("path of contact runs from {start} m to {end} m; the end must lie beyond the start")]
     Path {
         /// Start (m).
         start: f64,
@@ -63,17 +62,11 @@ pub enum StiffnessError {
         end: f64,
     },
     /// ISO 6336 gives no positive stiffness for these teeth.
-    #[error(
-        "ISO 6336-1 gives the tooth flexibility q' = {q:.4} mm um/N for these teeth; outside its range, use another stiffness"
-    )]
     IsoRange {
         /// The flexibility (mm um/N).
         q: f64,
     },
     /// The foundation fit of Sainsot and Velex gives a negative compliance.
-    #[error(
-        "Sainsot-Velex foundation of gear {gear} is {value:.3e} m/N, far outside its fit (theta_f = {theta_f:.4} rad, h = {ratio:.3}); use another foundation"
-    )]
     FoundationRange {
         /// Gear number, 1 or 2.
         gear: usize,
@@ -84,6 +77,85 @@ pub enum StiffnessError {
         /// Root over bore radius.
         ratio: f64,
     },
+}
+
+impl StiffnessError {
+    /// Cause and way out.
+    #[must_use]
+    pub fn reason(&self) -> Reason {
+        let (cause, help) = match self {
+            Self::NotPositive { what, value } => (
+                format!("{what} is {value}"),
+                "it must be finite and positive".to_owned(),
+            ),
+            Self::Material { property, value } => {
+                let (name, rule) = match property {
+                    Property::Young => ("Young's modulus [Pa]", "it must be finite and positive"),
+                    Property::Poisson => ("Poisson's ratio", "it must lie in [0, 0.5)"),
+                    Property::Density => ("density [kg/m^3]", "it must be finite and positive"),
+                };
+                (format!("{name} is {value}"), rule.to_owned())
+            }
+            Self::Table { reason } => (format!("stiffness table: {reason}"), String::new()),
+            Self::NotPositiveBetween { value, s } => (
+                format!("interpolated stiffness falls to {value:.4e} N/m near s = {s:.6e} m"),
+                "refine the table or choose linear interpolation".to_owned(),
+            ),
+            Self::HertzFlat => (
+                "the logarithmic Hertz law needs two curved flanks and a rack is flat".to_owned(),
+                "use the linear or the Weber-Banaschek one".to_owned(),
+            ),
+            Self::HertzTooWide {
+                half_width,
+                load,
+                depth,
+            } => (
+                format!(
+                    "Hertz half-width {half_width:.3e} m at the reference load {load} N does \
+                     not fit the tooth (depth {depth:.3e} m)"
+                ),
+                "lower the reference load".to_owned(),
+            ),
+            Self::Path { start, end } => (
+                format!("path of contact runs from {start} m to {end} m"),
+                "the end must lie beyond the start".to_owned(),
+            ),
+            Self::IsoRange { q } => (
+                format!(
+                    "ISO 6336-1 gives the tooth flexibility q' = {q:.4} mm um/N for these \
+                     teeth"
+                ),
+                "outside its range, use another stiffness".to_owned(),
+            ),
+            Self::FoundationRange {
+                gear,
+                value,
+                theta_f,
+                ratio,
+            } => (
+                format!(
+                    "Sainsot-Velex foundation of gear {gear} is {value:.3e} m/N, far outside \
+                     its fit (theta_f = {theta_f:.4} rad, h = {ratio:.3})"
+                ),
+                "use another foundation".to_owned(),
+            ),
+        };
+        Reason { cause, help }
+    }
+}
+
+impl fmt::Display for StiffnessError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.reason().fmt(f)
+    }
+}
+
+impl std::error::Error for StiffnessError {}
+
+impl From<&StiffnessError> for Reason {
+    fn from(e: &StiffnessError) -> Self {
+        e.reason()
+    }
 }
 
 /// What a user should know about a stiffness that was built all the same.

@@ -1,6 +1,6 @@
 //! Linear elastic isotropic material.
 
-use super::error::{StiffnessError, positive};
+use super::error::{Property, StiffnessError};
 
 /// Material of a gear or rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,14 +32,17 @@ impl Material {
     /// # Errors
     /// [`StiffnessError`] names the value out of range.
     pub fn check(&self) -> Result<(), StiffnessError> {
-        positive("Young's modulus [Pa]", self.young)?;
-        positive("density [kg/m^3]", self.density)?;
-        if !(0.0..0.5).contains(&self.poisson) {
-            return Err(StiffnessError::Poisson {
-                value: self.poisson,
-            });
-        }
-        Ok(())
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let (property, value) = if !positive(self.young) {
+            (Property::Young, self.young)
+        } else if !positive(self.density) {
+            (Property::Density, self.density)
+        } else if !(0.0..0.5).contains(&self.poisson) {
+            (Property::Poisson, self.poisson)
+        } else {
+            return Ok(());
+        };
+        Err(StiffnessError::Material { property, value })
     }
 
     /// Shear modulus G (Pa).

@@ -41,7 +41,7 @@ pub mod tooth;
 use std::f64::consts::PI;
 
 pub use curve::{Ends, Interpolation, PairOrMesh, StiffnessCurve};
-pub use error::{StiffnessError, StiffnessWarning};
+pub use error::{Property, StiffnessError, StiffnessWarning};
 pub use foundation::{Foundation, RootLength};
 pub use hertz::Hertz;
 pub use iso6336::{Iso6336, IsoGear, IsoInput, IsoVariation, N_PER_MM_UM, iso6336};

@@ -4,9 +4,9 @@ use super::body::Body;
 use super::gear::FullOrder;
 use crate::assembly::tie::MassKind;
 use crate::mesh_source::{self, Reader, Source};
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::spec::BuildError;
 
 const MODEL: &str = "fe";
 
@@ -36,7 +36,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Some(other) => {
             return Err(reader.error(
                 "mass",
-                format!("\"{other}\" is not known; expected \"consistent\" or \"lumped\""),
+                (
+                    format!("\"{other}\" is not known"),
+                    "expected \"consistent\" or \"lumped\"",
+                ),
             ));
         }
     };
@@ -44,9 +47,12 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if mesh.mesh.kind.nodes() != 8 {
         return Err(reader.error(
             "element",
-            format!(
-                "flanks touch on faces with four nodes, those of {} have eight; take C3D8 or C3D8I",
-                mesh.mesh.kind.name()
+            (
+                format!(
+                    "flanks touch on faces with four nodes, those of {} have eight",
+                    mesh.mesh.kind.name()
+                ),
+                "take C3D8 or C3D8I",
             ),
         ));
     }

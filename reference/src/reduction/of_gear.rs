@@ -3,8 +3,9 @@
 use super::Mounting;
 use crate::mesh::GearMesh;
 use crate::mesh_source::{Reader, Source};
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::GearContext;
-use gearbench_models::spec::{Body, BuildError};
+use gearbench_models::spec::Body;
 
 /// The mesh of a gear, how its hub is mounted.
 #[derive(Clone, Debug)]

@@ -4,10 +4,11 @@ use super::choose::{self, Choice, Criterion, ModalDamping};
 use super::estimate::Impacts;
 use super::{Basis, Wanted, open, shared};
 use crate::mesh_source::{self, Reader};
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::spec::{Body as Toothing, BuildError, Value};
+use gearbench_models::spec::{Body as Toothing, Value};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -148,7 +149,10 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
     if let Some(key) = own.find(|k| reader.context.parameters.contains_key(*k)) {
         return Err(reader.error(
             key,
-            "stands beside `reduction`, which brings its own mesh; leave one of them out",
+            (
+                "stands beside `reduction`, which brings its own mesh",
+                "leave one of them out",
+            ),
         ));
     }
     let error = |message: String| reader.error("reduction", message);
@@ -160,8 +164,9 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
     if let Some(n) = asked.count.filter(|n| *n > modes) {
         return Err(reader.error(
             "modes",
-            format!(
-                "{n} modes are asked for, but {path} holds {modes}; ask for fewer, or reduce the gear with `--modes {n}`"
+            (
+                format!("{n} modes are asked for, but {path} holds {modes}"),
+                format!("ask for fewer, or reduce the gear with `--modes {n}`"),
             ),
         ));
     }
@@ -169,9 +174,14 @@ fn stored(reader: &Reader<'_>, path: &str, asked: &Asked) -> Result<Found, Build
     match asked.max_frequency {
         Some(f) if f > highest && asked.count.is_none() => Err(reader.error(
             "max_frequency_hz",
-            format!(
-                "modes up to {f} Hz are asked for, but those of {path} end at {highest:.0} Hz; reduce the gear with \
+            (
+                format!(
+                    "modes up to {f} Hz are asked for, but those of {path} end at {highest:.0} Hz"
+                ),
+                format!(
+                    "reduce the gear with \
                  `--max-frequency {f}`"
+                ),
             ),
         )),
         _ => Ok((stored.basis.clone(), asked.count.unwrap_or(modes), modes)),
@@ -190,7 +200,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Some(other) => {
             return Err(reader.error(
                 "choose",
-                format!("\"{other}\" is not known; expected \"flank-compliance\" or \"frequency\""),
+                (
+                    format!("\"{other}\" is not known"),
+                    "expected \"flank-compliance\" or \"frequency\"",
+                ),
             ));
         }
     };
@@ -201,7 +214,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if target.is_some() && !residual {
         return Err(reader.error(
             "target_error",
-            "is estimated for modes with the static compliance of the others; leave out `residual = false`",
+            (
+                "is estimated for modes with the static compliance of the others",
+                "leave out `residual = false`",
+            ),
         ));
     }
     let damping = damping(&reader)?;
@@ -213,7 +229,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Some(other) => {
             return Err(reader.error(
                 "spin_terms",
-                format!("\"{other}\" is not known; expected \"auto\", \"full\" or \"none\""),
+                (
+                    format!("\"{other}\" is not known"),
+                    "expected \"auto\", \"full\" or \"none\"",
+                ),
             ));
         }
     };

@@ -2,12 +2,13 @@
 
 use gearbench_integrators::equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 use gearbench_integrators::system::State;
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, BuildError, MeshLayout, Modelling, Mount, Profile, SceneSpec, lever, mesh_layout,
+    Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, lever, mesh_layout,
 };
 
 /// Largest last Newton correction over the approach.

@@ -23,8 +23,9 @@ mod text;
 mod toothing;
 
 use gearbench::scene_file::{Origin, SceneError, SceneFile};
+use gearbench_models::error::BuildError;
 use gearbench_models::geometry::GeometryError;
-use gearbench_models::spec::{BuildError, mesh_layout};
+use gearbench_models::spec::mesh_layout;
 use gearbench_reports::Metric;
 use random::{Random, fitting, short};
 use std::collections::BTreeMap;

@@ -3,10 +3,11 @@
 use super::{BASE, changed, parse, read, render};
 use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
+use gearbench_models::error::{BuildError, GearPart, MeshPart};
 use gearbench_models::geometry::{Pair, RackPair, ReliefShape, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    Body, BuildError, Load, Mount, Passes, PointContact, PointRule, Profile, SurfaceKind,
+    Body, Load, Mount, Passes, PointContact, PointRule, Profile, SurfaceKind,
 };
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, Material, PairOrMesh, PairStiffness,
@@ -405,60 +406,36 @@ fn a_file_has_its_calibration_beside_it() {
 #[test]
 fn errors_of_the_assembly_have_a_line() {
     let scene = parse(BASE).unwrap();
-    let line = |e: &BuildError| scene.locate(e).line();
-    assert_eq!(
-        line(&BuildError::gear("wheel", "inertia 0 is not positive")),
-        Some(15)
-    );
-    assert_eq!(
-        line(&BuildError::gear(
-            "wheel",
-            "a prismatic mount is for racks; use revolute"
-        )),
-        Some(19)
-    );
-    assert_eq!(line(&BuildError::gear("pinion", "load: bad")), Some(13));
-    assert_eq!(
-        line(&BuildError::parameter(
-            "movable-teeth",
-            "tooth_mass_kg",
-            "too heavy"
-        )),
-        Some(33)
-    );
-    assert_eq!(
-        line(&BuildError::parameter(
-            "movable-teeth",
-            "spring_radius_m",
-            "odd"
-        )),
-        Some(33)
-    );
-    assert_eq!(
-        line(&BuildError::mesh("pinion", "wheel", "flanks overlap")),
-        Some(23)
-    );
-    assert_eq!(
-        line(&BuildError::mesh(
-            "pinion",
-            "wheel",
-            "the start lies outside"
-        )),
-        Some(24)
-    );
-    assert_eq!(
-        scene
-            .locate_in(
-                "rigid",
-                &BuildError::mesh("pinion", "wheel", "stiffness table: x")
-            )
-            .line(),
-        Some(28)
-    );
-    let shown = render(&scene.locate(&BuildError::gear(
-        "wheel",
-        "inertia 0 is not positive; give another",
-    )));
+    let line = |label: &str, e: BuildError| scene.locate_in(label, &e).line();
+    for (part, expected) in [
+        (GearPart::Whole, 15),
+        (GearPart::Inertia, 15),
+        (GearPart::Load, 15),
+        (GearPart::Mount, 19),
+        (GearPart::Model, 27),
+    ] {
+        let e = BuildError::gear("wheel", part, "odd");
+        assert_eq!(line("rigid", e), Some(expected), "{part:?}");
+    }
+    let load = BuildError::gear("pinion", GearPart::Load, "bad");
+    assert_eq!(line("rigid", load), Some(13));
+    for key in ["tooth_mass_kg", "spring_radius_m"] {
+        let e = BuildError::parameter("movable-teeth", key, "too heavy");
+        assert_eq!(line("movable-teeth", e), Some(33));
+    }
+    for (part, expected) in [
+        (MeshPart::Layout, 23),
+        (MeshPart::Start, 24),
+        (MeshPart::Stiffness, 28),
+        (MeshPart::Friction, 28),
+        (MeshPart::Contact, 28),
+    ] {
+        let e = BuildError::mesh(["pinion", "wheel"], part, "odd");
+        assert_eq!(line("rigid", e), Some(expected), "{part:?}");
+    }
+    let why = ("inertia 0 is not positive", "give another");
+    let e = BuildError::gear("wheel", GearPart::Inertia, why);
+    let shown = render(&scene.locate_in("rigid", &e));
     assert!(
         shown.contains("gear `wheel`: inertia 0") && shown.contains("help: give another"),
         "{shown}"

@@ -7,7 +7,7 @@ use super::situation::Situation;
 use super::wish::Wish;
 use super::{domain, pick, scout};
 use crate::experiment::run::{Method, RunError};
-use gearbench_models::spec::BuildError;
+use gearbench_models::error::BuildError;
 use std::sync::atomic::AtomicBool;
 
 /// Why there is no answer at all.

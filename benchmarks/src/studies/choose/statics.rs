@@ -9,12 +9,13 @@
 
 use super::situation::Situation;
 use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, BuildError, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, Value,
-    lever, mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, Value, lever,
+    mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -274,7 +275,13 @@ pub fn movable_teeth(
             let off = |r: &ComplianceRow| (r.s - layout.pitch_point).abs();
             off(x).total_cmp(&off(y))
         })
-        .ok_or_else(|| BuildError::mesh(&a.name, &b.name, "the path of contact is empty"))?;
+        .ok_or_else(|| {
+            BuildError::mesh(
+                [&a.name, &b.name],
+                MeshPart::Layout,
+                "the path of contact is empty",
+            )
+        })?;
     // Secant compliance along the path.
     let total: Vec<(f64, f64)> = match pair {
         Some(c) => (c.s.iter().zip(&c.k))
@@ -316,23 +323,28 @@ fn compliances(
     width: f64,
 ) -> Result<Vec<ComplianceRow>, BuildError> {
     use gearbench_models::geometry::{Pair, RackPair};
-    let error = |e: String| BuildError::mesh(&a.name, &b.name, e);
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let Body::Gear(one) = &a.body else {
-        return Err(error("the first gear of a mesh may not be a rack".into()));
+        return Err(error(
+            MeshPart::Layout,
+            "the first gear of a mesh may not be a rack".into(),
+        ));
     };
     let materials = [a.material, b.material];
     let rows = |mate: Mate<'_>| {
         compliance_table(one, mate, ANALYTIC, materials, width, 33)
             .map(|t| t.rows)
-            .map_err(|e| error(e.to_string()))
+            .map_err(|e| error(MeshPart::Stiffness, e.reason()))
     };
     match &b.body {
         Body::Gear(two) => {
-            let pair = Pair::new(one, two, distance).map_err(|e| error(e.to_string()))?;
+            let pair =
+                Pair::new(one, two, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
             rows(Mate::Gear(two, &pair))
         }
         Body::Rack(rack) => {
-            let pair = RackPair::new(one, rack, distance).map_err(|e| error(e.to_string()))?;
+            let pair = RackPair::new(one, rack, distance)
+                .map_err(|e| error(MeshPart::Layout, e.reason()))?;
             rows(Mate::Rack(rack, &pair))
         }
     }

@@ -15,9 +15,10 @@ pub mod levenberg_marquardt;
 
 use crate::experiment::run::force_on_grid;
 use gearbench_integrators::Resolution;
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{BuildError, Modelling, SceneSpec, Value};
+use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use levenberg_marquardt::{Fit, fit};
 

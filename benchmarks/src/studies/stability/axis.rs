@@ -1,10 +1,11 @@
 //! The parameters that a map goes over: what they change, which models and methods have them, what the scene's own
 //! value is.
 
+use gearbench_models::error::{BuildError, MeshPart};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    BuildError, ContactSpec, GearSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Value,
-    mesh_layout, stiffness_curve,
+    ContactSpec, GearSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Value, mesh_layout,
+    stiffness_curve,
 };
 use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
 
@@ -316,7 +317,7 @@ fn scaled_table(
 ) -> Result<PairStiffness, BuildError> {
     let layout = mesh_layout(a, b)?;
     let curve = stiffness_curve(a, b, &layout, contact)
-        .map_err(|e| BuildError::mesh(&a.name, &b.name, e.to_string()))?;
+        .map_err(|e| BuildError::mesh([&a.name, &b.name], MeshPart::Stiffness, &e))?;
     let [start, end] = layout.path;
     let last = SAMPLES - 1;
     let s: Vec<f64> = (0..=last)

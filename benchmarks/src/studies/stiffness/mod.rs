@@ -6,8 +6,9 @@
 pub mod arguments;
 pub mod command;
 
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
-use gearbench_models::spec::{BuildError, ModelSpec, Modelling, Parameters, SceneSpec};
+use gearbench_models::spec::{ModelSpec, Modelling, Parameters, SceneSpec};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel,
 };

@@ -8,6 +8,7 @@ use super::generated;
 use super::search::MOST_PAST;
 use super::surface::{Rule, Shape};
 use crate::Vec3;
+use crate::error::Reason;
 use crate::gear::GearModel;
 use crate::geometry::{Flanks, Side, inv};
 use crate::kinematics::{MeshView, Placement};
@@ -88,7 +89,7 @@ fn side_index(side: Side) -> usize {
 }
 
 impl Flanked {
-    pub fn new(o: Owner<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, String> {
+    pub fn new(o: Owner<'_>, kind: SurfaceKind, rule: &Rule) -> Result<Self, Reason> {
         let rack = matches!(o.body, Body::Rack(_));
         let own = o.gear.flanks().is_some();
         let grids = match o.gear.flanks() {
@@ -103,10 +104,14 @@ impl Flanked {
             .iter()
             .find(|s| !s.heights.is_sorted_by(|a, b| a < b))
         {
-            return Err(format!(
-                "the nodes of the {:?} flank of tooth {} do not rise from the root to the tip; order its rows that way",
-                s.side, s.tooth
-            ));
+            return Err((
+                format!(
+                    "the nodes of the {:?} flank of tooth {} do not rise from the root to the tip",
+                    s.side, s.tooth
+                ),
+                "order its rows that way",
+            )
+                .into());
         }
         let teeth = match o.body {
             Body::Gear(g) => i64::from(g.teeth()),
@@ -238,30 +243,33 @@ impl Flanked {
 }
 
 /// Refuses grids that are none.
-fn check(flanks: &Flanks) -> Result<(), String> {
+fn check(flanks: &Flanks) -> Result<(), Reason> {
     if flanks.grids().is_empty() {
-        return Err("it brings no flank; give the flanks that may touch".into());
+        return Err(("it brings no flank", "give the flanks that may touch").into());
     }
     for g in flanks.grids() {
         let name = format!("the {:?} flank of tooth {}", g.side, g.tooth);
         if g.rows < 2 || g.columns < 2 {
-            return Err(format!(
-                "{name} has {} x {} nodes; a flank needs at least 2 along the profile and 2 over the width",
-                g.rows, g.columns
-            ));
+            return Err((
+                format!("{name} has {} x {} nodes", g.rows, g.columns),
+                "a flank needs at least 2 along the profile and 2 over the width",
+            )
+                .into());
         }
         let n = g.rows * g.columns;
         if g.nodes.len() != n || g.positions.len() != n {
-            return Err(format!(
-                "{name} has {} nodes and {} positions; {} x {} need {n} of each",
-                g.nodes.len(),
-                g.positions.len(),
-                g.rows,
-                g.columns
-            ));
+            return Err((
+                format!(
+                    "{name} has {} nodes and {} positions",
+                    g.nodes.len(),
+                    g.positions.len()
+                ),
+                format!("{} x {} need {n} of each", g.rows, g.columns),
+            )
+                .into());
         }
         if g.positions.iter().any(|x| !x.iter().all(|x| x.is_finite())) {
-            return Err(format!("{name} has a node whose position is no number"));
+            return Err(format!("{name} has a node whose position is no number").into());
         }
     }
     Ok(())

@@ -13,6 +13,7 @@ use crate::contact::nodal::{
 use crate::contact::pairs::MeshGeometry;
 use crate::contact::party::{Party, SearchWork, Wanted, ZoneChange};
 use crate::contact::search::ContactSearch;
+use crate::error::Reason;
 use crate::gear::NormalField;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::{Locus, Point, Pose, Tooth};
@@ -97,7 +98,7 @@ impl FlankPoints {
         geometry: &MeshGeometry,
         settings: &PointContact,
         lines: [Option<[Vec3; 2]>; 2],
-    ) -> Result<Self, (Option<usize>, String)> {
+    ) -> Result<Self, (Option<usize>, Reason)> {
         if let Some(problem) = settings.problem() {
             return Err((None, problem));
         }

@@ -10,6 +10,7 @@
 //! bounds how far a node stands off its rigid flank for the whole flight.
 
 use super::gear::Elastic;
+use crate::error::Reason;
 use crate::gear::free_flight::Flight;
 use crate::gear::model::GearModel;
 use gearbench_integrators::Coast;
@@ -20,9 +21,9 @@ impl Elastic {
     ///
     /// # Errors
     /// A share outside [0, 1).
-    pub fn with_sleep(mut self, share: f64) -> Result<Self, String> {
+    pub fn with_sleep(mut self, share: f64) -> Result<Self, Reason> {
         if !(0.0..1.0).contains(&share) {
-            return Err(format!("{share} lies outside [0, 1); 1e-12 is usual"));
+            return Err((format!("{share} lies outside [0, 1)"), "1e-12 is usual").into());
         }
         self.sleep = share;
         Ok(self)

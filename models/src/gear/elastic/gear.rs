@@ -5,6 +5,7 @@ use super::lag::Lagging;
 use super::reduced::Reduced;
 use super::spin::Spin;
 use crate::Vec3;
+use crate::error::Reason;
 use crate::gear::NormalField;
 use crate::gear::free_flight::Flight;
 use crate::gear::model::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
@@ -52,9 +53,9 @@ impl Elastic {
         lever: f64,
         placement: Placement,
         data: Arc<Reduced>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, Reason> {
         if let Some(problem) = data.problem() {
-            return Err(problem);
+            return Err(problem.into());
         }
         let own = hub.coordinates();
         if (own == 1) != data.free {
@@ -63,9 +64,13 @@ impl Elastic {
             } else {
                 ("held", "free")
             };
-            return Err(format!(
-                "the modes are those of a hub that is {is} to move, but the mount's hub is {of}; reduce the gear for this mount"
-            ));
+            return Err((
+                format!(
+                    "the modes are those of a hub that is {is} to move, but the mount's hub is {of}"
+                ),
+                "reduce the gear for this mount",
+            )
+                .into());
         }
         hub.inertia = data.inertia;
         let with_hub = |x: &[f64]| -> Vec<f64> {

@@ -10,6 +10,7 @@
 use super::gear::Elastic;
 use super::inertia::{AUTO_LIMIT, Integrals, SpinTerms};
 use crate::cholesky::dot;
+use crate::error::Reason;
 use crate::spec::Mount;
 use gearbench_integrators::system::At;
 use std::cell::RefCell;
@@ -28,16 +29,21 @@ impl Elastic {
     ///
     /// # Errors
     /// Terms asked for that the body does not have: a rack, or a reduction without inertia integrals.
-    pub fn with_spin_terms(mut self, terms: SpinTerms) -> Result<Self, String> {
+    pub fn with_spin_terms(mut self, terms: SpinTerms) -> Result<Self, Reason> {
         if terms == SpinTerms::Full {
             if self.hub.slide.is_some() {
-                return Err("a rack does not turn: it has no spin terms; leave them out".into());
+                return Err((
+                    "a rack does not turn: it has no spin terms",
+                    "leave them out",
+                )
+                    .into());
             }
             if self.data.integrals.is_none() {
-                return Err(
-                    "the reduction holds no inertia integrals; reduce the gear again, with fewer modes if it had very many"
-                        .into(),
-                );
+                return Err((
+                    "the reduction holds no inertia integrals",
+                    "reduce the gear again, with fewer modes if it had very many",
+                )
+                    .into());
             }
         }
         self.spin.terms = terms;

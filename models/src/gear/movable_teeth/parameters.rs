@@ -2,9 +2,10 @@
 
 use super::springs::{RadiusStiffness, ToothSprings};
 use super::{Integrated, MovableTeeth};
+use crate::error::BuildError;
 use crate::gear::model::GearModel;
 use crate::gear::table::{GearContext, ParameterInfo};
-use crate::spec::{Body, BuildError, Value};
+use crate::spec::{Body, Value};
 
 const MODEL: &str = "movable-teeth";
 
@@ -60,13 +61,16 @@ fn positive(key: &str, x: &[f64], zero_allowed: bool) -> Result<(), BuildError> 
         Some(x) => Err(BuildError::parameter(
             MODEL,
             key,
-            format!(
-                "{x} is not {}; give a value in SI units",
-                if zero_allowed {
-                    "zero or positive"
-                } else {
-                    "positive"
-                }
+            (
+                format!(
+                    "{x} is not {}",
+                    if zero_allowed {
+                        "zero or positive"
+                    } else {
+                        "positive"
+                    }
+                ),
+                "give a value in SI units",
             ),
         )),
         None => Ok(()),
@@ -87,9 +91,9 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             Some(Value::List(x)) => Err(BuildError::parameter(
                 MODEL,
                 key,
-                format!(
-                    "{} values for {teeth} teeth; give one number or one per tooth",
-                    x.len()
+                (
+                    format!("{} values for {teeth} teeth", x.len()),
+                    "give one number or one per tooth",
                 ),
             )),
             Some(Value::Text(x)) => Err(BuildError::parameter(
@@ -149,18 +153,18 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         (Some(k), _) => k,
         (None, Some(table)) => vec![table.rest()],
         (None, None) => {
-            return Err(BuildError::parameter(
+            return Err(BuildError::missing(
                 MODEL,
                 "tooth_stiffness_n_per_m",
-                "is missing; `gearbench identify` finds it against a reference, a tooth of steel has about 5e8 N/m per 10 mm of width",
+                "`gearbench identify` finds it against a reference, a tooth of steel has about 5e8 N/m per 10 mm of width",
             ));
         }
     };
     let mass = per_tooth("tooth_mass_kg")?.ok_or_else(|| {
-        BuildError::parameter(
+        BuildError::missing(
             MODEL,
             "tooth_mass_kg",
-            "is missing; `gearbench identify` finds it against a reference",
+            "`gearbench identify` finds it against a reference",
         )
     })?;
     let damping = per_tooth("tooth_damping_ns_per_m")?.unwrap_or_else(|| vec![0.0]);
@@ -238,9 +242,12 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         return Err(BuildError::parameter(
             MODEL,
             "tooth_mass_kg",
-            format!(
-                "{teeth} teeth take an inertia of {taken:.4e}, more than the {:.4e} of gear `{}`; use a smaller tooth mass",
-                context.hub.inertia, context.name
+            (
+                format!(
+                    "{teeth} teeth take an inertia of {taken:.4e}, more than the {:.4e} of gear `{}`",
+                    context.hub.inertia, context.name
+                ),
+                "use a smaller tooth mass",
             ),
         ));
     }

@@ -30,7 +30,7 @@ pub use frozen::Frozen;
 pub use lines::theory;
 pub use table::{Case, StepLimit};
 
-use gearbench_models::spec::BuildError;
+use gearbench_models::error::BuildError;
 
 /// What a line over the step marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
