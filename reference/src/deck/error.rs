@@ -17,6 +17,10 @@ pub enum DeckErrorKind {
     Limit,
     /// The mesh is not what a gear needs.
     Gear,
+    /// A flank is no grid of faces.
+    Grid,
+    /// A body has no material, or a part of one.
+    Material,
 }
 
 /// A deck was declined. The text reads `file:line: context: expected ..., found ...; way out`.

@@ -7,7 +7,7 @@
 //! several gears are read and split by [`gears`].
 
 use super::data::Deck;
-use super::error::Place;
+use super::error::{DeckErrorKind, Place};
 use super::gears::{BodyShape, DeckGear, bodies_of, bore_axis, flank_name, gears, is_bore_name};
 use gearbench_models::geometry::Side;
 use std::fmt;
@@ -109,15 +109,10 @@ pub fn check_gtm(deck: &Deck) -> Vec<Finding> {
         match gears(deck) {
             Ok(gears) => gears.iter().for_each(|g| check.gear(g)),
             Err(e) => {
-                let requirement = if e.expected.contains("grid") {
-                    GtmRequirement::Structured
-                } else if e.expected.contains("material")
-                    || e.expected.contains("*ELASTIC")
-                    || e.expected.contains("*SOLID")
-                {
-                    GtmRequirement::Material
-                } else {
-                    GtmRequirement::Flanks
+                let requirement = match e.kind {
+                    DeckErrorKind::Grid => GtmRequirement::Structured,
+                    DeckErrorKind::Material => GtmRequirement::Material,
+                    _ => GtmRequirement::Flanks,
                 };
                 let place = deck
                     .defined

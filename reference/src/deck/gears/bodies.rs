@@ -6,7 +6,7 @@ use super::groups::joined;
 use super::names::{flank_name, is_bore_name};
 use super::patch::{Quad, boundary};
 use crate::deck::data::Deck;
-use crate::deck::error::DeckError;
+use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::mesh::{FACE_CORNERS, Face};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
@@ -260,19 +260,19 @@ fn full_material(
             density: said.1.unwrap_or(other.density),
         });
     }
+    let refuse = |expected: String, found: &str, help: &str| DeckError {
+        kind: DeckErrorKind::Material,
+        ..decline(deck, bore, expected, found, help)
+    };
     let Some(name) = name else {
-        return Err(decline(
-            deck,
-            bore,
-            "a *SOLID SECTION for the elements of the body",
+        return Err(refuse(
+            "a *SOLID SECTION for the elements of the body".into(),
             "none",
             "give its element set a material",
         ));
     };
     deck.material(name).ok_or_else(|| {
-        decline(
-            deck,
-            bore,
+        refuse(
             format!("*ELASTIC and *DENSITY of material `{name}`"),
             "only part of them",
             "a gear needs E, nu and the density",

@@ -2,7 +2,7 @@
 
 use super::decline;
 use crate::deck::data::Deck;
-use crate::deck::error::DeckError;
+use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::mesh::{FACE_CORNERS, Face};
 use std::collections::HashMap;
 
@@ -73,8 +73,9 @@ pub(super) fn grid(
         }
         None => Ok(grid),
     });
-    grid.map_err(|found| {
-        decline(
+    grid.map_err(|found| DeckError {
+        kind: DeckErrorKind::Grid,
+        ..decline(
             deck,
             set,
             "a structured grid of faces, rows along the profile and columns over the width",
