@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 
 /// Names that were changed on purpose, read from a text of lines `OLD -> NEW`.
 ///
-/// `OLD` is a part of a key, such as `.maps[`, and is replaced wherever it stands in a key; with `value: ` in front it
-/// is a part of values. Remarks begin with `#`.
+/// `OLD` is a part of a key, such as `.maps[`, and is replaced wherever it stands in a key; with `value PART: ` in front
+/// it is a part of the values whose key contains `PART`. Remarks begin with `#`.
 #[derive(Clone, Debug, Default)]
-pub struct Renames(Vec<(bool, String, String)>);
+pub struct Renames(Vec<(Option<String>, String, String)>);
 
 impl Renames {
     /// Reads the lines.
@@ -17,19 +17,16 @@ impl Renames {
     /// If a line is none.
     #[must_use]
     pub fn of_text(text: &str) -> Renames {
+        let read = |line: &str| {
+            let value = line.strip_prefix("value ").and_then(|l| l.split_once(": "));
+            let (part, rest) = value.map_or((None, line), |(part, rest)| (Some(part.into()), rest));
+            let names = rest.split_once(" -> ");
+            let (old, new) = names.unwrap_or_else(|| panic!("no ` -> ` in {line}"));
+            (part, old.into(), new.into())
+        };
         let lines = text
             .lines()
             .filter(|l| !l.starts_with('#') && !l.is_empty());
-        let read = |l: &str| {
-            let (of_value, rest) = match l.strip_prefix("value: ") {
-                Some(rest) => (true, rest),
-                None => (false, l),
-            };
-            let (old, new) = rest
-                .split_once(" -> ")
-                .unwrap_or_else(|| panic!("no ` -> ` in {l}"));
-            (of_value, old.to_owned(), new.to_owned())
-        };
         Renames(lines.map(read).collect())
     }
 
@@ -38,12 +35,15 @@ impl Renames {
     pub fn apply(&self, old: &List) -> List {
         let mut new = List::default();
         for (key, value) in &old.0 {
-            let (mut k, mut v) = (key.clone(), value.clone());
-            for (of_value, from, to) in &self.0 {
-                let text = if *of_value { &mut v } else { &mut k };
-                *text = text.replace(from, to);
+            let (mut key, mut value) = (key.clone(), value.clone());
+            for (part, from, to) in &self.0 {
+                match part {
+                    None => key = key.replace(from, to),
+                    Some(part) if key.contains(part) => value = value.replace(from, to),
+                    Some(_) => {}
+                }
             }
-            new.add(k, v);
+            new.add(key, value);
         }
         new
     }
