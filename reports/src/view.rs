@@ -170,3 +170,11 @@ pub fn resolution(run: &Run) -> String {
         (None, None) => String::new(),
     }
 }
+
+/// A text with a capital letter at its beginning.
+pub fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |first| {
+        first.to_uppercase().collect::<String>() + chars.as_str()
+    })
+}

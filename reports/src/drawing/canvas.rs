@@ -4,6 +4,7 @@
 //! brought back by the view box. Dash patterns and a title, which the backend does not know, are
 //! added to its text. Coordinates that are not finite never reach the file.
 
+use maud::html;
 use plotters::prelude::{DrawingBackend, FontTransform, RGBColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, IntoFont};
@@ -193,10 +194,10 @@ pub fn draw(
     let header = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" width=\"{width:.0}\" \
          height=\"{height:.0}\" role=\"img\" stroke-linejoin=\"round\" font-family=\"Helvetica \
-         Neue, Helvetica, Arial, Liberation Sans, sans-serif\">\n<title>{}</title>\n",
+         Neue, Helvetica, Arial, Liberation Sans, sans-serif\">\n{}\n",
         size.0,
         size.1,
-        crate::markup::escape(title)
+        html! { title { (title) } }.0
     );
     let body = raw.split_once('\n').map_or("", |(_, body)| body);
     Ok(header + &with_dashes(&body.replace(" font-family=\"sans-serif\"", ""), &dashes))

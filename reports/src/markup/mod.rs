@@ -1,7 +1,7 @@
 //! The report: one HTML page with everything inside, for the screen offline and for paper.
 //!
-//! No script, no font, no request: style and charts are in the page. Every text that came from data
-//! goes through [`escape`].
+//! No script, no font, no request: style and charts are in the page. Every text that came from data is escaped by
+//! `maud`; only the charts, which are SVG already, go in as they are.
 
 pub mod runs;
 pub mod table;
@@ -10,162 +10,154 @@ use crate::numbers::{count, quantity};
 use crate::record::Results;
 use crate::studies::StudyReport;
 use crate::view::View;
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
 
-/// Text made safe for HTML and XML, in content and in attributes; control characters are dropped.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '&' => out.push_str("&amp;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\n' | '\t' => out.push(' '),
-            c if c.is_control() => {}
-            c => out.push(c),
-        }
-    }
-    out
+/// A section under a heading.
+pub fn section(heading: &str, content: impl Render) -> Markup {
+    html! { section { h2 { (heading) } (content) } }
+}
+
+/// A section that a reader in a hurry looks at.
+pub fn glance(heading: &str, content: impl Render) -> Markup {
+    html! { section.glance { h2 { (heading) } (content) } }
+}
+
+/// What to know of a table.
+pub fn note(text: impl Render) -> Markup {
+    html! { p.note { (text) } }
+}
+
+/// Sentences one after another.
+pub fn sentences(all: impl IntoIterator<Item = Markup>) -> Markup {
+    let all: Vec<String> = all.into_iter().map(|m| m.0).collect();
+    PreEscaped(all.join(" "))
+}
+
+/// How many runs of a record failed.
+pub fn failed_of(results: &Results) -> Option<String> {
+    let failed = results.runs.iter().filter(|r| r.status.is_failure());
+    let (n, all) = (failed.count(), results.runs.len());
+    (n > 0).then(|| format!("{n} of {all} runs failed and are shown as failures."))
 }
 
 /// The page of a record with what its study says.
 pub fn page(results: &Results, report: &StudyReport) -> String {
-    let view = View::new(results);
     let name = if results.title.is_empty() {
         &results.scene
     } else {
         &results.title
     };
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta \
-         name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
-         name=\"generator\" content=\"gearbench\">\n<title>{0}: {1} - gearbench</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header>\n\
-         <p class=\"kicker\">gearbench &middot; {1} &middot; scene <b>{2}</b></p>\n\
-         <h1>{0}</h1>\n",
-        escape(name),
-        results.study,
-        escape(&results.scene),
-    );
-    out.push_str(&stamp(results));
-    out.push_str("</header>\n");
-    out.push_str(&format!(
-        "<section class=\"finding\">\n<h2>Finding</h2>\n<p>{}</p>\n</section>\n",
-        report.finding
-    ));
-    out.push_str(&report.tables);
-    for (i, chart) in report.charts.iter().enumerate() {
-        out.push_str(&format!(
-            "<section class=\"chart\">\n<h2>{}</h2>\n<figure>\n{}<figcaption><b>Figure {}.</b> \
-             {}</figcaption>\n</figure>\n</section>\n",
-            escape(chart.title),
-            chart.svg,
-            i + 1,
-            escape(&chart.caption),
-        ));
-    }
-    out.push_str(&report.details);
-    out.push_str(&setting(&view));
-    out.push_str("</main>\n</body>\n</html>\n");
-    out
-}
-
-/// The line under the title: when, what version, where.
-fn stamp(r: &Results) -> String {
-    let mut parts = Vec::new();
-    for (name, value) in [
-        ("", &r.created),
-        ("commit ", &r.commit),
-        ("", &r.machine.cpu),
-    ] {
-        if !value.is_empty() {
-            parts.push(format!("{name}{}", escape(value)));
+    let stamp = [
+        results.created.clone(),
+        format!("commit {}", results.commit),
+        results.machine.cpu.clone(),
+    ];
+    let said = |s: &&String| !s.is_empty() && *s != "commit ";
+    let stamp: Vec<&str> = stamp.iter().filter(said).map(String::as_str).collect();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="generator" content="gearbench";
+                title { (name) ": " (results.study.as_str()) " - gearbench" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header {
+                        p.kicker {
+                            "gearbench \u{b7} " (results.study.as_str()) " \u{b7} scene " b { (results.scene) }
+                        }
+                        h1 { (name) }
+                        p.stamp { (stamp.join(" \u{b7} ")) }
+                    }
+                    section.finding {
+                        h2 { "Finding" }
+                        @for paragraph in &report.finding { p { (paragraph) } }
+                    }
+                    (report.tables)
+                    @for (i, chart) in report.charts.iter().enumerate() {
+                        section.chart {
+                            h2 { (chart.title) }
+                            figure {
+                                (PreEscaped(&chart.svg))
+                                figcaption { b { "Figure " (i + 1) "." } " " (chart.caption) }
+                            }
+                        }
+                    }
+                    (report.details)
+                    (setting(&View::new(results)))
+                }
+            }
         }
-    }
-    format!("<p class=\"stamp\">{}</p>\n", parts.join(" &middot; "))
+    };
+    let lines = page
+        .0
+        .replace("<section", "\n<section")
+        .replace("<tr", "\n<tr");
+    lines
+        .chars()
+        .filter(|c| *c == '\n' || !c.is_control())
+        .collect()
 }
 
 /// Settings, references, machine, version, and how to make the report again.
-fn setting(view: &View<'_>) -> String {
+fn setting(view: &View<'_>) -> Markup {
     let r = view.results;
-    let list = |pairs: &[(String, String)]| -> String {
-        let rows: Vec<String> = pairs
-            .iter()
-            .filter(|(_, v)| !v.is_empty())
-            .map(|(k, v)| format!("<dt>{}</dt><dd>{}</dd>", escape(k), escape(v)))
-            .collect();
-        format!("<dl>{}</dl>\n", rows.join("\n"))
+    let list = |pairs: &[(&str, &str)]| {
+        html! {
+            dl { @for (k, v) in pairs.iter().filter(|p| !p.1.is_empty()) { dt { (k) } dd { (v) } } }
+        }
     };
-    let pair = |k: &str, v: &str| (k.to_owned(), v.to_owned());
-    let mut out = String::new();
-    if !r.settings.is_empty() {
-        out.push_str(&format!(
-            "<section>\n<h2>Settings</h2>\n{}</section>\n",
-            list(&r.settings)
-        ));
-    }
-    for reference in &r.references {
-        let cost = reference.cpu_s.map_or(String::new(), |t| {
-            format!("{} of processor time", quantity(t, "s", 3))
-        });
-        let command = reference.command.as_deref().unwrap_or("");
-        out.push_str(&format!(
-            "<section>\n<h2>Reference: {}</h2>\n{}</section>\n",
-            escape(&view.reference_name(&reference.id)),
-            list(&[
-                pair("source", &reference.source),
-                pair("note", &reference.note),
-                pair("samples", &count(reference.series.len() as u64)),
-                pair("cost", &cost),
-                pair("regenerated by", command),
-            ])
-        ));
-    }
     let m = &r.machine;
-    let cores = if m.cores > 0 {
-        m.cores.to_string()
-    } else {
-        String::new()
-    };
+    let cores = Some(m.cores.to_string()).filter(|_| m.cores > 0);
     let calibrations: Vec<String> = (view.groups.iter())
         .filter_map(|g| {
             let name = g.runs.iter().find_map(|(_, r)| r.calibration.as_ref())?;
             Some(format!("{}: {name}", g.label))
         })
         .collect();
-    let described = list(&[
-        pair("calibration", &calibrations.join("; ")),
-        pair("processor", &m.cpu),
-        pair("logical cores", &cores),
-        pair("system", &m.os),
-        pair("architecture", m.arch.as_deref().unwrap_or("")),
-        pair("build profile", m.profile.as_deref().unwrap_or("")),
-        pair("remark", m.note.as_deref().unwrap_or("")),
-        pair("commit", &r.commit),
-        pair("made", &r.created),
-        pair("record", &format!("results.json, schema {}", r.schema)),
-    ]);
-    out.push_str(&format!(
-        "<section>\n<h2>How this was made</h2>\n{described}<p>Make it again with</p>\n\
-         <pre>{}</pre>\n</section>\n",
-        escape(&r.command)
-    ));
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::escape;
-
-    #[test]
-    fn nothing_escapes() {
-        let hostile = "<script>alert('x')</script> & \"quoted\"\u{0}\n";
-        assert_eq!(
-            escape(hostile),
-            "&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; &amp; &quot;quoted&quot; "
-        );
+    let record = format!("results.json, schema {}", r.schema);
+    let or_none = |x: &'_ Option<String>| x.clone().unwrap_or_default();
+    let settings: Vec<(&str, &str)> = (r.settings.iter())
+        .map(|(k, v)| (k.as_str(), v.as_str()))
+        .collect();
+    html! {
+        @if !settings.is_empty() { (section("Settings", list(&settings))) }
+        @for reference in &r.references {
+            (section(
+                &format!("Reference: {}", view.reference_name(&reference.id)),
+                list(&[
+                    ("source", &reference.source),
+                    ("note", &reference.note),
+                    ("samples", &count(reference.series.len() as u64)),
+                    ("cost", &reference.cpu_s.map_or(String::new(), |t| {
+                        format!("{} of processor time", quantity(t, "s", 3))
+                    })),
+                    ("regenerated by", &or_none(&reference.command)),
+                ]),
+            ))
+        }
+        section {
+            h2 { "How this was made" }
+            (list(&[
+                ("calibration", &calibrations.join("; ")),
+                ("processor", &m.cpu),
+                ("logical cores", &or_none(&cores)),
+                ("system", &m.os),
+                ("architecture", &or_none(&m.arch)),
+                ("build profile", &or_none(&m.profile)),
+                ("remark", &or_none(&m.note)),
+                ("commit", &r.commit),
+                ("made", &r.created),
+                ("record", &record),
+            ]))
+            p { "Make it again with" }
+            pre { (r.command) }
+        }
     }
 }

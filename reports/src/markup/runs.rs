@@ -1,30 +1,30 @@
 //! Tables over all runs of a record: metrics, work, ledger, failures.
 
-use super::escape;
-use super::table::{Column, Rows, table};
+use super::table::Table;
+use super::{note, section};
 use crate::numbers::{count, quantity, significant};
 use crate::record::{Ledger, Metrics, Run, Status};
 use crate::view::{View, resolution};
+use maud::{Markup, html};
+
+/// A run with the label and the place of its model.
+type Row<'a> = (&'a Run, &'a str, usize);
+
+/// Metrics, work, ledger and failures.
+pub fn all(view: &View<'_>) -> Markup {
+    html! { (metrics(view)) (work(view)) (ledger(view)) (failures(view)) }
+}
 
 /// All runs in the order of the groups.
-fn rows<'a>(view: &View<'a>) -> Vec<&'a Run> {
-    (view.groups.iter())
-        .flat_map(|g| g.runs.iter().map(|(_, r)| *r))
+pub fn rows<'v>(view: &'v View<'_>) -> Vec<Row<'v>> {
+    let groups = view.groups.iter();
+    groups
+        .flat_map(|g| (g.runs.iter()).map(|(_, r)| (*r, g.label.as_str(), g.style)))
         .collect()
 }
 
-fn groups(view: &View<'_>) -> Vec<Rows> {
-    view.groups
-        .iter()
-        .map(|g| Rows {
-            heading: Some((g.label.clone(), g.style)),
-            count: g.runs.len(),
-            classes: g.runs.iter().map(|(_, r)| class(r)).collect(),
-        })
-        .collect()
-}
-
-fn class(run: &Run) -> &'static str {
+/// How a run is shown.
+pub fn class(run: &Run) -> &'static str {
     match run.status {
         Status::Converged => "",
         Status::Inaccurate => "inaccurate",
@@ -32,99 +32,80 @@ fn class(run: &Run) -> &'static str {
     }
 }
 
-fn text(rows: &[&Run], f: impl Fn(&Run) -> String) -> Vec<Option<String>> {
-    rows.iter()
-        .map(|r| Some(f(r)).filter(|s| !s.is_empty()))
-        .collect()
+/// A number of modes.
+pub fn modes(run: &Run) -> Option<String> {
+    run.modes.map(|n| n.to_string())
 }
 
-/// Highest frequency of the modes of elastic gears.
-fn highest(rows: &[&Run]) -> Vec<Option<f64>> {
-    rows.iter().map(|r| r.highest_hz).collect()
-}
-
-fn identity(rows: &[&Run]) -> Vec<Column> {
-    vec![
-        Column::written(
-            "Modes",
-            "",
-            text(rows, |r| r.modes.map_or(String::new(), |n| n.to_string())),
-        ),
-        Column::numbers("up to", "Hz", 3, &highest(rows)),
-        Column::text("Integrator", text(rows, |r| r.integrator.clone())),
-        Column::text("Step", text(rows, resolution)),
-        Column::text("Status", text(rows, |r| r.status.to_string())),
-    ]
-}
-
-/// Metrics, work, ledger and failures.
-pub fn all(view: &View<'_>) -> String {
-    metrics(view) + &work(view) + &ledger(view) + &failures(view)
+/// A table of runs by model that begins with what tells them apart.
+fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
+    Table::of(rows)
+        .grouped(|(_, label, style)| ((*label).into(), *style))
+        .classed(|(r, ..)| class(r))
+        .written("Modes", "", |(r, ..)| modes(r))
+        .numbers("up to", "Hz", 3, |(r, ..)| r.highest_hz)
+        .text("Integrator", |(r, ..)| r.integrator.clone())
+        .text("Step", |(r, ..)| resolution(r))
+        .text("Status", |(r, ..)| r.status.to_string())
 }
 
 /// Metrics against every reference.
-pub fn metrics(view: &View<'_>) -> String {
+fn metrics(view: &View<'_>) -> Markup {
     let rows = rows(view);
     let mut ids: Vec<&str> = Vec::new();
-    for m in rows.iter().flat_map(|r| &r.metrics) {
+    for m in rows.iter().flat_map(|(r, ..)| &r.metrics) {
         if !ids.contains(&m.against.as_str()) {
             ids.push(&m.against);
         }
     }
-    let mut out = String::new();
-    for id in ids {
+    let of = |id: &str| {
         type Get = fn(&Metrics) -> Option<f64>;
-        let get = |f: Get| -> Vec<Option<f64>> {
-            rows.iter().map(|r| r.against(id).and_then(f)).collect()
+        let get = |f: Get| move |(r, ..): &Row<'_>| r.against(id).and_then(f);
+        let four = |f: Get| {
+            move |(r, ..): &Row<'_>| {
+                let x = r.against(id).and_then(f).filter(|x| x.is_finite())?;
+                Some(significant(x, 4))
+            }
         };
-        let mut columns = identity(&rows);
-        columns.extend([
-            Column::percents("Force L2", 3, &get(|m| m.force_l2)),
-            Column::percents("aligned", 3, &get(|m| m.force_l2_aligned)),
-            Column::numbers("Shift", "s", 3, &get(|m| m.time_shift_s)),
-            Column::numbers("Peak force", "N", 4, &get(|m| m.peak_force_n)),
-            Column::deviations("deviation", &get(|m| m.peak_force_rel)),
-            Column::numbers("Impulse", "N s", 4, &get(|m| m.impulse_ns)),
-            Column::deviations("deviation", &get(|m| m.impulse_rel)),
-            Column::numbers("Contact", "s", 4, &get(|m| m.duration_s)),
-            Column::written("\u{3c9}1 end", "rad/s", written(&get(|m| m.omega1_end), 4)),
-            Column::written("\u{3c9}2 end", "rad/s", written(&get(|m| m.omega2_end), 4)),
-            Column::powers("Energy drift", "", &get(|m| m.energy_drift_rel)),
-        ]);
-        out.push_str(&format!(
-            "<section>\n<h2>Metrics against {}</h2>\n{}<p class=\"note\">Force L2: relative L2 \
-             error of the contact-force history on the time grid of the reference, as it is and \
-             after the best shift in time (the shift is added to the run's time). Contact: time \
-             with more than 1e\u{2212}6 of the peak force. Energy drift: residual of the ledger \
-             over its largest entry.</p>\n</section>\n",
-            escape(&view.reference_name(id)),
-            table(&columns, &groups(view))
-        ));
+        identified(&rows)
+            .percents("Force L2", 3, get(|m| m.force_l2))
+            .percents("aligned", 3, get(|m| m.force_l2_aligned))
+            .numbers("Shift", "s", 3, get(|m| m.time_shift_s))
+            .numbers("Peak force", "N", 4, get(|m| m.peak_force_n))
+            .deviations("deviation", get(|m| m.peak_force_rel))
+            .numbers("Impulse", "N s", 4, get(|m| m.impulse_ns))
+            .deviations("deviation", get(|m| m.impulse_rel))
+            .numbers("Contact", "s", 4, get(|m| m.duration_s))
+            .written("\u{3c9}1 end", "rad/s", four(|m| m.omega1_end))
+            .written("\u{3c9}2 end", "rad/s", four(|m| m.omega2_end))
+            .powers("Energy drift", "", get(|m| m.energy_drift_rel))
+    };
+    html! {
+        @for id in &ids {
+            section {
+                h2 { "Metrics against " (view.reference_name(id)) }
+                (of(id))
+                (note(
+                    "Force L2: relative L2 error of the contact-force history on the time grid of the reference, as it is \
+                     and after the best shift in time (the shift is added to the run's time). Contact: time with more than \
+                     1e\u{2212}6 of the peak force. Energy drift: residual of the ledger over its largest entry."
+                ))
+            }
+        }
     }
-    out
-}
-
-fn written(values: &[Option<f64>], digits: usize) -> Vec<Option<String>> {
-    values
-        .iter()
-        .map(|x| x.filter(|x| x.is_finite()).map(|x| significant(x, digits)))
-        .collect()
 }
 
 /// What the runs cost.
-pub fn work(view: &View<'_>) -> String {
+fn work(view: &View<'_>) -> Markup {
     let rows = rows(view);
     if rows.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let get =
-        |f: fn(&Run) -> Option<f64>| -> Vec<Option<f64>> { rows.iter().map(|r| f(r)).collect() };
-    let counts = |f: fn(&Run) -> u64| -> Vec<Option<String>> {
-        let any = rows.iter().any(|r| f(r) > 0);
-        rows.iter().map(|r| any.then(|| count(f(r)))).collect()
+    let counts = |f: fn(&Run) -> u64| {
+        let any = rows.iter().any(|(r, ..)| f(r) > 0);
+        move |(r, ..): &Row<'_>| any.then(|| count(f(r)))
     };
-    let spread: Vec<Option<[f64; 2]>> = rows.iter().map(|r| r.wall_spread_s).collect();
-    let mut repeats: Vec<u32> = (rows.iter().map(|r| r.repeats))
+    let mut repeats: Vec<u32> = (rows.iter().map(|(r, ..)| r.repeats))
         .filter(|n| *n > 0)
         .collect();
     repeats.sort_unstable();
@@ -135,69 +116,60 @@ pub fn work(view: &View<'_>) -> String {
         [n] => format!("median of {n} repeats"),
         [least, .., most] => format!("median of {least} to {most} repeats"),
     };
-    let mut columns = identity(&rows);
-    columns.extend([
-        Column::numbers("Wall time", "s", 3, &get(|r| Some(r.wall_s))),
-        Column::ranges("min \u{2013} max", "s", 3, &spread),
-        Column::numbers("Setup", "s", 3, &get(|r| Some(r.setup_s))),
-        Column::numbers("Simulated", "s", 4, &get(|r| Some(r.simulated_s))),
-        Column::written("Steps", "", counts(|r| r.steps)),
-        Column::written("Rejected", "", counts(|r| r.rejected)),
-        Column::written("Force evals", "", counts(|r| r.force_evaluations)),
-        Column::written("Newton it.", "", counts(|r| r.newton_iterations)),
-        Column::written("Factoris.", "", counts(|r| r.factorisations)),
-        Column::written("Events", "", counts(|r| r.events)),
-        Column::written("dof", "", counts(|r| r.dofs as u64)),
-    ]);
-    format!(
-        "<section>\n<h2>Work</h2>\n{}<p class=\"note\">Wall time: {repeats}, without the fixed \
-         costs under Setup. The time of a failed run ends where it failed.</p>\n</section>\n",
-        table(&columns, &groups(view))
-    )
+    let table = identified(&rows)
+        .numbers("Wall time", "s", 3, |(r, ..)| r.wall_s)
+        .ranges("min \u{2013} max", "s", 3, |(r, ..)| r.wall_spread_s)
+        .numbers("Setup", "s", 3, |(r, ..)| r.setup_s)
+        .numbers("Simulated", "s", 4, |(r, ..)| r.simulated_s)
+        .written("Steps", "", counts(|r| r.steps))
+        .written("Rejected", "", counts(|r| r.rejected))
+        .written("Force evals", "", counts(|r| r.force_evaluations))
+        .written("Newton it.", "", counts(|r| r.newton_iterations))
+        .written("Factoris.", "", counts(|r| r.factorisations))
+        .written("Events", "", counts(|r| r.events))
+        .written("dof", "", counts(|r| r.dofs as u64));
+    let remark = format!(
+        "Wall time: {repeats}, without the fixed costs under Setup. The time of a failed run ends where it failed."
+    );
+    section("Work", html! { (table) (note(remark)) })
 }
 
 /// Energy and impulse ledger.
-pub fn ledger(view: &View<'_>) -> String {
+fn ledger(view: &View<'_>) -> Markup {
     let rows = rows(view);
-    if rows.iter().all(|r| r.ledger == Ledger::default()) {
-        return String::new();
+    if rows.iter().all(|(r, ..)| r.ledger == Ledger::default()) {
+        return Markup::default();
     }
-    let get = |f: fn(&Ledger) -> Option<f64>| -> Vec<Option<f64>> {
-        rows.iter().map(|r| f(&r.ledger)).collect()
-    };
-    let mut columns = identity(&rows);
-    columns.extend([
-        Column::numbers("Start", "J", 5, &get(|l| l.energy_start_j)),
-        Column::numbers("Loads", "J", 4, &get(|l| l.external_work_j)),
-        Column::numbers("Parametric", "J", 3, &get(|l| l.parametric_work_j)),
-        Column::numbers("Dissipated", "J", 3, &get(|l| l.dissipated_j)),
-        Column::numbers("End", "J", 5, &get(|l| l.energy_end_j)),
-        Column::numbers("kinetic", "J", 4, &get(|l| l.kinetic_j)),
-        Column::numbers("strain", "J", 3, &get(|l| l.strain_j)),
-        Column::numbers("contact", "J", 3, &get(|l| l.contact_j)),
-        Column::powers("Residual", "J", &get(|l| l.residual_j)),
-        Column::powers("relative", "", &get(|l| l.residual_rel)),
-        Column::numbers("Impulse", "N s", 4, &get(|l| l.impulse_ns)),
-        Column::powers("Invariant drift", "", &get(|l| l.invariant_drift_rel)),
-    ]);
-    format!(
-        "<section>\n<h2>Energy and impulse ledger</h2>\n{}<p class=\"note\">End = start + work of \
-         loads + parametric work \u{2212} dissipated + residual; the residual is the integrator's \
-         own. Parametric work is done by stiffness that varies along the path of contact. \
-         Invariant drift: change of L1/rb1 \u{2212} L2/rb2 over the impulse.</p>\n</section>\n",
-        table(&columns, &groups(view))
-    )
+    let get = |f: fn(&Ledger) -> Option<f64>| move |(r, ..): &Row<'_>| f(&r.ledger);
+    let table = identified(&rows)
+        .numbers("Start", "J", 5, get(|l| l.energy_start_j))
+        .numbers("Loads", "J", 4, get(|l| l.external_work_j))
+        .numbers("Parametric", "J", 3, get(|l| l.parametric_work_j))
+        .numbers("Dissipated", "J", 3, get(|l| l.dissipated_j))
+        .numbers("End", "J", 5, get(|l| l.energy_end_j))
+        .numbers("kinetic", "J", 4, get(|l| l.kinetic_j))
+        .numbers("strain", "J", 3, get(|l| l.strain_j))
+        .numbers("contact", "J", 3, get(|l| l.contact_j))
+        .powers("Residual", "J", get(|l| l.residual_j))
+        .powers("relative", "", get(|l| l.residual_rel))
+        .numbers("Impulse", "N s", 4, get(|l| l.impulse_ns))
+        .powers("Invariant drift", "", get(|l| l.invariant_drift_rel));
+    let remark = note(
+        "End = start + work of loads + parametric work \u{2212} dissipated + residual; the residual is the integrator's own. \
+         Parametric work is done by stiffness that varies along the path of contact. Invariant drift: change of \
+         L1/rb1 \u{2212} L2/rb2 over the impulse.",
+    );
+    section("Energy and impulse ledger", html! { (table) (remark) })
 }
 
 /// Every run that fell short, with the reason.
-pub fn failures(view: &View<'_>) -> String {
-    let short: Vec<&Run> = (rows(view).into_iter())
-        .filter(|r| r.status != Status::Converged)
-        .collect();
+pub fn failures(view: &View<'_>) -> Markup {
+    let mut short = rows(view);
+    short.retain(|(r, ..)| r.status != Status::Converged);
     if short.is_empty() {
-        return "<section>\n<h2>Failures</h2>\n<p>Every run converged.</p>\n</section>\n".into();
+        return section("Failures", html! { p { "Every run converged." } });
     }
-    let reason = |r: &Run| match (&r.message, r.status) {
+    let reason = |(r, ..): &Row<'_>| match (&r.message, r.status) {
         (Some(message), _) => message.clone(),
         (None, Status::Inaccurate) => match (view.error(r), &view.results.tolerance) {
             (Some(e), Some(t)) => format!(
@@ -210,25 +182,13 @@ pub fn failures(view: &View<'_>) -> String {
         },
         _ => "no reason recorded".into(),
     };
-    let columns = [
-        Column::text("Model", text(&short, Run::model_label)),
-        Column::text("Integrator", text(&short, |r| r.integrator.clone())),
-        Column::text("Step", text(&short, resolution)),
-        Column::text("Status", text(&short, |r| r.status.to_string())),
-        Column::written(
-            "Reached",
-            "",
-            text(&short, |r| quantity(r.simulated_s, "s", 3)),
-        ),
-        Column::text("Reason", text(&short, reason)),
-    ];
-    let all = [Rows {
-        heading: None,
-        count: short.len(),
-        classes: short.iter().map(|r| class(r)).collect(),
-    }];
-    format!(
-        "<section>\n<h2>Failures and shortfalls</h2>\n{}</section>\n",
-        table(&columns, &all)
-    )
+    let table = Table::of(&short)
+        .classed(|(r, ..)| class(r))
+        .text("Model", |(r, ..)| r.model_label())
+        .text("Integrator", |(r, ..)| r.integrator.clone())
+        .text("Step", |(r, ..)| resolution(r))
+        .text("Status", |(r, ..)| r.status.to_string())
+        .written("Reached", "", |(r, ..)| quantity(r.simulated_s, "s", 3))
+        .text("Reason", reason);
+    section("Failures and shortfalls", table)
 }

@@ -17,6 +17,7 @@ use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::record::Results;
 use crate::view::View;
+use maud::Markup;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A study.
@@ -57,16 +58,16 @@ const STUDIES: [(Study, &str, Writer); 8] = [
 ];
 
 /// What a study says of a record: all that the page, the charts and the tables in CSV are written from.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct StudyReport {
-    /// The finding in plain words, as HTML.
-    pub finding: String,
-    /// Sections above the charts, as HTML.
-    pub tables: String,
+    /// The finding in plain words, a paragraph each.
+    pub finding: Vec<Markup>,
+    /// Sections above the charts.
+    pub tables: Markup,
     /// Charts.
     pub charts: Vec<Chart>,
-    /// Sections below the charts, as HTML.
-    pub details: String,
+    /// Sections below the charts.
+    pub details: Markup,
     /// Tables in files of their own.
     pub csv: Vec<CsvTable>,
 }

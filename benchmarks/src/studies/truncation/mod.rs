@@ -393,9 +393,11 @@ fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
 fn keep_histories(results: &mut Results) {
     let mut keep = vec![0];
     for way in ways(results) {
-        let least = (way.errors("fe", |m| m.force_l2).into_iter())
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(_, _, r)| r.clone());
+        let least = (way
+            .errors("fe", gearbench_reports::Metric::ForceL2)
+            .into_iter())
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(_, _, r)| r.clone());
         let middle = way.fewest("fe", LIMITS[1]).cloned();
         for (i, r) in &way.runs {
             let is = |o: &Option<Run>| o.as_ref().is_some_and(|o| o.modes == r.modes);

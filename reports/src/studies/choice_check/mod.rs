@@ -285,7 +285,7 @@ pub fn shares(scenes: &[JudgedChoice]) -> Vec<Share> {
 /// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: tables::finding(view),
+        finding: vec![tables::finding(view)],
         tables: tables::tables(view),
         charts: chart::choice_check(view)?,
         details: tables::scenes(view),

@@ -7,6 +7,7 @@ mod tables;
 use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
 use crate::view::View;
+use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 /// The answer to "what is the cheapest that will do", and how it was found.
@@ -178,10 +179,10 @@ impl ChoiceRecord {
 /// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: tables::finding(view),
+        finding: vec![tables::finding(view)],
         tables: tables::tables(view),
         charts: chart::choose(view)?.into_iter().collect(),
-        details: String::new(),
+        details: Markup::default(),
         csv: (view.results.choice.as_ref()).map_or(Vec::new(), csv::tables),
     })
 }

@@ -10,7 +10,7 @@ use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
 use crate::drawing::style::{cross, look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{Run, Status};
-use crate::view::{NOTHING, View, resolution};
+use crate::view::{NOTHING, View, capital, resolution};
 
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
@@ -253,14 +253,6 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         ),
         svg,
     }))
-}
-
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    match chars.next() {
-        Some(first) => first.to_uppercase().collect::<String>() + chars.as_str(),
-        None => String::new(),
-    }
 }
 
 fn key(c: &mut Canvas<'_>, view: &View<'_>) {

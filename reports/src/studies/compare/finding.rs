@@ -1,27 +1,22 @@
 //! The finding: two sentences in plain words, computed from the record.
 
-use crate::markup::escape;
+use crate::markup::sentences;
 use crate::numbers::{quantity, short, significant};
 use crate::record::Run;
 use crate::view::{View, resolution};
+use maud::{Markup, html};
 
-/// The two sentences, as HTML.
-pub fn finding(view: &View<'_>) -> String {
-    format!("{} {}", first(view), second(view))
+/// The two sentences.
+pub fn finding(view: &View<'_>) -> Markup {
+    sentences([first(view), second(view)])
 }
 
-fn named(run: &Run) -> String {
+fn named(run: &Run) -> Markup {
     let at = resolution(run);
-    let at = if at.is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", escape(&at))
-    };
-    format!(
-        "<b>{}</b> under <b>{}</b>{at}",
-        escape(&run.model_label()),
-        escape(&run.integrator)
-    )
+    html! {
+        b { (run.model_label()) } " under " b { (run.integrator) }
+        @if !at.is_empty() { " (" (at) ")" }
+    }
 }
 
 fn cheapest<'a>(runs: impl Iterator<Item = &'a Run>) -> Option<&'a Run> {
@@ -29,23 +24,22 @@ fn cheapest<'a>(runs: impl Iterator<Item = &'a Run>) -> Option<&'a Run> {
         .min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
 }
 
-fn first(view: &View<'_>) -> String {
+fn first(view: &View<'_>) -> Markup {
     let runs = &view.results.runs;
     if runs.is_empty() {
-        return "The record holds no runs.".into();
+        return html! { "The record holds no runs." };
     }
     if runs.iter().all(|r| r.status.is_failure()) {
-        return format!("None of the {} runs reached a usable end.", runs.len());
+        return html! { "None of the " (runs.len()) " runs reached a usable end." };
     }
     let adequate = cheapest(runs.iter().filter(|r| view.adequate(r)));
+    let time = |r: &Run| quantity(r.wall_s, "s", 3);
     let Some(tolerance) = &view.results.tolerance else {
         return match adequate {
-            Some(run) => format!(
-                "The cheapest run that converged is {}, in {}.",
-                named(run),
-                quantity(run.wall_s, "s", 3)
-            ),
-            None => "No run converged.".into(),
+            Some(run) => html! {
+                "The cheapest run that converged is " (named(run)) ", in " (time(run)) "."
+            },
+            None => html! { "No run converged." },
         };
     };
     let limit = match view.metric.unit() {
@@ -60,44 +54,30 @@ fn first(view: &View<'_>) -> String {
     };
     let asked = format!(
         "{article} {metric} of at most {limit} against {}",
-        escape(&view.reference_name(&tolerance.against)),
+        view.reference_name(&tolerance.against),
     );
-    match adequate {
-        Some(run) => format!(
-            "The cheapest run that meets the scene's tolerance, {asked}, is {}: {} in {}.",
-            named(run),
-            escape(
-                &view
-                    .error(run)
-                    .map_or(String::new(), |e| view.error_text(e))
-            ),
-            quantity(run.wall_s, "s", 3),
-        ),
-        None => {
-            let closest = (runs.iter().filter(|r| !r.status.is_failure()))
-                .filter_map(|r| Some((r, view.error(r)?)))
-                .min_by(|a, b| a.1.total_cmp(&b.1));
-            match closest {
-                Some((run, e)) => format!(
-                    "No run meets the scene's tolerance, {asked}; closest comes {} with {}.",
-                    named(run),
-                    view.error_text(e)
-                ),
-                None => format!("No run could be held against the scene's tolerance, {asked}."),
-            }
-        }
+    let error = |r: &Run| view.error(r).map_or(String::new(), |e| view.error_text(e));
+    if let Some(run) = adequate {
+        return html! {
+            "The cheapest run that meets the scene's tolerance, " (asked) ", is " (named(run)) ": " (error(run)) " in "
+            (time(run)) "."
+        };
+    }
+    let closest = (runs.iter().filter(|r| !r.status.is_failure()))
+        .filter_map(|r| Some((r, view.error(r)?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    match closest {
+        Some((run, _)) => html! {
+            "No run meets the scene's tolerance, " (asked) "; closest comes " (named(run)) " with " (error(run)) "."
+        },
+        None => html! { "No run could be held against the scene's tolerance, " (asked) "." },
     }
 }
 
-fn second(view: &View<'_>) -> String {
-    let failed = view
-        .results
-        .runs
-        .iter()
-        .filter(|r| r.status.is_failure())
-        .count();
+fn second(view: &View<'_>) -> Markup {
+    let failed = (view.results.runs.iter()).filter(|r| r.status.is_failure());
     let total = view.results.runs.len();
-    let failures = match failed {
+    let failures = match failed.count() {
         0 if total == 1 => "the run did not fail".to_owned(),
         0 => format!("none of the {total} runs failed"),
         1 => format!("one of {total} runs failed and is shown as a failure"),
@@ -106,28 +86,18 @@ fn second(view: &View<'_>) -> String {
     let best: Vec<String> = (view.groups.iter())
         .filter_map(|g| {
             let (_, run) = view.best(g)?;
-            let e = view.error(run)?;
-            Some(format!(
-                "{} {} ({})",
-                escape(&g.label),
-                view.error_text(e),
-                escape(&run.integrator)
-            ))
+            let e = view.error_text(view.error(run)?);
+            Some(format!("{} {e} ({})", g.label, run.integrator))
         })
         .collect();
     if best.is_empty() {
-        let mut sentence = failures;
-        if let Some(initial) = sentence.get(..1).map(str::to_uppercase) {
-            sentence.replace_range(..1, &initial);
-        }
-        return format!("{sentence}.");
+        return html! { (crate::view::capital(&failures)) "." };
     }
     let ratio = match costs(view).as_slice() {
         [(label, ratio), ..] => format!(
-            "; {} costs {} times as much as {} at the same method and step",
-            escape(label),
+            "; {label} costs {} times as much as {} at the same method and step",
             significant(*ratio, 2),
-            escape(&view.groups[0].label)
+            view.groups[0].label
         ),
         [] => String::new(),
     };
@@ -135,10 +105,7 @@ fn second(view: &View<'_>) -> String {
         Some("self") => "integration error",
         _ => "error",
     };
-    format!(
-        "Least {kind} per model: {}{ratio}; {failures}.",
-        best.join(", ")
-    )
+    html! { "Least " (kind) " per model: " (best.join(", ")) (ratio) "; " (failures) "." }
 }
 
 /// For every model but the first: the median ratio of its wall time to the first model's, over

@@ -11,6 +11,7 @@ use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
 use crate::studies::StudyReport;
 use crate::view::View;
+use maud::html;
 
 /// What the study says of a record.
 ///
@@ -25,8 +26,8 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
         cost::accuracy(view)?,
     ];
     Ok(StudyReport {
-        finding: finding::finding(view),
-        tables: glance::glance(view) + &timing::timing(view),
+        finding: vec![finding::finding(view)],
+        tables: html! { (glance::glance(view)) (timing::timing(view)) },
         charts: charts.into_iter().flatten().collect(),
         details: runs::all(view),
         csv: Vec::new(),

@@ -1,11 +1,12 @@
 //! Finding and table of a study of penalties.
 
 use super::charts::{Series, series};
-use crate::markup::escape;
-use crate::markup::table::{Column, Rows, table};
+use crate::markup::table::Table;
+use crate::markup::{glance, note, sentences};
 use crate::numbers::{percent, power};
 use crate::record::Run;
 use crate::view::View;
+use maud::{Markup, html};
 
 fn impulse(r: &Run) -> Option<f64> {
     r.metrics.first()?.impulse_ns
@@ -34,27 +35,17 @@ fn enough(s: &Series<'_>, get: fn(&Run) -> Option<f64>) -> Option<f64> {
     found
 }
 
-/// The finding, as HTML.
-pub fn finding(view: &View<'_>) -> String {
-    let mut sentences = Vec::new();
+/// The finding.
+pub fn finding(view: &View<'_>) -> Markup {
+    let mut told = Vec::new();
     for s in &series(view) {
-        let label = escape(&s.label);
+        let label = html! { b { (s.label) } };
         let Some(hard) = s.hard else {
-            sentences.push(format!(
-                "<b>{label}</b> has no run with hard contact to compare with."
-            ));
+            told.push(html! { (label) " has no run with hard contact to compare with." });
             continue;
         };
-        let Some((last, at)) = s
-            .soft
-            .iter()
-            .rev()
-            .find(|(_, r)| !r.status.is_failure())
-            .map(|(p, r)| (*r, *p))
-        else {
-            sentences.push(format!(
-                "No run of <b>{label}</b> with a penalty ended well."
-            ));
+        let Some((at, last)) = (s.soft.iter().rev()).find(|(_, r)| !r.status.is_failure()) else {
+            told.push(html! { "No run of " (label) " with a penalty ended well." });
             continue;
         };
         let off = |get: fn(&Run) -> Option<f64>| {
@@ -69,30 +60,28 @@ pub fn finding(view: &View<'_>) -> String {
         let parts: Vec<String> = (named.into_iter())
             .filter_map(|(name, off)| Some(format!("{name} by {}", off?)))
             .collect();
-        sentences.push(format!(
-            "With a penalty of {} Pa/m <b>{label}</b> differs from hard contact in {}.",
-            power(at, 1),
-            parts.join(", ")
-        ));
-        let from: Vec<String> = [
+        told.push(html! {
+            "With a penalty of " (power(*at, 1)) " Pa/m " (label) " differs from hard contact in " (parts.join(", ")) "."
+        });
+        let enough = [
             ("the force", enough(s, peak)),
             ("the transmission error", enough(s, still)),
-        ]
-        .into_iter()
-        .filter_map(|(name, p)| Some(format!("{name} from {} Pa/m on", power(p?, 1))))
-        .collect();
+        ];
+        let from: Vec<String> = (enough.into_iter())
+            .filter_map(|(name, p)| Some(format!("{name} from {} Pa/m on", power(p?, 1))))
+            .collect();
         if !from.is_empty() {
-            sentences.push(format!("Within 1\u{a0}% are {}.", from.join(" and ")));
+            told.push(html! { "Within 1\u{a0}% are " (from.join(" and ")) "." });
         }
     }
-    if sentences.is_empty() {
-        return "The record holds no run with a penalty.".into();
+    if told.is_empty() {
+        told.push(html! { "The record holds no run with a penalty." });
     }
-    sentences.join(" ")
+    sentences(told)
 }
 
 /// All penalties with their outputs and distances.
-pub fn tables(view: &View<'_>) -> String {
+pub fn tables(view: &View<'_>) -> Markup {
     let all = series(view);
     let rows: Vec<(&Series<'_>, &Run)> = (all.iter())
         .flat_map(|s| {
@@ -101,56 +90,30 @@ pub fn tables(view: &View<'_>) -> String {
         })
         .collect();
     if rows.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let get = |f: fn(&Run) -> Option<f64>| -> Vec<Option<f64>> {
-        rows.iter()
-            .map(|(_, r)| f(r).filter(|_| !r.status.is_failure()))
-            .collect()
+    type Get = fn(&Run) -> Option<f64>;
+    type Row<'a> = (&'a Series<'a>, &'a Run);
+    let get = |f: Get| move |(_, r): &Row<'_>| f(r).filter(|_| !r.status.is_failure());
+    let off = |f: Get| {
+        move |(s, r): &Row<'_>| {
+            let soft = !r.status.is_failure() && r.hard != Some(true);
+            Some(f(r).filter(|_| soft)? / f(s.hard?)? - 1.0)
+        }
     };
-    let off = |f: fn(&Run) -> Option<f64>| -> Vec<Option<f64>> {
-        rows.iter()
-            .map(|(s, r)| {
-                let soft = !r.status.is_failure() && r.hard != Some(true);
-                Some(f(r).filter(|_| soft)? / f(s.hard?)? - 1.0)
-            })
-            .collect()
-    };
-    let name = |r: &Run| match r.penalty_pa_per_m {
-        Some(p) => power(p, 2),
-        None => "hard".into(),
-    };
-    let columns = [
-        Column::written(
-            "Penalty",
-            "Pa/m",
-            rows.iter().map(|(_, r)| Some(name(r))).collect(),
-        ),
-        Column::text(
-            "Status",
-            rows.iter()
-                .map(|(_, r)| Some(r.status.to_string()))
-                .collect(),
-        ),
-        Column::numbers("Peak force", "N", 5, &get(peak)),
-        Column::deviations("off", &off(peak)),
-        Column::numbers("Impulse", "N s", 5, &get(impulse)),
-        Column::deviations("off", &off(impulse)),
-        Column::numbers("Static TE, mean", "m", 5, &get(still)),
-        Column::deviations("off", &off(still)),
-    ];
-    let groups: Vec<Rows> = (all.iter())
-        .map(|s| Rows {
-            heading: Some((s.label.clone(), s.style)),
-            count: s.soft.len() + usize::from(s.hard.is_some()),
-            classes: (s.soft.iter())
-                .map(|(_, r)| if r.status.is_failure() { "failed" } else { "" })
-                .collect(),
+    let table = Table::of(&rows)
+        .grouped(|(s, _)| (s.label.clone(), s.style))
+        .classed(|(_, r)| if r.status.is_failure() { "failed" } else { "" })
+        .written("Penalty", "Pa/m", |(_, r)| {
+            (r.penalty_pa_per_m).map_or_else(|| "hard".into(), |p| power(p, 2))
         })
-        .collect();
-    format!(
-        "<section class=\"glance\">\n<h2>By penalty</h2>\n{}<p class=\"note\">off: deviation from hard contact. TE: \
-         transmission error at rest under the load of the settings.</p>\n</section>\n",
-        table(&columns, &groups)
-    )
+        .text("Status", |(_, r)| r.status.to_string())
+        .numbers("Peak force", "N", 5, get(peak))
+        .deviations("off", off(peak))
+        .numbers("Impulse", "N s", 5, get(impulse))
+        .deviations("off", off(impulse))
+        .numbers("Static TE, mean", "m", 5, get(still))
+        .deviations("off", off(still));
+    let remark = "off: deviation from hard contact. TE: transmission error at rest under the load of the settings.";
+    glance("By penalty", html! { (table) (note(remark)) })
 }

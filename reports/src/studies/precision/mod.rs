@@ -24,6 +24,9 @@ const NEWS: f64 = 0.95;
 /// Reference of integration errors.
 pub const SELF: &str = "self";
 
+/// What the runs whose lead is told are called.
+pub const OURS: &str = "elastic gears with residual compliance under the trigonometric method";
+
 /// What a run is charged with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {

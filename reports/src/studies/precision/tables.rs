@@ -1,14 +1,13 @@
 //! Finding and tables of a study of accuracy against cost.
 
-use crate::markup::escape;
-use crate::markup::table::{Column, Rows, table};
+use super::pareto::cheapest;
+use super::{Cloud, Cost, LEVELS, OURS, Precision, SELF, Shown, family, is_ours, rung};
+use crate::markup::table::Table;
+use crate::markup::{note, runs as common, section};
 use crate::numbers::{count, percent, quantity, short};
 use crate::record::{Run, Status};
-use crate::studies::precision::pareto::cheapest;
-use crate::studies::precision::{
-    Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, rung,
-};
 use crate::view::{View, resolution};
+use maud::{Markup, html};
 
 /// The error from which on the lead is asked about.
 const ASKED: f64 = LEVELS[0];
@@ -17,72 +16,62 @@ fn level(x: f64) -> String {
     format!("{}\u{a0}%", short(100.0 * x, 2))
 }
 
-/// The finding, as HTML.
-pub fn finding(view: &View<'_>) -> String {
+fn three(x: f64) -> String {
+    format!("{}\u{a0}%", percent(x, 3))
+}
+
+/// The finding, a paragraph each.
+pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let told = Precision::of(view.results);
     let metric = told.headline();
-    let mut parts: Vec<String> = Vec::new();
+    let mut paragraphs = Vec::new();
     for id in &told.references {
         let cloud = told.cloud(id, metric, Cost::Wall);
         if cloud.shown.is_empty() {
             continue;
         }
-        let which = if cloud.has_fitted() {
-            ", nothing fitted"
-        } else {
-            ""
-        };
-        parts.push(format!(
-            "<b>Against {}</b> ({}{which}): {} {}{}",
-            escape(&view.reference_name(id)),
-            metric.words(),
-            stretches(&cloud),
-            lead(&cloud),
-            fits(&cloud)
-        ));
+        paragraphs.push(html! {
+            b { "Against " (view.reference_name(id)) } " (" (metric.words())
+            @if cloud.has_fitted() { ", nothing fitted" }
+            "): " (stretches(&cloud)) " " (lead(&cloud)) (fits(&cloud))
+        });
     }
-    if parts.is_empty() {
-        parts.push(
-            "No run is held against a reference: the charts show what integrators lose against each model's own \
-             converged solution."
-                .into(),
-        );
+    if paragraphs.is_empty() {
+        paragraphs.push(html! {
+            "No run is held against a reference: the charts show what integrators lose against each model's own converged \
+             solution."
+        });
     }
     let all = view.results.runs.len();
     let failed = (view.results.runs.iter()).filter(|r| r.status.is_failure());
-    parts.push(match failed.count() {
-        0 => format!("None of the {all} runs failed."),
-        n => format!("{n} of {all} runs failed; each stands with its reason."),
+    paragraphs.push(match failed.count() {
+        0 => html! { "None of the " (all) " runs failed." },
+        n => html! { (n) " of " (all) " runs failed; each stands with its reason." },
     });
-    parts.join("</p>\n<p>")
+    paragraphs
 }
 
 /// What a stretch of the front is called.
 fn name(s: &Shown<'_>) -> String {
     if is_ours(s.run) {
-        "elastic gears with residual compliance under trigonometric".into()
+        OURS.into()
     } else {
-        escape(&family(s.run))
+        family(s.run)
     }
 }
 
 /// Who is on the front at which errors, among what was not fitted.
 fn stretches(cloud: &Cloud<'_>) -> String {
     let all = cloud.stretches(|s| !s.is_fitted());
-    let text: Vec<String> = all
-        .iter()
-        .map(|(s, least)| {
-            let at = |x: f64| percent(x, 3);
-            if s.point.error == *least {
-                format!("{} at {}\u{a0}%", name(s), at(*least))
-            } else {
-                format!(
-                    "{} from {} to {}\u{a0}%",
-                    name(s),
-                    at(s.point.error),
-                    at(*least)
-                )
-            }
+    let text: Vec<String> = (all.iter())
+        .map(|(s, least)| match s.point.error {
+            first if first == *least => format!("{} at {}", name(s), three(*least)),
+            first => format!(
+                "{} from {} to {}",
+                name(s),
+                percent(first, 3),
+                three(*least)
+            ),
         })
         .collect();
     format!(
@@ -92,47 +81,42 @@ fn stretches(cloud: &Cloud<'_>) -> String {
 }
 
 /// How far ours hold the front, and by how much they lead.
-fn lead(cloud: &Cloud<'_>) -> String {
+fn lead(cloud: &Cloud<'_>) -> Markup {
     if !cloud.has_ours() {
-        return String::new();
+        return Markup::default();
     }
+    let ours = crate::view::capital(OURS);
     let Some((least, cheaper)) = cloud.held(false) else {
-        return "Elastic gears with residual compliance under the trigonometric method are not on it.".into();
+        return html! { (ours) " are not on it." };
     };
-    let down = format!("down to {}\u{a0}%", percent(least, 3));
-    let reach = match cheaper {
+    let down = format!("down to {}", three(least));
+    let range = match cheaper {
         Some(x) if x > ASKED => format!("for every error below {}, {down}", level(ASKED)),
-        Some(x) => format!("for errors below {}\u{a0}%, {down}", percent(x, 3)),
+        Some(x) => format!("for errors below {}, {down}", three(x)),
         None => format!("for every error {down}"),
     };
-    let lines: Vec<String> = (LEVELS.iter())
+    let lines: Vec<Markup> = (LEVELS.iter())
         .filter_map(|l| cloud.standing(*l, false))
         .map(|s| {
-            let next = format!(
-                "{}: <b>{}</b>, {}",
-                s.level(),
-                escape(&s.own()),
-                escape(&s.beside_next())
-            );
-            match s.other {
-                Some((other, _))
-                    if s.next.is_some_and(|(n, _)| !std::ptr::eq(n.run, other.run)) =>
-                {
-                    format!("{next} and {}", escape(&s.beside_other()))
+            let same = |other: &Run| s.next.is_some_and(|(n, _)| std::ptr::eq(n.run, other));
+            let more = match s.other {
+                Some((other, _)) if s.next.is_some() && !same(other.run) => {
+                    format!(" and {}", s.beside_other())
                 }
-                None if s.next.is_some() => format!("{next}; no other model gets there"),
-                _ => next,
-            }
+                None if s.next.is_some() => "; no other model gets there".into(),
+                _ => String::new(),
+            };
+            html! { (s.level()) ": " b { (s.own()) } ", " (s.beside_next()) (more) }
         })
         .collect();
-    let cheapest = if lines.is_empty() {
-        String::new()
-    } else {
-        format!(" Cheapest within a limit: {}.", lines.join("; "))
-    };
-    format!(
-        "<b>Elastic gears with residual compliance under the trigonometric method hold the front {reach}.</b>{cheapest}"
-    )
+    html! {
+        b { (ours) " hold the front " (range) "." }
+        @if !lines.is_empty() {
+            " Cheapest within a limit: "
+            @for (i, line) in lines.iter().enumerate() { @if i > 0 { "; " } (line) }
+            "."
+        }
+    }
 }
 
 /// What models that were fitted to this very history change.
@@ -142,259 +126,155 @@ fn fits(cloud: &Cloud<'_>) -> String {
     }
     let all = cloud.stretches(|_| true);
     let fitted: Vec<String> = (all.iter().filter(|(s, _)| s.is_fitted()))
-        .map(|(s, least)| {
-            format!(
-                "{} to {}\u{a0}%",
-                escape(&family(s.run)),
-                percent(*least, 3)
-            )
-        })
+        .map(|(s, least)| format!("{} to {}", family(s.run), three(*least)))
         .collect();
     if fitted.is_empty() {
         return " Models fitted to this very history are not on the front.".into();
     }
     let over = match cloud.held(true) {
         Some((_, Some(x))) if cloud.has_ours() => {
-            format!("; elastic gears take over below {}\u{a0}%", percent(x, 3))
+            format!("; elastic gears take over below {}", three(x))
         }
         _ => String::new(),
     };
     format!(
-        " Models fitted to this very history are cheaper as far as their fit reaches: {}{over}.",
+        " Models fitted to this very history are cheaper as far as their fit goes: {}{over}.",
         fitted.join(", ")
     )
 }
 
-fn plain(n: usize) -> [Rows; 1] {
-    [Rows {
-        heading: None,
-        count: n,
-        classes: Vec::new(),
-    }]
-}
-
 /// Fronts, and what each model costs within limits of the error.
-pub fn tables(view: &View<'_>) -> String {
+pub fn tables(view: &View<'_>) -> Markup {
     let told = Precision::of(view.results);
     let metric = told.headline();
-    let mut out = String::new();
-    for id in &told.references {
-        let cloud = told.cloud(id, metric, Cost::Wall);
-        if cloud.shown.is_empty() {
-            continue;
+    let clouds = (told.references.iter()).map(|id| told.cloud(id, metric, Cost::Wall));
+    html! {
+        @for cloud in clouds.filter(|c| !c.shown.is_empty()) {
+            @let reference = view.reference_name(&cloud.against);
+            section.glance {
+                h2 { "Pareto front against " (reference) }
+                (front(&cloud))
+                p.note {
+                    "Runs that no other beats in wall time and in " (metric.words()) " at once"
+                    @if cloud.has_fitted() {
+                        ", fitted models included; a check stands where a run is on the front of the models that were not \
+                         fitted to this history"
+                    }
+                    "."
+                }
+            }
+            section.glance {
+                h2 { "Cheapest run of each model against " (reference) }
+                (within(&told, &cloud))
+                p.note {
+                    "Least wall time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
+                }
+            }
         }
-        let name = escape(&view.reference_name(id));
-        out.push_str(&format!(
-            "<section class=\"glance\">\n<h2>Pareto front against {name}</h2>\n{}<p class=\"note\">Runs that no other beats \
-             in wall time and in {} at once{}.</p>\n</section>\n",
-            front(&cloud),
-            metric.words(),
-            if cloud.has_fitted() {
-                ", fitted models included; a check stands where a run is on the front of the models that were not fitted \
-                 to this history"
-            } else {
-                ""
-            },
-        ));
-        out.push_str(&format!(
-            "<section class=\"glance\">\n<h2>Cheapest run of each model against {name}</h2>\n{}<p class=\"note\">Least wall \
-             time among the runs within the limit of the {}; a dash: none gets there.</p>\n</section>\n",
-            within(&told, &cloud),
-            metric.words(),
-        ));
     }
-    out
 }
 
-fn front(cloud: &Cloud<'_>) -> String {
+fn front(cloud: &Cloud<'_>) -> Markup {
     let fair = cloud.front(|s| !s.is_fitted());
     let mut all = cloud.front(|_| true);
-    all.extend(
-        fair.iter()
-            .filter(|i| !all.contains(i))
-            .copied()
-            .collect::<Vec<_>>(),
-    );
-    all.sort_by(|a, b| {
-        cloud.shown[*a]
-            .point
-            .cost
-            .total_cmp(&cloud.shown[*b].point.cost)
-    });
-    let rows: Vec<&Shown<'_>> = all.iter().map(|i| &cloud.shown[*i]).collect();
-    let text = |f: &dyn Fn(&Run) -> String| rows.iter().map(|s| Some(f(s.run))).collect::<Vec<_>>();
-    let numbers =
-        |f: &dyn Fn(&Shown<'_>) -> Option<f64>| rows.iter().map(|s| f(s)).collect::<Vec<_>>();
-    let columns = [
-        Column::text("Model", text(&Run::model_label)),
-        Column::text("Integrator", text(&|r| r.integrator.clone())),
-        Column::text("Resolution", text(&rung)),
-        Column::percents("Error", 3, &numbers(&|s| Some(s.point.error))),
+    all.extend(&fair);
+    all.sort_unstable();
+    all.dedup();
+    let cost = |i: &usize| cloud.shown[*i].point.cost;
+    all.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let run = |i: &usize| cloud.shown[*i].run;
+    let table = Table::of(&all)
+        .text("Model", |i| run(i).model_label())
+        .text("Integrator", |i| run(i).integrator.clone())
+        .text("Resolution", |i| rung(run(i)))
+        .percents("Error", 3, |i| cloud.shown[*i].point.error)
         // From microseconds to seconds: each time with its own prefix.
-        Column::written("Wall time", "", text(&|r| quantity(r.wall_s, "s", 3))),
-        Column::written(
-            "min \u{2013} max",
-            "",
-            rows.iter()
-                .map(|s| {
-                    let [low, high] = s.run.wall_spread_s?;
-                    Some(format!(
-                        "{} \u{2013} {}",
-                        quantity(low, "s", 3),
-                        quantity(high, "s", 3)
-                    ))
-                })
-                .collect(),
-        ),
-        Column::written("Steps", "", text(&|r| count(r.steps))),
-        Column::written("Force evals", "", text(&|r| count(r.force_evaluations))),
-        Column::written("Factoris.", "", text(&|r| count(r.factorisations))),
-        Column::text(
-            "Fitted",
-            rows.iter().map(|s| s.run.fitted_to.clone()).collect(),
-        ),
-        Column::text(
-            "Front, nothing fitted",
-            if cloud.has_fitted() {
-                all.iter()
-                    .map(|i| fair.contains(i).then(|| "\u{2713}".to_owned()))
-                    .collect()
-            } else {
-                vec![None; all.len()]
-            },
-        ),
-    ];
-    table(&columns, &plain(rows.len()))
+        .written("Wall time", "", |i| quantity(run(i).wall_s, "s", 3))
+        .written("min \u{2013} max", "", |i| {
+            let [low, high] = run(i).wall_spread_s?.map(|t| quantity(t, "s", 3));
+            Some(format!("{low} \u{2013} {high}"))
+        })
+        .written("Steps", "", |i| count(run(i).steps))
+        .written("Force evals", "", |i| count(run(i).force_evaluations))
+        .written("Factoris.", "", |i| count(run(i).factorisations))
+        .text("Fitted", |i| run(i).fitted_to.clone())
+        .text("Front, nothing fitted", |i| {
+            (cloud.has_fitted() && fair.contains(i)).then(|| "\u{2713}".to_owned())
+        });
+    html! { (table) }
 }
 
-fn within(told: &Precision<'_>, cloud: &Cloud<'_>) -> String {
-    let models: Vec<(usize, &String)> = (told.models.iter().enumerate())
-        .filter(|(i, _)| cloud.shown.iter().any(|s| s.style == *i))
-        .collect();
+fn within(told: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
     let of = |style: usize| cloud.shown.iter().filter(move |s| s.style == style);
-    let mut columns = vec![
-        Column::text("Model", models.iter().map(|m| Some(m.1.clone())).collect()),
-        Column::text(
-            "Fitted to",
-            models
-                .iter()
-                .map(|m| of(m.0).find_map(|s| s.run.fitted_to.clone()))
-                .collect(),
-        ),
-    ];
+    let models: Vec<usize> = (0..told.models.len())
+        .filter(|i| of(*i).next().is_some())
+        .collect();
+    let mut table = Table::of(&models)
+        .text("Model", |m| told.models[*m].clone())
+        .text("Fitted to", |m| {
+            of(*m).find_map(|s| s.run.fitted_to.clone())
+        });
     for limit in LEVELS {
-        let cell = |style: usize| {
-            let kept: Vec<&Shown<'_>> = of(style).collect();
+        table = table.text(&format!("\u{2264} {}", level(limit)), |m| {
+            let kept: Vec<&Shown<'_>> = of(*m).collect();
             let points: Vec<_> = kept.iter().map(|s| s.point).collect();
-            let s = kept[cheapest(&points, limit)?];
-            Some(format!(
-                "{} ({}, {})",
-                quantity(s.run.wall_s, "s", 2),
-                s.run.integrator,
-                rung(s.run)
-            ))
-        };
-        let heading = format!("\u{2264} {}", level(limit));
-        columns.push(Column::text(
-            &heading,
-            models.iter().map(|m| cell(m.0)).collect(),
-        ));
+            let run = kept[cheapest(&points, limit)?].run;
+            let time = quantity(run.wall_s, "s", 2);
+            Some(format!("{time} ({}, {})", run.integrator, rung(run)))
+        });
     }
-    let least = |style: usize| {
-        let best = of(style).map(|s| s.point.error).min_by(f64::total_cmp)?;
-        Some(format!("{}\u{a0}%", percent(best, 3)))
-    };
-    columns.push(Column::written(
-        "Least error",
-        "",
-        models.iter().map(|m| least(m.0)).collect(),
-    ));
-    table(&columns, &plain(models.len()))
+    let table = table.written("Least error", "", |m| {
+        let best = of(*m).map(|s| s.point.error).min_by(f64::total_cmp);
+        best.map(three)
+    });
+    html! { (table) }
 }
 
 /// All runs, shortly, and the failures counted.
-pub fn runs(view: &View<'_>) -> String {
+pub fn runs(view: &View<'_>) -> Markup {
     let told = Precision::of(view.results);
     let metric = told.headline();
-    let rows: Vec<&Run> = view
-        .groups
-        .iter()
-        .flat_map(|g| g.runs.iter().map(|(_, r)| *r))
-        .collect();
+    let rows = common::rows(view);
     if rows.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let groups: Vec<Rows> = (view.groups.iter())
-        .map(|g| Rows {
-            heading: Some((g.label.clone(), g.style)),
-            count: g.runs.len(),
-            classes: (g.runs.iter())
-                .map(|(_, r)| if r.status.is_failure() { "failed" } else { "" })
-                .collect(),
-        })
-        .collect();
-    let text = |f: &dyn Fn(&Run) -> String| {
-        rows.iter()
-            .map(|r| Some(f(r)).filter(|t| !t.is_empty()))
-            .collect::<Vec<_>>()
-    };
-    let error = |id: &str| -> Vec<Option<f64>> {
-        let of = |r: &Run| r.against(id)?.get(metric).map(f64::abs);
-        rows.iter()
-            .map(|r| of(r).filter(|_| !r.status.is_failure()))
-            .collect()
-    };
-    let mut columns = vec![
-        Column::text("Integrator", text(&|r| r.integrator.clone())),
-        Column::written(
-            "Modes",
-            "",
-            text(&|r| r.modes.map_or(String::new(), |n| n.to_string())),
-        ),
-        Column::text("Step", text(&resolution)),
-        Column::text("Status", text(&|r| r.status.to_string())),
-    ];
+    let mut table = Table::of(&rows)
+        .grouped(|(_, label, style)| ((*label).into(), *style))
+        .classed(|(r, ..)| if r.status.is_failure() { "failed" } else { "" })
+        .text("Integrator", |(r, ..)| r.integrator.clone())
+        .written("Modes", "", |(r, ..)| common::modes(r))
+        .text("Step", |(r, ..)| resolution(r))
+        .text("Status", |(r, ..)| r.status.to_string());
     for id in told.references.iter().map(String::as_str).chain([SELF]) {
-        let name = if id == SELF {
-            "Integration error".into()
-        } else {
-            format!("Error, {id}")
+        let heading = match id {
+            SELF => "Integration error".into(),
+            id => format!("Error, {id}"),
         };
-        columns.push(Column::percents(&name, 3, &error(id)));
+        table = table.percents(&heading, 3, |(r, ..)| {
+            let error = r.against(id)?.get(metric).map(f64::abs);
+            error.filter(|_| !r.status.is_failure())
+        });
     }
-    columns.extend([
-        Column::numbers(
-            "Wall time",
-            "s",
-            3,
-            &rows.iter().map(|r| Some(r.wall_s)).collect::<Vec<_>>(),
-        ),
-        Column::ranges(
-            "min \u{2013} max",
-            "s",
-            3,
-            &rows.iter().map(|r| r.wall_spread_s).collect::<Vec<_>>(),
-        ),
-        Column::written("Steps", "", text(&|r| count(r.steps))),
-        Column::written("Force evals", "", text(&|r| count(r.force_evaluations))),
-        Column::written("Factoris.", "", text(&|r| count(r.factorisations))),
-    ]);
-    format!(
-        "<section>\n<h2>All runs</h2>\n{}<p class=\"note\">Errors: {}. precision.csv has every metric and the \
-         spread of the times.</p>\n</section>\n{}",
-        table(&columns, &groups),
-        metric.words(),
-        failures(&rows)
-    )
+    let table = table
+        .numbers("Wall time", "s", 3, |(r, ..)| r.wall_s)
+        .ranges("min \u{2013} max", "s", 3, |(r, ..)| r.wall_spread_s)
+        .written("Steps", "", |(r, ..)| count(r.steps))
+        .written("Force evals", "", |(r, ..)| count(r.force_evaluations))
+        .written("Factoris.", "", |(r, ..)| count(r.factorisations));
+    let remark = format!(
+        "Errors: {}. precision.csv has every metric and the spread of the times.",
+        metric.words()
+    );
+    html! {
+        (section("All runs", html! { (table) (note(remark)) }))
+        (failures(rows.iter().map(|(r, ..)| *r)))
+    }
 }
 
-/// Family, reason, runs.
-type Fallen<'a> = (String, Status, Vec<&'a Run>);
-
 /// Failures by family and reason.
-fn failures(rows: &[&Run]) -> String {
-    let mut found: Vec<Fallen<'_>> = Vec::new();
-    for r in rows.iter().filter(|r| r.status.is_failure()) {
+fn failures<'a>(runs: impl Iterator<Item = &'a Run>) -> Markup {
+    let mut found: Vec<(String, Status, Vec<&Run>)> = Vec::new();
+    for r in runs.filter(|r| r.status.is_failure()) {
         let name = family(r);
         match found.iter_mut().find(|f| f.0 == name && f.1 == r.status) {
             Some(f) => f.2.push(r),
@@ -402,29 +282,16 @@ fn failures(rows: &[&Run]) -> String {
         }
     }
     if found.is_empty() {
-        return "<section>\n<h2>Failures</h2>\n<p>Every run reached its end.</p>\n</section>\n"
-            .into();
+        return section("Failures", html! { p { "Every run reached its end." } });
     }
-    let cells =
-        |f: &dyn Fn(&Fallen<'_>) -> String| found.iter().map(|x| Some(f(x))).collect::<Vec<_>>();
-    let columns = [
-        Column::text("Family", cells(&|f| f.0.clone())),
-        Column::text("Reason", cells(&|f| f.1.to_string())),
-        Column::written("Runs", "", cells(&|f| count(f.2.len() as u64))),
-        Column::text(
-            "At",
-            cells(&|f| {
-                let all: Vec<String> = f.2.iter().map(|r| rung(r)).collect();
-                all.join("; ")
-            }),
-        ),
-        Column::text(
-            "Such as",
-            cells(&|f| f.2[0].message.clone().unwrap_or_default()),
-        ),
-    ];
-    format!(
-        "<section>\n<h2>Failures</h2>\n{}</section>\n",
-        table(&columns, &plain(found.len()))
-    )
+    let table = Table::of(&found)
+        .text("Family", |f| f.0.clone())
+        .text("Reason", |f| f.1.to_string())
+        .written("Runs", "", |f| count(f.2.len() as u64))
+        .text("At", |f| {
+            let all: Vec<String> = f.2.iter().map(|r| rung(r)).collect();
+            all.join("; ")
+        })
+        .text("Such as", |f| f.2[0].message.clone());
+    section("Failures", table)
 }

@@ -12,6 +12,7 @@ use crate::drawing::canvas::DrawError;
 use crate::record::Status;
 use crate::studies::StudyReport;
 use crate::view::View;
+use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 /// Narrowest bracket of the largest stable step: its upper end over its lower end.
@@ -330,10 +331,10 @@ impl Map {
 /// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: tables::finding(view),
+        finding: vec![tables::finding(view)],
         tables: tables::tables(view),
         charts: charts::stability(view)?,
-        details: String::new(),
+        details: Markup::default(),
         csv: csv::tables(&view.results.maps),
     })
 }

@@ -1,11 +1,12 @@
 //! Finding and tables of a study of stability.
 
-use crate::markup::escape;
-use crate::markup::table::{Column, Rows, table};
+use super::{Limit, Map, is_lost, once};
+use crate::markup::table::Table;
+use crate::markup::{glance, note, section, sentences};
 use crate::numbers::{count, percent, quantity, short};
 use crate::record::Status;
-use crate::studies::stability::{Limit, Map, is_lost, once};
 use crate::view::View;
+use maud::{Markup, html};
 
 /// Labels of models in the order of appearance.
 fn models(maps: &[Map]) -> Vec<String> {
@@ -28,17 +29,16 @@ fn step(limit: &Limit) -> String {
     }
 }
 
-/// The finding, as HTML.
-pub fn finding(view: &View<'_>) -> String {
+/// The finding.
+pub fn finding(view: &View<'_>) -> Markup {
     let maps = &view.results.maps;
     let total: usize = maps.iter().map(|m| m.cells.len()).sum();
     if total == 0 {
-        return "The record holds no map.".into();
+        return html! { "The record holds no map." };
     }
     let of = |s: Status| -> usize {
-        maps.iter()
-            .map(|m| m.cells.iter().filter(|c| c.status == s).count())
-            .sum()
+        let cells = maps.iter().flat_map(|m| &m.cells);
+        cells.filter(|c| c.status == s).count()
     };
     let mut failures: Vec<(usize, Status)> = (Status::ALL.into_iter())
         .filter(|s| s.is_failure())
@@ -46,33 +46,30 @@ pub fn finding(view: &View<'_>) -> String {
         .filter(|(n, _)| *n > 0)
         .collect();
     failures.sort_by_key(|f| std::cmp::Reverse(f.0));
-    let part = |n: usize| percent(n as f64 / total as f64, 2);
-    let mut sentences = vec![format!(
-        "Of {} runs {}\u{a0}% converged, {}\u{a0}% ended but were inaccurate{}.",
-        count(total as u64),
-        part(of(Status::Converged)),
-        part(of(Status::Inaccurate)),
-        if failures.is_empty() {
-            ", none failed".into()
-        } else {
-            let words: Vec<String> = (failures.iter())
-                .map(|(n, s)| format!("{s} {}\u{a0}%", part(*n)))
-                .collect();
-            format!("; the others failed: {}", words.join(", "))
-        }
-    )];
+    let part = |n: usize| format!("{}\u{a0}%", percent(n as f64 / total as f64, 2));
+    let words: Vec<String> = (failures.iter())
+        .map(|(n, s)| format!("{s} {}", part(*n)))
+        .collect();
+    let failed = match words.as_slice() {
+        [] => ", none failed".into(),
+        all => format!("; the others failed: {}", all.join(", ")),
+    };
+    let mut told = vec![html! {
+        "Of " (count(total as u64)) " runs " (part(of(Status::Converged))) " converged, " (part(of(Status::Inaccurate)))
+        " ended but were inaccurate" (failed) "."
+    }];
     for label in models(maps) {
         let of_model: Vec<&Map> = (once(maps).into_iter())
             .filter(|m| m.model_label() == label)
             .collect();
-        sentences.extend(about(&label, &of_model));
+        told.extend(about(&label, &of_model));
     }
-    sentences.extend(beside(maps));
-    sentences.join(" ")
+    told.extend(beside(maps).map(|text| html! { (text) }));
+    sentences(told)
 }
 
 /// The explicit method with the largest and smallest limit of a model, and the implicit ones that never failed.
-fn about(label: &str, maps: &[&Map]) -> Option<String> {
+fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     let mut limited: Vec<(f64, &Map)> = (maps.iter())
         .filter_map(|m| {
             let l = m.limit()?;
@@ -80,46 +77,26 @@ fn about(label: &str, maps: &[&Map]) -> Option<String> {
         })
         .collect();
     limited.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let unlimited: Vec<String> = (maps.iter())
+    let unlimited: Vec<&str> = (maps.iter())
         .filter(|m| m.limit().is_some_and(|l| l.unstable_s.is_none()))
-        .map(|m| escape(&m.integrator))
+        .map(|m| m.integrator.as_str())
         .collect();
-    let name = escape(label);
-    let mut parts = Vec::new();
-    if let Some((h, m)) = limited.first() {
-        let theory = m.ratio().map_or(String::new(), |r| {
-            format!(", {} times what theory says", short(r, 2))
-        });
-        parts.push(format!(
-            "at the scene's own parameters <b>{name}</b> bears its longest limited step under {} ({}{theory})",
-            escape(&m.integrator),
-            quantity(*h, "s", 3)
-        ));
-    }
-    if let [.., (h, m)] = limited.as_slice()
-        && limited.len() > 1
-    {
-        parts.push(format!(
-            "its shortest under {} ({})",
-            escape(&m.integrator),
-            quantity(*h, "s", 3)
-        ));
-    }
-    if !unlimited.is_empty() {
-        let subject = if limited.is_empty() {
-            format!("<b>{name}</b>: ")
-        } else {
-            String::new()
-        };
-        parts.push(format!(
-            "{subject}{} held at every step tried",
-            unlimited.join(", ")
-        ));
-    }
-    let text = parts.join("; ");
-    let begin = text.chars().next()?.to_uppercase().to_string();
-    let rest = text.get(text.chars().next()?.len_utf8()..)?;
-    Some(format!("{begin}{rest}."))
+    let held = format!("{} held at every step tried", unlimited.join(", "));
+    let Some((h, first)) = limited.first() else {
+        return (!unlimited.is_empty()).then(|| html! { b { (label) } ": " (held) "." });
+    };
+    let theory = first.ratio().map(|r| short(r, 2));
+    Some(html! {
+        "At the scene's own parameters " b { (label) } " bears its longest limited step under " (first.integrator) " ("
+        (quantity(*h, "s", 3))
+        @if let Some(r) = theory { ", " (r) " times what theory says" }
+        ")"
+        @if let [_, .., (h, m)] = limited.as_slice() {
+            "; its shortest under " (m.integrator) " (" (quantity(*h, "s", 3)) ")"
+        }
+        @if !unlimited.is_empty() { "; " (held) }
+        "."
+    })
 }
 
 /// Where every explicit method of a model fails and an implicit one does not.
@@ -164,30 +141,9 @@ fn beside(maps: &[Map]) -> Option<String> {
 }
 
 /// The largest stable steps and how often each label occurs.
-pub fn tables(view: &View<'_>) -> String {
-    let all = once(&view.results.maps);
-    limits(&all) + &labels(&view.results.maps) + &references(&view.results.maps)
-}
-
-/// Rows of the maps grouped by model.
-fn grouped(maps: &[&Map], class: impl Fn(&Map) -> &'static str) -> Vec<Rows> {
-    let mut groups: Vec<Rows> = Vec::new();
-    for map in maps {
-        let label = map.model_label();
-        let style = groups.len();
-        match groups.last_mut() {
-            Some(g) if g.heading.as_ref().is_some_and(|h| h.0 == label) => {
-                g.count += 1;
-                g.classes.push(class(map));
-            }
-            _ => groups.push(Rows {
-                heading: Some((label, style)),
-                count: 1,
-                classes: vec![class(map)],
-            }),
-        }
-    }
-    groups
+pub fn tables(view: &View<'_>) -> Markup {
+    let maps = &view.results.maps;
+    html! { (limits(maps)) (labels(maps)) (references(maps)) }
 }
 
 /// Maps with those of a model beside each other.
@@ -198,94 +154,74 @@ fn by_model<'a>(maps: impl Iterator<Item = &'a Map>) -> Vec<&'a Map> {
     all
 }
 
-fn limits(maps: &[&Map]) -> String {
-    let rows = by_model(maps.iter().copied().filter(|m| m.limit().is_some()));
-    if rows.is_empty() {
-        return String::new();
-    }
-    let cell = |f: &dyn Fn(&Map, Limit) -> Option<String>| -> Vec<Option<String>> {
-        rows.iter().map(|m| f(m, m.limit()?)).collect()
-    };
-    let columns = [
-        Column::text("Integrator", cell(&|m, _| Some(m.integrator.clone()))),
-        Column::written("Largest stable step", "", cell(&|_, l| Some(step(&l)))),
-        Column::written(
-            "Theory",
-            "",
-            cell(&|m, _| m.theory(m.own_row()).map(|t| quantity(t.0, "s", 3))),
-        ),
-        Column::written(
-            "Found over theory",
-            "",
-            cell(&|m, _| m.ratio().map(|r| short(r, 3))),
-        ),
-        Column::text("Fails with", cell(&|_, l| l.status.map(|s| s.to_string()))),
-        Column::text(
-            "Beyond",
-            cell(&|_, l| l.holds_again.then(|| "some larger steps hold again".into())),
-        ),
-        Column::written(
-            "Largest accurate step",
-            "",
-            cell(&|_, l| l.accurate_s.map(|h| quantity(h, "s", 3))),
-        ),
-        Column::written(
-            "A contact pulls from",
-            "",
-            cell(&|_, l| l.pulls_from_s.map(|h| quantity(h, "s", 3))),
-        ),
-    ];
-    format!(
-        "<section class=\"glance\">\n<h2>Largest stable steps</h2>\n{}<p class=\"note\">At the scene's own parameters: \
-         the largest step up to which every run held, closed in on to 2\u{a0}% between the last that held and the \
-         first that failed. Theory is linear, at the closed contact of largest force; a run that is short, damped or \
-         mostly in flight may survive a larger step (Dormand-Prince grows so slowly beyond its limit that short runs do \
-         not show it), and one whose energy swings near the limit fails before it. \
-         Accurate: within the tolerance against the model's own converged solution. From the step in the last column on the \
-         force history of a contact dips below zero between steps: the run goes on, but its force is none that a contact \
-         has.</p>\n</section>\n",
-        table(&columns, &grouped(&rows, |_| ""))
-    )
+/// A table of maps under the names of their models.
+fn table<'r, 'a>(rows: &'r [&'a Map]) -> Table<'r, &'a Map> {
+    let mut labels: Vec<String> = rows.iter().map(|m| m.model_label()).collect();
+    labels.dedup();
+    Table::of(rows)
+        .grouped(|m| {
+            let label = m.model_label();
+            let place = labels.iter().position(|l| *l == label);
+            (label, place.unwrap_or(0))
+        })
+        .text("Integrator", |m| m.integrator.clone())
 }
 
-fn labels(maps: &[Map]) -> String {
+fn limits(maps: &[Map]) -> Markup {
+    let rows = by_model((once(maps).into_iter()).filter(|m| m.limit().is_some()));
+    if rows.is_empty() {
+        return Markup::default();
+    }
+    let seconds = |h: Option<f64>| h.map(|h| quantity(h, "s", 3));
+    let table = table(&rows)
+        .written("Largest stable step", "", |m| Some(step(&m.limit()?)))
+        .written("Theory", "", |m| {
+            seconds(m.theory(m.own_row()).map(|t| t.0))
+        })
+        .written("Found over theory", "", |m| m.ratio().map(|r| short(r, 3)))
+        .text("Fails with", |m| m.limit()?.status.map(|s| s.to_string()))
+        .text("Beyond", |m| {
+            let again = m.limit()?.holds_again;
+            again.then(|| "some larger steps hold again".into())
+        })
+        .written("Largest accurate step", "", |m| {
+            seconds(m.limit()?.accurate_s)
+        })
+        .written("A contact pulls from", "", |m| {
+            seconds(m.limit()?.pulls_from_s)
+        });
+    let remark = note(
+        "At the scene's own parameters: the largest step up to which every run held, closed in on to 2\u{a0}% between the \
+         last that held and the first that failed. Theory is linear, at the closed contact of largest force; a run that is \
+         short, damped or mostly in free flight may survive a larger step (Dormand-Prince grows so slowly beyond its limit \
+         that short runs do not show it), and one whose energy swings near the limit fails before it. Accurate: within the \
+         tolerance against the model's own converged solution. From the step in the last column on the force history of a \
+         contact dips below zero between steps: the run goes on, but its force is none that a contact has.",
+    );
+    glance("Largest stable steps", html! { (table) (remark) })
+}
+
+fn labels(maps: &[Map]) -> Markup {
     let rows = by_model(maps.iter());
     if rows.is_empty() {
-        return String::new();
+        return Markup::default();
     }
-    let mut columns = vec![
-        Column::text(
-            "Integrator",
-            rows.iter().map(|m| Some(m.integrator.clone())).collect(),
-        ),
-        Column::text(
-            "Over",
-            rows.iter()
-                .map(|m| {
-                    let ids: Vec<&str> = m.axes.iter().map(|a| a.id.as_str()).collect();
-                    Some(ids.join(", "))
-                })
-                .collect(),
-        ),
-    ];
+    let mut table = table(&rows).text("Over", |m| {
+        let ids: Vec<&str> = m.axes.iter().map(|a| a.id.as_str()).collect();
+        ids.join(", ")
+    });
     for (i, status) in Status::ALL.into_iter().enumerate() {
-        let cells: Vec<Option<String>> = (rows.iter())
-            .map(|m| {
-                Some(m.counts()[i])
-                    .filter(|n| *n > 0)
-                    .map(|n| n.to_string())
-            })
-            .collect();
-        columns.push(Column::written(status.as_str(), "", cells));
+        table = table.written(status.as_str(), "", |m| {
+            Some(m.counts()[i])
+                .filter(|n| *n > 0)
+                .map(|n| n.to_string())
+        });
     }
-    format!(
-        "<section>\n<h2>How runs ended</h2>\n{}</section>\n",
-        table(&columns, &grouped(&rows, |_| ""))
-    )
+    section("How runs ended", table)
 }
 
 /// The converged solutions: how they were made and checked, or why there are none.
-fn references(maps: &[Map]) -> String {
+fn references(maps: &[Map]) -> Markup {
     let mut lines: Vec<(String, String, usize, f64)> = Vec::new();
     for label in models(maps) {
         let Some(map) = maps.iter().find(|m| m.model_label() == label) else {
@@ -306,33 +242,12 @@ fn references(maps: &[Map]) -> String {
             }
         }
     }
-    let columns = [
-        Column::text("Model", lines.iter().map(|l| Some(l.0.clone())).collect()),
-        Column::text(
-            "Converged solution",
-            lines.iter().map(|l| Some(l.1.clone())).collect(),
-        ),
-        Column::written(
-            "Rows",
-            "",
-            lines.iter().map(|l| Some(l.2.to_string())).collect(),
-        ),
-        Column::written(
-            "They differ by at most",
-            "",
-            lines
-                .iter()
-                .map(|l| Some(short(l.3, 2)).filter(|_| l.3 > 0.0))
-                .collect(),
-        ),
-    ];
-    let group = [Rows {
-        heading: None,
-        count: lines.len(),
-        classes: Vec::new(),
-    }];
-    format!(
-        "<section>\n<h2>What cells are held against</h2>\n{}</section>\n",
-        table(&columns, &group)
-    )
+    let table = Table::of(&lines)
+        .text("Model", |l| l.0.clone())
+        .text("Converged solution", |l| l.1.clone())
+        .written("Rows", "", |l| l.2.to_string())
+        .written("They differ by at most", "", |l| {
+            Some(short(l.3, 2)).filter(|_| l.3 > 0.0)
+        });
+    section("What cells are held against", table)
 }

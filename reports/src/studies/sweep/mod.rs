@@ -9,6 +9,7 @@ use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
 use crate::studies::StudyReport;
 use crate::view::View;
+use maud::html;
 pub use record::{Bearing, StaticCycle, Steady};
 
 /// What the study says of a record.
@@ -17,10 +18,10 @@ pub use record::{Bearing, StaticCycle, Steady};
 /// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: tables::finding(view),
+        finding: vec![tables::finding(view)],
         tables: tables::tables(view),
         charts: charts::sweep(view)?,
-        details: tables::speeds(view) + &runs::failures(view),
+        details: html! { (tables::speeds(view)) (runs::failures(view)) },
         csv: csv::tables(view.results),
     })
 }

@@ -6,7 +6,8 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::markup::runs;
-use crate::record::{Metrics, Results, Run};
+use crate::metrics::Metric;
+use crate::record::{Results, Run};
 use crate::studies::StudyReport;
 use crate::studies::compare::histories;
 use crate::view::View;
@@ -28,15 +29,11 @@ pub struct Way<'a> {
 
 impl<'a> Way<'a> {
     /// Runs that ended well and have a finite metric against a reference: modes, magnitude, run.
-    pub fn errors(
-        &self,
-        against: &str,
-        metric: impl Fn(&Metrics) -> Option<f64>,
-    ) -> Vec<(usize, f64, &'a Run)> {
+    pub fn errors(&self, against: &str, metric: Metric) -> Vec<(usize, f64, &'a Run)> {
         (self.runs.iter())
             .filter(|(_, r)| !r.status.is_failure())
             .filter_map(|(_, r)| {
-                let e = metric(r.against(against)?)?.abs();
+                let e = r.against(against)?.get(metric)?.abs();
                 e.is_finite().then_some((r.modes?, e, *r))
             })
             .collect()
@@ -105,7 +102,7 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::truncation(view)?;
     charts.extend(histories::force(view)?);
     Ok(StudyReport {
-        finding: tables::finding(view),
+        finding: vec![tables::finding(view)],
         tables: tables::tables(view),
         charts,
         details: runs::all(view),
@@ -116,7 +113,7 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Status;
+    use crate::record::{Metrics, Status};
 
     fn run(modes: usize, error: f64, status: Status) -> Run {
         Run {
@@ -172,6 +169,6 @@ mod tests {
         let ways = ways(&results);
         let fewest = ways[0].fewest("fe", 0.01).and_then(|r| r.modes);
         assert_eq!(fewest, Some(100));
-        assert_eq!(ways[0].errors("fe", |m| m.force_l2).len(), 2);
+        assert_eq!(ways[0].errors("fe", Metric::ForceL2).len(), 2);
     }
 }

@@ -1,7 +1,7 @@
 //! What integrators lose: one small diagram per model, against its own converged solution.
 
 use super::marks::{Marks, legend, legend_height};
-use super::{SMALL, Scale, capital, faint, staircase};
+use super::{SMALL, Scale, faint, staircase};
 use crate::drawing::Chart;
 use crate::drawing::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
@@ -10,6 +10,7 @@ use crate::drawing::style::{look, marker};
 use crate::metrics::Metric;
 use crate::studies::precision::pareto::{Point, front};
 use crate::studies::precision::{Cost, Precision, SELF, Shown};
+use crate::view::capital;
 
 /// Work-precision diagrams, one per model: what its integrators lose.
 pub(super) fn integration(

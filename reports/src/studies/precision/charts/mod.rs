@@ -17,7 +17,7 @@ use crate::studies::precision::pareto::Point;
 use crate::studies::precision::{
     Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, rung,
 };
-use crate::view::View;
+use crate::view::{View, capital};
 use families::families;
 use integration::integration;
 use marks::{Marks, legend, legend_height};
@@ -244,13 +244,6 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
          for the time at which a run failed is no cost.",
         capital(metric.words()),
     )
-}
-
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map_or(String::new(), |first| {
-        first.to_uppercase().collect::<String>() + chars.as_str()
-    })
 }
 
 /// What a point of the front is called beside its colour.
