@@ -61,7 +61,7 @@ struct Found {
 }
 
 fn run(scene: &mut Scene, text: &str, plan: &TimePlan<'_>, sink: &mut dyn Sink) -> (State, Work) {
-    let (_, mut method) = gearbench_integrators::method(text).unwrap_or_else(|e| panic!("{e}"));
+    let mut method = gearbench_integrators::method(text).unwrap_or_else(|e| panic!("{e}"));
     let (mut state, mut work) = (scene.initial(), Work::default());
     let done = method.run(scene, &mut state, plan, sink, &mut work);
     done.unwrap_or_else(|e| panic!("{text}: {e}"));

@@ -46,8 +46,7 @@ fn built(file: &SceneFile, label: &str, changes: &[(&str, f64)]) -> Scene {
 fn timed(scene: &mut Scene, method: &str, h: f64, end: f64, repeats: usize) -> (f64, Work) {
     let mut counted = Work::default();
     let times = (0..repeats).map(|_| {
-        let (_, mut method) =
-            gearbench_integrators::method(method).unwrap_or_else(|e| panic!("{e}"));
+        let mut method = gearbench_integrators::method(method).unwrap_or_else(|e| panic!("{e}"));
         let (mut state, mut work) = (scene.initial(), Work::default());
         let plan = TimePlan::new(end, Resolution::Step(h));
         let begin = Instant::now();

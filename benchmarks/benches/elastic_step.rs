@@ -56,7 +56,7 @@ impl Sink for States {
 
 /// States of the impact in contact and apart.
 fn states(scene: &mut Scene, end: f64) -> [Vec<State>; 2] {
-    let (_, mut method) = gearbench_integrators::method("trigonometric").unwrap();
+    let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
     let mut state = scene.initial();
     let mut sink = States(vec![]);
     method

@@ -69,7 +69,7 @@ impl Sink for Clock {
 /// Integrates through the impact; the median time of a step.
 fn run(label: &str, method: &str, h: f64) -> (Run, usize) {
     let (mut scene, end) = scene(label);
-    let (_, mut method) = gearbench_integrators::method(method).unwrap();
+    let mut method = gearbench_integrators::method(method).unwrap();
     let mut state = scene.initial();
     let mut work = Work::default();
     let mut clock = Clock(vec![Instant::now()]);

@@ -25,7 +25,7 @@ struct Best {
 
 fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     let grid = grid(end);
-    let mut tight = gearbench_integrators::method("dopri5").ok()?.1;
+    let mut tight = gearbench_integrators::table::DOPRI5.build();
     let converged = record(
         scene,
         tight.as_mut(),

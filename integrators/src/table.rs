@@ -11,14 +11,15 @@ use crate::implicit::generalised_alpha::{self, GeneralisedAlpha};
 use crate::linear_stability::{Flip, Kicks, Stability};
 use crate::method::{Integrator, MethodInfo, Parameter};
 use crate::modal::trigonometric::{self, Filter, Trigonometric};
+use crate::spec::{MethodError, MethodSpec};
 use crate::stepped::Stepped;
 
 /// A row: what the method declares and how it is made from its parameters (in declared order).
 pub struct Method {
     /// Declared facts.
     pub info: &'static MethodInfo,
-    make: fn(&[f64]) -> Box<dyn Integrator>,
-    stability: fn(&[f64]) -> Stability,
+    pub(crate) make: fn(&[f64]) -> Box<dyn Integrator>,
+    pub(crate) stability: fn(&[f64]) -> Stability,
 }
 
 /// The parameter that all methods take beside their own.
@@ -30,7 +31,7 @@ pub static COAST: Parameter = Parameter {
 };
 
 /// All methods.
-pub static METHODS: &[Method] = &[
+pub const METHODS: &[Method] = &[
     Method {
         info: &semi_implicit_euler::INFO,
         make: |_| Box::new(Stepped::new(SemiImplicitEuler::default())),
@@ -103,75 +104,41 @@ impl Method {
         let defaults: Vec<f64> = self.info.parameters.iter().map(|p| p.default).collect();
         (self.make)(&defaults)
     }
+}
 
-    /// The method with some parameters given by name: its own, or [`COAST`].
-    pub fn build_with(&self, given: &[(String, f64)]) -> Result<Box<dyn Integrator>, String> {
-        self.with(&self.values(given)?)
-    }
-
-    /// All parameters in declared order and [`COAST`], some given by name.
-    fn values(&self, given: &[(String, f64)]) -> Result<Given, String> {
-        let mut values: Vec<f64> = self.info.parameters.iter().map(|p| p.default).collect();
-        let mut coast = None;
-        for (name, value) in given {
-            if name == COAST.name {
-                if *value != 0.0 && *value != 1.0 {
-                    return Err(format!(
-                        "{} coast = {value} is neither 0 nor 1",
-                        self.info.id
-                    ));
-                }
-                coast = Some(*value == 1.0);
-                continue;
-            }
-            let Some(i) = self.info.parameters.iter().position(|p| p.name == name) else {
-                let known: Vec<&str> = self.info.parameters.iter().map(|p| p.name).collect();
-                return Err(if known.is_empty() {
-                    format!(
-                        "{} has no parameters of its own, but `{name}` was given; all methods take `{}`",
-                        self.info.id, COAST.name
-                    )
-                } else {
-                    format!(
-                        "{} has no parameter `{name}`; it has {} and {}",
-                        self.info.id,
-                        known.join(", "),
-                        COAST.name
-                    )
-                });
-            };
-            let (low, high) = self.info.parameters[i].range;
-            if !(low..=high).contains(value) {
-                return Err(format!(
-                    "{} {name} = {value} lies outside [{low}, {high}]",
-                    self.info.id
-                ));
-            }
-            values[i] = *value;
+/// The row of an id, for the constants below: a name that is not in the table does not compile.
+const fn row(id: &str) -> MethodSpec {
+    let id = id.as_bytes();
+    let mut i = 0;
+    loop {
+        let known = METHODS[i].info.id.as_bytes();
+        let mut same = 0;
+        while same < id.len() && same < known.len() && id[same] == known[same] {
+            same += 1;
         }
-        Ok((values, coast))
-    }
-
-    /// Makes the method from what [`Self::values`] found.
-    fn with(&self, (values, coast): &Given) -> Result<Box<dyn Integrator>, String> {
-        let mut built = (self.make)(values);
-        match coast {
-            Some(on) if !built.coast(*on) => Err(format!(
-                "{} {}; leave `coast` out",
-                self.info.id,
-                if *on {
-                    "steps through flights"
-                } else {
-                    "always crosses flights in one step"
-                }
-            )),
-            _ => Ok(built),
+        if same == id.len() && same == known.len() {
+            return MethodSpec::of(&METHODS[i]);
         }
+        i += 1;
     }
 }
 
-/// Parameters in declared order, and whether flights are to be crossed in one step where somebody says.
-type Given = (Vec<f64>, Option<bool>);
+/// First order, explicit, symplectic.
+pub const SEMI_IMPLICIT_EULER: MethodSpec = row("semi-implicit-euler");
+/// Second order, explicit, symplectic.
+pub const VELOCITY_VERLET: MethodSpec = row("velocity-verlet");
+/// Fourth order, explicit, fixed steps.
+pub const RK4: MethodSpec = row("rk4");
+/// Fifth order, explicit, under a tolerance.
+pub const DOPRI5: MethodSpec = row("dopri5");
+/// Exact for the oscillators of a modal split.
+pub const TRIGONOMETRIC: MethodSpec = row("trigonometric");
+/// The trapezoidal rule of structural dynamics.
+pub const NEWMARK: MethodSpec = row("newmark");
+/// Newmark with damping of high frequencies.
+pub const HHT_ALPHA: MethodSpec = row("hht-alpha");
+/// Second order, implicit, with a set damping at infinite frequency.
+pub const GENERALISED_ALPHA: MethodSpec = row("generalised-alpha");
 
 fn filter_of(parameter: f64) -> Filter {
     match parameter {
@@ -182,58 +149,14 @@ fn filter_of(parameter: f64) -> Filter {
 }
 
 /// Finds a method by `id` or `id(name=value, ...)` and builds it; the error says what is known.
-pub fn method(text: &str) -> Result<(&'static Method, Box<dyn Integrator>), String> {
-    let (row, given) = find(text)?;
-    Ok((row, row.with(&given)?))
-}
-
-/// What decides the stability of a method that is named as [`method`] takes it; the error says what is known.
-pub fn stability(text: &str) -> Result<(&'static Method, Stability), String> {
-    let (row, (values, _)) = find(text)?;
-    Ok((row, (row.stability)(&values)))
-}
-
-/// A row by name, and the values of its parameters.
-fn find(text: &str) -> Result<(&'static Method, Given), String> {
-    let text = text.trim();
-    let (id, parameters) = match text.split_once('(') {
-        Some((id, rest)) => {
-            let inner = rest
-                .strip_suffix(')')
-                .ok_or_else(|| format!("`{text}`: the closing bracket is missing"))?;
-            (id.trim(), inner)
-        }
-        None => (text, ""),
-    };
-    let row = METHODS.iter().find(|m| m.info.id == id).ok_or_else(|| {
-        let known: Vec<&str> = METHODS.iter().map(|m| m.info.id).collect();
-        format!(
-            "there is no integrator `{id}`; there are {}",
-            known.join(", ")
-        )
-    })?;
-    let mut given = Vec::new();
-    for part in parameters
-        .split(',')
-        .map(str::trim)
-        .filter(|p| !p.is_empty())
-    {
-        let (name, value) = part
-            .split_once('=')
-            .ok_or_else(|| format!("`{part}`: expected name=value, for example rho_inf=0.8"))?;
-        let value: f64 = value
-            .trim()
-            .parse()
-            .map_err(|_| format!("`{part}`: `{}` is not a number", value.trim()))?;
-        given.push((name.trim().to_string(), value));
-    }
-    let given = row.values(&given)?;
-    Ok((row, given))
+pub fn method(text: &str) -> Result<Box<dyn Integrator>, MethodError> {
+    Ok(text.parse::<MethodSpec>()?.build())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::MOST_PARAMETERS;
 
     #[test]
     fn rows_are_distinct_and_admissible() {
@@ -246,38 +169,8 @@ mod tests {
             for p in info.parameters {
                 assert!((p.range.0..=p.range.1).contains(&p.default), "{}", info.id);
             }
+            assert!(info.parameters.len() <= MOST_PARAMETERS);
             assert_eq!(m.build().info(), info);
-        }
-    }
-
-    #[test]
-    fn methods_are_found_by_name_and_parameters() {
-        for m in METHODS {
-            assert_eq!(method(m.info.id).unwrap().1.info(), m.info);
-        }
-        assert!(method(" generalised-alpha( rho_inf = 0.5 ) ").is_ok());
-        assert!(method("newmark()").is_ok());
-        for m in METHODS {
-            assert!(method(&format!("{}(coast=1)", m.info.id)).is_ok());
-        }
-    }
-
-    #[test]
-    fn refusals_say_what_is_known() {
-        for (text, says) in [
-            ("rk5", "semi-implicit-euler"),
-            ("rk4(h=1)", "no parameters"),
-            ("rk4(coast=0.5)", "neither 0 nor 1"),
-            ("trigonometric(coast=0)", "always crosses"),
-            ("newmark(gamma=0.5)", "it has beta"),
-            ("newmark(beta=2)", "outside [0, 0.5]"),
-            ("newmark(beta=NaN)", "outside"),
-            ("newmark(beta)", "name=value"),
-            ("newmark(beta=x)", "not a number"),
-            ("newmark(beta=0.2", "closing bracket"),
-        ] {
-            let error = method(text).err().unwrap_or_default();
-            assert!(error.contains(says), "{text}: {error}");
         }
     }
 }

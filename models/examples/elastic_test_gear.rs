@@ -494,7 +494,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut record = Recorder::on((0..=3000).map(|i| 1e-7 * f64::from(i)).collect());
     let mut ledger = Ledger::default();
     let mut work = Work::default();
-    let (_, mut integrator) = method("dopri5")?;
+    let mut integrator = method("dopri5")?;
     let plan = TimePlan::new(t_end, Resolution::Tolerance(1e-8));
     integrator.run(
         &mut scene,

@@ -7,8 +7,8 @@
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
-    AcceptedStep, Control, METHODS, Method, Outputs, Resolution, SecondOrderSystem, Sink, State,
-    StepError, Stepping, TimePlan, Work,
+    AcceptedStep, Control, METHODS, Method, MethodInfo, Outputs, Resolution, SecondOrderSystem,
+    Sink, State, StepError, Stepping, TimePlan, Work,
 };
 use gearbench_models::contact::{Candidate, Party, Wanted};
 use gearbench_models::error::BuildError;
@@ -347,7 +347,7 @@ pub fn run(scene: &mut Scene, id: &str, resolution: Resolution, t_end: f64) -> O
 
 /// Runs a scene from a state.
 pub fn run_from(scene: &mut Scene, mut state: State, id: &str, plan: &TimePlan<'_>) -> Outcome {
-    let (_, mut integrator) = gearbench_integrators::method(id).expect("the method is known");
+    let mut integrator = gearbench_integrators::method(id).expect("the method is known");
     let mut ledger = Ledger::default();
     let mut forces = Forces {
         meshes: scene.meshes().len(),
@@ -388,8 +388,8 @@ pub fn channel(scene: &mut Scene, s: &State, name: &str) -> f64 {
 }
 
 /// A resolution a method can run at: the step [s], or a tolerance where it takes no steps.
-pub fn resolution(method: &Method, step: f64, tolerance: f64) -> Resolution {
-    match method.info.stepping {
+pub fn resolution(info: &MethodInfo, step: f64, tolerance: f64) -> Resolution {
+    match info.stepping {
         Stepping::Adaptive => Resolution::Tolerance(tolerance),
         _ => Resolution::Step(step),
     }

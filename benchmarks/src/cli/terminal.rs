@@ -102,7 +102,7 @@ pub fn exit_code(results: &Results) -> ExitCode {
 pub fn refuse_run(e: RunError) -> Refusal {
     match e {
         RunError::Build(e) => Refusal::Failed(e.to_string()),
-        RunError::Method(e) => Refusal::Input(miette::miette!(
+        e @ (RunError::Method(_) | RunError::Unsupported(_)) => Refusal::Input(miette::miette!(
             help = "`gearbench list` names the integrators; a step or tolerance follows an @, as in rk4@1us or dopri5@1e-6",
             "{e}"
         )),

@@ -1,7 +1,7 @@
 //! What is run: a model of a scene with its parameters.
 
-use super::run::Method;
 use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_integrators::Scheme;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::record::Run;
 
@@ -19,7 +19,7 @@ pub struct Configuration {
     /// Its models.
     pub modelling: Modelling,
     /// Its integrators, where they are not those of the plan.
-    pub methods: Option<Vec<Method>>,
+    pub methods: Option<Vec<Scheme>>,
     /// Time that others publish for such a model [s].
     pub published: Option<f64>,
 }

@@ -1,8 +1,9 @@
 //! A model's own converged solution: Dormand-Prince with located events at a tolerance of 1e-10 (1e-8 where that takes
 //! too long); of gears with modes the trigonometric method.
 
-use super::run::{Job, Method, RunError, run};
-use gearbench_integrators::Resolution;
+use super::run::{Job, RunError, run};
+use gearbench_integrators::Scheme;
+use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_reports::series::TimeSeries;
 use std::time::Duration;
 
@@ -14,22 +15,16 @@ pub const SELF: [(f64, Duration); 2] = [
 /// Tolerance of the converged solution of gears with modes, by the method that is exact for these.
 pub const EXACT_MODES: f64 = 1e-4;
 /// How converged solutions of gears without modes are computed, the best first, with the time each may take.
-pub fn tight() -> [(Method, Duration); 2] {
+pub fn tight() -> [(Scheme, Duration); 2] {
     SELF.map(|(rtol, timeout)| {
-        let method = Method {
-            text: "dopri5".into(),
-            resolution: Resolution::Tolerance(rtol),
-        };
+        let method = DOPRI5.at_tolerance(rtol);
         (method, timeout)
     })
 }
 
 /// The method that is exact for modes, under a tolerance.
-pub fn exact_for_modes(rtol: f64) -> Method {
-    Method {
-        text: "trigonometric".into(),
-        resolution: Resolution::Tolerance(rtol),
-    }
+pub fn exact_for_modes(rtol: f64) -> Scheme {
+    TRIGONOMETRIC.at_tolerance(rtol)
 }
 
 /// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
@@ -38,8 +33,8 @@ pub const SMALL: usize = 2000;
 /// The model's own converged solution by the first of these methods that reaches the end in its time; `None` when it
 /// is not to be had in reasonable time.
 pub fn converged<'a>(
-    job: &impl Fn(&'a Method) -> Job<'a>,
-    tight: &'a [(Method, Duration)],
+    job: &impl Fn(&'a Scheme) -> Job<'a>,
+    tight: &'a [(Scheme, Duration)],
 ) -> Result<Option<TimeSeries>, RunError> {
     for (method, timeout) in tight {
         let row = run(&Job {

@@ -8,7 +8,6 @@
 //! | [`history`] | channels of a run over time |
 //! | [`journal`] | finished runs on disk, so that a killed study goes on where it was |
 //! | [`machine`] | where and when a record was made |
-//! | [`methods`] | integrators as the command line names them |
 //! | [`parallel`] | pieces of work on several threads |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | [`settings`] | what a reader must know of a scene |
@@ -21,7 +20,6 @@ pub mod external;
 pub mod history;
 pub mod journal;
 pub mod machine;
-pub mod methods;
 pub mod parallel;
 pub mod run;
 pub mod settings;

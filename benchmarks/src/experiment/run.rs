@@ -6,7 +6,7 @@ use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{
-    Integrator, NullSink, Resolution, Sink, State, StepError, TimePlan, Work,
+    Integrator, MethodError, NullSink, Resolution, Scheme, Sink, State, StepError, TimePlan, Work,
 };
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
@@ -27,15 +27,6 @@ const MOST_REPEATS: usize = 300;
 /// The setting that names pairs of a model and an integrator that cannot run it.
 pub const LEFT_OUT: &str = "left out: needs a linear part";
 
-/// An integrator with its resolution, as a scene or the command line asks for it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Method {
-    /// `id` or `id(name=value)`.
-    pub text: String,
-    /// Step or tolerance.
-    pub resolution: Resolution,
-}
-
 /// What a run needs to know.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
@@ -46,7 +37,7 @@ pub struct Job<'a> {
     /// Table of models.
     pub models: &'a [Model],
     /// Integrator.
-    pub method: &'a Method,
+    pub method: &'a Scheme,
     /// End [s].
     pub t_end: f64,
     /// Times to record at [s].
@@ -87,8 +78,11 @@ pub enum RunError {
     #[error(transparent)]
     Build(#[from] BuildError),
     /// The integrator is not known or its parameters are wrong.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The integrator cannot do what is asked.
     #[error("{0}")]
-    Method(String),
+    Unsupported(String),
     /// The integrator needs a linear part to be exact for, which not every model has.
     #[error(
         "`{0}` needs gears whose coordinates are oscillators, as those of rigid and elastic gears are; name another integrator for this model, for example velocity-verlet or dopri5"
@@ -127,10 +121,10 @@ fn timed_in(
     setup: Duration,
     together: Duration,
 ) -> Result<Run, RunError> {
-    let (row, mut method) =
-        gearbench_integrators::method(&job.method.text).map_err(RunError::Method)?;
-    if row.info.linear_part && scene.modal().is_none() {
-        return Err(RunError::NoLinearPart(row.info.id.into()));
+    let info = job.method.method.info();
+    let mut method = job.method.method.build();
+    if info.linear_part && scene.modal().is_none() {
+        return Err(RunError::NoLinearPart(info.id.into()));
     }
 
     let mut witness = Witness::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
@@ -144,7 +138,7 @@ fn timed_in(
         return Err(RunError::Interrupted);
     }
     if let Err(StepError::Unsupported { .. }) = outcome {
-        return Err(RunError::Method(outcome.unwrap_err().to_string()));
+        return Err(RunError::Unsupported(outcome.unwrap_err().to_string()));
     }
 
     let (status, mut message) = witness.verdict(scene, &state, &outcome);
@@ -155,7 +149,7 @@ fn timed_in(
     let end_momenta = momenta(scene, &state);
 
     if message.is_none() {
-        message = resonance_note(job, scene, row.info.linear_part);
+        message = resonance_note(job, scene, info.linear_part);
     }
 
     // Timings come from runs without observers, but for long ones. A failed run is not repeated: its time is no
@@ -197,8 +191,8 @@ fn timed_in(
         Resolution::Tolerance(r) => (None, Some(r)),
     };
     Ok(Run {
-        integrator: job.method.text.clone(),
-        implicit: row.info.implicit,
+        integrator: job.method.method.to_string(),
+        implicit: info.implicit,
         step,
         rtol,
         status,

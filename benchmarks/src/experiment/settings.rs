@@ -64,8 +64,8 @@ pub fn settings(
         .integrators
         .iter()
         .map(|m| match m.resolution {
-            Resolution::Step(h) => format!("{} h {} us", m.text, short(h * 1e6, 3)),
-            Resolution::Tolerance(r) => format!("{} rtol {r:.0e}", m.text),
+            Resolution::Step(h) => format!("{} h {} us", m.method, short(h * 1e6, 3)),
+            Resolution::Tolerance(r) => format!("{} rtol {r:.0e}", m.method),
         })
         .collect();
     row("integrators of the scene", steps.join("; "));

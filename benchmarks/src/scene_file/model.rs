@@ -7,7 +7,7 @@ use super::gear::{GearDraft, Place};
 use super::reader::{Entry, Key, in_order, key};
 use super::study_plan::integrator;
 use super::suggest;
-use crate::experiment::run::Method;
+use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
@@ -96,7 +96,7 @@ pub struct ModelChoice {
     /// Gap at the start [m] that the model asks for itself.
     pub own_gap: Option<f64>,
     /// Its integrators, where they are not those of the study.
-    pub integrators: Option<Vec<Method>>,
+    pub integrators: Option<Vec<Scheme>>,
     /// Time that others publish for such a model [s].
     pub published: Option<f64>,
 }

@@ -3,7 +3,7 @@
 use super::error::SceneError;
 use super::reader::{Entry, Key, key};
 use super::study_plan::{integrator, words};
-use crate::experiment::run::Method;
+use gearbench_integrators::Scheme;
 use gearbench_reports::Metric;
 
 pub(super) static PRECISION: &[Key] = &[
@@ -44,7 +44,7 @@ pub struct Precision {
     /// Labels of the models.
     pub models: Vec<String>,
     /// Integrators.
-    pub integrators: Vec<Method>,
+    pub integrators: Vec<Scheme>,
     /// Numbers of modes.
     pub modes: Vec<usize>,
     /// Steps over that of the scene.

@@ -3,6 +3,7 @@
 use super::error::SceneError;
 use super::reader::{Entry, Key, Section, key};
 use crate::studies::stability::axis::{Axis, spaced};
+use gearbench_integrators::{MethodError, MethodSpec};
 
 pub(super) static STABILITY: &[Key] = &[
     key(
@@ -102,7 +103,7 @@ pub struct StabilitySet {
     /// Labels; `None` takes those of the study.
     pub models: Option<Vec<String>>,
     /// Integrators; `None` takes the usual ones.
-    pub integrators: Option<Vec<String>>,
+    pub integrators: Option<Vec<MethodSpec>>,
     /// Simulated time [s].
     pub duration: Option<f64>,
     /// Steps [s].
@@ -187,17 +188,15 @@ fn positive(e: &Entry<'_>) -> Result<f64, SceneError> {
 }
 
 /// Ids that the table of methods has, with admissible parameters.
-fn integrators(entry: &Entry<'_>) -> Result<Vec<String>, SceneError> {
+fn integrators(entry: &Entry<'_>) -> Result<Vec<MethodSpec>, SceneError> {
     let one = |e: &Entry<'_>| {
-        let text = e.text()?.trim();
-        match gearbench_integrators::method(text) {
-            Ok(_) => Ok(text.to_owned()),
-            Err(why) => Err(e.error(
-                why,
+        e.text()?.parse().map_err(|why: MethodError| {
+            e.error(
+                why.to_string(),
                 "this method",
                 "parameters stand in brackets: id(name=value); steps are those of the map",
-            )),
-        }
+            )
+        })
     };
     entry.list()?.iter().map(one).collect()
 }

@@ -4,8 +4,8 @@ use super::error::SceneError;
 use super::precision_plan::{Precision, precision};
 use super::reader::{Entry, Key, key};
 use super::stability::{self, StabilitySet};
-use crate::experiment::run::Method;
-use gearbench_integrators::{METHODS, Resolution, Stepping};
+use gearbench_integrators::spec::ids;
+use gearbench_integrators::{METHODS, MethodError, MethodSpec, Resolution, Scheme, Stepping};
 use gearbench_reports::Metric;
 use gearbench_reports::record::Tolerance;
 
@@ -95,7 +95,7 @@ pub struct Study {
     /// Labels of the models, in the order of the scene.
     pub models: Vec<String>,
     /// Integrators.
-    pub integrators: Vec<Method>,
+    pub integrators: Vec<Scheme>,
     /// Locate contact events.
     pub events: bool,
     /// Samples of the histories over the duration.
@@ -262,34 +262,27 @@ pub(super) fn words(entry: &Entry<'_>, known: &[&str]) -> Result<Vec<String>, Sc
 }
 
 /// The adaptive methods of the table that run every model.
-fn default_integrators() -> Vec<Method> {
+fn default_integrators() -> Vec<Scheme> {
     METHODS
         .iter()
         .filter(|m| m.info.stepping != Stepping::Fixed && !m.info.linear_part)
-        .map(|m| Method {
-            text: m.info.id.to_owned(),
-            resolution: Resolution::Tolerance(DEFAULT_RTOL),
-        })
+        .map(|m| MethodSpec::of(m).at_tolerance(DEFAULT_RTOL))
         .collect()
 }
 
 /// Reads an integrator with its step or tolerance.
-pub(super) fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
+pub(super) fn integrator(entry: &Entry<'_>) -> Result<Scheme, SceneError> {
     let s = entry.section("an integrator", INTEGRATOR)?;
     let method = s.need("method")?;
-    let text = method.text()?;
-    let id = text.split('(').next().unwrap_or(text).trim();
-    let ids: Vec<&str> = METHODS.iter().map(|m| m.info.id).collect();
-    if !ids.contains(&id) {
-        return Err(method.unknown_word(id, &ids));
-    }
-    let (row, _) = gearbench_integrators::method(text).map_err(|e| {
-        method.error(
-            e,
+    let spec: MethodSpec = method.text()?.parse().map_err(|e| match e {
+        MethodError::Unknown(id) => method.unknown_word(&id, &ids()),
+        e => method.error(
+            e.to_string(),
             "this method",
             "parameters stand in brackets: id(name=value)",
-        )
+        ),
     })?;
+    let id = spec.id();
     let positive = |e: Entry<'_>, below: f64| match e.number()? {
         x if x > 0.0 && x < below => Ok(x),
         x => Err(e.error(
@@ -302,7 +295,7 @@ pub(super) fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
             "for example step_s = 1e-6 or rtol = 1e-6",
         )),
     };
-    let resolution = match (s.get("step_s"), s.get("rtol"), row.info.stepping) {
+    let resolution = match (s.get("step_s"), s.get("rtol"), spec.info().stepping) {
         (Some(step), Some(rtol), _) => {
             return Err(s
                 .source
@@ -333,8 +326,8 @@ pub(super) fn integrator(entry: &Entry<'_>) -> Result<Method, SceneError> {
         (None, None, Stepping::Fixed) => return Err(s.missing("step_s")),
         (None, None, _) => return Err(s.missing("rtol")),
     };
-    Ok(Method {
-        text: text.trim().to_owned(),
+    Ok(Scheme {
+        method: spec,
         resolution,
     })
 }

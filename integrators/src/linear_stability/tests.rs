@@ -2,12 +2,15 @@
 
 use super::*;
 use crate::{
-    At, Layout, METHODS, ModalSplit, NullSink, Resolution, SecondOrderSystem, State, TimePlan,
-    Work, stability,
+    At, Layout, METHODS, ModalSplit, NullSink, Resolution, SecondOrderSystem, State, TimePlan, Work,
 };
 
+fn of(text: &str) -> Stability {
+    text.parse::<crate::MethodSpec>().unwrap().stability()
+}
+
 fn polynomial(id: &str) -> Vec<f64> {
-    match stability(id).unwrap().1 {
+    match of(id) {
         Stability::Polynomial(r) => r,
         other => panic!("{id}: {other:?}"),
     }
@@ -81,7 +84,7 @@ fn limits_on_the_axes_are_those_of_the_literature() {
 
 #[test]
 fn flips_are_the_classical_limits() {
-    let limit = |id: &str, zeta: f64| stability(id).unwrap().1.largest_step(10.0, zeta);
+    let limit = |id: &str, zeta: f64| of(id).largest_step(10.0, zeta);
     for zeta in [0.0, 0.01, 0.3, 1.0, 5.0] {
         let (z2, z) = ((1.0_f64 + zeta * zeta).sqrt(), zeta);
         let euler = limit("semi-implicit-euler", zeta).unwrap();
@@ -167,7 +170,7 @@ fn growth(text: &str, zeta: f64, h: f64, steps: u32) -> f64 {
     let energy = |s: &State| (30.0 * s.q[0]).powi(2) + s.v[0].powi(2);
     let start = energy(&s);
     let plan = TimePlan::new(f64::from(steps) * h, Resolution::Step(h));
-    let (_, mut method) = crate::method(text).unwrap();
+    let mut method = crate::method(text).unwrap();
     match method.run(&mut sys, &mut s, &plan, &mut NullSink, &mut Work::default()) {
         Ok(()) => energy(&s) / start,
         Err(_) => f64::INFINITY,
@@ -181,7 +184,7 @@ fn methods_have_the_limits_they_declare() {
     let variants = ["newmark(beta=0)", "newmark(beta=0.2)"];
     let names = METHODS.iter().map(|m| m.info.id).chain(variants);
     for text in names {
-        let (_, stability) = stability(text).unwrap();
+        let stability = of(text);
         for zeta in [0.0, 0.02, 0.2, 0.8] {
             match stability {
                 Stability::Controlled => continue,
@@ -258,7 +261,7 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
         ("trigonometric(filter=2)", 0.0),
     ] {
         let kicks = Kicks { filter_from: from };
-        assert_eq!(stability(text).unwrap().1, Stability::Kicks(kicks));
+        assert_eq!(of(text), Stability::Kicks(kicks));
         let (omega, k) = (1.0, 8.0);
         let margin = |h: f64| kicks.weights(omega, h).map_or(-1.0, |[c, w]| c - w * w * k);
         let (mut low, mut high) = (0.1, std::f64::consts::PI);
@@ -274,7 +277,7 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
                 ..State::default()
             };
             let plan = TimePlan::new(2000.0 * h, Resolution::Step(h));
-            let (_, mut method) = crate::method(text).unwrap();
+            let mut method = crate::method(text).unwrap();
             let run = method.run(
                 &mut Kicked(omega, k),
                 &mut s,

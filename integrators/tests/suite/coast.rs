@@ -61,7 +61,6 @@ fn hammered(row: &Method, coast: &str, events: bool, plan: &TimePlan<'_>) -> (f6
     let plan = TimePlan { events, ..*plan };
     method(&format!("{}{coast}", row.info.id))
         .unwrap()
-        .1
         .run(&mut hammer, &mut s, &plan, &mut flights, &mut work)
         .unwrap();
     (flights.hammer.error(&s), work, flights)

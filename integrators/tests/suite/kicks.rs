@@ -80,7 +80,7 @@ impl Pressed {
     }
 
     fn after(&mut self, mut s: State, h: f64, n: f64) -> State {
-        let (_, mut m) = method("trigonometric").unwrap();
+        let mut m = method("trigonometric").unwrap();
         let (mut sink, mut work) = (NullSink, Work::default());
         m.run(self, &mut s, &steps(n * h, n), &mut sink, &mut work)
             .unwrap();

@@ -175,7 +175,6 @@ fn oscillators_and_steady_loads_are_exact_over_long_times() {
         let (mut s, mut work) = (start.clone(), Work::default());
         method(&text)
             .unwrap()
-            .1
             .run(
                 &mut modes,
                 &mut s,
@@ -253,7 +252,7 @@ fn running_back_with_turned_speeds_arrives_where_it_began() {
         let (mut modes, mut s) = (nonlinear(), pushed());
         let far = {
             let mut go = || {
-                let (_, mut m) = method(&text).unwrap();
+                let mut m = method(&text).unwrap();
                 m.run(
                     &mut modes,
                     &mut s,
@@ -292,7 +291,7 @@ fn energy_stays_in_a_band_over_long_runs() {
         let text = format!("trigonometric(filter={filter})");
         let (mut modes, mut s) = (nonlinear(), pushed());
         let mut band = Band(modes.clone(), modes.energy(&s), [0.0; 2], t_end);
-        let (_, mut m) = method(&text).unwrap();
+        let mut m = method(&text).unwrap();
         m.run(
             &mut modes,
             &mut s,
@@ -434,7 +433,7 @@ fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 
         error: 0.0,
         modes: modes.clone(),
     };
-    let (_, mut m) = method(&format!("trigonometric(filter={filter})")).unwrap();
+    let mut m = method(&format!("trigonometric(filter={filter})")).unwrap();
     let (mut s, plan) = (start, steps(2000.0, 40_000.0));
     m.run(&mut modes, &mut s, &plan, &mut worst, &mut Work::default())
         .unwrap();

@@ -117,7 +117,7 @@ fn a_coast_is_the_motion_and_nothing_touches_on_it() {
                 ..TimePlan::new(t_end, Resolution::Tolerance(1e-11))
             };
             let (mut fine, mut work) = (s.clone(), Work::default());
-            let (_, mut m) = method("dopri5").unwrap();
+            let mut m = method("dopri5").unwrap();
             m.run(&mut scene, &mut fine, &plan, &mut NullSink, &mut work)
                 .unwrap();
             coast.at(t_end, &mut here.q, &mut here.v);
@@ -184,7 +184,7 @@ fn coasting_changes_nothing_where_a_method_flies_exactly() {
     let spec = hammer(50e-6);
     for row in METHODS.iter().filter(|m| !m.info.linear_part) {
         let id = row.info.id;
-        let resolution = resolution(row, 1e-6, 1e-9);
+        let resolution = resolution(row.info, 1e-6, 1e-9);
         let models = [rigid(), rigid()];
         let off = finish(&spec, &models, id, resolution);
         let on = finish(&spec, &models, &format!("{id}(coast=1)"), resolution);
@@ -256,11 +256,11 @@ fn the_cost_of_hammering_follows_contact_time_with_every_method() {
                 let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
                 let plan = TimePlan {
                     events,
-                    ..TimePlan::new(0.02 * stretch, resolution(row, 1e-6, 1e-5))
+                    ..TimePlan::new(0.02 * stretch, resolution(row.info, 1e-6, 1e-5))
                 };
                 let (mut s, mut work) = (scene.initial(), Work::default());
                 let mut impacts = Impacts::of(&scene);
-                let (_, mut m) = method(&format!("{}(coast=1)", row.info.id)).unwrap();
+                let mut m = method(&format!("{}(coast=1)", row.info.id)).unwrap();
                 let mut sinks = Tee(vec![&mut impacts]);
                 m.run(&mut scene, &mut s, &plan, &mut sinks, &mut work)
                     .unwrap();

@@ -142,9 +142,8 @@ fn gears_with_teeth_of_their_own_have_no_split() {
     assert!(scene.modal().is_none());
     let mut s = scene.initial();
     let plan = TimePlan::new(1e-5, Resolution::Step(1e-6));
-    let error = method("trigonometric")
-        .unwrap()
-        .1
+    let error = gearbench_integrators::table::TRIGONOMETRIC
+        .build()
         .run(
             &mut scene,
             &mut s,
@@ -199,7 +198,7 @@ fn the_cost_of_hammering_follows_contact_time() {
                 };
                 let (mut s, mut work) = (scene.initial(), Work::default());
                 let mut impacts = Impacts::of(&scene);
-                let (_, mut m) = method("trigonometric").unwrap();
+                let mut m = method("trigonometric").unwrap();
                 m.run(&mut scene, &mut s, &plan, &mut impacts, &mut work)
                     .unwrap();
                 println!(

@@ -72,7 +72,7 @@ fn applied_loads_are_integrated_exactly_and_steps_land_on_knots() {
             let mut scene = free(Load::Applied(profile.clone()));
             let mut s = scene.initial();
             let mut times = Times::default();
-            let plan = TimePlan::new(5e-3, resolution(method, 1e-4, 1e-6));
+            let plan = TimePlan::new(5e-3, resolution(method.info, 1e-4, 1e-6));
             method
                 .build()
                 .run(&mut scene, &mut s, &plan, &mut times, &mut Work::default())

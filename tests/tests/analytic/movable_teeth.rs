@@ -85,7 +85,7 @@ fn watch(
     let mut scene = build(spec, models, contact);
     let mut s = scene.initial();
     let mut w = Watch::every(t_end / 400.0);
-    let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
+    let mut method = gearbench_integrators::table::DOPRI5.build();
     let plan = TimePlan::new(t_end, Resolution::Tolerance(rtol));
     method
         .run(&mut scene, &mut s, &plan, &mut w, &mut Work::default())

@@ -72,7 +72,7 @@ fn hammered(models: &[ModelSpec; 2], contact: &ContactSpec, id: &str) -> (Vec<Bl
     };
     let (mut s, mut work, mut ledger) = (scene.initial(), Work::default(), Ledger::default());
     let plan = TimePlan::new(0.009, Resolution::Step(1e-7));
-    let (_, mut m) = method(id).unwrap();
+    let mut m = method(id).unwrap();
     let mut sinks = Tee(vec![&mut ledger, &mut blows]);
     m.run(&mut scene, &mut s, &plan, &mut sinks, &mut work)
         .unwrap();

@@ -163,7 +163,7 @@ fn stiffness_over_the_radius_books_its_jumps_and_work() {
         let mut s = scene.initial();
         let mut ledger = Ledger::default();
         let plan = TimePlan::new(0.01, Resolution::Tolerance(1e-9));
-        let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
+        let mut method = gearbench_integrators::table::DOPRI5.build();
         let mut work = Work::default();
         method
             .run(&mut scene, &mut s, &plan, &mut ledger, &mut work)

@@ -55,7 +55,8 @@ fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
             let spec = driven(speed, 60.0);
             let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
             let mut scene = build(&spec, &[rigid(), rigid()], &damped(1.5e10));
-            let (row, mut method) = gearbench_integrators::method(id).unwrap();
+            let mut method = gearbench_integrators::method(id).unwrap();
+            let row = method.info();
             let mut s = scene.initial();
             let mut switches = Switches::default();
             let mut work = Work::default();
@@ -179,7 +180,7 @@ fn hammering_in_the_backlash_keeps_the_energy() {
         let mut s = scene.initial();
         let mut switches = Switches::default();
         let plan = TimePlan::new(3e-3, Resolution::Tolerance(1e-9));
-        let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
+        let mut method = gearbench_integrators::table::DOPRI5.build();
         let mut work = Work::default();
         method
             .run(&mut scene, &mut s, &plan, &mut switches, &mut work)
@@ -286,7 +287,7 @@ fn impact_speeds_belong_to_their_own_impact() {
         let first = closing(&s).abs();
         let mut switches = Switches::default();
         let plan = TimePlan::new(1.2e-3, Resolution::Tolerance(1e-9));
-        let (_, mut method) = gearbench_integrators::method("dopri5").unwrap();
+        let mut method = gearbench_integrators::table::DOPRI5.build();
         method
             .run(
                 &mut scene,

@@ -92,7 +92,7 @@ fn momentum_along_the_line_of_action_is_invariant() {
                 let mut s = scene.initial();
                 let plan = TimePlan {
                     events,
-                    ..TimePlan::new(T_END, resolution(method, 2e-7, 1e-6))
+                    ..TimePlan::new(T_END, resolution(method.info, 2e-7, 1e-6))
                 };
                 let mut work = Work::default();
                 method
@@ -282,7 +282,7 @@ fn rigid_gears_rebound_with_the_restitution_of_the_law() {
                 let mut scene = build(&spec, &[rigid(), rigid()], &contact);
                 let s = scene.initial();
                 let before = closing(&mut scene, &s);
-                let r = resolution(method, 2e-8, 1e-9);
+                let r = resolution(method.info, 2e-8, 1e-9);
                 let o = run(&mut scene, method.info.id, r, T_END).unwrap(method.info.id);
                 let after = closing(&mut scene, &o.state);
                 let (got, want) = (-after / before, realised_restitution(chi));

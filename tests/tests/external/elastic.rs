@@ -6,10 +6,10 @@
 #![allow(clippy::print_stdout)]
 
 use super::full_order::load;
-use gearbench::experiment::run::Method;
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
 use gearbench::studies::compare::{Plan, compare};
+use gearbench_integrators::Scheme;
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
@@ -47,8 +47,8 @@ fn run(
     };
     change(&mut plan.entries[0].modelling, other);
     if let Some((text, step)) = method {
-        plan = plan.with_methods(vec![Method {
-            text: text.into(),
+        plan = plan.with_methods(vec![Scheme {
+            method: text.parse().unwrap(),
             resolution: Resolution::Step(step),
         }]);
     }
@@ -158,7 +158,7 @@ fn balance(scene: &mut Scene, h: f64, t_end: f64) -> (f64, [f64; 2]) {
     impulse.read(scene, &state);
     let energy = impulse.out.energy.total();
     let before = momenta(scene, &state);
-    let (_, mut method) = gearbench_integrators::method("trigonometric").unwrap();
+    let mut method = gearbench_integrators::table::TRIGONOMETRIC.build();
     let plan = TimePlan::new(t_end, Resolution::Step(h));
     method
         .run(scene, &mut state, &plan, &mut impulse, &mut Work::default())

@@ -244,7 +244,7 @@ fn explicit_steps_keep_momentum_and_make_up_little_energy() {
             torque,
             ..Ledger::default()
         };
-        let (_, mut method) = gearbench_integrators::method("velocity-verlet").unwrap();
+        let mut method = gearbench_integrators::table::VELOCITY_VERLET.build();
         // Until the flanks have parted; a whole number of steps.
         let plan = TimePlan::new(1.08e-4, Resolution::Step(h));
         method
@@ -288,10 +288,9 @@ fn explicit_and_implicit_agree_on_the_same_masses() {
         duration: 6e-5,
         ..Plan::of(scene, &[scene.model("fe").unwrap()], Some(external))
     };
-    let plan = plan.with_methods(vec![gearbench::experiment::run::Method {
-        text: "velocity-verlet".into(),
-        resolution: Resolution::Step(2.5e-8),
-    }]);
+    let plan = plan.with_methods(vec![
+        gearbench_integrators::table::VELOCITY_VERLET.at_step(2.5e-8),
+    ]);
     let explicit = compare(&plan, None, |_, _| {}).unwrap().runs.remove(0);
     let (a, b) = (implicit.series.unwrap(), explicit.series.unwrap());
     let (mut difference, mut size) = (0.0, 0.0);

@@ -5,11 +5,11 @@
 mod elastic;
 mod full_order;
 
-use gearbench::experiment::run::Method;
 use gearbench::scene_file;
 use gearbench::studies::compare::{Plan, compare};
 use gearbench::studies::identify::{apply, identify};
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::DOPRI5;
 use gearbench_models::gear::table::MODELS;
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Metrics;
@@ -40,10 +40,7 @@ fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) 
         repeats: 0,
         ..Plan::of(&scene, &choices, Some(&external))
     }
-    .with_methods(vec![Method {
-        text: "dopri5".into(),
-        resolution: Resolution::Tolerance(1e-8),
-    }]);
+    .with_methods(vec![DOPRI5.at_tolerance(1e-8)]);
     let record = compare(&plan, None, |_, _| {}).unwrap();
     let found = record
         .runs
@@ -173,7 +170,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
             &mut modelling,
         );
         let mut built = gearbench_models::scene::Scene::build(&spec, &modelling, MODELS).unwrap();
-        let (_, mut dopri5) = gearbench_integrators::method("dopri5").unwrap();
+        let mut dopri5 = gearbench_integrators::table::DOPRI5.build();
         let force = gearbench::experiment::run::force_on_grid(
             &mut built,
             dopri5.as_mut(),

@@ -5,8 +5,9 @@
 
 mod wrong_laws;
 
-use gearbench::experiment::run::{Job, Method, run};
+use gearbench::experiment::run::{Job, run};
 use gearbench::experiment::status::{Witness, against_contact, against_tolerance};
+use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, TimePlan, Work};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
@@ -68,8 +69,8 @@ impl Way {
             scene: &self.scene,
             modelling: &self.modelling(),
             models: &models(),
-            method: &Method {
-                text: text.into(),
+            method: &Scheme {
+                method: text.parse().unwrap(),
                 resolution,
             },
             t_end: self.t_end,
@@ -97,7 +98,7 @@ impl Way {
             max_steps: self.max_steps,
             ..TimePlan::new(self.t_end, resolution)
         };
-        let (_, mut method) = gearbench_integrators::method(text).unwrap();
+        let mut method = gearbench_integrators::method(text).unwrap();
         let mut work = Work::default();
         let outcome = method.run(&mut sys, &mut s, &plan, &mut witness, &mut work);
         let (status, message) = witness.verdict(&mut sys, &s, &outcome);

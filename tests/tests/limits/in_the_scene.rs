@@ -3,10 +3,11 @@
 
 use super::entry;
 use gearbench::experiment::configuration::Configuration;
-use gearbench::experiment::run::{Job, Method, run};
+use gearbench::experiment::run::{Job, run};
 use gearbench::models::models;
 use gearbench::studies::stability::limits::{Frozen, LineKind};
 use gearbench_integrators::Resolution;
+use gearbench_integrators::Scheme;
 use gearbench_reports::record::{Run, Status};
 use std::time::Duration;
 
@@ -16,8 +17,8 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         scene: &entry.scene,
         modelling: &entry.modelling,
         models: models(),
-        method: &Method {
-            text: text.into(),
+        method: &Scheme {
+            method: text.parse().unwrap(),
             resolution: Resolution::Step(step),
         },
         t_end,
@@ -39,7 +40,7 @@ fn explicit_methods_fail_where_implicit_ones_hold() {
     let mut frozen = Frozen::new(&e.scene, &e.modelling, models()).unwrap();
     let t_end = 2e-3;
     for text in ["velocity-verlet", "rk4", "dopri5"] {
-        let lines = frozen.lines(text).unwrap();
+        let lines = frozen.lines(text.parse().unwrap()).unwrap();
         let h = (lines.iter().find(|l| l.kind == LineKind::Stability))
             .unwrap()
             .step_s;
@@ -77,7 +78,7 @@ fn elastic_gears_fail_in_the_scene_where_theory_says() {
     let e = super::with_modes(entry("spur_impact", "elastic"), 35);
     let mut frozen = Frozen::new(&e.scene, &e.modelling, models()).unwrap();
     for text in ["velocity-verlet", "rk4"] {
-        let lines = frozen.lines(text).unwrap();
+        let lines = frozen.lines(text.parse().unwrap()).unwrap();
         let h = (lines.iter().find(|l| l.kind == LineKind::Stability))
             .unwrap()
             .step_s;

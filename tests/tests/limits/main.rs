@@ -7,6 +7,7 @@ use gearbench::experiment::configuration::Configuration;
 use gearbench::models::models;
 use gearbench::scene_file::{Selection, load_for};
 use gearbench::studies::stability::limits::table::{Case, StepLimit, table};
+use gearbench_integrators::MethodSpec;
 use gearbench_models::spec::Value;
 
 mod in_the_scene;
@@ -30,7 +31,8 @@ fn with_modes(mut entry: Configuration, modes: u32) -> Configuration {
 fn hold(entries: &[Configuration], methods: &[&str], bound: f64) -> Vec<StepLimit> {
     let cases: Vec<Case> = entries.iter().map(Case::of).collect();
     let begin = std::time::Instant::now();
-    let rows = table(&cases, models(), methods, |_| {}).unwrap();
+    let methods: Vec<MethodSpec> = methods.iter().map(|m| m.parse().unwrap()).collect();
+    let rows = table(&cases, models(), &methods, |_| {}).unwrap();
     println!(
         "{} limits in {:.1} s",
         rows.len(),

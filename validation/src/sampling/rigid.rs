@@ -4,14 +4,15 @@ use super::DrawError;
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
-use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work, method};
+use gearbench_integrators::table::DOPRI5;
+use gearbench_integrators::{AcceptedStep, Control, MethodSpec, Resolution, Sink, TimePlan, Work};
 use gearbench_models::scene::Scene;
 
 /// Label of the model.
 const RIGID: &str = "rigid";
 /// Method, which steps from event to event, its tolerance, and steps that are never needed: steps bound a run, not
 /// time, for a scene is the same on every machine.
-const METHOD: (&str, f64, u64) = ("dopri5", 1e-8, 100_000);
+const METHOD: (MethodSpec, f64, u64) = (DOPRI5, 1e-8, 100_000);
 /// Places inside a step that are looked at.
 const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Spells of contact that part for less than this part of an impact's length are one: rounding of events.
@@ -56,10 +57,11 @@ impl Sink for Contacts {
 /// # Errors
 /// [`DrawError`] when the scene cannot be built.
 pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), DrawError> {
-    let (id, tolerance, max_steps) = METHOD;
-    let (Some(choice), Ok((_, mut integrator))) = (scene.model(RIGID), method(id)) else {
+    let (method, tolerance, max_steps) = METHOD;
+    let Some(choice) = scene.model(RIGID) else {
         return Ok((f64::NAN, Vec::new()));
     };
+    let mut integrator = method.build();
     let mut system = Scene::build(&scene.spec, &choice.modelling, models())?;
     let mut state = system.initial();
     let mut seen = Contacts {

@@ -2,9 +2,10 @@
 
 use super::JudgeError;
 use gearbench::experiment::machine::cpu_time;
-use gearbench::experiment::run::{Job, Method, RunError, run_in};
+use gearbench::experiment::run::{Job, RunError, run_in};
 use gearbench::studies::choose::situation::Situation;
 use gearbench::studies::choose::wish::Metric;
+use gearbench_integrators::Scheme;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
 use gearbench_models::scene::Scene;
@@ -117,7 +118,7 @@ impl<'a> Ready<'a> {
     /// A method that the model does not take, or an interruption; a run that fails is a result.
     pub fn observe(
         &mut self,
-        method: &Method,
+        method: &Scheme,
         grid: &[f64],
         timeout: Duration,
     ) -> Result<Observed, JudgeError> {
@@ -151,9 +152,8 @@ impl<'a> Ready<'a> {
     ///
     /// # Errors
     /// A method that is not known.
-    pub fn time(&mut self, method: &Method, limit: Duration) -> Result<Option<f64>, JudgeError> {
-        let (_, mut integrator) =
-            gearbench_integrators::method(&method.text).map_err(RunError::Method)?;
+    pub fn time(&mut self, method: &Scheme, limit: Duration) -> Result<Option<f64>, JudgeError> {
+        let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let begin = Instant::now();
         loop {
@@ -191,8 +191,8 @@ impl<'a> Ready<'a> {
 /// # Errors
 /// As [`Ready::time`].
 pub fn side_by_side(
-    a: (&mut Ready<'_>, &Method),
-    b: (&mut Ready<'_>, &Method),
+    a: (&mut Ready<'_>, &Scheme),
+    b: (&mut Ready<'_>, &Scheme),
 ) -> Result<[Option<f64>; 2], JudgeError> {
     const ROUNDS: usize = 7;
     let mut times = [Vec::new(), Vec::new()];

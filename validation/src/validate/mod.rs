@@ -316,7 +316,7 @@ fn try_one(
     }
     let seen = match ready.observe(&candidate.method, times, LONGEST) {
         Ok(seen) => seen,
-        Err(JudgeError::Run(RunError::NoLinearPart(e) | RunError::Method(e))) => {
+        Err(JudgeError::Run(RunError::NoLinearPart(e) | RunError::Unsupported(e))) => {
             tried.status = e;
             return Ok(tried);
         }
@@ -379,5 +379,5 @@ fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
         (Resolution::Tolerance(a), Resolution::Tolerance(b)) => a <= b,
         _ => false,
     };
-    same_rung && finer && c.method.text == other.method.text
+    same_rung && finer && c.method.method == other.method.method
 }

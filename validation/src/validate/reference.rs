@@ -2,11 +2,12 @@
 
 use super::JudgeError;
 use super::measure::{Observed, PATIENCE, Ready};
-use gearbench::experiment::run::Method;
 use gearbench::studies::choose::candidate::{DENSEST, densest, elastic, full};
 use gearbench::studies::choose::situation::Situation;
 use gearbench::studies::choose::wish::Metric;
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
+use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::Modelling;
 use std::sync::atomic::AtomicBool;
 
@@ -16,7 +17,7 @@ const _: () = assert!(FEWER < DENSEST);
 /// Methods of full finite elements and their steps per contact time, in the order in which they are tried. Dashpots at
 /// flanks may ask Newton's method for steps that take minutes: where none of these reaches the end, the densest elastic
 /// model is the reference, and the row says so.
-const FULL: [(&str, f64); 2] = [("newmark", 500.0), ("hht-alpha(alpha=0.05)", 500.0)];
+const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 500.0), (HHT_ALPHA.with_value(0.05), 500.0)];
 /// Parts of its step that the densest elastic model is given, likewise.
 const FINER: [f64; 2] = [1.0, 0.25];
 
@@ -49,18 +50,18 @@ pub fn reference(
     cancel: Option<&AtomicBool>,
 ) -> Result<Reference, JudgeError> {
     let dense = densest(situation)?;
-    let run = |modelling: &Modelling, method: &Method| -> Result<Observed, JudgeError> {
+    let run = |modelling: &Modelling, method: &Scheme| -> Result<Observed, JudgeError> {
         let mut ready = Ready::new(situation, &dense.scene, modelling, cancel)?;
         let seen = ready.observe(method, grid, PATIENCE)?;
         if seen.status.is_failure() {
             return Err(JudgeError::Reference {
-                method: method.text.clone(),
+                method: method.method.to_string(),
                 why: seen.message.unwrap_or_else(|| seen.status.to_string()),
             });
         }
         Ok(seen)
     };
-    let first = |modelling: &Modelling, methods: &[Method]| {
+    let first = |modelling: &Modelling, methods: &[Scheme]| {
         let mut last = None;
         for (i, method) in methods.iter().enumerate() {
             match run(modelling, method) {
@@ -70,7 +71,7 @@ pub fn reference(
             }
         }
         Err(last.unwrap_or(JudgeError::Reference {
-            method: dense.method.text.clone(),
+            method: dense.method.method.to_string(),
             why: "no method to try".into(),
         }))
     };
@@ -78,10 +79,7 @@ pub fn reference(
     let (fine, used) = first(&dense.modelling, &finer)?;
     let dense_method = &finer[used];
     if full_order {
-        let methods = FULL.map(|(method, steps)| Method {
-            text: method.into(),
-            resolution: Resolution::Step(contact_time / steps),
-        });
+        let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
         match first(&full(situation), &methods) {
             Ok((run, _)) => {
                 return Ok(Reference {
@@ -118,9 +116,9 @@ pub fn reference(
 }
 
 /// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.
-fn scaled(method: &Method, part: f64) -> Method {
-    Method {
-        text: method.text.clone(),
+fn scaled(method: &Scheme, part: f64) -> Scheme {
+    Scheme {
+        method: method.method,
         resolution: match method.resolution {
             Resolution::Step(h) => Resolution::Step(part * h),
             Resolution::Tolerance(r) => Resolution::Tolerance(r * 10f64.powf(part.log2())),

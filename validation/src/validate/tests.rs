@@ -39,7 +39,7 @@ fn kin_is_ordered() {
     let all = candidates(&situation).unwrap();
     let of = |rung: &str, text: &str| -> Vec<&Candidate> {
         (all.iter())
-            .filter(|c| c.rung.name() == rung && c.method.text == text)
+            .filter(|c| c.rung.name() == rung && c.method.method == text.parse().unwrap())
             .filter(|c| matches!(c.method.resolution, Resolution::Step(_)))
             .collect()
     };

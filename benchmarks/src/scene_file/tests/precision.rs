@@ -1,8 +1,7 @@
 //! `[study] precision`: what is read, and what is refused at which line.
 
 use super::{changed, parse, refused};
-use crate::experiment::run::Method;
-use gearbench_integrators::Resolution;
+use gearbench_integrators::table::RK4;
 use gearbench_reports::Metric;
 
 #[test]
@@ -14,10 +13,7 @@ fn values_and_defaults() {
     let scene = parse(&changed("[study]", text)).unwrap();
     let p = &scene.study.precision;
     assert_eq!(p.models, ["rigid"]);
-    let rk4 = Method {
-        text: "rk4".into(),
-        resolution: Resolution::Step(2e-6),
-    };
+    let rk4 = RK4.at_step(2e-6);
     assert_eq!(p.integrators, [rk4]);
     assert_eq!(
         (p.modes.as_slice(), p.factors.as_slice()),

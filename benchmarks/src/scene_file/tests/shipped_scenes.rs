@@ -31,13 +31,7 @@ fn all_load_and_are_described() {
 fn enough_methods() {
     for name in ["spur_impact", "spur_impact_large"] {
         let study = load(name).unwrap().study;
-        let implicit = |m: &crate::experiment::run::Method| {
-            gearbench_integrators::method(&m.text)
-                .unwrap()
-                .0
-                .info
-                .implicit
-        };
+        let implicit = |m: &gearbench_integrators::Scheme| m.method.info().implicit;
         let count = study.integrators.iter().filter(|m| implicit(m)).count();
         assert!(count >= 4 && study.integrators.len() - count >= 4, "{name}");
     }

@@ -6,8 +6,11 @@
 use super::choice::ChooseError;
 use super::situation::{Own, Situation};
 use super::statics::{self, Calibrated, Swing, calibrate};
-use crate::experiment::run::Method;
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::{
+    DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
+};
+use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec, Value};
 use std::sync::Arc;
 
@@ -101,7 +104,7 @@ pub struct Candidate {
     /// Models and contacts.
     pub modelling: Arc<Modelling>,
     /// Integrator with its step or tolerance.
-    pub method: Method,
+    pub method: Scheme,
 }
 
 impl Candidate {
@@ -112,40 +115,40 @@ impl Candidate {
             Resolution::Step(h) => format!("{:.3} us", 1e6 * h),
             Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
         };
-        format!("{}, {} {resolution}", self.rung.name(), self.method.text)
+        format!("{}, {} {resolution}", self.rung.name(), self.method.method)
     }
 }
 
 /// Integrators of a rung: steps per contact time, and tolerances.
 struct Menu {
-    id: &'static str,
+    method: MethodSpec,
     steps: &'static [f64],
     tolerances: &'static [f64],
 }
 
 const RIGID: [Menu; 5] = [
     Menu {
-        id: "semi-implicit-euler",
+        method: SEMI_IMPLICIT_EULER,
         steps: &[16.0, 32.0, 64.0, 128.0, 256.0],
         tolerances: &[],
     },
     Menu {
-        id: "velocity-verlet",
+        method: VELOCITY_VERLET,
         steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
         tolerances: &[],
     },
     Menu {
-        id: "rk4",
+        method: RK4,
         steps: &[4.0, 8.0, 16.0, 32.0],
         tolerances: &[],
     },
     Menu {
-        id: "dopri5",
+        method: DOPRI5,
         steps: &[],
         tolerances: &[1e-2, 1e-3, 1e-4],
     },
     Menu {
-        id: TRIGONOMETRIC,
+        method: TRIGONOMETRIC,
         steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
         tolerances: &[],
     },
@@ -153,17 +156,16 @@ const RIGID: [Menu; 5] = [
 /// Those that need no oscillators.
 const TEETH: std::ops::Range<usize> = 1..4;
 const ELASTIC: Menu = Menu {
-    id: TRIGONOMETRIC,
+    method: TRIGONOMETRIC,
     steps: &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
     tolerances: &[],
 };
-const TRIGONOMETRIC: &str = "trigonometric";
 
 impl Menu {
     /// Methods, the cheapest first.
-    fn methods(&self, contact_time: f64) -> impl Iterator<Item = Method> + '_ {
-        let method = |resolution| Method {
-            text: self.id.into(),
+    fn methods(&self, contact_time: f64) -> impl Iterator<Item = Scheme> + '_ {
+        let method = |resolution| Scheme {
+            method: self.method,
             resolution,
         };
         let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
@@ -353,7 +355,7 @@ impl Prepared {
         situation: &Situation,
         scene: &Arc<SceneSpec>,
         modes: usize,
-        method: Method,
+        method: Scheme,
     ) -> Candidate {
         let step = match method.resolution {
             Resolution::Step(h) => h,
@@ -375,10 +377,7 @@ impl Prepared {
     pub fn at_steps(&self, situation: &Situation, modes: usize, steps: f64) -> Candidate {
         let tooth = 1.0 / (TOOTH_STEPS * situation.tooth_frequency());
         let step = (self.swing.contact_time() / steps).min(tooth);
-        let method = Method {
-            text: TRIGONOMETRIC.into(),
-            resolution: Resolution::Step(short(step)),
-        };
+        let method = TRIGONOMETRIC.at_step(short(step));
         self.flexible(situation, &Arc::new(situation.scene.clone()), modes, method)
     }
 }

@@ -6,7 +6,8 @@ use super::scout::Window;
 use super::situation::Situation;
 use super::wish::Wish;
 use super::{domain, pick, scout};
-use crate::experiment::run::{Method, RunError};
+use crate::experiment::run::RunError;
+use gearbench_integrators::Scheme;
 use gearbench_models::error::BuildError;
 use std::sync::atomic::AtomicBool;
 
@@ -40,7 +41,7 @@ pub struct RungTried {
     /// The rung.
     pub rung: Rung,
     /// Integrator and resolution that make its own error small.
-    pub method: Method,
+    pub method: Scheme,
     /// Distance to the top rung in the metric; what the top rung itself is off is not in it.
     pub distance: f64,
     /// Distance to the next denser rung, where the ladder goes on.

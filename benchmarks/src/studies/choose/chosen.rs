@@ -308,7 +308,7 @@ fn study(file: &SceneFile, candidate: &Candidate) -> String {
     };
     format!(
         "\n[study]\nintegrators = [{{ method = {}, {resolution} }}]\nsamples = {}\n",
-        quote(&candidate.method.text),
+        quote(&candidate.method.method.to_string()),
         file.study.samples
     )
 }

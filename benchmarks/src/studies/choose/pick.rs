@@ -13,9 +13,9 @@ use super::scout::Window;
 use super::situation::Situation;
 use super::trial::{Outcome, Trial};
 use super::wish::Wish;
-use crate::experiment::run::Method;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::modal::resonance::SAFE;
+use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use std::sync::atomic::AtomicBool;
 
 /// Part of the tolerance that an estimate may use up.
@@ -63,14 +63,8 @@ impl Picker<'_, '_> {
     fn stand(&mut self, fixed: &Fixed, contact_time: f64) -> Result<Standing, ChooseError> {
         (self.progress)(&format!("{} on the window", fixed.rung.name()));
         let method = match fixed.rung {
-            Rung::MovableTeeth(_) => Method {
-                text: "dopri5".into(),
-                resolution: Resolution::Tolerance(1e-5),
-            },
-            _ => Method {
-                text: "trigonometric".into(),
-                resolution: Resolution::Step(contact_time / FINE),
-            },
+            Rung::MovableTeeth(_) => DOPRI5.at_tolerance(1e-5),
+            _ => TRIGONOMETRIC.at_step(contact_time / FINE),
         };
         let mut trial = Trial::new(self.situation, &fixed.scene, &fixed.modelling)?;
         let fine = trial.run(&method, self.window, self.cancel)?;
@@ -95,7 +89,7 @@ impl Picker<'_, '_> {
     /// Predicted cost over the whole scene of a candidate that takes `cost` on the window: a method that flies pays for
     /// contact only.
     fn whole_cost(&self, candidate: &Candidate, cost: f64) -> f64 {
-        let flies = candidate.method.text.starts_with("trigonometric");
+        let flies = candidate.method.method.info().linear_part;
         cost * if flies {
             self.window.contact_ratio
         } else {
@@ -133,7 +127,7 @@ impl Picker<'_, '_> {
         let mut best: Option<(Candidate, f64)> = None;
         let same = |a: &Candidate, b: &Candidate| {
             let by_step = |c: &Candidate| matches!(c.method.resolution, Resolution::Step(_));
-            a.method.text == b.method.text && by_step(a) == by_step(b)
+            a.method.method == b.method.method && by_step(a) == by_step(b)
         };
         let mut kept = match fine {
             Some((c, _)) => Some(Trial::new(self.situation, &c.scene, &c.modelling)?),
@@ -286,7 +280,7 @@ pub fn pick(
         let mut standing = Standing {
             tried: RungTried {
                 rung: level.candidate.rung.clone(),
-                method: level.candidate.method.clone(),
+                method: level.candidate.method,
                 distance,
                 step_up: level.step_up,
                 error,

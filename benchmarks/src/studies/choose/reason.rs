@@ -67,7 +67,7 @@ pub fn reason(choice: &Choice, wish: &Wish, climb: &Climb) -> Vec<String> {
     said.push(format!(
         "{} with {} is estimated to be {} off: {} of it from the model, {} from the integration.",
         capital(&candidate.rung.name()),
-        candidate.method.text,
+        candidate.method.method,
         per_cent(choice.predicted_error),
         per_cent(choice.parts.model),
         per_cent(choice.parts.integration)

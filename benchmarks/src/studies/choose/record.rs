@@ -82,7 +82,7 @@ fn tried(t: &Tried) -> TriedRecord {
     TriedRecord {
         rung: t.candidate.rung.name(),
         family: t.candidate.rung.family().into(),
-        integrator: t.candidate.method.text.clone(),
+        integrator: t.candidate.method.method.to_string(),
         step_s,
         rtol,
         error: finite(t.error),

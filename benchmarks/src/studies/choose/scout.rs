@@ -9,8 +9,8 @@ use super::situation::Situation;
 use super::statics::Swing;
 use super::trial::{Outcome, Trial};
 use super::wish::Metric;
-use crate::experiment::run::Method;
-use gearbench_integrators::Resolution;
+use gearbench_integrators::Scheme;
+use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{lever, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::sync::atomic::AtomicBool;
@@ -97,11 +97,8 @@ impl Window {
     }
 }
 
-fn method() -> Method {
-    Method {
-        text: "trigonometric".into(),
-        resolution: Resolution::Tolerance(1e-2),
-    }
+fn method() -> Scheme {
+    TRIGONOMETRIC.at_tolerance(1e-2)
 }
 
 /// A rigid run through the whole scene.

@@ -101,7 +101,7 @@ fn candidates_are_distinct_and_go_from_cheap_to_dear() {
             Resolution::Tolerance(_) => None,
         });
         if pair[0].rung == pair[1].rung
-            && pair[0].method.text == pair[1].method.text
+            && pair[0].method.method == pair[1].method.method
             && let [Some(a), Some(b)] = steps
         {
             assert!(b < a, "{} before {}", pair[0].name(), pair[1].name());

@@ -5,7 +5,8 @@ use super::scout::Window;
 use super::situation::Situation;
 use super::wish::Metric;
 use crate::experiment::machine::cpu_time;
-use crate::experiment::run::{Job, Method, RunError, run_in};
+use crate::experiment::run::{Job, RunError, run_in};
+use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
@@ -92,7 +93,7 @@ impl<'a> Trial<'a> {
     /// A method that the model does not take, or an interruption.
     pub fn run(
         &mut self,
-        method: &Method,
+        method: &Scheme,
         window: &Window,
         cancel: Option<&AtomicBool>,
     ) -> Result<Outcome, ChooseError> {
@@ -128,13 +129,12 @@ impl<'a> Trial<'a> {
     /// A method that the model does not take, or an interruption.
     pub fn cost(
         &mut self,
-        method: &Method,
+        method: &Scheme,
         end: f64,
         repeats: usize,
         cancel: Option<&AtomicBool>,
     ) -> Result<f64, ChooseError> {
-        let (_, mut integrator) =
-            gearbench_integrators::method(&method.text).map_err(RunError::Method)?;
+        let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let (begin, start) = (Instant::now(), cpu_time());
         let mut runs = 0;

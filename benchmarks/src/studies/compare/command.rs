@@ -3,10 +3,10 @@
 use super::arguments::Compare;
 use super::{Plan, compare};
 use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
-use crate::experiment::methods::methods_from;
 use crate::experiment::run::{LEFT_OUT, RunError};
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
+use gearbench_integrators::Scheme;
 use gearbench_reports::numbers::short;
 use gearbench_reports::record::{Results, Status};
 
@@ -34,8 +34,8 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     let plan = match &args.integrators {
         // What the command line asks for goes for all models.
         Some(text) => plan.with_methods(
-            methods_from(text, &scene.study.integrators)
-                .map_err(RunError::Method)
+            Scheme::list(text, &scene.study.integrators)
+                .map_err(RunError::from)
                 .map_err(refuse_run)?,
         ),
         None => plan,

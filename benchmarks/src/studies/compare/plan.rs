@@ -2,9 +2,9 @@
 
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
-use crate::experiment::run::Method;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_reference::ExternalReference;
 use gearbench_reports::record::{ReferenceSeries, Tolerance};
@@ -22,7 +22,7 @@ pub struct Plan<'a> {
     /// Models.
     pub entries: Vec<Configuration>,
     /// Integrators.
-    pub methods: Vec<Method>,
+    pub methods: Vec<Scheme>,
     /// Table of models.
     pub models: &'a [Model],
     /// End [s].
@@ -79,7 +79,7 @@ impl Plan<'_> {
 
     /// The same under other integrators, for all models.
     #[must_use]
-    pub fn with_methods(mut self, methods: Vec<Method>) -> Self {
+    pub fn with_methods(mut self, methods: Vec<Scheme>) -> Self {
         for entry in &mut self.entries {
             entry.methods = None;
         }
@@ -93,7 +93,7 @@ impl Plan<'_> {
     }
 
     /// Its own integrators of a configuration, else those of all.
-    pub(super) fn methods_of<'p>(&'p self, entry: &'p Configuration) -> &'p [Method] {
+    pub(super) fn methods_of<'p>(&'p self, entry: &'p Configuration) -> &'p [Scheme] {
         entry.methods.as_deref().unwrap_or(&self.methods)
     }
 

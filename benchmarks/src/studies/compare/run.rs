@@ -54,7 +54,7 @@ pub fn compare(
         for method in plan.methods_of(entry) {
             progress(
                 done + runs.len(),
-                &format!("{}, {}", entry.label, method.text),
+                &format!("{}, {}", entry.label, method.method),
             );
             let mut row = match run(&job(method)) {
                 // Not every method is for every model; the record says which pairs it has not.

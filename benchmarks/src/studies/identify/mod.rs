@@ -15,6 +15,7 @@ pub mod levenberg_marquardt;
 
 use crate::experiment::run::force_on_grid;
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::DOPRI5;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
@@ -132,7 +133,7 @@ pub fn identify(
         apply(&values, &mut spec, &mut modelling);
         let built = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string());
         let run = built.and_then(|mut scene| {
-            let (_, mut dopri5) = gearbench_integrators::method("dopri5")?;
+            let mut dopri5 = DOPRI5.build();
             force_on_grid(
                 &mut scene,
                 dopri5.as_mut(),

@@ -4,12 +4,11 @@ use super::arguments::Penalty;
 use super::{PenaltyError, Plan, study};
 use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::run::Method;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError};
 use crate::studies::stiffness::build_error;
-use gearbench_integrators::Resolution;
+use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::mesh_layout;
 use gearbench_reports::record::Results;
 use std::process::ExitCode;
@@ -59,10 +58,12 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
         command: command.to_string(),
         entry: Configuration::of(&scene, choice),
         hard: hard.map(|c| Configuration::of(&scene, c)),
-        method: scene.study.integrators.first().cloned().unwrap_or(Method {
-            text: "velocity-verlet".into(),
-            resolution: Resolution::Step(1e-7),
-        }),
+        method: scene
+            .study
+            .integrators
+            .first()
+            .cloned()
+            .unwrap_or(VELOCITY_VERLET.at_step(1e-7)),
         penalties: (0..points)
             .map(|i| args.from * (ratio * i as f64).exp())
             .collect(),

@@ -9,8 +9,9 @@ pub mod command;
 
 use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
-use crate::experiment::run::{Job, Method, RunError, run};
+use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::thin::thin;
+use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::metrics::compare as measure;
@@ -32,7 +33,7 @@ pub struct Plan<'a> {
     /// The same model with hard contact.
     pub hard: Option<Configuration>,
     /// Integrator, if the model has none of its own.
-    pub method: Method,
+    pub method: Scheme,
     /// Penalties [Pa/m].
     pub penalties: Vec<f64>,
     /// Force along the line of action of the static equilibria [N]; `None` leaves them out.

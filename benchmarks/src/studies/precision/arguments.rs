@@ -1,8 +1,8 @@
 //! Arguments of `precision`.
 
 use crate::cli::values::{DEFAULT_REPEATS, positive};
-use crate::experiment::methods::seconds;
 use clap::Args;
+use gearbench_integrators::spec::seconds;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -1,6 +1,6 @@
 //! From an integrator of a scene to the steps and tolerances it is tried at, the coarsest first.
 
-use crate::experiment::run::Method;
+use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, Stepping};
 
 /// Steps over that of the scene: coarse enough to fail, fine enough to converge.
@@ -30,15 +30,15 @@ pub struct Rungs {
 impl Rungs {
     /// The ladder of a method: steps where it has fixed ones, tolerances where it is adaptive; the method that is
     /// exact for modes and can do both has both.
-    pub fn of(&self, method: &Method) -> Result<Vec<Method>, String> {
-        let (row, _) = gearbench_integrators::method(&method.text)?;
-        let both = row.info.stepping == Stepping::Both && row.info.linear_part;
-        let with = |resolution| Method {
-            text: method.text.clone(),
+    pub fn of(&self, method: &Scheme) -> Vec<Scheme> {
+        let info = method.method.info();
+        let both = info.stepping == Stepping::Both && info.linear_part;
+        let with = |resolution| Scheme {
+            method: method.method,
             resolution,
         };
         let mut ladder = Vec::new();
-        if row.info.stepping == Stepping::Fixed || both {
+        if info.stepping == Stepping::Fixed || both {
             let base = match method.resolution {
                 Resolution::Step(h) => h,
                 Resolution::Tolerance(_) => STEP,
@@ -56,7 +56,7 @@ impl Rungs {
                     .map(|h| with(Resolution::Step(h))),
             );
         }
-        if row.info.stepping != Stepping::Fixed {
+        if info.stepping != Stepping::Fixed {
             let usual: &[f64] = if both { &EXACT_RTOLS } else { &RTOLS };
             let rtols = self.rtols.clone().unwrap_or_else(|| usual.to_vec());
             ladder.extend(
@@ -65,7 +65,7 @@ impl Rungs {
                     .map(|r| with(Resolution::Tolerance(r))),
             );
         }
-        Ok(ladder)
+        ladder
     }
 }
 
@@ -78,26 +78,25 @@ fn descending(mut all: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gearbench_integrators::MethodSpec;
+    use gearbench_integrators::table::{DOPRI5, NEWMARK, RK4, TRIGONOMETRIC};
 
-    fn ladder(rungs: &Rungs, text: &str, resolution: Resolution) -> Vec<Resolution> {
-        let method = Method {
-            text: text.into(),
-            resolution,
-        };
-        let all = rungs.of(&method).unwrap();
-        assert!(all.iter().all(|m| m.text == text));
+    fn ladder(rungs: &Rungs, method: MethodSpec, resolution: Resolution) -> Vec<Resolution> {
+        let method = Scheme { method, resolution };
+        let all = rungs.of(&method);
+        assert!(all.iter().all(|m| m.method == method.method));
         all.iter().map(|m| m.resolution).collect()
     }
 
     #[test]
     fn steps_or_tolerances_or_both() {
         let usual = Rungs::default();
-        let fixed = ladder(&usual, "rk4", Resolution::Step(1e-6));
+        let fixed = ladder(&usual, RK4, Resolution::Step(1e-6));
         assert_eq!(fixed.len(), FACTORS.len());
         assert_eq!(fixed[0], Resolution::Step(16e-6));
-        let adaptive = ladder(&usual, "dopri5", Resolution::Tolerance(1e-6));
+        let adaptive = ladder(&usual, DOPRI5, Resolution::Tolerance(1e-6));
         assert_eq!(adaptive, RTOLS.map(Resolution::Tolerance));
-        let both = ladder(&usual, "trigonometric", Resolution::Step(1e-6));
+        let both = ladder(&usual, TRIGONOMETRIC, Resolution::Step(1e-6));
         assert_eq!(both.len(), FACTORS.len() + EXACT_RTOLS.len());
     }
 
@@ -109,24 +108,24 @@ mod tests {
             ..Rungs::default()
         };
         assert_eq!(
-            ladder(&asked, "newmark", Resolution::Step(3e-6)),
+            ladder(&asked, NEWMARK, Resolution::Step(3e-6)),
             [Resolution::Step(4e-7), Resolution::Step(1e-7)]
         );
         assert_eq!(
-            ladder(&asked, "bdf", Resolution::Tolerance(1e-6)),
+            ladder(&asked, "bdf".parse().unwrap(), Resolution::Tolerance(1e-6)),
             [Resolution::Tolerance(1e-5)]
         );
         let factors = Rungs {
             factors: Some(vec![0.5, 2.0]),
             ..Rungs::default()
         };
-        let steps = ladder(&factors, "newmark", Resolution::Step(1e-6));
+        let steps = ladder(&factors, NEWMARK, Resolution::Step(1e-6));
         assert_eq!(steps, [Resolution::Step(2e-6), Resolution::Step(5e-7)]);
         let full = Rungs {
             full: true,
             ..factors
         };
-        let steps = ladder(&full, "newmark", Resolution::Step(1e-6));
+        let steps = ladder(&full, NEWMARK, Resolution::Step(1e-6));
         assert_eq!(steps, FULL_FACTORS.map(|f| Resolution::Step(f * 1e-6)));
     }
 }

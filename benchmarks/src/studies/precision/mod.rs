@@ -21,9 +21,10 @@ pub use plan::{Asked, COUNTS, Full, Plan, Variant};
 
 use crate::experiment::converged::{SMALL, converged, exact_for_modes, tight};
 use crate::experiment::machine;
-use crate::experiment::run::{Job, LEFT_OUT, Method, RunError, run, run_timed};
+use crate::experiment::run::{Job, LEFT_OUT, RunError, run, run_timed};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
+use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Ledger, Metrics, ReferenceSeries, Results, Run, Status};
@@ -80,14 +81,14 @@ pub fn study(
     for variant in &plan.variants {
         let mut own: Option<Option<Held>> = None;
         // Integrators that cannot run this model, or whose steps have become too many.
-        let mut closed: Vec<&str> = Vec::new();
+        let mut closed: Vec<MethodSpec> = Vec::new();
         for method in &variant.methods {
             done += 1;
-            if closed.contains(&method.text.as_str()) {
+            if closed.contains(&method.method) {
                 continue;
             }
             let label = variant.label();
-            progress(done - 1, &format!("{label}, {}", method.text));
+            progress(done - 1, &format!("{label}, {}", method.method));
             let job = study.job(&variant.entry.scene, &variant.entry.modelling, method);
             let mut row = match run_timed(&job, plan.timed) {
                 Err(RunError::NoLinearPart(id)) => {
@@ -96,7 +97,7 @@ pub fn study(
                         LEFT_OUT,
                         format!("{} under {id}", variant.entry.label),
                     );
-                    closed.push(&method.text);
+                    closed.push(method.method);
                     continue;
                 }
                 other => other?,
@@ -115,9 +116,9 @@ pub fn study(
                 note(
                     &mut notes,
                     TOO_FINE,
-                    format!("{label} under {}, finer {kind}", method.text),
+                    format!("{label} under {}, finer {kind}", method.method),
                 );
-                closed.push(&method.text);
+                closed.push(method.method);
             }
             fill(&mut row, variant);
             measure_against(&mut row, variant, &references, own.as_ref());
@@ -155,8 +156,8 @@ fn note(notes: &mut Vec<(String, String)>, what: &str, text: String) {
 }
 
 /// Whether a method is the last of its ladder.
-fn finest(variant: &Variant, method: &Method) -> bool {
-    let last = variant.methods.iter().rfind(|m| m.text == method.text);
+fn finest(variant: &Variant, method: &Scheme) -> bool {
+    let last = variant.methods.iter().rfind(|m| m.method == method.method);
     last == Some(method)
 }
 
@@ -284,7 +285,7 @@ impl Study<'_> {
         &'j self,
         scene: &'j SceneSpec,
         modelling: &'j Modelling,
-        method: &'j Method,
+        method: &'j Scheme,
     ) -> Job<'j> {
         Job {
             scene,
@@ -319,11 +320,11 @@ impl Study<'_> {
                     return Err(RunError::Reference(format!(
                         "{} under {} did not reach the end: {}",
                         full.id,
-                        method.text,
+                        method.method,
                         row.message.as_deref().unwrap_or("no reason given")
                     )));
                 }
-                (row.series, method.clone(), row.dofs)
+                (row.series, *method, row.dofs)
             }
             None => {
                 let (method, series) = self.exact(&entry.scene, &entry.modelling)?.unzip();
@@ -354,7 +355,7 @@ impl Study<'_> {
             title: full.title.clone(),
             source: format!(
                 "computed for this record: {coordinates}under {}, {resolution}",
-                method.text
+                method.method
             ),
             series: thin(&series),
             ..ReferenceSeries::default()
@@ -367,7 +368,7 @@ impl Study<'_> {
         &self,
         scene: &SceneSpec,
         modelling: &Modelling,
-    ) -> Result<Option<(Method, TimeSeries)>, RunError> {
+    ) -> Result<Option<(Scheme, TimeSeries)>, RunError> {
         for (rtol, timeout) in EXACT_MODES {
             let tries = [(exact_for_modes(rtol), timeout)];
             let job = |method| Job {
@@ -418,8 +419,8 @@ impl Study<'_> {
         let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             return Ok(None);
         };
-        let finer = Method {
-            text: method.text.clone(),
+        let finer = Scheme {
+            method: method.method,
             resolution: Resolution::Step(FINER * h),
         };
         converged(&job, &[(finer, PATIENCE * self.plan.timeout)])

@@ -4,10 +4,10 @@ use super::ladder::Rungs;
 use super::references::{held_against, references};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
-use crate::experiment::methods::{methods_from, split_outside_brackets};
-use crate::experiment::run::Method;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_integrators::spec::SchemeRequest;
+use gearbench_integrators::{MethodError, Scheme};
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::Value;
 use gearbench_reference::ExternalReference;
@@ -27,7 +27,7 @@ const MOST_STEPS: u64 = 20_000_000;
 /// What the command line asks for; what it leaves out is the scene's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Asked {
-    /// Integrators, as [`methods_from`] takes them; those with `@` have that step or tolerance alone.
+    /// Integrators, as [`Scheme::list`] takes them; those with `@` have that step or tolerance alone.
     pub integrators: Option<String>,
     /// The metrics.
     pub metrics: Vec<Metric>,
@@ -49,7 +49,7 @@ pub struct Variant {
     /// Modes per gear, where they are the study's choice.
     pub modes: Option<usize>,
     /// Integrators at every step and tolerance, the coarsest of each first.
-    pub methods: Vec<Method>,
+    pub methods: Vec<Scheme>,
     /// Ids of the references it is held against.
     pub against: Vec<String>,
     /// Reference to whose history its constants were fitted.
@@ -75,7 +75,7 @@ pub struct Full {
     pub entry: Configuration,
     /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
     /// gears with modes.
-    pub method: Option<Method>,
+    pub method: Option<Scheme>,
     /// What it is, for the record.
     pub title: String,
 }
@@ -239,26 +239,27 @@ fn variants_of(
         rtols: or_scene(&asked.rtols, &own.rtols),
         full: choice.model == FULL,
     };
-    let ladders = |methods: &[Method]| -> Result<Vec<Method>, String> {
-        let all: Result<Vec<_>, String> = methods.iter().map(|m| rungs.of(m)).collect();
-        Ok(all?.concat())
-    };
+    let ladders =
+        |methods: &[Scheme]| -> Vec<Scheme> { methods.iter().flat_map(|m| rungs.of(m)).collect() };
     let of_model = choice.integrators.as_deref();
     let (methods, beside) = match &asked.integrators {
-        Some(text) => (from_command_line(text, scene, &rungs)?, Vec::new()),
+        Some(text) => (
+            from_command_line(text, scene, &rungs).map_err(|e| e.to_string())?,
+            Vec::new(),
+        ),
         None => match of_model {
-            Some(methods) if choice.model == FULL => (ladders(methods)?, Vec::new()),
+            Some(methods) if choice.model == FULL => (ladders(methods), Vec::new()),
             Some(methods) => {
                 let others = own.integrators.iter();
-                let others = others.filter(|o| methods.iter().all(|m| m.text != o.text));
-                let others: Vec<Method> = others.cloned().collect();
-                (ladders(methods)?, ladders(&others)?)
+                let others = others.filter(|o| methods.iter().all(|m| m.method != o.method));
+                let others: Vec<Scheme> = others.cloned().collect();
+                (ladders(methods), ladders(&others))
             }
-            None if own.integrators.is_empty() => (ladders(&scene.study.integrators)?, Vec::new()),
-            None => (ladders(&own.integrators)?, Vec::new()),
+            None if own.integrators.is_empty() => (ladders(&scene.study.integrators), Vec::new()),
+            None => (ladders(&own.integrators), Vec::new()),
         },
     };
-    let one = |modes: Option<usize>, methods: Vec<Method>| {
+    let one = |modes: Option<usize>, methods: Vec<Scheme>| {
         let mut entry = Configuration::of(scene, choice);
         if let Some(n) = modes {
             set_modes(&mut entry, n);
@@ -284,8 +285,7 @@ fn variants_of(
     // Explicit integrators beside its own run every number of modes, so that what is compared is the integrator alone;
     // implicit ones, which take seconds, that of the scene or the nearest.
     let nearest = counts.iter().copied().min_by_key(|n| n.abs_diff(given));
-    let implicit =
-        |m: &Method| gearbench_integrators::method(&m.text).is_ok_and(|(row, _)| row.info.implicit);
+    let implicit = |m: &Scheme| m.method.info().implicit;
     Ok(counts
         .into_iter()
         .map(|n| {
@@ -296,23 +296,21 @@ fn variants_of(
 }
 
 /// Integrators of the command line: those with `@` at that step or tolerance, the others with their ladder.
-fn from_command_line(text: &str, scene: &SceneFile, rungs: &Rungs) -> Result<Vec<Method>, String> {
-    let mut all = Vec::new();
-    for part in split_outside_brackets(text) {
-        let named = methods_from(part, &scene.study.integrators)?;
-        if part.contains('@') {
-            all.extend(named);
-        } else {
-            for method in &named {
-                all.extend(rungs.of(method)?);
-            }
-        }
+fn from_command_line(
+    text: &str,
+    scene: &SceneFile,
+    rungs: &Rungs,
+) -> Result<Vec<Scheme>, MethodError> {
+    let asked = SchemeRequest::list(text)?;
+    if asked.is_empty() {
+        return Err(MethodError::Empty);
     }
-    if all.is_empty() {
-        // The refusal that lists what there is.
-        methods_from(text, &scene.study.integrators)?;
-    }
-    Ok(all)
+    let known = &scene.study.integrators;
+    let of = |a: &SchemeRequest| match a.resolution {
+        Some(_) => vec![a.or_known(known)],
+        None => rungs.of(&a.or_known(known)),
+    };
+    Ok(asked.iter().flat_map(of).collect())
 }
 
 /// Modes that the scene gives an elastic model whose cut modes stay as residual compliance.

@@ -3,9 +3,9 @@
 
 use super::plan::{Asked, FULL, Full, Variant};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::run::Method;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::NEWMARK;
 use gearbench_models::spec::{PointContact, PointRule, Value};
 use gearbench_reports::record::ReferenceSeries;
 
@@ -101,10 +101,7 @@ fn full(scene: &SceneFile, choice: &ModelChoice) -> Full {
     Full {
         id: choice.label.clone(),
         entry: Configuration::of(scene, choice),
-        method: Some(Method {
-            text: "newmark".into(),
-            resolution: Resolution::Step(step),
-        }),
+        method: Some(NEWMARK.at_step(step)),
         title: format!("full finite elements ({}{})", choice.label, penalty(choice)),
     }
 }

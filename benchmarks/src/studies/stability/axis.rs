@@ -1,6 +1,7 @@
 //! The parameters that a map goes over: what they change, which models and methods have them, what the scene's own
 //! value is.
 
+use gearbench_integrators::{METHODS, MethodSpec};
 use gearbench_models::error::{BuildError, MeshPart};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
@@ -49,7 +50,7 @@ pub struct Setup {
     /// Their models.
     pub modelling: Modelling,
     /// Integrator, `id` or `id(name=value)`.
-    pub method: String,
+    pub method: MethodSpec,
 }
 
 /// Why a parameter does not go with a model or a method.
@@ -216,8 +217,8 @@ impl Axis {
                 Some(g) => Ok(number(g, MODES).unwrap_or(DEFAULT_MODES)),
                 None => without("it has no modes"),
             },
-            Axis::RhoInf => of_method(&setup.method, "generalised-alpha", "rho_inf"),
-            Axis::HhtAlpha => of_method(&setup.method, "hht-alpha", "alpha"),
+            Axis::RhoInf => of_method(setup.method, "rho_inf"),
+            Axis::HhtAlpha => of_method(setup.method, "alpha"),
         }
     }
 
@@ -262,8 +263,8 @@ impl Axis {
                     }
                 }
             }
-            Axis::RhoInf => *method = with_parameter(method, "rho_inf", value),
-            Axis::HhtAlpha => *method = with_parameter(method, "alpha", value),
+            Axis::RhoInf => *method = with_parameter(*method, "rho_inf", value)?,
+            Axis::HhtAlpha => *method = with_parameter(*method, "alpha", value)?,
         }
         Ok(())
     }
@@ -343,50 +344,29 @@ fn scale(profile: &mut Profile, factor: f64) {
     }
 }
 
-/// Id and given parameters of `id(name=value, ...)`.
-fn parts(method: &str) -> (&str, Vec<(&str, &str)>) {
-    let (id, rest) = method.split_once('(').unwrap_or((method, ""));
-    let given = (rest.trim_end_matches([')', ' ']).split(','))
-        .filter_map(|p| p.split_once('='))
-        .map(|(name, value)| (name.trim(), value.trim()))
-        .collect();
-    (id.trim(), given)
-}
-
 /// The value of a method's parameter, given or default.
-fn of_method(method: &str, id: &str, name: &str) -> Result<f64, AxisError> {
-    let (own, given) = parts(method);
-    if own != id {
-        return without(format!("{name} is a parameter of {id}"));
-    }
-    let row = gearbench_integrators::METHODS
-        .iter()
-        .find(|m| m.info.id == id);
-    let default = row
-        .and_then(|m| m.info.parameters.iter().find(|p| p.name == name))
-        .map(|p| p.default);
-    let value = given.iter().find(|(n, _)| *n == name);
-    match value.and_then(|(_, v)| v.parse().ok()).or(default) {
-        Some(value) => Ok(value),
-        None => without(format!("{id} has no parameter {name}")),
-    }
+fn of_method(method: MethodSpec, name: &str) -> Result<f64, AxisError> {
+    method.parameter(name).map_or_else(
+        || {
+            let owners = METHODS.iter().map(|m| m.info);
+            let owners = owners.filter(|m| m.parameters.iter().any(|p| p.name == name));
+            let ids: Vec<&str> = owners.map(|m| m.id).collect();
+            without(format!("{name} is a parameter of {}", ids.join(", ")))
+        },
+        Ok,
+    )
 }
 
 /// The method with one parameter at another value.
-fn with_parameter(method: &str, name: &str, value: f64) -> String {
-    let (id, given) = parts(method);
-    let mut all: Vec<String> = (given.iter())
-        .filter(|(n, _)| *n != name)
-        .map(|(n, v)| format!("{n}={v}"))
-        .collect();
-    all.push(format!("{name}={value}"));
-    format!("{id}({})", all.join(","))
+fn with_parameter(method: MethodSpec, name: &str, value: f64) -> Result<MethodSpec, AxisError> {
+    (method.with(name, value)).or_else(|e| without(e.to_string()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene_file::{Selection, load_for};
+    use gearbench_integrators::table::NEWMARK;
     use gearbench_models::scene::Scene;
 
     fn setup(scene: &str, label: &str, method: &str) -> Setup {
@@ -395,7 +375,7 @@ mod tests {
         Setup {
             scene: file.spec_for(choice),
             modelling: choice.modelling.clone(),
-            method: method.into(),
+            method: method.parse().unwrap(),
         }
     }
 
@@ -468,10 +448,10 @@ mod tests {
 
     #[test]
     fn parameters_of_methods() {
-        assert_eq!(with_parameter("newmark", "beta", 0.3), "newmark(beta=0.3)");
-        assert_eq!(with_parameter("x(a=1, b=2)", "a", 0.25), "x(b=2,a=0.25)");
+        let newmark = with_parameter(NEWMARK, "beta", 0.3).unwrap();
+        assert_eq!(newmark.to_string(), "newmark(beta=0.3)");
         assert_eq!(
-            of_method("hht-alpha(alpha=0.1)", "hht-alpha", "alpha"),
+            of_method("hht-alpha(alpha=0.1)".parse().unwrap(), "alpha"),
             Ok(0.1)
         );
         for axis in Axis::ALL {

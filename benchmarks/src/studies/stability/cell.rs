@@ -7,8 +7,10 @@
 
 use super::axis::Setup;
 use super::plan::{MapPlan, Plan};
-use crate::experiment::run::{Job, Method, RunError, run};
+use crate::experiment::run::{Job, RunError, run};
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
+use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Run, Status, Tolerance, finite};
 use gearbench_reports::series::TimeSeries;
@@ -24,11 +26,11 @@ const DEFAULT_METRIC: Metric = Metric::ForceL2;
 const DEFAULT_LIMIT: f64 = 0.05;
 
 /// Solutions that are tried, finest first: the solution, and the run that checks it.
-const SMALL: [[(&str, f64); 2]; 2] = [
-    [("dopri5", 1e-9), ("dopri5", 1e-7)],
-    [("dopri5", 1e-7), ("dopri5", 1e-5)],
+const SMALL: [[(MethodSpec, f64); 2]; 2] = [
+    [(DOPRI5, 1e-9), (DOPRI5, 1e-7)],
+    [(DOPRI5, 1e-7), (DOPRI5, 1e-5)],
 ];
-const WITH_MODES: [[(&str, f64); 2]; 1] = [[("trigonometric", 1e-4), ("dopri5", 1e-5)]];
+const WITH_MODES: [[(MethodSpec, f64); 2]; 1] = [[(TRIGONOMETRIC, 1e-4), (DOPRI5, 1e-5)]];
 
 /// The tolerance of the cells: that of the scene, against the model's own converged solution.
 #[must_use]
@@ -62,7 +64,7 @@ fn run_one(
     plan: &Plan<'_>,
     map: &MapPlan,
     setup: &Setup,
-    method: &Method,
+    method: &Scheme,
     max_steps: u64,
 ) -> Result<Run, RunError> {
     run(&Job {
@@ -95,7 +97,7 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
 /// [`RunError`] when the scene cannot be built.
 pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
     let any = |id: &str| setup.modelling.gears.iter().any(|g| g.id == id);
-    let (tried, mut why): (&[[(&str, f64); 2]], String) = match (any("fe"), any("elastic")) {
+    let (tried, mut why): (&[[(MethodSpec, f64); 2]], String) = match (any("fe"), any("elastic")) {
         (true, _) => (
             &[],
             "a converged solution of full finite elements takes too long".into(),
@@ -105,13 +107,10 @@ pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Refere
     };
     let budget = map.max_steps.saturating_mul(MORE_STEPS);
     for pair in tried {
-        let [fine, check] = pair.map(|(text, rtol)| Method {
-            text: text.into(),
-            resolution: Resolution::Tolerance(rtol),
-        });
-        let name = |m: &Method| match m.resolution {
-            Resolution::Tolerance(r) => format!("{} rtol {r:.0e}", m.text),
-            Resolution::Step(h) => format!("{} h {h:.0e} s", m.text),
+        let [fine, check] = pair.map(|(method, rtol)| method.at_tolerance(rtol));
+        let name = |m: &Scheme| match m.resolution {
+            Resolution::Tolerance(r) => format!("{} rtol {r:.0e}", m.method),
+            Resolution::Step(h) => format!("{} h {h:.0e} s", m.method),
         };
         let first = run_one(plan, map, setup, &fine, budget)?;
         if first.status.is_failure() {
@@ -162,8 +161,8 @@ pub fn cell(
     reference: &Reference,
 ) -> Result<(Cell, Duration), RunError> {
     let begin = Instant::now();
-    let method = Method {
-        text: setup.method.clone(),
+    let method = Scheme {
+        method: setup.method,
         resolution: match map.columns {
             Columns::Step => Resolution::Step(at),
             Columns::Tolerance => Resolution::Tolerance(at),

@@ -9,14 +9,16 @@ use super::{Means, StabilityError, Timings, study};
 use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
-use crate::experiment::methods::methods_from;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::stability::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
-use gearbench_integrators::Stepping;
 use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_integrators::table::{
+    DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4, TRIGONOMETRIC, VELOCITY_VERLET,
+};
+use gearbench_integrators::{MethodSpec, Scheme, Stepping};
 use gearbench_models::scene::Scene;
 use gearbench_reports::numbers::{quantity, short};
 use gearbench_reports::record::{Results, Status};
@@ -26,13 +28,13 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
-const USUAL: [&str; 6] = [
-    "velocity-verlet",
-    "rk4",
-    "dopri5",
-    "trigonometric",
-    "newmark",
-    "generalised-alpha(rho_inf=0.8)",
+const USUAL: [MethodSpec; 6] = [
+    VELOCITY_VERLET,
+    RK4,
+    DOPRI5,
+    TRIGONOMETRIC,
+    NEWMARK,
+    GENERALISED_ALPHA.with_value(0.8),
 ];
 /// Steps when nobody says, over the pace of the model.
 const STEPS: [f64; 2] = [0.05, 20.0];
@@ -139,10 +141,10 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
                     "`{text}` names a step or tolerance"
                 )));
             }
-            let methods = methods_from(text, &[])
-                .map_err(RunError::Method)
+            let methods = Scheme::list(text, &[])
+                .map_err(RunError::from)
                 .map_err(refuse_run)?;
-            set.integrators = Some(methods.into_iter().map(|m| m.text).collect());
+            set.integrators = Some(methods.into_iter().map(|m| m.method).collect());
         }
         set.steps = args.steps.or(set.steps);
         set.tolerances = args.rtol.or(set.tolerances);
@@ -204,16 +206,12 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
                 linear_part: built.modal().is_some(),
                 columns: args.grid.map_or(COLUMNS, |g| g[0]),
             };
-            let texts: Vec<String> = set
-                .integrators
-                .clone()
-                .unwrap_or_else(|| USUAL.map(String::from).to_vec());
-            for text in &texts {
-                match map(&about, e, text)? {
+            for &method in set.integrators.as_deref().unwrap_or(&USUAL) {
+                match map(&about, e, method)? {
                     Ok(map) => maps.push(map),
                     Err(why) => left_out.push((
                         "left out".into(),
-                        format!("{} under {text}: {why}", choice.label),
+                        format!("{} under {method}: {why}", choice.label),
                     )),
                 }
             }
@@ -272,13 +270,11 @@ struct About<'a> {
 fn map(
     about: &About<'_>,
     entry: &Configuration,
-    text: &str,
+    method: MethodSpec,
 ) -> Result<Result<MapPlan, String>, Refusal> {
     let About { set, scene, .. } = about;
-    let (row, _) = gearbench_integrators::method(text)
-        .map_err(RunError::Method)
-        .map_err(refuse_run)?;
-    if row.info.linear_part && !about.linear_part {
+    let info = method.info();
+    if info.linear_part && !about.linear_part {
         return Ok(Err(
             "it needs gears whose coordinates are oscillators".into()
         ));
@@ -286,7 +282,7 @@ fn map(
     let setup = Setup {
         scene: entry.scene.clone(),
         modelling: entry.modelling.clone(),
-        method: text.to_owned(),
+        method,
     };
     let mut axes = Vec::new();
     for asked in &set.axes {
@@ -297,7 +293,7 @@ fn map(
         }
     }
     let duration = set.duration.unwrap_or(scene.duration);
-    let adaptive = row.info.stepping == Stepping::Adaptive;
+    let adaptive = info.stepping == Stepping::Adaptive;
     let at = if adaptive {
         set.tolerances.map_or_else(
             || spaced(TOLERANCES[0], TOLERANCES[1], about.columns),
@@ -322,8 +318,8 @@ fn map(
     Ok(Ok(MapPlan {
         set: about.number,
         entry: about.entry,
-        method: text.to_owned(),
-        implicit: row.info.implicit,
+        method,
+        implicit: info.implicit,
         columns: if adaptive {
             Columns::Tolerance
         } else {

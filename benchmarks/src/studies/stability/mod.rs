@@ -288,7 +288,7 @@ fn assemble(plan: &Plan<'_>, m: usize, journal: &Journal, timings: &mut Timings)
         set: map.set,
         model: entry.model.clone(),
         variant: entry.variant(),
-        integrator: map.method.clone(),
+        integrator: map.method.to_string(),
         implicit: map.implicit,
         duration_s: map.duration,
         columns: map.columns,

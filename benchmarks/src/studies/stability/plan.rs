@@ -4,6 +4,7 @@
 use super::axis::{Axis, AxisError, Setup};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
+use gearbench_integrators::MethodSpec;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::Value;
 use gearbench_reference::hash::Hash;
@@ -52,7 +53,7 @@ pub struct MapPlan {
     /// Place of the model in the plan.
     pub entry: usize,
     /// Integrator.
-    pub method: String,
+    pub method: MethodSpec,
     /// Whether it is implicit.
     pub implicit: bool,
     /// Steps, or tolerances for methods that choose their steps.
@@ -172,7 +173,7 @@ impl Plan<'_> {
         Setup {
             scene: entry.scene.clone(),
             modelling: entry.modelling.clone(),
-            method: map.method.clone(),
+            method: map.method,
         }
     }
 
@@ -269,7 +270,7 @@ mod tests {
         let map = MapPlan {
             set: 0,
             entry: 2,
-            method: "generalised-alpha".into(),
+            method: gearbench_integrators::table::GENERALISED_ALPHA,
             implicit: true,
             columns: Columns::Step,
             at: vec![1e-7, 1e-6],

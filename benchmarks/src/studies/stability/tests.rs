@@ -9,26 +9,28 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
 use crate::models::models;
 use crate::scene_file::{Selection, load_for};
+use gearbench_integrators::MethodSpec;
+use gearbench_integrators::table::{NEWMARK, VELOCITY_VERLET};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Columns;
 use std::time::Duration;
 
 /// Rigid gears in an impact under some methods, from steps that are cut off by their number to hopeless ones.
-fn plan(methods: &[&str]) -> Plan<'static> {
+fn plan(methods: &[MethodSpec]) -> Plan<'static> {
     let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
     let choice = scene.model("rigid").unwrap();
     let entry = Configuration::of(&scene, choice);
-    let map = |method: &str| {
+    let map = |method: MethodSpec| {
         let setup = Setup {
             scene: entry.scene.clone(),
             modelling: entry.modelling.clone(),
-            method: method.into(),
+            method,
         };
         MapPlan {
             set: 0,
             entry: 0,
-            method: method.into(),
-            implicit: method == "newmark",
+            method,
+            implicit: method.info().implicit,
             columns: Columns::Step,
             at: super::axis::spaced(5e-7, 1.5e-4, 8),
             axes: vec![
@@ -42,7 +44,7 @@ fn plan(methods: &[&str]) -> Plan<'static> {
         name: scene.name.clone(),
         title: scene.title.clone(),
         command: "gearbench".into(),
-        maps: methods.iter().map(|m| map(m)).collect(),
+        maps: methods.iter().map(|m| map(*m)).collect(),
         entries: vec![entry.clone()],
         models: models(),
         tolerance: tolerance(scene.tolerance.as_ref()),
@@ -74,7 +76,7 @@ fn run(plan: &Plan<'_>, threads: usize) -> Results {
 
 #[test]
 fn every_cell_has_a_label_whatever_the_threads() {
-    let plan = plan(&["velocity-verlet", "newmark"]);
+    let plan = plan(&[VELOCITY_VERLET, NEWMARK]);
     let results = run(&plan, 1);
     results.validate().unwrap();
     assert_eq!(results.maps, run(&plan, 3).maps);
@@ -114,7 +116,7 @@ fn every_cell_has_a_label_whatever_the_threads() {
 /// Ten times the stiffness brings the limit in by the root of ten, in theory and in the map.
 #[test]
 fn the_limit_goes_with_the_root_of_the_stiffness() {
-    let mut plan = plan(&["velocity-verlet"]);
+    let mut plan = plan(&[VELOCITY_VERLET]);
     plan.refine = false;
     let map = &run(&plan, 2).maps[0];
     let [soft, own, stiff] = [0, 1, 2].map(|row| map.theory(row).unwrap().0);
@@ -136,12 +138,12 @@ fn the_limit_goes_with_the_root_of_the_stiffness() {
 
 #[test]
 fn another_plan_has_another_echo() {
-    let first = plan(&["velocity-verlet"]);
-    assert_eq!(first.echo(), plan(&["velocity-verlet"]).echo());
-    let mut other = plan(&["velocity-verlet"]);
+    let first = plan(&[VELOCITY_VERLET]);
+    assert_eq!(first.echo(), plan(&[VELOCITY_VERLET]).echo());
+    let mut other = plan(&[VELOCITY_VERLET]);
     other.maps[0].at[3] *= 1.0 + 1e-15;
     assert_ne!(first.echo(), other.echo());
-    let mut other = plan(&["velocity-verlet"]);
+    let mut other = plan(&[VELOCITY_VERLET]);
     other.entries[0].scene.gears[0].speed += 1e-9;
     assert_ne!(first.echo(), other.echo());
 }

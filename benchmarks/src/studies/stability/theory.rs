@@ -29,7 +29,7 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
             };
             if let Some(scene) = &mut frozen[at].1
                 && let Ok(setup) = plan.setup(map, row)
-                && let Ok(found) = scene.lines(&setup.method)
+                && let Ok(found) = scene.lines(setup.method)
             {
                 for line in found {
                     put(

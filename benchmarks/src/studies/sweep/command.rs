@@ -4,12 +4,11 @@ use super::arguments::Sweep;
 use super::{Plan, SweepError, mesh_resonance, sweep};
 use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::run::Method;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use crate::studies::stiffness::build_error;
-use gearbench_integrators::Resolution;
+use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_reports::record::Results;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -39,10 +38,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
         command: command.to_string(),
         entries: running.iter().map(entry).collect(),
         standing: standing.iter().map(entry).collect(),
-        method: (scene.study.integrators.first().cloned()).unwrap_or(Method {
-            text: "velocity-verlet".into(),
-            resolution: Resolution::Step(2e-7),
-        }),
+        method: (scene.study.integrators.first().cloned()).unwrap_or(VELOCITY_VERLET.at_step(2e-7)),
         models: models(),
         frequencies: Vec::new(),
         cycles: args.cycles.map_or(told.cycles, |n| n as usize),

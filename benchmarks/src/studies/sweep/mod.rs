@@ -12,7 +12,8 @@ mod tests;
 
 use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
-use crate::experiment::run::{Job, Method, RunError, run};
+use crate::experiment::run::{Job, RunError, run};
+use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -51,7 +52,7 @@ pub struct Plan<'a> {
     /// Further models that stand still only.
     pub standing: Vec<Configuration>,
     /// Integrator of models without their own.
-    pub method: Method,
+    pub method: Scheme,
     /// Table of models.
     pub models: &'a [Model],
     /// Mesh frequencies [Hz].
@@ -326,7 +327,7 @@ fn one(
     plan: &Plan<'_>,
     entry: &Configuration,
     pair: &Pair,
-    method: &Method,
+    method: &Scheme,
     frequency: f64,
     cancel: Option<&AtomicBool>,
 ) -> Result<Run, SweepError> {

@@ -56,10 +56,7 @@ fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) ->
         command: String::new(),
         entries: vec![Configuration::of(scene, &scene.models[0])],
         standing: Vec::new(),
-        method: Method {
-            text: "dopri5".into(),
-            resolution: gearbench_integrators::Resolution::Tolerance(1e-7),
-        },
+        method: gearbench_integrators::table::DOPRI5.at_tolerance(1e-7),
         models: models(),
         frequencies,
         cycles,

@@ -4,12 +4,13 @@ use super::arguments::Truncation;
 use super::{COUNTS, Plan, Side, study};
 use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
 use crate::experiment::external::external;
-use crate::experiment::methods::methods_from;
-use crate::experiment::run::{Method, RunError};
+use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
+use gearbench_integrators::table::{NEWMARK, TRIGONOMETRIC, VELOCITY_VERLET};
+use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::Value;
 use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
@@ -49,7 +50,7 @@ pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
         title: scene.title.clone(),
         command: command.to_string(),
         model: ELASTIC.into(),
-        elastic: side(&scene, elastic, first(elastic, "trigonometric", STEP)),
+        elastic: side(&scene, elastic, first(elastic, TRIGONOMETRIC, STEP)),
         truncated: truncated(&scene, elastic),
         full: side(&scene, full, full_method(&scene, full, args)?),
         counts: tried,
@@ -107,7 +108,7 @@ fn is_truncated(choice: &ModelChoice) -> bool {
         .any(|g| flag(g) == Some(Value::Flag(false)))
 }
 
-fn side(scene: &SceneFile, choice: &ModelChoice, method: Method) -> Side {
+fn side(scene: &SceneFile, choice: &ModelChoice, method: Scheme) -> Side {
     Side {
         scene: scene.spec_for(choice),
         modelling: choice.modelling.clone(),
@@ -116,23 +117,20 @@ fn side(scene: &SceneFile, choice: &ModelChoice, method: Method) -> Side {
 }
 
 /// The first integrator of a model, or one that fits it.
-fn first(choice: &ModelChoice, text: &str, step: f64) -> Method {
+fn first(choice: &ModelChoice, usual: MethodSpec, step: f64) -> Scheme {
     let own = choice.integrators.as_ref().and_then(|m| m.first());
-    own.cloned().unwrap_or_else(|| Method {
-        text: text.into(),
-        resolution: Resolution::Step(step),
-    })
+    own.copied().unwrap_or(usual.at_step(step))
 }
 
 /// The integrator of plain truncation: that of a truncated model of the scene.
-fn truncated(scene: &SceneFile, elastic: &ModelChoice) -> Method {
+fn truncated(scene: &SceneFile, elastic: &ModelChoice) -> Scheme {
     let own = (scene.models.iter()).find(|m| m.model == ELASTIC && is_truncated(m));
     own.map_or_else(
-        || Method {
+        || Scheme {
             resolution: Resolution::Step(TRUNCATED_STEP),
-            ..first(elastic, "trigonometric", STEP)
+            ..first(elastic, TRIGONOMETRIC, STEP)
         },
-        |m| first(m, "velocity-verlet", TRUNCATED_STEP),
+        |m| first(m, VELOCITY_VERLET, TRUNCATED_STEP),
     )
 }
 
@@ -140,24 +138,21 @@ fn full_method(
     scene: &SceneFile,
     full: &ModelChoice,
     args: &Truncation,
-) -> Result<Method, Refusal> {
+) -> Result<Scheme, Refusal> {
     if let Some(text) = &args.reference_integrator {
-        let methods = methods_from(text, &scene.study.integrators)
-            .map_err(RunError::Method)
+        let methods = Scheme::list(text, &scene.study.integrators)
+            .map_err(RunError::from)
             .map_err(refuse_run)?;
         if let Some(method) = methods.into_iter().next() {
             return Ok(method);
         }
     }
-    let own = first(full, "newmark", FULL_STEP);
+    let own = first(full, NEWMARK, FULL_STEP);
     let step = match own.resolution {
         Resolution::Step(h) => h,
         Resolution::Tolerance(_) => FULL_STEP,
     };
-    Ok(Method {
-        text: "newmark".into(),
-        resolution: Resolution::Step(FINER * step),
-    })
+    Ok(NEWMARK.at_step(FINER * step))
 }
 
 /// The table of errors and the fewest modes.

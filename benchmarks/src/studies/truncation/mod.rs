@@ -10,9 +10,10 @@ pub mod arguments;
 pub mod command;
 
 use crate::experiment::machine;
-use crate::experiment::run::{Job, Method, RunError, run};
+use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
+use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::compare as measure;
@@ -87,7 +88,7 @@ pub struct Side {
     /// Its models.
     pub modelling: Modelling,
     /// Its integrator.
-    pub method: Method,
+    pub method: Scheme,
 }
 
 /// What to study.
@@ -104,7 +105,7 @@ pub struct Plan<'a> {
     /// The elastic model; modes, `choose` and `residual` are the study's.
     pub elastic: Side,
     /// Integrator of plain truncation, whose contact is stiff.
-    pub truncated: Method,
+    pub truncated: Scheme,
     /// The full model on the same mesh.
     pub full: Side,
     /// Numbers of modes.
@@ -178,14 +179,14 @@ impl Plan<'_> {
         cases
     }
 
-    fn method(&self, case: &Case) -> Method {
+    fn method(&self, case: &Case) -> Scheme {
         let scene = if case.way.residual {
             &self.elastic.method
         } else {
             &self.truncated
         };
-        Method {
-            text: scene.text.clone(),
+        Scheme {
+            method: scene.method,
             resolution: match scene.resolution {
                 Resolution::Step(h) => Resolution::Step(case.way.step * h),
                 Resolution::Tolerance(r) => Resolution::Tolerance(case.way.step * r),
@@ -217,7 +218,7 @@ impl Plan<'_> {
 
     fn job<'j>(
         &'j self,
-        side: (&'j SceneSpec, &'j Modelling, &'j Method),
+        side: (&'j SceneSpec, &'j Modelling, &'j Scheme),
         grid: &'j [f64],
         cancel: Option<&'j AtomicBool>,
     ) -> Job<'j> {
@@ -266,7 +267,7 @@ pub fn study(
     else {
         return Err(RunError::Reference(format!(
             "the full model under {} did not reach the end: {}",
-            plan.full.method.text,
+            plan.full.method.method,
             reference.message.as_deref().unwrap_or("no reason given")
         )));
     };
@@ -279,7 +280,7 @@ pub fn study(
         title: "full finite elements on the same mesh".into(),
         source: format!(
             "the first run of this record: {} coordinates under {}",
-            reference.dofs, plan.full.method.text
+            reference.dofs, plan.full.method.method
         ),
         series,
         ..ReferenceSeries::default()

@@ -100,7 +100,7 @@ fn impacts_keep_the_energy_and_flight_is_free() {
             scene.output(s.at(), &mut impacts.out);
             let start = impacts.out.energy.total();
             let mut work = Work::default();
-            let (_, mut m) = method("trigonometric").unwrap();
+            let mut m = method("trigonometric").unwrap();
             let plan = TimePlan::new(1e-3, Resolution::Step(h));
             m.run(&mut scene, &mut s, &plan, &mut impacts, &mut work).unwrap();
             scene.output(s.at(), &mut impacts.out);

@@ -24,8 +24,8 @@ use super::linear::{Dense, Linear};
 use super::system::{Damping, Kicked, Vibrations};
 use gearbench_integrators::linear_stability::{Kicks, Stability};
 use gearbench_integrators::{
-    AcceptedStep, Control, Integrator, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
-    method, stability,
+    AcceptedStep, Control, Integrator, MethodSpec, Resolution, SecondOrderSystem, Sink, State,
+    TimePlan, Work,
 };
 use nalgebra::DMatrix;
 
@@ -53,10 +53,14 @@ const WIDTH: f64 = 1e-3;
 ///
 /// # Errors
 /// [`LimitError`]
-pub fn found(frozen: &mut Frozen, text: &str, damped: bool) -> Result<Option<f64>, LimitError> {
-    let (_, integrator) = method(text).map_err(LimitError::Method)?;
+pub fn found(
+    frozen: &mut Frozen,
+    method: MethodSpec,
+    damped: bool,
+) -> Result<Option<f64>, LimitError> {
+    let integrator = method.build();
     let mut trial = Trial { integrator };
-    match stability(text).map_err(LimitError::Method)?.1 {
+    match method.stability() {
         Stability::Controlled => Ok(None),
         Stability::Kicks(kicks) => trial.kicked(frozen, kicks),
         _ => match frozen.linear()? {

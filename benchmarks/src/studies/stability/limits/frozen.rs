@@ -3,9 +3,9 @@
 use super::LimitError;
 use super::linear::{Dense, Linear, Top};
 use gearbench_integrators::linear_stability::Kicks;
+use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
-    method,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
@@ -222,13 +222,13 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
     let fields = scene.gears().iter().any(|g| g.model.field().is_some());
     let m = scene.magnitudes();
     // Bodies of finite elements have modes that an explicit method would follow for nothing.
-    let (id, resolution) = if scene.modal().is_some() {
-        ("trigonometric", Resolution::Tolerance(TOLERANCE))
+    let (method, resolution) = if scene.modal().is_some() {
+        (TRIGONOMETRIC, Resolution::Tolerance(TOLERANCE))
     } else if scene.layout().n > DENSE {
         let step = 0.02 * m.deflection / m.speed;
-        ("hht-alpha", Resolution::Step(step))
+        (HHT_ALPHA, Resolution::Step(step))
     } else {
-        ("dopri5", Resolution::Tolerance(TOLERANCE))
+        (DOPRI5, Resolution::Tolerance(TOLERANCE))
     };
     let mut watch = Watch {
         force: (0..scene.meshes().len())
@@ -253,7 +253,7 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
         // As long as it takes to close a pitch at the typical speed.
         ..TimePlan::new(1e4 * m.deflection.max(1e-5) / m.speed, resolution)
     };
-    let (_, mut integrator) = method(id).ok()?;
+    let mut integrator = method.build();
     let mut s = scene.initial();
     // A run that ends early has kept what it passed through.
     let _ = integrator.run(scene, &mut s, &plan, &mut watch, &mut Work::default());

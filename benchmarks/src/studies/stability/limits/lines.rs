@@ -2,8 +2,8 @@
 
 use super::frozen::Frozen;
 use super::{LimitError, LineKind, StepLine};
+use gearbench_integrators::MethodSpec;
 use gearbench_integrators::linear_stability::{Kicks, Stability};
-use gearbench_integrators::stability;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use nalgebra::DMatrix;
@@ -24,10 +24,12 @@ pub fn theory(
     scene: &SceneSpec,
     modelling: &Modelling,
     models: &[Model],
-    method: &str,
+    method: MethodSpec,
 ) -> Result<Vec<StepLine>, LimitError> {
-    let (_, stability) = stability(method).map_err(LimitError::Method)?;
-    if matches!(stability, Stability::Controlled | Stability::Unconditional) {
+    if matches!(
+        method.stability(),
+        Stability::Controlled | Stability::Unconditional
+    ) {
         return Ok(Vec::new());
     }
     Frozen::new(scene, modelling, models)?.lines(method)
@@ -38,12 +40,12 @@ impl Frozen {
     ///
     /// # Errors
     /// [`LimitError`]
-    pub fn lines(&mut self, method: &str) -> Result<Vec<StepLine>, LimitError> {
-        let (row, stability) = stability(method).map_err(LimitError::Method)?;
+    pub fn lines(&mut self, method: MethodSpec) -> Result<Vec<StepLine>, LimitError> {
+        let stability = method.stability();
         let mut lines = Vec::new();
         if let Some(step_s) = self.largest_step(&stability)? {
             lines.push(StepLine {
-                label: format!("stability limit of {}", row.info.name),
+                label: format!("stability limit of {}", method.info().name),
                 step_s,
                 kind: LineKind::Stability,
             });

@@ -60,9 +60,6 @@ pub enum LimitError {
     /// The scene cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The integrator is not known or its parameters are wrong.
-    #[error("{0}")]
-    Method(String),
     /// The matrices at the state are no matrices of a vibrating system.
     #[error("the scene cannot be linearised where its contact force is largest: {0}")]
     Matrices(&'static str),

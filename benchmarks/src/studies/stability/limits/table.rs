@@ -5,7 +5,7 @@ use super::found::found;
 use super::frozen::Frozen;
 use super::linear::Linear;
 use crate::experiment::configuration::Configuration;
-use gearbench_integrators::stability;
+use gearbench_integrators::MethodSpec;
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec, Value};
@@ -133,20 +133,21 @@ fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
 pub fn table(
     cases: &[Case],
     models: &[Model],
-    methods: &[&str],
+    methods: &[MethodSpec],
     mut progress: impl FnMut(&str),
 ) -> Result<Vec<StepLimit>, LimitError> {
     let mut rows = Vec::new();
     for case in cases {
         progress(&case.label);
         let mut frozen = Frozen::new(&case.scene, &case.modelling, models)?;
-        for &text in methods {
-            let (row, stability) = stability(text).map_err(LimitError::Method)?;
+        for &method in methods {
+            let stability = method.stability();
+            let exact = method.info().linear_part;
             for damped in [false, true] {
-                if damped && row.info.linear_part {
+                if damped && exact {
                     continue;
                 }
-                let theory = if row.info.linear_part {
+                let theory = if exact {
                     frozen.largest_step(&stability)?
                 } else {
                     match frozen.linear()? {
@@ -157,12 +158,12 @@ pub fn table(
                     }
                 };
                 let Some(theory_s) = theory else { continue };
-                let Some(found_s) = found(&mut frozen, text, damped)? else {
+                let Some(found_s) = found(&mut frozen, method, damped)? else {
                     continue;
                 };
                 rows.push(StepLimit {
                     model: case.label.clone(),
-                    integrator: text.into(),
+                    integrator: method.to_string(),
                     damping: if damped {
                         case.damping.clone()
                     } else {
