@@ -17,7 +17,7 @@ mod view;
 
 pub use csv_table::CsvTable;
 pub use drawing::Chart;
-pub use metrics::{CompareOptions, Metric, compare, compare_with};
+pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,
     Run, SCHEMA, Status, Study, Tolerance, finite,

@@ -193,6 +193,7 @@ fn timed_in(
     Ok(Run {
         integrator: job.method.method.to_string(),
         implicit: info.implicit,
+        exact_linear: info.linear_part,
         step,
         rtol,
         status,
@@ -202,6 +203,7 @@ fn timed_in(
         repeats,
         setup_s: setup.as_secs_f64(),
         simulated_s: state.t,
+        end_s: Some(job.t_end),
         steps: work.steps,
         rejected: work.rejected,
         force_evaluations: work.force_evaluations,

@@ -16,14 +16,17 @@
 //!
 //! After an impact most of a pointwise error is phase error: the aligned value says how well the
 //! shape of the force is met, the shift says how much the phase was off. Outside its samples a run
-//! has no force, so a run that stopped early is charged with all it missed.
+//! has no force: one that ends before its reference is charged with all it missed. One that did not
+//! reach its own end has no metrics ([`Finished`]).
 
+mod history;
 mod metric;
 
 pub use metric::Metric;
 
 use crate::record::{Ledger, Metrics, finite};
 use crate::series::{TimeSeries, resample};
+use history::{Force, best_shift, last_finite, trapezoid_weights};
 
 /// Part of the peak force above which teeth count as in contact [-].
 pub const CONTACT_THRESHOLD: f64 = 1e-6;
@@ -32,41 +35,49 @@ pub const CONTACT_THRESHOLD: f64 = 1e-6;
 /// line of action since the flanks of rigid gears would have touched.
 pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
 
-/// Choices of the comparison.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CompareOptions {
-    /// Greatest shift that is tried to either side \[s\]; by default twice the width at half height
-    /// of the reference's highest peak.
-    pub max_shift_s: Option<f64>,
+/// What a run left behind that reached its end: metrics are told of nothing else.
+#[derive(Clone, Copy, Debug)]
+pub struct Finished<'a> {
+    series: &'a TimeSeries,
+    ledger: &'a Ledger,
+}
+
+/// A run that stopped before its end: a part of a run has no metrics.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("the run stopped at {reached_s:.4e} s of {end_s:.4e} s: nothing can be told of the whole")]
+pub struct Unfinished {
+    /// Last time of its history \[s\].
+    pub reached_s: f64,
+    /// Time that it was to reach \[s\].
+    pub end_s: f64,
+}
+
+impl<'a> Finished<'a> {
+    /// Histories and ledger of a run that was to reach `end_s`.
+    ///
+    /// # Errors
+    /// [`Unfinished`] when the histories end before.
+    pub fn new(series: &'a TimeSeries, ledger: &'a Ledger, end_s: f64) -> Result<Self, Unfinished> {
+        let reached_s = series.time_s.last().copied().unwrap_or(f64::NEG_INFINITY);
+        if reached_s >= end_s - 1e-9 * end_s.abs() {
+            Ok(Self { series, ledger })
+        } else {
+            Err(Unfinished { reached_s, end_s })
+        }
+    }
+
+    /// Its energy and impulse ledger.
+    pub fn ledger(&self) -> &'a Ledger {
+        self.ledger
+    }
 }
 
 /// Compares a run with a reference; `against` is the id of that reference.
 ///
 /// A quantity that the data cannot give is `None`; broken data never panic. The energy drift comes
 /// from the run's ledger.
-pub fn compare(
-    series: &TimeSeries,
-    ledger: &Ledger,
-    reference: &TimeSeries,
-    against: &str,
-) -> Metrics {
-    compare_with(
-        series,
-        ledger,
-        reference,
-        against,
-        &CompareOptions::default(),
-    )
-}
-
-/// [`compare`] with stated options.
-pub fn compare_with(
-    series: &TimeSeries,
-    ledger: &Ledger,
-    reference: &TimeSeries,
-    against: &str,
-    options: &CompareOptions,
-) -> Metrics {
+pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metrics {
+    let Finished { series, ledger } = run;
     let target = Force::of(reference);
     // What a run does after its reference ends can not be judged by it.
     let window = target.t.last().copied().unwrap_or(f64::INFINITY);
@@ -108,7 +119,7 @@ pub fn compare_with(
     };
     metrics.force_l2 = finite(error(0.0));
     if metrics.force_l2.is_some() {
-        let (shift, aligned) = best_shift(&run, &target, options, &mut error);
+        let (shift, aligned) = best_shift(&run, &target, &mut error);
         metrics.force_l2_aligned = finite(aligned);
         metrics.time_shift_s = finite(shift);
     }
@@ -166,311 +177,5 @@ fn transmission_error(
     finite((missed / norm).sqrt())
 }
 
-/// The finite, well-formed part of a force history.
-struct Force<'a> {
-    t: &'a [f64],
-    y: &'a [f64],
-}
-
-impl<'a> Force<'a> {
-    fn of(series: &'a TimeSeries) -> Self {
-        let (t, y) = (&series.time_s, &series.contact_force_n);
-        let n = (t.iter().zip(y))
-            .position(|(t, y)| !(t.is_finite() && y.is_finite()))
-            .unwrap_or(t.len().min(y.len()));
-        Self {
-            t: &t[..n],
-            y: &y[..n],
-        }
-    }
-
-    /// The samples up to a time \[s\].
-    fn until(self, end: f64) -> Self {
-        let n = self.t.partition_point(|&t| t <= end);
-        Self {
-            t: &self.t[..n],
-            y: &self.y[..n],
-        }
-    }
-
-    fn peak(&self) -> (f64, usize) {
-        let mut best = (0.0, 0);
-        for (i, &y) in self.y.iter().enumerate() {
-            if y > best.0 {
-                best = (y, i);
-            }
-        }
-        best
-    }
-
-    fn segments(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-        (self.t.windows(2).zip(self.y.windows(2))).map(|(t, y)| (t[1] - t[0], y[0], y[1]))
-    }
-
-    fn impulse(&self) -> f64 {
-        self.segments().map(|(h, a, b)| 0.5 * h * (a + b)).sum()
-    }
-
-    /// Centroid of the force in time.
-    fn centroid(&self) -> f64 {
-        let moment: f64 = (self.t.windows(2).zip(self.segments()))
-            .map(|(t, (h, a, b))| h * (t[0] * (2.0 * a + b) + t[1] * (a + 2.0 * b)) / 6.0)
-            .sum();
-        moment / self.impulse()
-    }
-
-    /// Time in which the piecewise linear force exceeds `level`.
-    fn time_above(&self, level: f64) -> f64 {
-        self.segments()
-            .map(|(h, a, b)| match (a > level, b > level) {
-                (true, true) => h,
-                (true, false) => h * (a - level) / (a - b),
-                (false, true) => h * (b - level) / (b - a),
-                (false, false) => 0.0,
-            })
-            .sum()
-    }
-
-    /// Width of the highest peak at half its height.
-    fn half_width(&self) -> f64 {
-        let (peak, at) = self.peak();
-        let below = |&i: &usize| self.y[i] < 0.5 * peak;
-        let left = (0..at).rev().find(below).unwrap_or(0);
-        let right = (at..self.t.len())
-            .find(below)
-            .unwrap_or(self.t.len().saturating_sub(1));
-        self.t[right] - self.t[left]
-    }
-}
-
-/// Coarse scan about each guess (no shift, equal centroids, equal peaks), then golden section.
-fn best_shift(
-    run: &Force<'_>,
-    target: &Force<'_>,
-    options: &CompareOptions,
-    error: &mut dyn FnMut(f64) -> f64,
-) -> (f64, f64) {
-    const SCAN: i32 = 32;
-    let width = target.half_width();
-    let limit = options.max_shift_s.unwrap_or(2.0 * width).abs();
-    let step = limit.min(2.0 * width) / f64::from(SCAN);
-    let mut best = (0.0, error(0.0));
-    if !(step.is_finite() && step > 0.0) {
-        return best;
-    }
-    let peaks = target.t[target.peak().1] - run.t[run.peak().1];
-    for guess in [0.0, target.centroid() - run.centroid(), peaks] {
-        if !guess.is_finite() || (options.max_shift_s.is_some() && guess.abs() > limit) {
-            continue;
-        }
-        for k in -SCAN..=SCAN {
-            let shift = guess + f64::from(k) * step;
-            let e = error(shift);
-            if e < best.1 && (options.max_shift_s.is_none() || shift.abs() <= limit) {
-                best = (shift, e);
-            }
-        }
-    }
-    let refined = golden_section(best.0 - step, best.0 + step, error);
-    if refined.1 < best.1 { refined } else { best }
-}
-
-fn golden_section(mut a: f64, mut b: f64, f: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
-    const RATIO: f64 = 0.618_033_988_749_894_8;
-    let (mut c, mut d) = (b - RATIO * (b - a), a + RATIO * (b - a));
-    let (mut fc, mut fd) = (f(c), f(d));
-    for _ in 0..60 {
-        if fc < fd {
-            (b, d, fd) = (d, c, fc);
-            c = b - RATIO * (b - a);
-            fc = f(c);
-        } else {
-            (a, c, fc) = (c, d, fd);
-            d = a + RATIO * (b - a);
-            fd = f(d);
-        }
-    }
-    if fc < fd { (c, fc) } else { (d, fd) }
-}
-
-fn trapezoid_weights(t: &[f64]) -> Vec<f64> {
-    let mut weights = vec![0.0; t.len()];
-    for i in 1..t.len() {
-        let half = 0.5 * (t[i] - t[i - 1]);
-        weights[i - 1] += half;
-        weights[i] += half;
-    }
-    weights
-}
-
-fn last_finite(values: &[f64]) -> Option<f64> {
-    values.iter().rev().copied().find(|x| x.is_finite())
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::PI;
-
-    /// Half-sine of height `peak` and length `length` that starts at `start`.
-    fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
-        let mut s = TimeSeries::default();
-        for i in 0..=((4.0 * length / h) as usize) {
-            let t = i as f64 * h;
-            let u = (t - start) / length;
-            let f = if (0.0..=1.0).contains(&u) {
-                peak * (PI * u).sin()
-            } else {
-                0.0
-            };
-            s.push(t, f, 20.0, -f64::from(i as u32));
-        }
-        s
-    }
-
-    fn close(a: Option<f64>, b: f64, tolerance: f64) {
-        let a = a.expect("a value");
-        assert!((a - b).abs() <= tolerance, "{a} against {b}");
-    }
-
-    #[test]
-    fn half_sine_has_its_closed_form() {
-        let s = half_sine(1e-4, 1e-4, 3000.0, 1e-7);
-        let m = compare(&s, &Ledger::default(), &s, "self");
-        close(m.peak_force_n, 3000.0, 1e-3);
-        close(m.impulse_ns, 2.0 / PI * 3000.0 * 1e-4, 1e-6);
-        close(m.duration_s, 1e-4, 2e-10);
-        close(m.force_l2, 0.0, 1e-15);
-        close(m.force_l2_aligned, 0.0, 1e-15);
-        close(m.peak_force_rel, 0.0, 0.0);
-        close(m.omega1_end, 20.0, 0.0);
-        close(m.omega2_end, -4000.0, 0.0);
-    }
-
-    #[test]
-    fn rebound_and_transmission_error() {
-        let with = |s: &mut TimeSeries, scale: f64, end: f64| {
-            let n = s.len();
-            s.omega1_rad_s = (0..n)
-                .map(|i| 20.0 - 25.0 * i as f64 / (n - 1) as f64)
-                .collect();
-            s.omega2_rad_s = vec![0.0; n];
-            s.omega1_rad_s[n - 1] = end;
-            s.columns.push(crate::series::Column {
-                name: TRANSMISSION_ERROR.into(),
-                values: s.contact_force_n.iter().map(|f| scale * 1e-9 * f).collect(),
-            });
-        };
-        let mut r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
-        let mut s = r.clone();
-        with(&mut r, 1.0, -5.0);
-        with(&mut s, 1.1, -4.5);
-        let m = compare(&s, &Ledger::default(), &r, "fe");
-        close(m.rebound_rel, 0.5 / 25.0, 1e-12);
-        close(m.transmission_error_l2, 0.1, 1e-12);
-        // A run that stops early has no rebound; a reference without the column has no transmission error.
-        s.time_s.truncate(300);
-        s.contact_force_n.truncate(300);
-        s.omega1_rad_s.truncate(300);
-        s.omega2_rad_s.truncate(300);
-        s.columns[0].values.truncate(300);
-        r.columns.clear();
-        let m = compare(&s, &Ledger::default(), &r, "fe");
-        assert_eq!((m.rebound_rel, m.transmission_error_l2), (None, None));
-    }
-
-    #[test]
-    fn scaled_force_has_the_scale_as_error() {
-        let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
-        let s = half_sine(1e-4, 1e-4, 1100.0, 1e-7);
-        let m = compare(&s, &Ledger::default(), &r, "fe");
-        close(m.force_l2, 0.1, 1e-12);
-        close(m.force_l2_aligned, 0.1, 1e-6);
-        close(m.peak_force_rel, 0.1, 1e-12);
-        close(m.impulse_rel, 0.1, 1e-12);
-        close(m.time_shift_s, 0.0, 1e-8);
-    }
-
-    /// Two half-sines of length T, d apart: the squared error is 2 (1 - c(d)) with the overlap
-    /// c(d) = (1 - d/T) cos(pi d/T) + sin(pi d/T)/pi.
-    #[test]
-    fn shifted_force_is_found_and_raw_error_exact() {
-        let length = 1e-4;
-        let r = half_sine(1e-4, length, 1000.0, 1e-7);
-        for shift in [-6.35e-5, -3e-6, 1.234e-5, 9e-5] {
-            let s = half_sine(1e-4 + shift, length, 1000.0, 1.3e-7);
-            let m = compare(&s, &Ledger::default(), &r, "fe");
-            let x: f64 = shift.abs() / length;
-            let overlap = (1.0 - x) * (PI * x).cos() + (PI * x).sin() / PI;
-            close(m.force_l2, (2.0 * (1.0 - overlap)).sqrt(), 1e-4);
-            close(m.force_l2_aligned, 0.0, 2e-4);
-            close(m.time_shift_s, -shift, 1e-9);
-        }
-    }
-
-    #[test]
-    fn far_apart_impacts_are_still_aligned() {
-        let r = half_sine(1e-5, 1e-4, 1000.0, 1e-7);
-        let s = half_sine(2.9e-4, 1e-4, 1000.0, 1e-7);
-        let m = compare(&s, &Ledger::default(), &r, "fe");
-        close(m.force_l2, 2.0_f64.sqrt(), 1e-6);
-        close(m.force_l2_aligned, 0.0, 1e-6);
-        let narrow = CompareOptions {
-            max_shift_s: Some(1e-6),
-        };
-        let m = compare_with(&s, &Ledger::default(), &r, "fe", &narrow);
-        assert!(m.force_l2_aligned.unwrap() > 1.0);
-    }
-
-    #[test]
-    fn a_run_that_stopped_early_is_charged() {
-        let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
-        let mut s = r.clone();
-        for column in [
-            &mut s.time_s,
-            &mut s.contact_force_n,
-            &mut s.omega1_rad_s,
-            &mut s.omega2_rad_s,
-        ] {
-            column.truncate(1501);
-        }
-        let m = compare(&s, &Ledger::default(), &r, "fe");
-        close(m.force_l2, 0.5_f64.sqrt(), 1e-3);
-    }
-
-    #[test]
-    fn broken_data_give_no_numbers_and_no_panic() {
-        let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
-        let mut blown = r.clone();
-        for f in &mut blown.contact_force_n[1200..] {
-            *f = f64::NAN;
-        }
-        let empty = TimeSeries::default();
-        for s in [&blown, &empty] {
-            for target in [&r, &empty, &blown] {
-                let m = compare(s, &Ledger::default(), target, "fe");
-                let json = serde_json::to_string(&m).unwrap();
-                assert!(!json.contains("null"), "{json}");
-            }
-        }
-        let ledger = Ledger {
-            residual_rel: Some(f64::INFINITY),
-            ..Ledger::default()
-        };
-        assert_eq!(compare(&r, &ledger, &r, "fe").energy_drift_rel, None);
-    }
-
-    #[test]
-    fn what_follows_the_reference_is_not_compared_with_it() {
-        let reference = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
-        let mut run = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
-        let end = reference.time_s[reference.len() - 1];
-        for i in 1..50 {
-            run.push(end + f64::from(i) * 1e-6, 9000.0, 5.0, 5.0);
-        }
-        let m = compare(&run, &Ledger::default(), &reference, "calculix");
-        assert!(m.peak_force_rel.is_some_and(|x| x.abs() < 1e-12), "{m:?}");
-        assert!(m.impulse_rel.is_some_and(|x| x.abs() < 1e-9), "{m:?}");
-        assert_eq!(m.omega1_end, reference.omega1_rad_s.last().copied());
-    }
-}
+mod tests;

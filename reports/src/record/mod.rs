@@ -8,7 +8,7 @@
 mod checks;
 mod picture;
 
-use crate::metrics::Metric;
+use crate::metrics::{Finished, Metric, Unfinished};
 use crate::series::TimeSeries;
 pub use crate::studies::Study;
 pub use crate::studies::choice_check::JudgedChoice;
@@ -261,6 +261,9 @@ pub struct Run {
     /// Whether the integrator is implicit.
     #[serde(default)]
     pub implicit: bool,
+    /// Whether the integrator solves the linear part of the model exactly.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub exact_linear: bool,
     /// Fixed step \[s\].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub step: Option<f64>,
@@ -287,6 +290,9 @@ pub struct Run {
     /// Simulated time reached \[s\].
     #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
     pub simulated_s: f64,
+    /// Time that it was to reach \[s\]; known while a study runs, a record has the metrics.
+    #[serde(skip)]
+    pub end_s: Option<f64>,
     /// Accepted steps.
     pub steps: u64,
     /// Rejected steps.
@@ -358,6 +364,21 @@ impl Run {
         match &self.variant {
             Some(variant) => format!("{}, {variant}", self.model),
             None => self.model.clone(),
+        }
+    }
+
+    /// What metrics can be told of.
+    ///
+    /// # Errors
+    /// [`Unfinished`] when it has no history, or one that ends before the run was to end.
+    pub fn finished(&self) -> Result<Finished<'_>, Unfinished> {
+        let end_s = self.end_s.unwrap_or(self.simulated_s);
+        match &self.series {
+            Some(series) => Finished::new(series, &self.ledger, end_s),
+            None => Err(Unfinished {
+                reached_s: f64::NEG_INFINITY,
+                end_s,
+            }),
         }
     }
 

@@ -57,8 +57,8 @@ fn run(
 
 /// Errors of a run: force history, impulse, peak.
 fn errors(what: &str, run: &Run, of: &Run) -> [f64; 3] {
-    let (a, b) = (run.series.as_ref().unwrap(), of.series.as_ref().unwrap());
-    let m = metrics::compare(a, &run.ledger, b, "fe");
+    let reference = of.finished().and(Ok(of.series.as_ref())).unwrap().unwrap();
+    let m = metrics::compare(run.finished().unwrap(), reference, "fe");
     let e = [m.force_l2, m.impulse_rel, m.peak_force_rel].map(Option::unwrap);
     println!(
         "{what}: force history {:.3} %, impulse {:+.4} %, peak {:+.3} %",

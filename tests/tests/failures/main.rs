@@ -172,8 +172,7 @@ fn drive() -> Vec<Driven> {
     let reference = fine.series.clone().unwrap();
 
     let mut coarse = rigid.run("velocity-verlet", step(1e-5));
-    let own = coarse.series.clone().unwrap();
-    let metrics = compare(&own, &coarse.ledger, &reference, "self");
+    let metrics = compare(coarse.finished().unwrap(), &reference, "self");
     coarse.metrics.push(metrics);
     let tolerance = Tolerance {
         metric: Metric::ForceL2,

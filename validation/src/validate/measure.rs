@@ -10,6 +10,7 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Status};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -61,6 +62,8 @@ pub struct Observed {
     pub series: TimeSeries,
     /// Its energy.
     pub ledger: Ledger,
+    /// Time that it was to reach [s].
+    pub end_s: f64,
     /// How it ended.
     pub status: Status,
     /// Why.
@@ -73,12 +76,9 @@ impl Observed {
         if self.status.is_failure() || reference.status.is_failure() {
             return None;
         }
-        metric
-            .error(
-                (&self.series, &self.ledger),
-                (&reference.series, &reference.ledger),
-            )
-            .filter(|e| e.is_finite())
+        let run = Finished::new(&self.series, &self.ledger, self.end_s).ok()?;
+        let error = metric.error(run, (&reference.series, &reference.ledger));
+        error.filter(|e| e.is_finite())
     }
 }
 
@@ -142,6 +142,7 @@ impl<'a> Ready<'a> {
         Ok(Observed {
             series: row.series.take().unwrap_or_default(),
             ledger: row.ledger,
+            end_s: job.t_end,
             status: row.status,
             message: row.message,
         })

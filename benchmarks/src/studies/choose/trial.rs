@@ -10,6 +10,7 @@ use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Run};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
@@ -53,14 +54,10 @@ impl Outcome {
     /// Error against another run; infinite where there is none to be had.
     #[must_use]
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
-        if !self.usable() {
-            return f64::INFINITY;
-        }
-        metric
-            .error(
-                (&self.series, &self.ledger),
-                (&reference.series, &reference.ledger),
-            )
+        let end = self.row.end_s.unwrap_or(self.row.simulated_s);
+        (self.usable().then_some(()))
+            .and_then(|()| Finished::new(&self.series, &self.ledger, end).ok())
+            .and_then(|run| metric.error(run, (&reference.series, &reference.ledger)))
             .unwrap_or(f64::INFINITY)
     }
 }

@@ -1,6 +1,6 @@
 //! What is asked for: a metric and how large an error in it may be.
 
-use gearbench_reports::metrics::compare;
+use gearbench_reports::metrics::{Finished, compare};
 use gearbench_reports::record::Ledger;
 use gearbench_reports::series::TimeSeries;
 
@@ -89,16 +89,14 @@ impl Metric {
     #[must_use]
     pub fn error(
         self,
-        (series, ledger): (&TimeSeries, &Ledger),
+        run: Finished<'_>,
         (reference, its_ledger): (&TimeSeries, &Ledger),
     ) -> Option<f64> {
         if let Some(key) = self.key() {
-            return compare(series, ledger, reference, "top")
-                .get(key)
-                .map(f64::abs);
+            return compare(run, reference, "top").get(key).map(f64::abs);
         }
         let all = its_ledger.energy_start_j?.abs() + its_ledger.external_work_j?.abs();
-        let e = (ledger.dissipated_j? - its_ledger.dissipated_j?).abs() / all;
+        let e = (run.ledger().dissipated_j? - its_ledger.dissipated_j?).abs() / all;
         e.is_finite().then_some(e)
     }
 }
@@ -139,10 +137,13 @@ mod tests {
             dissipated_j: Some(dissipated),
             ..Ledger::default()
         };
-        let none = TimeSeries::default();
-        let error = Metric::Energy.error((&none, &ledger(0.5)), (&none, &ledger(0.7)));
-        assert!((error.unwrap() - 0.05).abs() < 1e-12);
-        let error = Metric::Energy.error((&none, &Ledger::default()), (&none, &ledger(0.7)));
-        assert_eq!(error, None);
+        let mut none = TimeSeries::default();
+        none.push(0.0, 0.0, 0.0, 0.0);
+        let error = |own: &Ledger| {
+            let run = Finished::new(&none, own, 0.0).unwrap();
+            Metric::Energy.error(run, (&none, &ledger(0.7)))
+        };
+        assert!((error(&ledger(0.5)).unwrap() - 0.05).abs() < 1e-12);
+        assert_eq!(error(&Ledger::default()), None);
     }
 }

@@ -8,7 +8,7 @@ use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
 use crate::experiment::status::{against_contact, against_tolerance};
 use crate::experiment::thin::thin;
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Study};
 use gearbench_reports::series::TimeSeries;
 use std::sync::atomic::AtomicBool;
 
@@ -149,18 +149,12 @@ fn measure_against(
     references: &[ReferenceSeries],
     converged: Option<&TimeSeries>,
 ) {
-    let Some(series) = &row.series else { return };
-    for reference in references {
-        row.metrics.push(measure(
-            series,
-            &row.ledger,
-            &reference.series,
-            &reference.id,
-        ));
-    }
-    if let Some(own) = converged {
-        row.metrics.push(measure(series, &row.ledger, own, "self"));
-    }
+    let Ok(run) = row.finished() else { return };
+    let mut metrics: Vec<Metrics> = (references.iter())
+        .map(|r| measure(run, &r.series, &r.id))
+        .collect();
+    metrics.extend(converged.map(|own| measure(run, own, "self")));
+    row.metrics.extend(metrics);
     if let Some(own) = converged {
         against_contact(row, own);
     }

@@ -142,8 +142,7 @@ pub fn study(
         let mut row = one(hard, 0, "hard contact")?;
         row.hard = Some(true);
         if let Some(series) = row.series.as_ref().filter(|_| !row.status.is_failure()) {
-            row.metrics
-                .push(measure(series, &row.ledger, series, "hard"));
+            let metrics = row.finished().map(|run| measure(run, series, "hard"));
             references.push(ReferenceSeries {
                 id: "hard".into(),
                 title: "hard contact".into(),
@@ -151,6 +150,7 @@ pub fn study(
                 series: series.clone(),
                 ..ReferenceSeries::default()
             });
+            row.metrics.extend(metrics);
         }
         last = Some(row);
     }
@@ -160,13 +160,14 @@ pub fn study(
         let what = format!("{}, {penalty:.1e} Pa/m", entry.label);
         let mut row = one(&entry, runs.len() + usize::from(last.is_some()), &what)?;
         row.penalty_pa_per_m = Some(penalty);
-        if let Some(series) = &row.series {
+        if let (Ok(run), Some(series)) = (row.finished(), &row.series) {
             // Without a limit to refer to, the outputs alone.
             let (target, id) = match references.first() {
                 Some(r) => (&r.series, "hard"),
                 None => (series, "self"),
             };
-            row.metrics.push(measure(series, &row.ledger, target, id));
+            let metrics = measure(run, target, id);
+            row.metrics.push(metrics);
         }
         runs.push(row);
     }

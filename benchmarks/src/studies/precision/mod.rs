@@ -26,8 +26,8 @@ use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{Ledger, Metrics, ReferenceSeries, Results, Run, Status};
+use gearbench_reports::metrics::{Finished, compare as measure};
+use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::series::{Column, TimeSeries};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -188,12 +188,12 @@ impl Held {
 
     /// Errors of a run. Peaks and impulses take all samples; pointwise errors only those at common times: between
     /// samples of its own a run is interpolated, and where a force jumps that shows as an error it does not have.
-    fn errors(&self, series: &TimeSeries, ledger: &Ledger, id: &str) -> Metrics {
-        let whole = measure(series, ledger, &self.whole, id);
+    fn errors(&self, run: Finished<'_>, id: &str) -> Metrics {
+        let whole = measure(run, &self.whole, id);
         if self.even.len() < 3 {
             return whole;
         }
-        let even = measure(series, ledger, &self.even, id);
+        let even = measure(run, &self.even, id);
         Metrics {
             force_l2: even.force_l2,
             force_l2_aligned: even.force_l2_aligned,
@@ -245,17 +245,14 @@ fn measure_against(
     references: &[(&str, Held)],
     own: Option<&Held>,
 ) {
-    let Some(series) = row.series.take() else {
-        return;
-    };
-    for (id, reference) in references {
-        if variant.against.iter().any(|a| a == id) {
-            row.metrics.push(reference.errors(&series, &row.ledger, id));
-        }
+    let mut metrics = Vec::new();
+    if let Ok(run) = row.finished() {
+        let held = (references.iter()).filter(|(id, _)| variant.against.iter().any(|a| a == id));
+        metrics.extend(held.map(|(id, reference)| reference.errors(run, id)));
+        metrics.extend(own.map(|own| own.errors(run, "self")));
     }
-    if let Some(own) = own {
-        row.metrics.push(own.errors(&series, &row.ledger, "self"));
-    }
+    row.metrics.extend(metrics);
+    row.series = None;
 }
 
 impl Plan<'_> {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene_file::{Selection, load_for};
-use gearbench_reports::Metric;
+use gearbench_reports::{Ledger, Metric};
 
 /// The rigid gears of the impact, a few rungs.
 fn small(asked: &Asked) -> Results {
@@ -226,9 +226,11 @@ fn pointwise_errors_are_taken_at_common_times() {
     both.sort_by(f64::total_cmp);
     let held = Held::new(history(&both), &grid);
     assert_eq!(held.even.len(), grid.len());
-    let m = held.errors(&history(&grid), &Ledger::default(), "self");
+    let (own, ledger) = (history(&grid), Ledger::default());
+    let run = Finished::new(&own, &ledger, 1.0).unwrap();
+    let m = held.errors(run, "self");
     assert!(m.force_l2.is_some_and(|e| e < 1e-12), "{:?}", m.force_l2);
-    let naive = measure(&history(&grid), &Ledger::default(), &held.whole, "self");
+    let naive = measure(run, &held.whole, "self");
     assert!(
         naive.force_l2.is_some_and(|e| e > 0.05),
         "{:?}",

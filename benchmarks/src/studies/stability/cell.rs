@@ -86,8 +86,7 @@ fn run_one(
 
 /// Error of one run against another in the metric of the tolerance.
 fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> {
-    let series = row.series.as_ref()?;
-    let metrics = compare(series, &row.ledger, against, "self");
+    let metrics = compare(row.finished().ok()?, against, "self");
     metrics.get(tolerance.metric).map(f64::abs).and_then(finite)
 }
 

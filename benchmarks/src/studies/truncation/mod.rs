@@ -272,8 +272,8 @@ pub fn study(
         )));
     };
     if let Some(external) = &plan.external {
-        let metrics = measure(&series, &reference.ledger, &external.series, &external.id);
-        reference.metrics.push(metrics);
+        let metrics = (reference.finished()).map(|r| measure(r, &external.series, &external.id));
+        reference.metrics.extend(metrics);
     }
     let mut references = vec![ReferenceSeries {
         id: "fe".into(),
@@ -314,11 +314,9 @@ pub fn study(
         // The modes that were kept, as the model says; a model without any keeps none.
         row.modes = Some(row.modes.unwrap_or(0));
         row.mark = case.mark.map(Into::into);
-        if let Some(series) = &row.series {
-            for r in &results.references {
-                let metrics = measure(series, &row.ledger, &r.series, &r.id);
-                row.metrics.push(metrics);
-            }
+        for r in &results.references {
+            let metrics = row.finished().map(|run| measure(run, &r.series, &r.id));
+            row.metrics.extend(metrics);
         }
         row.contacts = None;
         row.series = row.series.map(|s| thin(&s));

@@ -1,7 +1,7 @@
 //! What a study of accuracy against cost says: families of runs, their points, who leads.
 //!
-//! A family is a model under an integrator, at every step, tolerance and number of modes. Elastic models whose cut
-//! modes stay as residual compliance under the trigonometric method are the ones whose lead is told.
+//! A family is a model under an integrator, at every step, tolerance and number of modes. Models whose truncated modes
+//! stay as residual compliance, under a method that solves their linear part exactly, are the ones whose lead is told.
 
 mod charts;
 mod csv;
@@ -23,9 +23,6 @@ pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 const NEWS: f64 = 0.95;
 /// Reference of integration errors.
 pub const SELF: &str = "self";
-
-/// What the runs whose lead is told are called.
-pub const OURS: &str = "elastic gears with residual compliance under the trigonometric method";
 
 /// What a run is charged with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +86,7 @@ pub struct Precision<'a> {
 
 /// Whether a run is one of those whose lead is told.
 pub fn is_ours(run: &Run) -> bool {
-    run.residual == Some(true) && id_of(&run.integrator) == "trigonometric"
+    run.residual == Some(true) && run.exact_linear
 }
 
 /// An integrator without its parameters.
@@ -203,9 +200,11 @@ impl<'a> Cloud<'a> {
         self.shown.iter().any(Shown::is_fitted)
     }
 
-    /// Whether any of the points is one whose lead is told.
-    pub fn has_ours(&self) -> bool {
-        self.shown.iter().any(|s| is_ours(s.run))
+    /// What the runs whose lead is told are called; `None` without one.
+    pub fn ours(&self) -> Option<String> {
+        let ours = self.shown.iter().find(|s| is_ours(s.run))?;
+        let method = id_of(&ours.run.integrator);
+        Some(format!("gears with residual compliance under {method}"))
     }
 
     /// Who keeps a limit of the error the cheapest, among all or among those that were not fitted; `None` when none of
@@ -281,11 +280,11 @@ impl<'a> Cloud<'a> {
 pub struct Standing<'c, 'a> {
     /// The limit.
     pub limit: f64,
-    /// The cheapest of ours: elastic with residual compliance under the trigonometric method.
+    /// The cheapest of ours.
     pub ours: &'c Shown<'a>,
     /// The cheapest of all other families with its cost over that of ours; `None` when none keeps the limit.
     pub next: Option<(&'c Shown<'a>, f64)>,
-    /// The same among models that are not elastic with residual compliance.
+    /// The same among models without residual compliance.
     pub other: Option<(&'c Shown<'a>, f64)>,
 }
 

@@ -1,12 +1,12 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, OURS, Precision, SELF, Shown, family, is_ours, rung};
+use super::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, rung};
 use crate::markup::table::Table;
 use crate::markup::{note, runs as common, section};
 use crate::numbers::{count, percent, quantity, short};
 use crate::record::{Run, Status};
-use crate::view::{View, resolution};
+use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
 /// The error from which on the lead is asked about.
@@ -52,12 +52,9 @@ pub fn finding(view: &View<'_>) -> Vec<Markup> {
 }
 
 /// What a stretch of the front is called.
-fn name(s: &Shown<'_>) -> String {
-    if is_ours(s.run) {
-        OURS.into()
-    } else {
-        family(s.run)
-    }
+fn name(cloud: &Cloud<'_>, s: &Shown<'_>) -> String {
+    let ours = cloud.ours().filter(|_| is_ours(s.run));
+    ours.unwrap_or_else(|| family(s.run))
 }
 
 /// Who is on the front at which errors, among what was not fitted.
@@ -65,10 +62,10 @@ fn stretches(cloud: &Cloud<'_>) -> String {
     let all = cloud.stretches(|s| !s.is_fitted());
     let text: Vec<String> = (all.iter())
         .map(|(s, least)| match s.point.error {
-            first if first == *least => format!("{} at {}", name(s), three(*least)),
+            first if first == *least => format!("{} at {}", name(cloud, s), three(*least)),
             first => format!(
                 "{} from {} to {}",
-                name(s),
+                name(cloud, s),
                 percent(first, 3),
                 three(*least)
             ),
@@ -82,10 +79,9 @@ fn stretches(cloud: &Cloud<'_>) -> String {
 
 /// How far ours hold the front, and by how much they lead.
 fn lead(cloud: &Cloud<'_>) -> Markup {
-    if !cloud.has_ours() {
+    let Some(ours) = cloud.ours().map(|name| capital(&name)) else {
         return Markup::default();
-    }
-    let ours = crate::view::capital(OURS);
+    };
     let Some((least, cheaper)) = cloud.held(false) else {
         return html! { (ours) " are not on it." };
     };
@@ -132,8 +128,8 @@ fn fits(cloud: &Cloud<'_>) -> String {
         return " Models fitted to this very history are not on the front.".into();
     }
     let over = match cloud.held(true) {
-        Some((_, Some(x))) if cloud.has_ours() => {
-            format!("; elastic gears take over below {}", three(x))
+        Some((_, Some(x))) if cloud.ours().is_some() => {
+            format!("; residual compliance takes over below {}", three(x))
         }
         _ => String::new(),
     };

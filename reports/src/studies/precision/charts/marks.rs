@@ -42,14 +42,12 @@ impl Marks {
                 continue;
             }
             let place = &mut taken[usize::from(run.implicit)];
-            let shape = match (id, run.implicit) {
-                ("trigonometric", _) => Marker::Star,
+            let shape = match (run.exact_linear, run.implicit) {
+                (true, _) => Marker::Star,
                 (_, false) => EXPLICIT[*place % EXPLICIT.len()],
                 (_, true) => IMPLICIT[*place % IMPLICIT.len()],
             };
-            if id != "trigonometric" {
-                *place += 1;
-            }
+            *place += usize::from(!run.exact_linear);
             all.push((id.to_owned(), shape, !run.implicit));
         }
         Self { all }

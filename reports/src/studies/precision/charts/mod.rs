@@ -309,9 +309,9 @@ fn notes(cloud: &Cloud<'_>) -> Vec<([String; 4], bool)> {
         (texts.map(String::from), true)
     };
     let mut all = vec![head(if cloud.has_fitted() {
-        "cheapest elastic, nothing fitted"
+        "cheapest of residual compliance, nothing fitted"
     } else {
-        "cheapest elastic"
+        "cheapest of residual compliance"
     })];
     all.extend(fair);
     // Only what a fit changes is told again.

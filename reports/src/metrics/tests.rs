@@ -1,0 +1,194 @@
+//! Metrics of histories in closed form.
+
+use super::*;
+use crate::record::Run;
+use std::f64::consts::PI;
+
+/// Half-sine of height `peak` and length `length` that starts at `start`.
+fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
+    let mut s = TimeSeries::default();
+    for i in 0..=((4.0 * length / h) as usize) {
+        let t = i as f64 * h;
+        let u = (t - start) / length;
+        let f = if (0.0..=1.0).contains(&u) {
+            peak * (PI * u).sin()
+        } else {
+            0.0
+        };
+        s.push(t, f, 20.0, -f64::from(i as u32));
+    }
+    s
+}
+
+/// Metrics of a run that was to end where it does.
+fn told(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
+    let ledger = Ledger::default();
+    let run = Finished::new(s, &ledger, *s.time_s.last().unwrap()).unwrap();
+    compare(run, reference, against)
+}
+
+fn close(a: Option<f64>, b: f64, tolerance: f64) {
+    let a = a.expect("a value");
+    assert!((a - b).abs() <= tolerance, "{a} against {b}");
+}
+
+#[test]
+fn half_sine_has_its_closed_form() {
+    let s = half_sine(1e-4, 1e-4, 3000.0, 1e-7);
+    let m = told(&s, &s, "self");
+    close(m.peak_force_n, 3000.0, 1e-3);
+    close(m.impulse_ns, 2.0 / PI * 3000.0 * 1e-4, 1e-6);
+    close(m.duration_s, 1e-4, 2e-10);
+    close(m.force_l2, 0.0, 1e-15);
+    close(m.force_l2_aligned, 0.0, 1e-15);
+    close(m.peak_force_rel, 0.0, 0.0);
+    close(m.omega1_end, 20.0, 0.0);
+    close(m.omega2_end, -4000.0, 0.0);
+}
+
+#[test]
+fn rebound_and_transmission_error() {
+    let with = |s: &mut TimeSeries, scale: f64, end: f64| {
+        let n = s.len();
+        s.omega1_rad_s = (0..n)
+            .map(|i| 20.0 - 25.0 * i as f64 / (n - 1) as f64)
+            .collect();
+        s.omega2_rad_s = vec![0.0; n];
+        s.omega1_rad_s[n - 1] = end;
+        s.columns.push(crate::series::Column {
+            name: TRANSMISSION_ERROR.into(),
+            values: s.contact_force_n.iter().map(|f| scale * 1e-9 * f).collect(),
+        });
+    };
+    let mut r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
+    let mut s = r.clone();
+    with(&mut r, 1.0, -5.0);
+    with(&mut s, 1.1, -4.5);
+    let m = told(&s, &r, "fe");
+    close(m.rebound_rel, 0.5 / 25.0, 1e-12);
+    close(m.transmission_error_l2, 0.1, 1e-12);
+    // A run that stops early has no rebound; a reference without the column has no transmission error.
+    s.time_s.truncate(300);
+    s.contact_force_n.truncate(300);
+    s.omega1_rad_s.truncate(300);
+    s.omega2_rad_s.truncate(300);
+    s.columns[0].values.truncate(300);
+    r.columns.clear();
+    let m = told(&s, &r, "fe");
+    assert_eq!((m.rebound_rel, m.transmission_error_l2), (None, None));
+}
+
+#[test]
+fn scaled_force_has_the_scale_as_error() {
+    let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
+    let s = half_sine(1e-4, 1e-4, 1100.0, 1e-7);
+    let m = told(&s, &r, "fe");
+    close(m.force_l2, 0.1, 1e-12);
+    close(m.force_l2_aligned, 0.1, 1e-6);
+    close(m.peak_force_rel, 0.1, 1e-12);
+    close(m.impulse_rel, 0.1, 1e-12);
+    close(m.time_shift_s, 0.0, 1e-8);
+}
+
+/// Two half-sines of length T, d apart: the squared error is 2 (1 - c(d)) with the overlap
+/// c(d) = (1 - d/T) cos(pi d/T) + sin(pi d/T)/pi.
+#[test]
+fn shifted_force_is_found_and_raw_error_exact() {
+    let length = 1e-4;
+    let r = half_sine(1e-4, length, 1000.0, 1e-7);
+    for shift in [-6.35e-5, -3e-6, 1.234e-5, 9e-5] {
+        let s = half_sine(1e-4 + shift, length, 1000.0, 1.3e-7);
+        let m = told(&s, &r, "fe");
+        let x: f64 = shift.abs() / length;
+        let overlap = (1.0 - x) * (PI * x).cos() + (PI * x).sin() / PI;
+        close(m.force_l2, (2.0 * (1.0 - overlap)).sqrt(), 1e-4);
+        close(m.force_l2_aligned, 0.0, 2e-4);
+        close(m.time_shift_s, -shift, 1e-9);
+    }
+}
+
+#[test]
+fn far_apart_impacts_are_still_aligned() {
+    let r = half_sine(1e-5, 1e-4, 1000.0, 1e-7);
+    let s = half_sine(2.9e-4, 1e-4, 1000.0, 1e-7);
+    let m = told(&s, &r, "fe");
+    close(m.force_l2, 2.0_f64.sqrt(), 1e-6);
+    close(m.force_l2_aligned, 0.0, 1e-6);
+}
+
+#[test]
+fn a_run_that_ends_before_its_reference_is_charged() {
+    let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
+    let mut s = r.clone();
+    for column in [
+        &mut s.time_s,
+        &mut s.contact_force_n,
+        &mut s.omega1_rad_s,
+        &mut s.omega2_rad_s,
+    ] {
+        column.truncate(1501);
+    }
+    let m = told(&s, &r, "fe");
+    close(m.force_l2, 0.5_f64.sqrt(), 1e-3);
+}
+
+#[test]
+fn broken_data_give_no_numbers_and_no_panic() {
+    let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
+    let mut blown = r.clone();
+    for f in &mut blown.contact_force_n[1200..] {
+        *f = f64::NAN;
+    }
+    let (empty, ledger) = (TimeSeries::default(), Ledger::default());
+    for s in [&blown, &empty] {
+        for target in [&r, &empty, &blown] {
+            let Ok(run) = Finished::new(s, &ledger, 0.0) else {
+                assert!(s.is_empty());
+                continue;
+            };
+            let m = compare(run, target, "fe");
+            let json = serde_json::to_string(&m).unwrap();
+            assert!(!json.contains("null"), "{json}");
+        }
+    }
+    let ledger = Ledger {
+        residual_rel: Some(f64::INFINITY),
+        ..Ledger::default()
+    };
+    let run = Finished::new(&r, &ledger, 0.0).unwrap();
+    assert_eq!(compare(run, &r, "fe").energy_drift_rel, None);
+}
+
+#[test]
+fn what_follows_the_reference_is_not_compared_with_it() {
+    let reference = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
+    let mut run = half_sine(1e-5, 1e-4, 3000.0, 2e-7);
+    let end = reference.time_s[reference.len() - 1];
+    for i in 1..50 {
+        run.push(end + f64::from(i) * 1e-6, 9000.0, 5.0, 5.0);
+    }
+    let m = told(&run, &reference, "calculix");
+    assert!(m.peak_force_rel.is_some_and(|x| x.abs() < 1e-12), "{m:?}");
+    assert!(m.impulse_rel.is_some_and(|x| x.abs() < 1e-9), "{m:?}");
+    assert_eq!(m.omega1_end, reference.omega1_rad_s.last().copied());
+}
+
+/// A run that blew up, timed out or was stopped has no metrics, however good its beginning.
+#[test]
+fn a_run_that_did_not_reach_its_end_is_refused() {
+    let s = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
+    let (ledger, end) = (Ledger::default(), *s.time_s.last().unwrap());
+    assert!(Finished::new(&s, &ledger, end).is_ok());
+    let early = Finished::new(&s, &ledger, 1.01 * end).unwrap_err();
+    assert_eq!((early.reached_s, early.end_s), (end, 1.01 * end));
+    assert!(early.to_string().contains("stopped at 4.0"), "{early}");
+    assert!(Finished::new(&TimeSeries::default(), &ledger, 0.0).is_err());
+    let mut run = Run {
+        end_s: Some(1.01 * end),
+        series: Some(s),
+        ..Run::default()
+    };
+    assert_eq!(run.finished().unwrap_err(), early);
+    run.end_s = Some(end);
+    assert!(run.finished().is_ok());
+}
