@@ -12,7 +12,7 @@
 //!
 //! **Events.** The system tells by *guards* how long its branch is valid: guard `i` is positive until its
 //! part of the branch ends. The loop finds where a guard falls through zero, ends the step there, calls
-//! [`SecondOrderSystem::switch`] and starts the method afresh. With [`TimePlan::events`] off the system
+//! [`Events::switch`] and starts the method afresh. With [`TimePlan::events`] off the system
 //! clips its force instead, and orders above one are lost at damped contacts.
 //!
 //! **Steps.** A method declares in [`MethodInfo`] whether it runs at a fixed step, under a tolerance, or
@@ -122,6 +122,7 @@ pub use method::{
 pub use spec::{MethodError, MethodSpec, Scheme};
 pub use stepped::Stepped;
 pub use system::{
-    At, Change, Coeffs, Energy, Layout, ModalSplit, Outputs, Power, SecondOrderSystem, State,
+    At, Change, Coeffs, Energy, Events, FreeFlight, Layout, ModalSplit, Outputs, Power, Report,
+    SecondOrderSystem, State,
 };
 pub use table::{METHODS, Method, method};

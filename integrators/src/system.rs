@@ -8,8 +8,8 @@
 //! - **Guards**: the system's current branch (which contacts are closed, which tooth pairs lie on the
 //!   path of contact) is held in the memory. Guard `i` is positive while its part of the branch is valid;
 //!   an integrator that locates events stops where a guard falls through zero and calls
-//!   [`SecondOrderSystem::switch`]. Without event location the system uses its clipped,
-//!   memory-free force instead ([`SecondOrderSystem::begin`] says which).
+//!   [`Events::switch`]. Without event location the system uses its clipped,
+//!   memory-free force instead ([`Events::begin`] says which).
 //! - Only `begin`, `switch` and `commit` change a state's memory, and only between steps.
 
 use crate::coast::Coast;
@@ -130,7 +130,7 @@ pub struct Outputs {
     pub energy: Energy,
     /// Powers.
     pub power: Power,
-    /// Named quantities, in the order of [`SecondOrderSystem::channels`].
+    /// Named quantities, in the order of [`Report::channels`].
     pub channels: Vec<f64>,
 }
 
@@ -151,7 +151,7 @@ pub trait ModalSplit {
     /// Tells how much less than `1/omega^2` the method lets each oscillator give to a rest that lasts, per unit of
     /// acceleration [s^2]; zeros for methods that resolve the oscillators. A system that solves for a local
     /// compliance can add it there, `B diag(lag) B^T`. Called at the start of a run, after
-    /// [`SecondOrderSystem::begin`], which forgets what an earlier run told.
+    /// [`Events::begin`], which forgets what an earlier run told.
     fn prepare(&mut self, _lag: &[f64]) {}
 
     /// The rest of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
@@ -165,7 +165,8 @@ pub trait ModalSplit {
     fn free_until(&mut self, s: &State) -> f64;
 }
 
-/// A second-order system with branches.
+/// A second-order system: what every method needs. What only some systems have is a capability of its own, which a
+/// system offers by returning it.
 ///
 /// Lengths: `f`, `a`, `x`, `q`, `v` have length [`Layout::n`].
 pub trait SecondOrderSystem {
@@ -205,38 +206,38 @@ pub trait SecondOrderSystem {
     /// `df = (df/dq) dq + (df/dv) dv`: the tangent applied to a direction.
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]);
 
+    /// Branches and breakpoints; `None` where the force is one smooth function for all times.
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        None
+    }
+
     /// The system as independent linear oscillators and a rest, for methods that are exact for the linear part;
     /// `None` where it is not one.
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         None
     }
 
-    /// The motion from `s` on in closed form, while nothing touches and all loads are steady: the time until which that
-    /// surely holds, with the motion in `coast` where the time is `later` than a time; `s.t` where something touches
-    /// or nothing is known.
-    fn coast(&mut self, s: &State, _later: f64, _coast: &mut Coast) -> f64 {
-        s.t
-    }
-
-    /// Work [J] of steady loads and prescribed motions between two states of one flight, where it is known in closed
-    /// form; `from` and `to` have the memory of the flight.
-    fn steady_work(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
+    /// Motion without contact in closed form; `None` where the system knows none.
+    fn free_flight(&mut self) -> Option<&mut dyn FreeFlight> {
         None
     }
+
+    /// Energies, powers and named quantities; `None` where the system reports nothing.
+    fn report(&mut self) -> Option<&mut dyn Report> {
+        None
+    }
+}
+
+/// The branches of a system: how long the present one is valid, and what comes after it.
+pub trait Events {
+    /// Prepares the memory at the start of a run. `located`: the integrator locates events and relies on
+    /// guards; otherwise the force must be clipped and free of branches in memory.
+    fn begin(&mut self, _s: &mut State, _located: bool) {}
 
     /// Guards of the current branch; `out` has length [`Layout::guards`].
     fn guards(&mut self, _at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
     }
-
-    /// Next time after `t` at which a load has a knot, or infinity.
-    fn next_knot(&self, _t: f64) -> f64 {
-        f64::INFINITY
-    }
-
-    /// Prepares the memory at the start of a run. `located`: the integrator locates events and relies on
-    /// guards; otherwise the force must be clipped and free of branches in memory.
-    fn begin(&mut self, _s: &mut State, _located: bool) {}
 
     /// Flips the part of the branch that guard `i` watches.
     fn switch(&mut self, _s: &mut State, _guard: usize) -> Change {
@@ -248,6 +249,27 @@ pub trait SecondOrderSystem {
         Change::None
     }
 
+    /// Next time after `t` at which a load has a knot, or infinity.
+    fn next_knot(&self, _t: f64) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// Motion while nothing touches and all loads are steady.
+pub trait FreeFlight {
+    /// The motion from `s` on in closed form: the time until which it surely holds, with the motion in `coast` where the
+    /// time is `later` than a time; `s.t` where something touches or nothing is known.
+    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64;
+
+    /// Work [J] of steady loads and prescribed motions between two states of one flight, where it is known in closed
+    /// form; `from` and `to` have the memory of the flight.
+    fn steady_work(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
+        None
+    }
+}
+
+/// What a system tells observers.
+pub trait Report {
     /// Names of the channels in [`Outputs`].
     fn channels(&self) -> &[String] {
         &[]
@@ -266,5 +288,70 @@ pub trait SecondOrderSystem {
     }
 
     /// Energies, powers and channels at a state.
-    fn output(&mut self, _at: At<'_>, _out: &mut Outputs) {}
+    fn output(&mut self, at: At<'_>, out: &mut Outputs);
+}
+
+/// What a system without a capability does: no guard ever falls, nothing flies, nothing is reported.
+impl dyn SecondOrderSystem + '_ {
+    /// [`Events::begin`].
+    pub fn begin(&mut self, s: &mut State, located: bool) {
+        if let Some(events) = self.events() {
+            events.begin(s, located);
+        }
+    }
+
+    /// [`Events::guards`].
+    pub fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+        match self.events() {
+            Some(events) => events.guards(at, out),
+            None => out.fill(1.0),
+        }
+    }
+
+    /// [`Events::switch`].
+    pub fn switch(&mut self, s: &mut State, guard: usize) -> Change {
+        (self.events()).map_or(Change::None, |e| e.switch(s, guard))
+    }
+
+    /// [`Events::commit`].
+    pub fn commit(&mut self, s: &mut State) -> Change {
+        self.events().map_or(Change::None, |e| e.commit(s))
+    }
+
+    /// [`Events::next_knot`].
+    pub fn next_knot(&mut self, t: f64) -> f64 {
+        self.events().map_or(f64::INFINITY, |e| e.next_knot(t))
+    }
+
+    /// [`FreeFlight::coast`].
+    pub fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
+        (self.free_flight()).map_or(s.t, |f| f.coast(s, later, coast))
+    }
+
+    /// [`FreeFlight::steady_work`].
+    pub fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+        self.free_flight()?.steady_work(from, to)
+    }
+
+    /// [`Report::channels`].
+    pub fn channels(&mut self) -> &[String] {
+        self.report().map_or(&[], |r| r.channels())
+    }
+
+    /// [`Report::has_powers`].
+    pub fn has_powers(&mut self) -> bool {
+        self.report().is_none_or(|r| r.has_powers())
+    }
+
+    /// [`Report::has_jumps`].
+    pub fn has_jumps(&mut self) -> bool {
+        self.report().is_none_or(|r| r.has_jumps())
+    }
+
+    /// [`Report::output`].
+    pub fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+        if let Some(report) = self.report() {
+            report.output(at, out);
+        }
+    }
 }

@@ -7,8 +7,8 @@
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
-    AcceptedStep, Control, METHODS, Method, MethodInfo, Outputs, Resolution, SecondOrderSystem,
-    Sink, State, StepError, Stepping, TimePlan, Work,
+    AcceptedStep, Control, METHODS, Method, MethodInfo, Outputs, Report, Resolution,
+    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work,
 };
 use gearbench_models::contact::{Candidate, Party, Wanted};
 use gearbench_models::error::BuildError;

@@ -2,8 +2,8 @@
 #![allow(dead_code)]
 
 use gearbench::scene_file;
+use gearbench_integrators::Report;
 use gearbench_integrators::observers::recorder::Recorder;
-use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{Integrator, NullSink, Resolution, StepError, TimePlan, Work};
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::{Gear, GearParams, Pair, Side};

@@ -4,7 +4,7 @@ use super::history::History;
 use super::status::Witness;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::system::{Outputs, SecondOrderSystem};
+use gearbench_integrators::system::{Outputs, Report, SecondOrderSystem};
 use gearbench_integrators::{
     Integrator, MethodError, NullSink, Resolution, Scheme, Sink, State, StepError, TimePlan, Work,
 };

@@ -70,7 +70,7 @@ impl<'x, 'a> Session<'x, 'a> {
         work: &'x mut Work,
         coasts: bool,
     ) -> Self {
-        let sys = shared.sys.borrow();
+        let mut sys = shared.sys.borrow_mut();
         let layout = sys.layout();
         Session {
             shared,

@@ -1,8 +1,8 @@
 //! Where in a tentative step the first event lies, by the method itself.
 
-use super::{Located, Run, Stepped, first_not_finite};
+use super::{Run, Stepped, first_not_finite};
 use crate::events::Root;
-use crate::method::{OneStep, StepError, Tolerance, Work};
+use crate::method::{OneStep, StepError, Work};
 use crate::system::{SecondOrderSystem, State};
 
 /// A part of a step that is read from the interpolant instead of stepped when an event is located.
@@ -12,17 +12,23 @@ const MAX_LOCATIONS: u32 = 50;
 
 impl<M: OneStep> Stepped<M> {
     /// Finds the first event in the step from `s` of size `h` to `r.end`; leaves the state there in
-    /// `r.event` and the guards to switch in `r.watch.falling`.
+    /// `r.event` and the guards to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at which
+    /// the event lies; `None` where guards are at their root at the start of the step.
     pub(super) fn locate(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         s: &State,
         h: f64,
-        tolerance: &Tolerance,
-        r: &mut Run,
+        r: &mut Run<'_>,
         work: &mut Work,
-    ) -> Result<Located, StepError> {
-        let Run { end, event, watch } = r;
+    ) -> Result<Option<f64>, StepError> {
+        let Run {
+            tolerance,
+            end,
+            event,
+            watch,
+            ..
+        } = r;
         let guards_on = |method: &M,
                          sys: &mut dyn SecondOrderSystem,
                          end: &State,
@@ -37,7 +43,7 @@ impl<M: OneStep> Stepped<M> {
             guards_on(&self.method, sys, end, x, event, out)
         });
         let Root::Inside(mut theta) = root else {
-            return Ok(Located::Start);
+            return Ok(None);
         };
         let t_full = end.t;
         let (mut lo, mut hi) = (0.0, 1.0);
@@ -98,6 +104,6 @@ impl<M: OneStep> Stepped<M> {
             return Err(StepError::NonFinite { t: event.t, dof });
         }
         watch.select();
-        Ok(Located::At(stretch))
+        Ok(Some(stretch))
     }
 }

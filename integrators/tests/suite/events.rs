@@ -3,8 +3,8 @@
 use crate::problems::*;
 use crate::split_off;
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Control, Layout, METHODS, Method, ModalSplit, SecondOrderSystem,
-    Sink, State, StepError, Stepping, TimePlan, Work,
+    AcceptedStep, At, Change, Control, Events, Layout, METHODS, Method, ModalSplit,
+    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work,
 };
 
 fn plan_for(m: &Method, t_end: f64) -> TimePlan<'static> {
@@ -48,6 +48,12 @@ impl SecondOrderSystem for Balls {
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Balls {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         out.copy_from_slice(at.q);
     }
@@ -149,6 +155,12 @@ impl SecondOrderSystem for Graze {
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -(1.0 + at.memory[0] * 1e4) * dq[0];
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Graze {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         let gap = self.wall - at.q[0];
         out[0] = if at.memory[0] == 0.0 { gap } else { -gap };
@@ -227,6 +239,12 @@ impl SecondOrderSystem for Table {
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Table {
     fn next_knot(&self, t: f64) -> f64 {
         self.knots
             .iter()
@@ -328,6 +346,12 @@ impl SecondOrderSystem for Counting {
         assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
         Duffing.tangent_times(at, dq, dv, df);
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Counting {
     fn commit(&mut self, s: &mut State) -> Change {
         self.commits += 1.0;
         s.memory[0] = self.commits;

@@ -10,7 +10,7 @@ use gearbench_integrators::implicit::generalised_alpha::GeneralisedAlpha;
 use gearbench_integrators::method::Tolerance;
 use gearbench_integrators::modal::trigonometric::{Filter, Trigonometric};
 use gearbench_integrators::{
-    At, Change, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
+    At, Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
     StepError, Stepping, TimePlan, Work,
 };
 use std::sync::atomic::AtomicBool;
@@ -285,6 +285,12 @@ impl SecondOrderSystem for Broken {
     fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -dq[0];
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Broken {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         out[0] = 0.6 - at.t;
     }

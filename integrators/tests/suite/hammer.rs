@@ -1,8 +1,8 @@
 //! Gears that hammer within their backlash: impacts with an exact piecewise solution.
 
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Coast, Control, Energy, Layout, Method, ModalSplit, Outputs, Power,
-    SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, At, Change, Coast, Control, Energy, Events, FreeFlight, Layout, Method,
+    ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
 
 /// Two gears that turn freely within backlash and meet on one line of action, with a linear penalty and
@@ -195,17 +195,6 @@ impl SecondOrderSystem for Hammer {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
-    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
-        let until = self.free_until(s);
-        if until > later {
-            coast.begin(s.t);
-            for i in 0..2 {
-                coast.swing(0.0, 0.0, [s.q[i], s.v[i]], 0.0);
-                coast.moves(i, 1.0);
-            }
-        }
-        until
-    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         let n = self.line_force(at);
         f[0] = -self.radius[0] * n;
@@ -234,6 +223,18 @@ impl SecondOrderSystem for Hammer {
         df[0] = -self.radius[0] * dn;
         df[1] = self.radius[1] * dn;
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+    fn free_flight(&mut self) -> Option<&mut dyn FreeFlight> {
+        Some(self)
+    }
+    fn report(&mut self) -> Option<&mut dyn Report> {
+        Some(self)
+    }
+}
+
+impl Events for Hammer {
     /// Per flank: closed while the force pushes; open until the flank is reached, and after a release with
     /// damping, where the penetration is not gone yet, while the force would pull.
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
@@ -256,6 +257,23 @@ impl SecondOrderSystem for Hammer {
         s.memory[0] = if s.memory[0] == side { 0.0 } else { side };
         Change::Restart
     }
+}
+
+impl FreeFlight for Hammer {
+    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
+        let until = self.free_until(s);
+        if until > later {
+            coast.begin(s.t);
+            for i in 0..2 {
+                coast.swing(0.0, 0.0, [s.q[i], s.v[i]], 0.0);
+                coast.moves(i, 1.0);
+            }
+        }
+        until
+    }
+}
+
+impl Report for Hammer {
     fn output(&mut self, at: At<'_>, out: &mut Outputs) {
         let n = self.line_force(at);
         let (s, u) = self.relative(at);

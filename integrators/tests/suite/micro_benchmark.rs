@@ -4,8 +4,8 @@
 use crate::problems::*;
 use crate::split_off;
 use gearbench_integrators::{
-    At, Change, Layout, METHODS, Method, ModalSplit, SecondOrderSystem, State, Stepping, TimePlan,
-    Work,
+    At, Change, Events, Layout, METHODS, Method, ModalSplit, SecondOrderSystem, State, Stepping,
+    TimePlan, Work,
 };
 use std::time::Instant;
 
@@ -95,6 +95,12 @@ impl SecondOrderSystem for Restarting {
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         self.0.tangent_times(at, dq, dv, df);
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
+
+impl Events for Restarting {
     fn commit(&mut self, _s: &mut State) -> Change {
         Change::Restart
     }

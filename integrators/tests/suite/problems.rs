@@ -2,7 +2,7 @@
 
 pub use crate::hammer::*;
 use gearbench_integrators::{
-    At, Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Resolution,
+    At, Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Report, Resolution,
     SecondOrderSystem, State, StepError, Stepping, TimePlan, Work,
 };
 
@@ -227,6 +227,12 @@ impl SecondOrderSystem for Oscillator {
     fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -self.omega * self.omega * dq[0];
     }
+    fn report(&mut self) -> Option<&mut dyn Report> {
+        Some(self)
+    }
+}
+
+impl Report for Oscillator {
     fn output(&mut self, at: At<'_>, out: &mut Outputs) {
         out.energy = Energy {
             kinetic: 0.5 * at.v[0] * at.v[0],

@@ -34,7 +34,7 @@ use crate::contact::LineClearance;
 use crate::gear::Flight;
 use crate::spec::Load;
 use gearbench_integrators::Coast;
-use gearbench_integrators::system::{At, SecondOrderSystem, State};
+use gearbench_integrators::system::{At, Events, State};
 
 impl SceneGear {
     /// The load on its hub where that is constant from `t` until the next knot; 0 for a hub that is not free.

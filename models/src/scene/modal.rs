@@ -1,7 +1,7 @@
 //! The scene as independent oscillators and a rest, for methods that are exact for the linear part.
 
 use super::Scene;
-use gearbench_integrators::system::{At, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::system::{At, Events, ModalSplit, SecondOrderSystem, State};
 
 impl ModalSplit for Scene {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {

@@ -8,7 +8,8 @@ use crate::law::Law;
 use gearbench_integrators::Coast;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{
-    At, Change, Coeffs, Layout, ModalSplit, Outputs, SecondOrderSystem, Singular, State,
+    At, Change, Coeffs, Events, FreeFlight, Layout, ModalSplit, Outputs, Report, SecondOrderSystem,
+    Singular, State,
 };
 
 /// Guard of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
@@ -234,15 +235,18 @@ impl SecondOrderSystem for Scene {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         if self.oscillators { Some(self) } else { None }
     }
-
-    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
-        self.coast_from(s.at(), later, coast)
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
     }
-
-    fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
-        self.work_of_flight(from, to)
+    fn free_flight(&mut self) -> Option<&mut dyn FreeFlight> {
+        Some(self)
     }
+    fn report(&mut self) -> Option<&mut dyn Report> {
+        Some(self)
+    }
+}
 
+impl Events for Scene {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
         if out.is_empty() {
@@ -404,7 +408,19 @@ impl SecondOrderSystem for Scene {
         }
         change
     }
+}
 
+impl FreeFlight for Scene {
+    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
+        self.coast_from(s.at(), later, coast)
+    }
+
+    fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+        self.work_of_flight(from, to)
+    }
+}
+
+impl Report for Scene {
     fn has_powers(&self) -> bool {
         let gear = |g: &SceneGear| g.model.has_powers() || !g.loads.is_empty();
         // Stiffness along the path puts power in; points of flanks have a constant penalty.

@@ -1,7 +1,8 @@
 //! What mounts exert on their gears: balance at rest, the power of a drive, momentum in motion.
 
 use gearbench_integrators::{
-    EquilibriumOptions, Outputs, Resolution, SecondOrderSystem, State, TimePlan, equilibrium,
+    EquilibriumOptions, Outputs, Report, Resolution, SecondOrderSystem, State, TimePlan,
+    equilibrium,
 };
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::Tooth;

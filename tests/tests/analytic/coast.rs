@@ -3,8 +3,8 @@
 use crate::flight::{Impacts, hammer};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::{
-    Coast, METHODS, NullSink, Outputs, Resolution, SecondOrderSystem, State, Stepping, TimePlan,
-    Work, method,
+    Coast, Events, FreeFlight, METHODS, NullSink, Outputs, Report, Resolution, State, Stepping,
+    TimePlan, Work, method,
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{

@@ -1,6 +1,6 @@
 //! The force is a pure function, guards say when its branch ends, and elastic laws switch without a jump.
 
-use gearbench_integrators::{Change, SecondOrderSystem, State};
+use gearbench_integrators::{Change, Events, SecondOrderSystem, State};
 use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, ModelSpec};

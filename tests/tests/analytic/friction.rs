@@ -1,6 +1,6 @@
 //! Sliding friction: direction, size, flip at the pitch point, energy.
 
-use gearbench_integrators::{Resolution, SecondOrderSystem};
+use gearbench_integrators::{Events, Resolution, SecondOrderSystem};
 use gearbench_models::law::{Damping, Friction};
 use gearbench_models::spec::{ContactSpec, Load, Mount, Profile, mesh_layout};
 use gearbench_tests::*;

@@ -1,6 +1,6 @@
 //! Torque ratio, magnitude of the contact force, and invariants of the line of action.
 
-use gearbench_integrators::{Outputs, SecondOrderSystem, State};
+use gearbench_integrators::{Events, Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Pair, ReliefShape, Side, TipRelief,
 };

@@ -1,7 +1,7 @@
 //! `w = dg/dq`: the gap of every candidate against the contact row of both gears, by central differences, and
 //! the gap rate `w . v + gap_t` against differences in time.
 
-use gearbench_integrators::{SecondOrderSystem, State};
+use gearbench_integrators::{Events, State};
 use gearbench_models::contact::Candidate;
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, Side, TipRelief,

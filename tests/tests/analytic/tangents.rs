@@ -2,7 +2,7 @@
 //! `m M + d D + k K`.
 
 use gearbench_integrators::dense_solve::solve_in_place;
-use gearbench_integrators::{Coeffs, SecondOrderSystem, State};
+use gearbench_integrators::{Coeffs, Events, SecondOrderSystem, State};
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::Row;
 use gearbench_models::law::{Damping, Friction};

@@ -3,7 +3,7 @@
 
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
-    Coeffs, Outputs, Resolution, SecondOrderSystem, State, TimePlan, Work,
+    Coeffs, Events, Outputs, Report, Resolution, SecondOrderSystem, State, TimePlan, Work,
 };
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::scene::Scene;

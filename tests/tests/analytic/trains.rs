@@ -1,6 +1,6 @@
 //! Trains of three gears: statics, motion under load, an idler whose compliance couples its meshes.
 
-use gearbench_integrators::{Coeffs, Resolution, SecondOrderSystem, State, TimePlan};
+use gearbench_integrators::{Coeffs, Events, Resolution, SecondOrderSystem, State, TimePlan};
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;

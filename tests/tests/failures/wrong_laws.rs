@@ -1,7 +1,9 @@
 //! Laws that no shipped contact follows, around a real scene: for the failures that the shipped ones cannot produce.
 
 use gearbench_integrators::system::Singular;
-use gearbench_integrators::{At, Change, Coeffs, Layout, Outputs, SecondOrderSystem, State};
+use gearbench_integrators::{
+    At, Change, Coeffs, Events, Layout, Outputs, Report, SecondOrderSystem, State,
+};
 use gearbench_models::scene::Scene;
 
 /// What is wrong.
@@ -88,6 +90,15 @@ impl SecondOrderSystem for WrongScene {
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         self.scene.tangent_times(at, dq, dv, df);
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+    fn report(&mut self) -> Option<&mut dyn Report> {
+        Some(self)
+    }
+}
+
+impl Events for WrongScene {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         self.scene.guards(at, out);
         if let Some(t) = self.closed {
@@ -106,6 +117,9 @@ impl SecondOrderSystem for WrongScene {
     fn commit(&mut self, s: &mut State) -> Change {
         self.scene.commit(s)
     }
+}
+
+impl Report for WrongScene {
     fn channels(&self) -> &[String] {
         self.scene.channels()
     }

@@ -1,6 +1,7 @@
 //! Rows by differences, the Newton correction, and repeatability.
 
 use super::*;
+use gearbench_integrators::{Events, Report};
 /// Largest error of `w . d` against the difference of the gap in a random direction over all candidates within
 /// 10 um, hubs and movable teeth turning by as much as nodes move; and the number of candidates.
 fn worst_row(scene: &Scene, s: &State) -> (f64, usize) {

@@ -1,6 +1,7 @@
 //! Flight and impacts of elastic gears under the trigonometric method.
 
 use super::*;
+use gearbench_integrators::Report;
 use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work, method};
 

@@ -8,7 +8,7 @@ mod potential;
 mod search;
 mod tangents;
 
-use gearbench_integrators::{Outputs, SecondOrderSystem, State};
+use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     ContactSpec, Load, ModelSpec, Parameters, Passes, PointContact, PointRule, Profile, SceneSpec,

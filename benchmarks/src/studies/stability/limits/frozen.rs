@@ -5,7 +5,8 @@ use super::linear::{Dense, Linear, Top};
 use gearbench_integrators::linear_stability::Kicks;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{
-    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Control, Events, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
+    Work,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;

@@ -1,7 +1,7 @@
 //! Linear systems as integrators see them.
 
 use super::linear::Dense;
-use gearbench_integrators::{At, Coeffs, Layout, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::{At, Coeffs, Events, Layout, ModalSplit, SecondOrderSystem, State};
 use gearbench_integrators::{Change, system::Singular};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
@@ -160,7 +160,12 @@ impl SecondOrderSystem for Kicked {
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
+    fn events(&mut self) -> Option<&mut dyn Events> {
+        Some(self)
+    }
+}
 
+impl Events for Kicked {
     fn commit(&mut self, _s: &mut State) -> Change {
         Change::None
     }

@@ -1,0 +1,180 @@
+//! One step: where it is to end, and how the state gets there.
+
+use super::{MethodDense, Run, Stepped, first_not_finite, resolution_of_time};
+use crate::coast::CoastDense;
+use crate::method::{AcceptedStep, Control, Dense, OneStep, Sink, StepError, Work};
+use crate::system::{SecondOrderSystem, State};
+
+/// Where a step is to end, and along what.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    /// Its end [s].
+    pub(super) t_new: f64,
+    /// The end of the run or the next breakpoint [s], whichever comes first.
+    stop: f64,
+    /// Nothing happens until the end of the step, whatever its length.
+    pub(super) leaps: bool,
+    /// It goes along the system's own closed form.
+    pub(super) coasts: bool,
+    /// An event left less than time resolves before the stop: the step is not worth making.
+    pub(super) sliver: bool,
+}
+
+/// What became of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Outcome {
+    /// Its error was too large: the next one is shorter.
+    Rejected,
+    /// The sink wants no more.
+    Stopped,
+    /// The state moved, or switches at the start of the step.
+    Went {
+        /// To an event.
+        located: bool,
+        /// Farther than rounding.
+        progressed: bool,
+    },
+}
+
+impl<M: OneStep> Stepped<M> {
+    /// Where the next step ends: on the grid of fixed steps, at the end of the run and at breakpoints, or as far as
+    /// nothing happens. Never leaves a sliver of a step behind.
+    pub(super) fn aim(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &State,
+        r: &mut Run<'_>,
+    ) -> Aim {
+        let stop = r.plan.t_end.min(r.knot);
+        let mut t_new = if r.fixed {
+            while r.t_begin + (r.on_grid + 1) as f64 * r.h_next <= s.t + 1e-9 * r.h_next {
+                r.on_grid += 1;
+            }
+            r.t_begin + (r.on_grid + 1) as f64 * r.h_next
+        } else {
+            r.h_next = self.method.favoured(r.h_next);
+            s.t + r.h_next
+        };
+        let mut reach = self.method.reach(sys, s, r.h_next);
+        if self.coasting.on {
+            reach = self.coasting.reach(sys, s, t_new);
+        }
+        reach = reach.min(stop);
+        if r.fixed && reach < stop {
+            reach = r.t_begin + ((reach - r.t_begin) / r.h_next).floor() * r.h_next;
+        }
+        let leaps = reach > t_new + 1e-9 * r.h_next;
+        if leaps {
+            t_new = reach;
+            if r.fixed {
+                r.on_grid = ((reach - r.t_begin) / r.h_next) as u64 - 1;
+            }
+        } else if t_new >= stop - 1e-9 * r.h_next {
+            t_new = stop;
+        } else if !r.fixed && t_new > stop - r.h_next {
+            t_new = 0.5 * (s.t + stop);
+        }
+        Aim {
+            t_new,
+            stop,
+            leaps,
+            coasts: self.coasting.on && leaps,
+            sliver: t_new == stop && t_new - s.t <= resolution_of_time(s.t, r.plan),
+        }
+    }
+
+    /// Makes the step, tells the sink and moves the state, to an event where one lies in the step.
+    pub(super) fn advance(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        aim: &Aim,
+        r: &mut Run<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<Outcome, StepError> {
+        let mut outcome = (false, true);
+        if aim.sliver {
+            s.t = aim.stop;
+        } else if aim.coasts {
+            let (from, to) = (s.t, aim.t_new);
+            let coast = &self.coasting.coast;
+            r.end.t = to;
+            coast.at(to, &mut r.end.q, &mut r.end.v);
+            check_finite(&r.end)?;
+            let dense = CoastDense { coast, from, to };
+            let control = accept(sys, [s, &r.end], &dense, true, sink, work);
+            std::mem::swap(s, &mut r.end);
+            if control == Control::Stop {
+                return Ok(Outcome::Stopped);
+            }
+        } else {
+            let h = aim.t_new - s.t;
+            let err = (self.method).step(sys, s, h, &r.tolerance, &mut r.end, work)?;
+            r.end.t = aim.t_new;
+            if !r.fixed && (!err.is_finite() || err > 1.0) {
+                work.rejected += 1;
+                r.shorten(s.t, h, err)?;
+                return Ok(Outcome::Rejected);
+            }
+            check_finite(&r.end)?;
+
+            let (mut located, mut stretch) = (false, Some(1.0));
+            if r.events && !aim.leaps {
+                sys.guards(r.end.at(), &mut r.watch.after);
+                if r.watch.any_fell() {
+                    located = true;
+                    stretch = self.locate(sys, s, h, r, work)?;
+                }
+            }
+            let mut progressed = false;
+            if let Some(stretch) = stretch {
+                let to = if located { &r.event } else { &r.end };
+                let dense = MethodDense {
+                    method: &self.method,
+                    from: s,
+                    end: &r.end,
+                    stretch,
+                };
+                let control = accept(sys, [s, to], &dense, aim.leaps, sink, work);
+                progressed = to.t - s.t > 1e-12 * (r.plan.t_end - r.t_begin);
+                std::mem::swap(s, if located { &mut r.event } else { &mut r.end });
+                if control == Control::Stop {
+                    return Ok(Outcome::Stopped);
+                }
+            }
+            if !(r.fixed || located || aim.leaps) {
+                r.lengthen(s.t, h, err, aim.t_new == aim.stop)?;
+            }
+            outcome = (located, progressed);
+        }
+        let (located, progressed) = outcome;
+        Ok(Outcome::Went {
+            located,
+            progressed,
+        })
+    }
+}
+
+/// Tells the sink of a step between two states and counts it.
+fn accept(
+    sys: &mut dyn SecondOrderSystem,
+    [from, to]: [&State; 2],
+    dense: &dyn Dense,
+    flight: bool,
+    sink: &mut dyn Sink,
+    work: &mut Work,
+) -> Control {
+    let step = AcceptedStep {
+        from,
+        to,
+        dense,
+        flight,
+    };
+    work.steps += 1;
+    sink.accepted(sys, &step)
+}
+
+fn check_finite(end: &State) -> Result<(), StepError> {
+    first_not_finite(end).map_or(Ok(()), |dof| Err(StepError::NonFinite { t: end.t, dof }))
+}

@@ -1,0 +1,101 @@
+//! Between two steps: branches are switched, teeth handed over, and the method goes on or starts afresh.
+
+use super::advance::Aim;
+use super::{ERROR_AT_START, MAX_EVENTS_AT_ONCE, Run, Stepped, first_step};
+use crate::method::{OneStep, Sink, StepError, Work};
+use crate::system::{Change, SecondOrderSystem, State};
+
+impl<M: OneStep> Stepped<M> {
+    /// Makes the state at the end of a step the start of the next one.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn resume(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &mut State,
+        aim: &Aim,
+        (located, progressed): (bool, bool),
+        r: &mut Run<'_>,
+        sink: &mut dyn Sink,
+        work: &mut Work,
+    ) -> Result<(), StepError> {
+        let keep = sink.wants_restarts();
+        if keep {
+            r.event.copy_from(s);
+        }
+        let mut change = Change::None;
+        if aim.coasts {
+            // Teeth are handed over before anyone asks which of them face each other.
+            change = Change::Restart;
+            sys.commit(s);
+            if r.events {
+                sys.begin(s, true);
+            }
+        } else if r.events && aim.leaps && progressed {
+            // Nothing touched on the way, so no branch ended; the next one starts from here.
+            r.event.memory.copy_from_slice(&s.memory);
+            sys.begin(s, true);
+            sys.guards(s.at(), &mut r.watch.after);
+            if r.event.memory != s.memory {
+                work.restarts += 1;
+                if keep {
+                    sink.restarted(sys, &r.event, s);
+                    r.event.copy_from(s);
+                }
+            }
+        }
+        if located {
+            // The method's end values belong to another time by a hair, so it starts afresh even when
+            // the branch stays.
+            change = Change::Restart;
+            work.events += r.watch.falling.len() as u64;
+            for i in 0..r.watch.falling.len() {
+                sys.switch(s, r.watch.falling[i]);
+            }
+        }
+        if !aim.coasts && sys.commit(s) == Change::Restart {
+            change = Change::Restart;
+        }
+        if s.t >= r.knot {
+            r.knot = sys.next_knot(s.t);
+            change = Change::Restart;
+        }
+        if change == Change::Restart {
+            if keep {
+                sink.restarted(sys, &r.event, s);
+            }
+            if s.t >= r.plan.t_end {
+                return Ok(());
+            }
+            work.restarts += 1;
+            self.method.restart(sys, s, work);
+            self.coasting.hope();
+            if !r.fixed {
+                let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
+                r.h_next = r.h_next.min(first);
+                r.err_old = ERROR_AT_START;
+                r.after_rejection = false;
+            }
+            if r.events {
+                sys.guards(s.at(), &mut r.watch.before);
+            }
+        } else if !aim.sliver {
+            self.method.advance();
+            r.watch.advance();
+        }
+        r.events_here = if located && !progressed {
+            r.events_here + 1
+        } else {
+            0
+        };
+        if r.events_here > MAX_EVENTS_AT_ONCE {
+            return Err(StepError::Chatter {
+                t: s.t,
+                events: r.events_here,
+            });
+        }
+        // The lengths are constant; the memory that the next step starts from is the committed one.
+        r.end.memory.copy_from_slice(&s.memory);
+        r.event.memory.copy_from_slice(&s.memory);
+        Ok(())
+    }
+}
