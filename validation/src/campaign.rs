@@ -1,8 +1,8 @@
 //! A set of scenes, gone through by several threads, with a journal: one line per scene as soon as it is judged, so that
 //! a check that was stopped goes on where it ended.
 
-use crate::sampling::{Set, draw, full_order};
-use crate::validate::{JudgeError, judge};
+use crate::sampling::{Set, full_order, sample};
+use crate::validate::{ValidationError, validate};
 use gearbench::experiment::journal::{Finished, JOURNAL, Journal};
 use gearbench::experiment::machine::COMMIT;
 use gearbench::experiment::parallel::{in_parallel, lock};
@@ -55,13 +55,13 @@ impl Plan {
 /// Judges the scenes of a plan; `progress` is told each as it is done, and how many are.
 ///
 /// # Errors
-/// [`JudgeError`]: a drawing that fails, a journal that cannot be written, an interruption. Scenes that cannot be judged
+/// [`ValidationError`]: a drawing that fails, a journal that cannot be written, an interruption. Scenes that cannot be judged
 /// are rows.
 pub fn check(
     plan: &Plan,
     cancel: Option<&AtomicBool>,
     progress: impl Fn(&JudgedChoice, usize) + Sync,
-) -> Result<Vec<JudgedChoice>, JudgeError> {
+) -> Result<Vec<JudgedChoice>, ValidationError> {
     let [first, last] = plan.scenes;
     let full = full_order(&plan.set)?;
     // A version with changes is not told by its commit.
@@ -73,12 +73,12 @@ pub fn check(
         .collect();
     let journal = Mutex::new((journal, all.len() - left.len()));
     in_parallel(plan.threads, &left, |number| {
-        let row = judge(&draw(&plan.set, *number)?, full.contains(number), cancel)?;
+        let row = validate(&sample(&plan.set, *number)?, full.contains(number), cancel)?;
         let (journal, done) = &mut *lock(&journal);
         *done += 1;
         progress(&row, *done);
         journal.store(&Judged(row))?;
-        Ok::<(), JudgeError>(())
+        Ok::<(), ValidationError>(())
     })?;
     let (journal, _) = &*lock(&journal);
     Ok(all

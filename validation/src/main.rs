@@ -20,11 +20,11 @@ use gearbench::experiment::machine;
 use gearbench_reference::reduction::cache::{self, Cache};
 use gearbench_reports::choice_check::{JudgedChoice, Outcome, share};
 use gearbench_reports::record::{Results, Study};
-use sampling::DrawError;
+use sampling::SampleError;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use validate::JudgeError;
+use validate::ValidationError;
 
 /// Share of scenes that choices are to meet, and cost ratio that their median is to keep.
 const ASKED: (f64, f64) = (0.95, 2.0);
@@ -33,13 +33,13 @@ fn main() -> ExitCode {
     cache::choose(Cache::standard());
     terminal::end(match Cli::parse().command {
         Command::Sample { scene } => print(&scene.0, scene.1),
-        Command::Run(args) => judge(&args, &terminal::told("gearbench-validation")),
+        Command::Run(args) => validate(&args, &terminal::told("gearbench-validation")),
     })
 }
 
-fn refuse_draw(e: DrawError) -> Refusal {
+fn refuse_sample(e: SampleError) -> Refusal {
     match e {
-        DrawError::Set { .. } | DrawError::Number { .. } => Refusal::Input(miette::miette!(
+        SampleError::Set { .. } | SampleError::Number { .. } => Refusal::Input(miette::miette!(
             help = "sets and their sizes stand in validation/sets.toml",
             "{e}"
         )),
@@ -47,30 +47,30 @@ fn refuse_draw(e: DrawError) -> Refusal {
     }
 }
 
-fn refuse(e: JudgeError) -> Refusal {
+fn refuse(e: ValidationError) -> Refusal {
     match e {
-        JudgeError::Draw(e) => refuse_draw(e),
-        e @ JudgeError::Journal(_) => Refusal::Files(e.to_string()),
+        ValidationError::Sample(e) => refuse_sample(e),
+        e @ ValidationError::Journal(_) => Refusal::Files(e.to_string()),
         e => Refusal::Failed(e.to_string()),
     }
 }
 
 /// Prints a random scene as a scene file.
 fn print(set: &str, number: usize) -> Result<ExitCode, Refusal> {
-    let set = sampling::set(set).map_err(refuse_draw)?;
-    let drawn = sampling::draw(&set, number).map_err(refuse_draw)?;
-    say(drawn.text.trim_end());
+    let set = sampling::set(set).map_err(refuse_sample)?;
+    let sample = sampling::sample(&set, number).map_err(refuse_sample)?;
+    say(sample.text.trim_end());
     Ok(ExitCode::SUCCESS)
 }
 
 /// Judges choices on a set of random scenes and writes the folder.
-fn judge(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
+fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
     let name = args.set.as_str();
-    let mut set = sampling::set(name).map_err(refuse_draw)?;
+    let mut set = sampling::set(name).map_err(refuse_sample)?;
     set.full_order = args.full_order.unwrap_or(set.full_order);
     let scenes = args.scenes.unwrap_or([1, set.scenes]);
     if scenes[1] > set.scenes {
-        return Err(refuse_draw(DrawError::Number {
+        return Err(refuse_sample(SampleError::Number {
             set: set.name,
             last: set.scenes,
             number: scenes[1],

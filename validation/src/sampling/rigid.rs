@@ -1,6 +1,6 @@
 //! Rigid gears run through a drawn scene: when their teeth touch, and how hard.
 
-use super::DrawError;
+use super::SampleError;
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
@@ -55,8 +55,8 @@ impl Sink for Contacts {
 /// peak is not a number where the run does not reach the end.
 ///
 /// # Errors
-/// [`DrawError`] when the scene cannot be built.
-pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), DrawError> {
+/// [`SampleError`] when the scene cannot be built.
+pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), SampleError> {
     let (method, tolerance, max_steps) = METHOD;
     let Some(choice) = scene.model(RIGID) else {
         return Ok((f64::NAN, Vec::new()));

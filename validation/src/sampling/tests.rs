@@ -1,4 +1,6 @@
+use super::distributions::{Second, TOLERANCES};
 use super::random::{Random, short};
+use super::toothing::{PAIRS, RACKS};
 use super::*;
 use gearbench::models::models;
 use gearbench::scene_file::{Origin, SceneFile};
@@ -30,18 +32,18 @@ fn sets_are_known_by_name_and_number() {
     assert_eq!((held_out.scenes, held_out.full_order), (100, 20));
     assert_ne!(tuning.seed, held_out.seed);
     assert!(set("other").unwrap_err().to_string().contains("tuning"));
-    let no = draw(&tuning, 61).unwrap_err().to_string();
+    let no = sample(&tuning, 61).unwrap_err().to_string();
     assert!(no.contains("1 to 60"), "{no}");
-    assert!(draw(&tuning, 0).is_err());
+    assert!(sample(&tuning, 0).is_err());
 }
 
 /// A scene follows from seed and number alone: whether others were drawn before makes no difference.
 #[test]
 fn scenes_are_reproducible_and_independent() {
     let tuning = set("tuning").unwrap();
-    let first = draw(&tuning, 5).unwrap();
-    let other = draw(&tuning, 6).unwrap();
-    let again = draw(&tuning, 5).unwrap();
+    let first = sample(&tuning, 5).unwrap();
+    let other = sample(&tuning, 6).unwrap();
+    let again = sample(&tuning, 5).unwrap();
     assert_eq!(first.text, again.text);
     assert_ne!(first.text.replace("tuning-5", "tuning-6"), other.text);
     // Another seed is another scene.
@@ -49,19 +51,19 @@ fn scenes_are_reproducible_and_independent() {
         seed: tuning.seed + 1,
         ..tuning
     };
-    assert_ne!(draw(&moved, 5).unwrap().text, first.text);
+    assert_ne!(sample(&moved, 5).unwrap().text, first.text);
 }
 
 /// The tuning set has every kind, metric, tolerance, mount; scenes that had to be drawn again are few; rigid gears see
-/// in every scene what its kind says, and the file says exactly what was drawn.
+/// in every scene what its kind says, and the file says exactly what was sample.
 #[test]
 fn tuning_scenes_are_sound_and_varied() {
     let tuning = set("tuning").unwrap();
-    let all: Vec<Drawn> = (1..=tuning.scenes)
-        .map(|n| draw(&tuning, n).unwrap())
+    let all: Vec<Sample> = (1..=tuning.scenes)
+        .map(|n| sample(&tuning, n).unwrap())
         .collect();
     for kind in Kind::ALL {
-        let of: Vec<&Drawn> = all.iter().filter(|d| d.kind == kind).collect();
+        let of: Vec<&Sample> = all.iter().filter(|d| d.kind == kind).collect();
         assert!(of.len() >= 10, "{} of {}", of.len(), kind.as_str());
         let metrics: BTreeSet<_> = of.iter().map(|d| d.metric).collect();
         assert_eq!(metrics.len(), kind.metrics().len(), "{metrics:?}");
@@ -123,7 +125,7 @@ fn every_toothing_is_built() {
         for second in [Second::Free, Second::Fixed] {
             p.second = second;
             let text = text::scene(&p, None, 1e-4);
-            let file = SceneFile::unbuilt("drawn.toml", &text, Origin::Shipped, false).unwrap();
+            let file = SceneFile::unbuilt("sample.toml", &text, Origin::Shipped, false).unwrap();
             let labels: Vec<&str> = file.models.iter().map(|m| m.label.as_str()).collect();
             let expected = ["rigid", "movable-teeth", "elastic", "densest", "fe"];
             assert_eq!(labels, expected);

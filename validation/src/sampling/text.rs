@@ -4,9 +4,9 @@
 //! the same. Rigid gears and movable teeth stand beside as a user would write them down without knowing more, with the
 //! stiffness of the norm.
 
+use super::distributions::{Kind, Load, Parameters, Second};
 use super::random::short;
 use super::toothing::DENSITY;
-use super::{Kind, Load, Parameters, Second};
 use std::fmt::Write as _;
 
 /// Teeth of fitted impacts: contact stiffness and tooth stiffness per face width [N/m per m], tooth mass over

@@ -1,6 +1,6 @@
 //! A model that is ready to run through a whole scene: its history on a given grid, and its time without observers.
 
-use super::JudgeError;
+use super::ValidationError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::{Job, RunError, run_in};
 use gearbench::studies::choose::situation::Situation;
@@ -101,7 +101,7 @@ impl<'a> Ready<'a> {
         spec: &'a SceneSpec,
         modelling: &'a Modelling,
         cancel: Option<&'a AtomicBool>,
-    ) -> Result<Self, JudgeError> {
+    ) -> Result<Self, ValidationError> {
         let scene = Scene::build(spec, modelling, situation.models).map_err(RunError::from)?;
         Ok(Ready {
             situation,
@@ -121,7 +121,7 @@ impl<'a> Ready<'a> {
         method: &Scheme,
         grid: &[f64],
         timeout: Duration,
-    ) -> Result<Observed, JudgeError> {
+    ) -> Result<Observed, ValidationError> {
         let job = Job {
             scene: self.spec,
             modelling: self.modelling,
@@ -153,7 +153,7 @@ impl<'a> Ready<'a> {
     ///
     /// # Errors
     /// A method that is not known.
-    pub fn time(&mut self, method: &Scheme, limit: Duration) -> Result<Option<f64>, JudgeError> {
+    pub fn time(&mut self, method: &Scheme, limit: Duration) -> Result<Option<f64>, ValidationError> {
         let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let begin = Instant::now();
@@ -194,7 +194,7 @@ impl<'a> Ready<'a> {
 pub fn side_by_side(
     a: (&mut Ready<'_>, &Scheme),
     b: (&mut Ready<'_>, &Scheme),
-) -> Result<[Option<f64>; 2], JudgeError> {
+) -> Result<[Option<f64>; 2], ValidationError> {
     const ROUNDS: usize = 7;
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..ROUNDS {

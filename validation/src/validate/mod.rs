@@ -13,7 +13,7 @@ mod tests;
 
 pub use reference::{DENSEST_NAME, FULL_NAME};
 
-use crate::sampling::{DrawError, Drawn};
+use crate::sampling::{Sample, SampleError};
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::RunError;
@@ -40,10 +40,10 @@ const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 
 /// Why a scene could not be judged, or a set not be gone through.
 #[derive(Debug, thiserror::Error)]
-pub enum JudgeError {
-    /// The drawing.
+pub enum ValidationError {
+    /// The sampling.
     #[error(transparent)]
-    Draw(#[from] DrawError),
+    Sample(#[from] SampleError),
     /// A run could not start, or was stopped.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -69,28 +69,28 @@ pub enum JudgeError {
 /// Judges the choice for a drawn scene.
 ///
 /// # Errors
-/// [`JudgeError::Run`] with an interruption; everything else is a scene that was not judged.
-pub fn judge(
-    drawn: &Drawn,
+/// [`ValidationError::Run`] with an interruption; everything else is a scene that was not judged.
+pub fn validate(
+    sample: &Sample,
     full_order: bool,
     cancel: Option<&AtomicBool>,
-) -> Result<JudgedChoice, JudgeError> {
+) -> Result<JudgedChoice, ValidationError> {
     let mut row = JudgedChoice {
-        scene: drawn.scene.name.clone(),
-        number: drawn.number,
-        kind: drawn.kind.as_str().into(),
-        gears: gears(drawn),
-        duration_s: drawn.scene.duration,
-        metric: drawn.metric,
-        tolerance: drawn.tolerance,
+        scene: sample.scene.name.clone(),
+        number: sample.number,
+        kind: sample.kind.as_str().into(),
+        gears: gears(sample),
+        duration_s: sample.scene.duration,
+        metric: sample.metric,
+        tolerance: sample.tolerance,
         reference: if full_order { FULL_NAME } else { DENSEST_NAME }.into(),
-        redraws: drawn.redraws,
+        redraws: sample.redraws,
         ..JudgedChoice::default()
     };
-    match judge_into(&mut row, drawn, full_order, cancel) {
+    match validate_into(&mut row, sample, full_order, cancel) {
         Ok(()) => Ok(row),
-        Err(JudgeError::Run(RunError::Interrupted)) => Err(RunError::Interrupted.into()),
-        Err(JudgeError::Choose(ChooseError::Run(RunError::Interrupted))) => {
+        Err(ValidationError::Run(RunError::Interrupted)) => Err(RunError::Interrupted.into()),
+        Err(ValidationError::Choose(ChooseError::Run(RunError::Interrupted))) => {
             Err(RunError::Interrupted.into())
         }
         Err(e) => {
@@ -101,14 +101,14 @@ pub fn judge(
     }
 }
 
-fn gears(drawn: &Drawn) -> String {
-    let teeth: Vec<String> = (drawn.scene.spec.gears.iter())
+fn gears(sample: &Sample) -> String {
+    let teeth: Vec<String> = (sample.scene.spec.gears.iter())
         .map(|g| match &g.body {
             Body::Gear(g) => g.teeth().to_string(),
             Body::Rack(r) => format!("rack of {}", r.teeth()),
         })
         .collect();
-    let module = match &drawn.scene.spec.gears[0].body {
+    let module = match &sample.scene.spec.gears[0].body {
         Body::Gear(g) => g.params().module,
         Body::Rack(r) => r.params().module,
     };
@@ -122,21 +122,21 @@ struct Best {
     error: f64,
 }
 
-fn judge_into(
+fn validate_into(
     row: &mut JudgedChoice,
-    drawn: &Drawn,
+    sample: &Sample,
     full_order: bool,
     cancel: Option<&AtomicBool>,
-) -> Result<(), JudgeError> {
+) -> Result<(), ValidationError> {
     let metric = (Metric::ALL.into_iter())
-        .find(|m| m.key() == Some(drawn.metric))
-        .ok_or(JudgeError::Metric(drawn.metric))?;
-    let situation = Situation::of(&drawn.scene);
-    let times = grid(situation.duration, drawn.contact_time);
+        .find(|m| m.key() == Some(sample.metric))
+        .ok_or(ValidationError::Metric(sample.metric))?;
+    let situation = Situation::of(&sample.scene);
+    let times = grid(situation.duration, sample.contact_time);
 
     let wish = Wish {
         metric,
-        tolerance: drawn.tolerance,
+        tolerance: sample.tolerance,
     };
     let (begin, start) = (Instant::now(), cpu_time());
     let choice = choose(&situation, &wish, cancel, |_| {});
@@ -158,7 +158,7 @@ fn judge_into(
         &situation,
         metric,
         full_order,
-        (&times, drawn.contact_time),
+        (&times, sample.contact_time),
         cancel,
     )?;
     row.reference = truth.name.into();
@@ -173,7 +173,7 @@ fn judge_into(
         let tried = try_one(
             (&situation, &all, index),
             &row.tried,
-            (&mut best, drawn.tolerance),
+            (&mut best, sample.tolerance),
             |seen| seen.error(metric, &truth.run),
             &times,
             cancel,
@@ -214,7 +214,7 @@ fn judge_into(
     let mut ready = Ready::new(&situation, &chosen.scene, &chosen.modelling, cancel)?;
     let seen = ready.observe(&chosen.method, &times, LONGEST)?;
     row.error = seen.error(metric, &truth.run);
-    let adequate = row.error.is_some_and(|e| e <= drawn.tolerance);
+    let adequate = row.error.is_some_and(|e| e <= sample.tolerance);
     row.outcome = if adequate {
         Outcome::Adequate
     } else {
@@ -270,7 +270,7 @@ fn try_one(
     error: impl Fn(&measure::Observed) -> Option<f64>,
     times: &[f64],
     cancel: Option<&AtomicBool>,
-) -> Result<TriedCandidate, JudgeError> {
+) -> Result<TriedCandidate, ValidationError> {
     let candidate = &all[index];
     let mut tried = TriedCandidate {
         name: candidate.name(),
@@ -316,7 +316,7 @@ fn try_one(
     }
     let seen = match ready.observe(&candidate.method, times, LONGEST) {
         Ok(seen) => seen,
-        Err(JudgeError::Run(RunError::NoLinearPart(e) | RunError::Unsupported(e))) => {
+        Err(ValidationError::Run(RunError::NoLinearPart(e) | RunError::Unsupported(e))) => {
             tried.status = e;
             return Ok(tried);
         }

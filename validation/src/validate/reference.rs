@@ -1,6 +1,6 @@
 //! What choices are held against: the densest elastic model, or full finite elements on the same mesh.
 
-use super::JudgeError;
+use super::ValidationError;
 use super::measure::{Observed, PATIENCE, Ready};
 use gearbench::studies::choose::candidate::{DENSEST, densest, elastic, full};
 use gearbench::studies::choose::situation::Situation;
@@ -48,13 +48,13 @@ pub fn reference(
     full_order: bool,
     (grid, contact_time): (&[f64], f64),
     cancel: Option<&AtomicBool>,
-) -> Result<Reference, JudgeError> {
+) -> Result<Reference, ValidationError> {
     let dense = densest(situation)?;
-    let run = |modelling: &Modelling, method: &Scheme| -> Result<Observed, JudgeError> {
+    let run = |modelling: &Modelling, method: &Scheme| -> Result<Observed, ValidationError> {
         let mut ready = Ready::new(situation, &dense.scene, modelling, cancel)?;
         let seen = ready.observe(method, grid, PATIENCE)?;
         if seen.status.is_failure() {
-            return Err(JudgeError::Reference {
+            return Err(ValidationError::Reference {
                 method: method.method.to_string(),
                 why: seen.message.unwrap_or_else(|| seen.status.to_string()),
             });
@@ -66,11 +66,11 @@ pub fn reference(
         for (i, method) in methods.iter().enumerate() {
             match run(modelling, method) {
                 Ok(seen) => return Ok((seen, i)),
-                Err(e @ JudgeError::Reference { .. }) => last = Some(e),
+                Err(e @ ValidationError::Reference { .. }) => last = Some(e),
                 Err(e) => return Err(e),
             }
         }
-        Err(last.unwrap_or(JudgeError::Reference {
+        Err(last.unwrap_or(ValidationError::Reference {
             method: dense.method.method.to_string(),
             why: "no method to try".into(),
         }))
@@ -89,7 +89,7 @@ pub fn reference(
                     run,
                 });
             }
-            Err(JudgeError::Reference { .. }) => {}
+            Err(ValidationError::Reference { .. }) => {}
             Err(e) => return Err(e),
         }
     }

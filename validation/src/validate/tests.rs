@@ -8,8 +8,8 @@ fn choices_are_judged() {
     let set = sampling::set("tuning").unwrap();
     // Single impacts: without a cache on disk most of the time goes into the modes of four gears.
     for number in [5, 33] {
-        let drawn = sampling::draw(&set, number).unwrap();
-        let row = judge(&drawn, false, None).unwrap();
+        let sample = sampling::sample(&set, number).unwrap();
+        let row = validate(&sample, false, None).unwrap();
         let place = format!("{row:?}");
         assert_ne!(row.outcome, Outcome::NotJudged, "{place}");
         assert!(row.outcome.is_met(), "{}: {}", row.scene, row.why_missed());
@@ -35,7 +35,7 @@ fn choices_are_judged() {
 #[test]
 fn kin_is_ordered() {
     let set = sampling::set("tuning").unwrap();
-    let situation = Situation::of(&sampling::draw(&set, 33).unwrap().scene);
+    let situation = Situation::of(&sampling::sample(&set, 33).unwrap().scene);
     let all = candidates(&situation).unwrap();
     let of = |rung: &str, text: &str| -> Vec<&Candidate> {
         (all.iter())

@@ -1,0 +1,97 @@
+//! Sets of scenes and their seeds; why there is no such scene.
+
+use gearbench::scene_file::SceneError;
+use gearbench_models::geometry::GeometryError;
+use gearbench_models::error::BuildError;
+use std::collections::BTreeMap;
+
+/// Sets and their seeds.
+const SETS: &str = include_str!("../../sets.toml");
+/// Draws of a scene before it is given up.
+pub const MOST_DRAWS: u32 = 200;
+
+/// A set of scenes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Set {
+    /// `tuning` or `held-out`.
+    pub name: String,
+    /// Seed.
+    pub seed: u64,
+    /// Number of scenes, counted from 1.
+    pub scenes: usize,
+    /// So many of its scenes of one impact, the first, are judged against full finite elements.
+    pub full_order: usize,
+}
+
+/// Why there is no such scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SampleError {
+    /// No such set.
+    #[error("there is no set `{name}`; there are {}", known.join(" and "))]
+    Set {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// No such scene.
+    #[error("the set `{set}` has scenes 1 to {last}, not {number}")]
+    Number {
+        /// The set.
+        set: String,
+        /// Its last scene.
+        last: usize,
+        /// What was asked for.
+        number: usize,
+    },
+    /// The list of sets cannot be read.
+    #[error("validation/sets.toml: {0}")]
+    Sets(String),
+    /// Nothing sound was found.
+    #[error("scene {number} of `{set}`: none of {MOST_DRAWS} draws is sound; the last: {last}")]
+    Unsound {
+        /// The set.
+        set: String,
+        /// The scene.
+        number: usize,
+        /// Why the last was not.
+        last: String,
+    },
+    /// A gear of the list cannot be cut.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A drawn scene is no scene file.
+    #[error("a drawn scene cannot be read: {0}")]
+    Scene(#[from] SceneError),
+    /// The gears do not mesh.
+    #[error("a drawn scene cannot be built: {0}")]
+    Build(#[from] BuildError),
+}
+
+#[derive(serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+struct SetRow {
+    seed: u64,
+    scenes: usize,
+    #[serde(default)]
+    full_order: usize,
+}
+
+/// A set by its name.
+///
+/// # Errors
+/// [`SampleError::Set`] names those there are.
+pub fn set(name: &str) -> Result<Set, SampleError> {
+    let rows: BTreeMap<String, SetRow> =
+        toml::from_str(SETS).map_err(|e| SampleError::Sets(e.to_string()))?;
+    let row = rows.get(name).ok_or_else(|| SampleError::Set {
+        name: name.to_owned(),
+        known: rows.keys().cloned().collect(),
+    })?;
+    Ok(Set {
+        name: name.to_owned(),
+        seed: row.seed,
+        scenes: row.scenes,
+        full_order: row.full_order,
+    })
+}
