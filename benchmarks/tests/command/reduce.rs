@@ -1,34 +1,29 @@
 //! `gearbench reduce` as a user meets it, and `compare` with what it stored: gears from decks of another program.
 
+use super::{Folder, command, stderr, stdout};
 use gearbench_reference::reduction::store::{self, Motion};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
-/// A folder of its own for a test, with a cache of its own, removed at the end.
-struct Folder(PathBuf);
+/// A folder with a cache of its own.
+struct Cached(Folder);
 
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("gearbench-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
+impl Cached {
+    fn new() -> Self {
+        Cached(Folder::new())
     }
 
     fn at(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.0.at(name)
     }
 
     fn gearbench(&self, arguments: &[&str]) -> Output {
-        self.gearbench_in(&self.0, arguments)
+        self.gearbench_in(self.0.path(), arguments)
     }
 
     fn gearbench_in(&self, folder: &Path, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_gearbench"))
-            .args(arguments)
-            .current_dir(folder)
-            .env("NO_COLOR", "1")
-            .env("GEARBENCH_CACHE", self.at("cache"))
+        command(folder, self.at("cache"), arguments)
             .output()
             .unwrap()
     }
@@ -36,8 +31,8 @@ impl Folder {
     /// What a command says that has to succeed.
     fn says(&self, arguments: &[&str]) -> String {
         let out = self.gearbench(arguments);
-        assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
-        String::from_utf8_lossy(&out.stdout).into_owned()
+        assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
+        stdout(&out)
     }
 
     /// The refusal of a command that has bad input.
@@ -47,23 +42,10 @@ impl Folder {
             out.status.code(),
             Some(2),
             "{arguments:?}: {}",
-            text(&out.stderr)
+            stderr(&out)
         );
-        text(&out.stderr)
+        stderr(&out)
     }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-/// Text of a diagnostic, which wraps at the width of the terminal.
-fn text(bytes: &[u8]) -> String {
-    let all = String::from_utf8_lossy(bytes);
-    let words = all.split_whitespace().filter(|w| *w != "│");
-    words.collect::<Vec<_>>().join(" ")
 }
 
 fn repository(path: &str) -> String {
@@ -87,7 +69,7 @@ fn calculix(table: &str) -> Vec<f64> {
 
 #[test]
 fn foreign_decks_are_reduced_and_compared() {
-    let folder = Folder::new("foreign");
+    let folder = Cached::new();
     let decks = [deck("impA_g1_C3D8"), deck("impA_g2_C3D8")];
     let reduce = [
         "reduce", &decks[0], &decks[1], "--modes", "200", "--out", "reduced/",
@@ -134,7 +116,7 @@ fn foreign_decks_are_reduced_and_compared() {
         "cmp",
     ];
     let out = folder.gearbench_in(&elsewhere, &arguments);
-    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
     let record = std::fs::read_to_string(elsewhere.join("cmp/results.json")).unwrap();
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     let run = &record["runs"][0];
@@ -147,7 +129,7 @@ fn foreign_decks_are_reduced_and_compared() {
 
 #[test]
 fn held_modes_are_those_of_calculix() {
-    let folder = Folder::new("held");
+    let folder = Cached::new();
     let input = deck("impA_g1_C3D8");
     let out = ["--modes", "21", "--mount", "held", "--out", "held.npz"];
     folder.says(&[&["reduce", &input][..], &out].concat());
@@ -196,7 +178,7 @@ fn held_modes_are_those_of_calculix() {
 
 #[test]
 fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
-    let folder = Folder::new("irreducible");
+    let folder = Cached::new();
     let (gear, beam) = (deck("impA_g1_C3D8"), deck("beam_C3D8"));
     std::fs::write(folder.at("no.inp"), "*NODE\n1, 0., 0.\n").unwrap();
     let cases: [(&[&str], &[&str]); 11] = [
@@ -236,14 +218,17 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
             assert!(said.contains(words), "{words}\n{said}");
         }
     }
-    let left: Vec<_> = std::fs::read_dir(&folder.0).unwrap().flatten().collect();
+    let left: Vec<_> = std::fs::read_dir(folder.0.path())
+        .unwrap()
+        .flatten()
+        .collect();
     let names: Vec<_> = left.iter().map(|e| e.file_name()).collect();
     assert_eq!(names, ["no.inp"]);
 }
 
 #[test]
 fn gears_of_a_scene_are_reduced_as_its_elastic_model_has_them() {
-    let folder = Folder::new("scene");
+    let folder = Cached::new();
     let scene = r#"
 schema = 1
 name = "small"

@@ -1,35 +1,7 @@
 //! `gearbench choose`: what it writes, that its answer runs, what it refuses.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-/// A folder of its own for a test, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("gearbench-choose-{}-{name}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn gearbench(dir: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearbench"))
-        .args(arguments)
-        .current_dir(dir)
-        .env("NO_COLOR", "1")
-        .env("GEARBENCH_CACHE", "off")
-        .output()
-        .unwrap()
-}
+use super::{Folder, gearbench};
+use std::process::Output;
 
 fn told(o: &Output) -> String {
     format!(
@@ -56,10 +28,10 @@ fn scene(gap: &str) -> String {
 
 #[test]
 fn a_choice_is_written_and_runs() {
-    let folder = Folder::new("runs");
-    std::fs::write(folder.0.join("small.toml"), scene("1e-6")).unwrap();
+    let folder = Folder::new();
+    std::fs::write(folder.at("small.toml"), scene("1e-6")).unwrap();
     let out = gearbench(
-        &folder.0,
+        folder.path(),
         &[
             "choose",
             "small.toml",
@@ -74,7 +46,7 @@ fn a_choice_is_written_and_runs() {
     assert_eq!(out.status.code(), Some(0), "{}", told(&out));
     let said = told(&out);
     assert!(said.contains("predicted error"), "{said}");
-    let read = |name: &str| std::fs::read_to_string(folder.0.join("o").join(name)).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.at("o").join(name)).unwrap();
     let page = read("index.html");
     assert!(page.contains("The ladder") && page.contains("<svg"));
     assert!(
@@ -93,36 +65,39 @@ fn a_choice_is_written_and_runs() {
 
     // The page follows from the record alone.
     assert_eq!(
-        gearbench(&folder.0, &["report", "o"]).status.code(),
+        gearbench(folder.path(), &["report", "o"]).status.code(),
         Some(0)
     );
     assert_eq!(page, read("index.html"));
 
     // The choice runs as it stands, and nothing is left of the numbers of another scene.
     let run = gearbench(
-        &folder.0,
+        folder.path(),
         &["compare", "o/chosen.toml", "--repeats", "1", "--out", "r"],
     );
     assert_eq!(run.status.code(), Some(0), "{}", told(&run));
-    let record = std::fs::read_to_string(folder.0.join("r/results.json")).unwrap();
+    let record = std::fs::read_to_string(folder.at("r/results.json")).unwrap();
     assert!(record.contains("\"variant\": \"chosen\""), "{record}");
 }
 
 #[test]
 fn what_cannot_be_kept_is_said() {
-    let folder = Folder::new("short");
-    std::fs::write(folder.0.join("small.toml"), scene("1e-6")).unwrap();
-    let out = gearbench(&folder.0, &["choose", "small.toml", "--tolerance", "1e-7"]);
+    let folder = Folder::new();
+    std::fs::write(folder.at("small.toml"), scene("1e-6")).unwrap();
+    let out = gearbench(
+        folder.path(),
+        &["choose", "small.toml", "--tolerance", "1e-7"],
+    );
     assert_eq!(out.status.code(), Some(1), "{}", told(&out));
     assert!(told(&out).contains("nothing is adequate"), "{}", told(&out));
-    assert!(!folder.0.join("out/small/choose/chosen.toml").exists());
-    assert!(folder.0.join("out/small/choose/index.html").exists());
+    assert!(!folder.at("out/small/choose/chosen.toml").exists());
+    assert!(folder.at("out/small/choose/index.html").exists());
 }
 
 #[test]
 fn bad_wishes_and_scenes_are_refused() {
-    let folder = Folder::new("refused");
-    std::fs::write(folder.0.join("apart.toml"), scene("7e-5")).unwrap();
+    let folder = Folder::new();
+    std::fs::write(folder.at("apart.toml"), scene("7e-5")).unwrap();
     for (arguments, says) in [
         (&["choose", "apart.toml"][..], "no teeth touch"),
         (
@@ -135,9 +110,9 @@ fn bad_wishes_and_scenes_are_refused() {
         ),
         (&["choose", "nowhere"], "there is no scene `nowhere`"),
     ] {
-        let out = gearbench(&folder.0, arguments);
+        let out = gearbench(folder.path(), arguments);
         assert_eq!(out.status.code(), Some(2), "{}", told(&out));
         assert!(told(&out).contains(says), "{}", told(&out));
     }
-    assert!(!folder.0.join("out").exists());
+    assert!(!folder.at("out").exists());
 }

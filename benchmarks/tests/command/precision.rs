@@ -1,0 +1,62 @@
+//! `gearbench precision`.
+
+use super::{Folder, gearbench, stderr};
+use gearbench_reports::{Metric, Study};
+
+#[test]
+fn precision_writes_its_table_and_takes_failures_as_data() {
+    let folder = Folder::new();
+    let arguments = [
+        "precision",
+        "spur_impact",
+        "--models",
+        "rigid-iso6336",
+        "--integrators",
+        "velocity-verlet@100us,rk4@1us,dopri5@1e-4",
+        "--metric",
+        "force-aligned,peak",
+        "--out",
+        "here",
+    ];
+    let out = gearbench(folder.path(), &arguments);
+    // A step that fails is a point of the study, not a failure of the command.
+    assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
+    let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
+    assert_eq!((record.study, record.runs.len()), (Study::Precision, 3));
+    assert_eq!(
+        record.metrics,
+        [Metric::ForceL2Aligned, Metric::PeakForceRel]
+    );
+    assert!(
+        record.runs[0].status.is_failure(),
+        "{:?}",
+        record.runs[0].status
+    );
+    assert_eq!(record.runs[1].step, Some(1e-6));
+    let table = std::fs::read_to_string(folder.at("here/precision.csv")).unwrap();
+    // Two references each: CalculiX, and the model's own converged solution.
+    assert_eq!(table.lines().count(), 1 + 2 * 3, "{table}");
+    assert!(folder.at("here/precision_model.svg").exists());
+    let said = String::from_utf8_lossy(&out.stdout);
+    assert!(said.contains("Pareto front against calculix"), "{said}");
+
+    for (wrong, expected) in [
+        (["--metric", "farce"], "there is no metric `farce`"),
+        (["--against", "abaqus"], "`abaqus` is no reference"),
+        (["--integrators", "bdf@1us"], "chooses its steps"),
+        (["--models", "rigd"], "did you mean `rigid`"),
+    ] {
+        let all = [
+            "precision",
+            "spur_impact",
+            "--out",
+            "there",
+            wrong[0],
+            wrong[1],
+        ];
+        let out = gearbench(folder.path(), &all);
+        assert_eq!(out.status.code(), Some(2), "{wrong:?}");
+        assert!(stderr(&out).contains(expected), "{}", stderr(&out));
+        assert!(!folder.at("there").exists());
+    }
+}
