@@ -1,8 +1,8 @@
 //! Sets of scenes and their seeds; why there is no such scene.
 
 use gearbench::scene_file::SceneError;
-use gearbench_models::geometry::GeometryError;
 use gearbench_models::error::BuildError;
+use gearbench_models::geometry::GeometryError;
 use std::collections::BTreeMap;
 
 /// Sets and their seeds.

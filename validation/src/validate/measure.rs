@@ -153,7 +153,11 @@ impl<'a> Ready<'a> {
     ///
     /// # Errors
     /// A method that is not known.
-    pub fn time(&mut self, method: &Scheme, limit: Duration) -> Result<Option<f64>, ValidationError> {
+    pub fn time(
+        &mut self,
+        method: &Scheme,
+        limit: Duration,
+    ) -> Result<Option<f64>, ValidationError> {
         let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let begin = Instant::now();
