@@ -6,6 +6,7 @@
 //! The work of fixed-step methods is pinned exactly. Adaptive methods may take a step more or less where
 //! sums are rounded otherwise (another processor, another compiler), so theirs is held to 3 %.
 
+use gearbench::experiment::conditions::{Conditions, silent};
 use gearbench::scene_file;
 use gearbench::studies::compare::{Plan, compare};
 use gearbench_reports::record::Run;
@@ -27,12 +28,15 @@ fn runs() -> Vec<Run> {
         .filter(|c| c.integrators.is_none())
         .collect();
     let plan = Plan {
-        samples: 200,
+        conditions: Conditions {
+            samples: 200,
+            repeats: 0,
+            ..Conditions::of(&scene)
+        },
         tolerance: None,
-        repeats: 0,
         ..Plan::of(&scene, &choices, Some(&reference))
     };
-    compare(&plan, None, |_, _| {}).unwrap().runs
+    compare(&plan, &silent).unwrap().runs
 }
 
 fn row(r: &Run) -> String {

@@ -10,7 +10,6 @@ use gearbench_reports::choice_check::JudgedChoice;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
 
 /// What to check.
 #[derive(Clone, Debug)]
@@ -59,7 +58,6 @@ impl Plan {
 /// are rows.
 pub fn check(
     plan: &Plan,
-    cancel: Option<&AtomicBool>,
     progress: impl Fn(&JudgedChoice, usize) + Sync,
 ) -> Result<Vec<JudgedChoice>, ValidationError> {
     let [first, last] = plan.scenes;
@@ -73,7 +71,7 @@ pub fn check(
         .collect();
     let journal = Mutex::new((journal, all.len() - left.len()));
     in_parallel(plan.threads, &left, |number| {
-        let row = validate(&sample(&plan.set, *number)?, full.contains(number), cancel)?;
+        let row = validate(&sample(&plan.set, *number)?, full.contains(number));
         let (journal, done) = &mut *lock(&journal);
         *done += 1;
         progress(&row, *done);

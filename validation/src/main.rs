@@ -86,7 +86,7 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
         fresh: args.fresh,
     };
     let bar = progress_bar(scenes[1] - scenes[0] + 1);
-    let choices = check(&plan, None, |row, done| {
+    let choices = check(&plan, |row, done| {
         bar.set_position(done as u64);
         bar.set_message(format!("{}: {}", row.scene, row.outcome));
     });

@@ -3,8 +3,11 @@
 //! Exit codes: 0 done, 1 a result fell short (kept for regression checks), 2 bad input, 3 a run failed to
 //! finish. Nothing is written when the input is refused.
 
+use crate::experiment::conditions::Progress;
 use crate::experiment::run::RunError;
-use crate::scene_file::SceneError;
+use crate::scene_file::{SceneError, SceneFile};
+use gearbench_reference::ExternalReference;
+use gearbench_reference::statics::StaticsError;
 use gearbench_reports::record::Results;
 use indicatif::{ProgressBar, ProgressStyle};
 use miette::Report;
@@ -108,7 +111,6 @@ pub fn refuse_run(e: RunError) -> Refusal {
         )),
         e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
         RunError::Reference(e) => Refusal::Failed(e),
-        RunError::Interrupted => Refusal::Failed("interrupted; nothing was written".into()),
     }
 }
 
@@ -134,4 +136,37 @@ pub fn progress_bar(length: usize) -> ProgressBar {
     bar.set_style(style);
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+/// Does a study under a progress bar.
+pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) -> T {
+    let bar = progress_bar(length);
+    let done = study(&|done, total, what| {
+        bar.set_length(total as u64);
+        bar.set_position(done as u64);
+        bar.set_message(what.to_string());
+    });
+    bar.finish_and_clear();
+    done
+}
+
+/// The stored reference of a scene.
+///
+/// # Errors
+/// A reference that is not known or not readable.
+pub fn stored_reference(scene: &SceneFile) -> Result<Option<ExternalReference>, Refusal> {
+    (scene
+        .reference
+        .as_deref()
+        .map(gearbench_reference::reference))
+    .transpose()
+    .map_err(|e| Refusal::Files(e.to_string()))
+}
+
+/// Refuses a static equilibrium: at its line where the scene cannot be assembled.
+pub fn refuse_statics(scene: &SceneFile, label: &str, e: &StaticsError) -> Refusal {
+    match e {
+        StaticsError::Build(b) => Refusal::from(scene.locate_in(label, b)),
+        _ => Refusal::Failed(format!("{label}: {e}")),
+    }
 }

@@ -58,4 +58,11 @@ impl Configuration {
         }
         .model_label()
     }
+
+    /// Says in a row of the record what was run.
+    pub fn sign(&self, row: &mut Run) {
+        row.model.clone_from(&self.model);
+        row.variant = self.variant();
+        row.calibration.clone_from(&self.calibration);
+    }
 }

@@ -2,6 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
+//! | [`conditions`] | what all runs of a study share, and what heads its record |
 //! | [`configuration`] | what is run: a model of a scene |
 //! | [`converged`] | the converged solution of a model |
 //! | [`external`] | stored references as records keep them |
@@ -14,6 +15,7 @@
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
 //! | [`thin`] | histories as records keep them |
 
+pub mod conditions;
 pub mod configuration;
 pub mod converged;
 pub mod external;

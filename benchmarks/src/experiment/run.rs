@@ -16,7 +16,6 @@ use gearbench_models::spec::{Body, Modelling, SceneSpec, Value, lever};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::TimeSeries;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
@@ -54,8 +53,6 @@ pub struct Job<'a> {
     pub timeout: Duration,
     /// Bound on its steps, rejected ones included: a timeout that does not depend on the machine.
     pub max_steps: u64,
-    /// Stops the study from outside.
-    pub cancel: Option<&'a AtomicBool>,
 }
 
 impl Job<'_> {
@@ -66,7 +63,7 @@ impl Job<'_> {
             events: self.events,
             max_steps: self.max_steps,
             deadline: Some(Instant::now() + self.timeout),
-            cancel: self.cancel,
+            cancel: None,
         }
     }
 }
@@ -91,9 +88,6 @@ pub enum RunError {
     /// A run that others are to be held against did not reach the end.
     #[error("{0}")]
     Reference(String),
-    /// Stopped from outside.
-    #[error("interrupted")]
-    Interrupted,
 }
 
 /// Runs a job and fills a row; model names and metrics are the caller's.
@@ -134,9 +128,6 @@ fn timed_in(
     let begin = Instant::now();
     let outcome = method.run(scene, &mut state, &job.plan(), &mut witness, &mut work);
     let observed = begin.elapsed().as_secs_f64();
-    if let Err(StepError::Interrupted { .. }) = outcome {
-        return Err(RunError::Interrupted);
-    }
     if let Err(StepError::Unsupported { .. }) = outcome {
         return Err(RunError::Unsupported(outcome.unwrap_err().to_string()));
     }
@@ -171,12 +162,6 @@ fn timed_in(
         let begin = Instant::now();
         let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut Work::default());
         walls.push(begin.elapsed().as_secs_f64());
-        if job
-            .cancel
-            .is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed))
-        {
-            return Err(RunError::Interrupted);
-        }
     }
     let repeats = walls.len() as u32;
     if walls.is_empty() {

@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout)]
 
 use super::full_order::load;
+use gearbench::experiment::conditions::{Conditions, silent};
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
 use gearbench::studies::compare::{Plan, compare};
@@ -40,7 +41,10 @@ fn run(
     method: Option<(&str, f64)>,
 ) -> Run {
     let mut plan = Plan {
-        repeats: 0,
+        conditions: Conditions {
+            repeats: 0,
+            ..Conditions::of(scene)
+        },
         tolerance: None,
         reference_model: None,
         ..Plan::of(scene, &[scene.model(label).unwrap()], Some(external))
@@ -52,7 +56,7 @@ fn run(
             resolution: Resolution::Step(step),
         }]);
     }
-    compare(&plan, None, |_, _| {}).unwrap().runs.remove(0)
+    compare(&plan, &silent).unwrap().runs.remove(0)
 }
 
 /// Errors of a run: force history, impulse, peak.

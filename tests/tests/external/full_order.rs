@@ -3,6 +3,7 @@
 //! Same elements, same penalty, faceted flanks on both sides; what is left is how contact is integrated over
 //! the faces and the scheme in time. Limits stand a little above what was found, far inside what is asked.
 
+use gearbench::experiment::conditions::{Conditions, silent};
 use gearbench::models::models;
 use gearbench::scene_file::{self, SceneFile};
 use gearbench::studies::compare::{Plan, compare};
@@ -26,7 +27,10 @@ fn run(
     rule: Option<PointRule>,
 ) -> Run {
     let mut plan = Plan {
-        repeats: 0,
+        conditions: Conditions {
+            repeats: 0,
+            ..Conditions::of(scene)
+        },
         tolerance: None,
         ..Plan::of(scene, &[scene.model(label).unwrap()], Some(external))
     };
@@ -35,7 +39,7 @@ fn run(
             points.rule = rule;
         }
     }
-    compare(&plan, None, |_, _| {}).unwrap().runs.remove(0)
+    compare(&plan, &silent).unwrap().runs.remove(0)
 }
 
 struct Limits {
@@ -283,15 +287,18 @@ fn explicit_and_implicit_agree_on_the_same_masses() {
     let implicit = run(&case, "fe", None);
     let (scene, external) = &case;
     let plan = Plan {
-        repeats: 0,
+        conditions: Conditions {
+            repeats: 0,
+            duration: 6e-5,
+            ..Conditions::of(scene)
+        },
         tolerance: None,
-        duration: 6e-5,
         ..Plan::of(scene, &[scene.model("fe").unwrap()], Some(external))
     };
     let plan = plan.with_methods(vec![
         gearbench_integrators::table::VELOCITY_VERLET.at_step(2.5e-8),
     ]);
-    let explicit = compare(&plan, None, |_, _| {}).unwrap().runs.remove(0);
+    let explicit = compare(&plan, &silent).unwrap().runs.remove(0);
     let (a, b) = (implicit.series.unwrap(), explicit.series.unwrap());
     let (mut difference, mut size) = (0.0, 0.0);
     for (t, f) in b.time_s.iter().zip(&b.contact_force_n) {

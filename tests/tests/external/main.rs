@@ -5,6 +5,7 @@
 mod elastic;
 mod full_order;
 
+use gearbench::experiment::conditions::{Conditions, silent};
 use gearbench::scene_file;
 use gearbench::studies::compare::{Plan, compare};
 use gearbench::studies::identify::{apply, identify};
@@ -35,13 +36,16 @@ fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) 
         .collect();
     let labels: Vec<String> = choices.iter().map(|m| m.label.clone()).collect();
     let plan = Plan {
-        samples: 200,
+        conditions: Conditions {
+            samples: 200,
+            repeats: 0,
+            ..Conditions::of(&scene)
+        },
         tolerance: None,
-        repeats: 0,
         ..Plan::of(&scene, &choices, Some(&external))
     }
     .with_methods(vec![DOPRI5.at_tolerance(1e-8)]);
-    let record = compare(&plan, None, |_, _| {}).unwrap();
+    let record = compare(&plan, &silent).unwrap();
     let found = record
         .runs
         .iter()

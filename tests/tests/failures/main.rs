@@ -81,7 +81,6 @@ impl Way {
             repeats: 0,
             timeout: Duration::from_secs(2),
             max_steps: self.max_steps,
-            cancel: None,
         })
         .unwrap_or_else(|e| panic!("{text}: {e}"))
     }

@@ -29,7 +29,6 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         repeats: 0,
         timeout: Duration::from_secs(60),
         max_steps: 1_000_000,
-        cancel: None,
     })
     .unwrap()
 }

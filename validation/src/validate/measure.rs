@@ -13,7 +13,6 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Status};
 use gearbench_reports::series::TimeSeries;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Bound of one integration of a reference.
@@ -88,7 +87,6 @@ pub struct Ready<'a> {
     spec: &'a SceneSpec,
     modelling: &'a Modelling,
     scene: Scene,
-    cancel: Option<&'a AtomicBool>,
 }
 
 impl<'a> Ready<'a> {
@@ -100,7 +98,6 @@ impl<'a> Ready<'a> {
         situation: &'a Situation,
         spec: &'a SceneSpec,
         modelling: &'a Modelling,
-        cancel: Option<&'a AtomicBool>,
     ) -> Result<Self, ValidationError> {
         let scene = Scene::build(spec, modelling, situation.models).map_err(RunError::from)?;
         Ok(Ready {
@@ -108,7 +105,6 @@ impl<'a> Ready<'a> {
             spec,
             modelling,
             scene,
-            cancel,
         })
     }
 
@@ -136,7 +132,6 @@ impl<'a> Ready<'a> {
             repeats: 0,
             timeout,
             max_steps: u64::MAX,
-            cancel: self.cancel,
         };
         let mut row = run_in(&job, &mut self.scene, Duration::ZERO)?;
         Ok(Observed {
@@ -162,13 +157,9 @@ impl<'a> Ready<'a> {
         let mut shortest = f64::INFINITY;
         let begin = Instant::now();
         loop {
-            if let Some(true) = self.cancel.map(|c| c.load(Ordering::Relaxed)) {
-                return Err(RunError::Interrupted.into());
-            }
             let mut state = self.scene.initial();
             let plan = TimePlan {
                 deadline: Some(Instant::now() + limit),
-                cancel: self.cancel,
                 ..TimePlan::new(self.situation.duration, method.resolution)
             };
             let (one, start) = (Instant::now(), cpu_time());

@@ -26,7 +26,6 @@ use gearbench_models::spec::Body;
 use gearbench_reports::choice_check::{JudgedChoice, Outcome, TriedCandidate};
 use gearbench_reports::record::Status;
 use measure::{Ready, grid, side_by_side};
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
@@ -67,14 +66,7 @@ pub enum ValidationError {
 }
 
 /// Judges the choice for a drawn scene.
-///
-/// # Errors
-/// [`ValidationError::Run`] with an interruption; everything else is a scene that was not judged.
-pub fn validate(
-    sample: &Sample,
-    full_order: bool,
-    cancel: Option<&AtomicBool>,
-) -> Result<JudgedChoice, ValidationError> {
+pub fn validate(sample: &Sample, full_order: bool) -> JudgedChoice {
     let mut row = JudgedChoice {
         scene: sample.scene.name.clone(),
         number: sample.number,
@@ -87,18 +79,11 @@ pub fn validate(
         redraws: sample.redraws,
         ..JudgedChoice::default()
     };
-    match validate_into(&mut row, sample, full_order, cancel) {
-        Ok(()) => Ok(row),
-        Err(ValidationError::Run(RunError::Interrupted)) => Err(RunError::Interrupted.into()),
-        Err(ValidationError::Choose(ChooseError::Run(RunError::Interrupted))) => {
-            Err(RunError::Interrupted.into())
-        }
-        Err(e) => {
-            row.outcome = Outcome::NotJudged;
-            row.note = Some(e.to_string());
-            Ok(row)
-        }
+    if let Err(e) = validate_into(&mut row, sample, full_order) {
+        row.outcome = Outcome::NotJudged;
+        row.note = Some(e.to_string());
     }
+    row
 }
 
 fn gears(sample: &Sample) -> String {
@@ -126,7 +111,6 @@ fn validate_into(
     row: &mut JudgedChoice,
     sample: &Sample,
     full_order: bool,
-    cancel: Option<&AtomicBool>,
 ) -> Result<(), ValidationError> {
     let metric = (Metric::ALL.into_iter())
         .find(|m| m.key() == Some(sample.metric))
@@ -139,14 +123,13 @@ fn validate_into(
         tolerance: sample.tolerance,
     };
     let (begin, start) = (Instant::now(), cpu_time());
-    let choice = choose(&situation, &wish, cancel, |_| {});
+    let choice = choose(&situation, &wish, |_| {});
     row.choosing_s = match (start, cpu_time()) {
         (Some(a), Some(b)) => Some(b - a),
         _ => Some(begin.elapsed().as_secs_f64()),
     };
     let choice = match choice {
         Ok(choice) => Some(choice),
-        Err(ChooseError::Run(RunError::Interrupted)) => return Err(RunError::Interrupted.into()),
         // No answer is none chosen.
         Err(e) => {
             row.note = Some(e.to_string());
@@ -159,7 +142,6 @@ fn validate_into(
         metric,
         full_order,
         (&times, sample.contact_time),
-        cancel,
     )?;
     row.reference = truth.name.into();
     row.reference_error = truth.own_error;
@@ -176,7 +158,6 @@ fn validate_into(
             (&mut best, sample.tolerance),
             |seen| seen.error(metric, &truth.run),
             &times,
-            cancel,
         )?;
         row.tried.push(tried);
     }
@@ -211,7 +192,7 @@ fn validate_into(
         .as_ref()
         .map(|c| c.predicted_cost_s)
         .filter(|c| c.is_finite());
-    let mut ready = Ready::new(&situation, &chosen.scene, &chosen.modelling, cancel)?;
+    let mut ready = Ready::new(&situation, &chosen.scene, &chosen.modelling)?;
     let seen = ready.observe(&chosen.method, &times, LONGEST)?;
     row.error = seen.error(metric, &truth.run);
     let adequate = row.error.is_some_and(|e| e <= sample.tolerance);
@@ -226,7 +207,7 @@ fn validate_into(
     match &best {
         Some(b) if all[b.index].name() != chosen.name() => {
             let cheapest = &all[b.index];
-            let mut other = Ready::new(&situation, &cheapest.scene, &cheapest.modelling, cancel)?;
+            let mut other = Ready::new(&situation, &cheapest.scene, &cheapest.modelling)?;
             let [own, least] =
                 side_by_side((&mut ready, &chosen.method), (&mut other, &cheapest.method))?;
             row.cost_s = own;
@@ -269,7 +250,6 @@ fn try_one(
     (best, tolerance): (&mut Option<Best>, f64),
     error: impl Fn(&measure::Observed) -> Option<f64>,
     times: &[f64],
-    cancel: Option<&AtomicBool>,
 ) -> Result<TriedCandidate, ValidationError> {
     let candidate = &all[index];
     let mut tried = TriedCandidate {
@@ -285,7 +265,7 @@ fn try_one(
         tried.status = SKIPPED.into();
         return Ok(tried);
     }
-    let mut ready = match Ready::new(situation, &candidate.scene, &candidate.modelling, cancel) {
+    let mut ready = match Ready::new(situation, &candidate.scene, &candidate.modelling) {
         Ok(ready) => ready,
         Err(e) => {
             tried.status = e.to_string();

@@ -9,7 +9,6 @@ use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::Modelling;
-use std::sync::atomic::AtomicBool;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.
 const FEWER: usize = 200;
@@ -47,11 +46,10 @@ pub fn reference(
     metric: Metric,
     full_order: bool,
     (grid, contact_time): (&[f64], f64),
-    cancel: Option<&AtomicBool>,
 ) -> Result<Reference, ValidationError> {
     let dense = densest(situation)?;
     let run = |modelling: &Modelling, method: &Scheme| -> Result<Observed, ValidationError> {
-        let mut ready = Ready::new(situation, &dense.scene, modelling, cancel)?;
+        let mut ready = Ready::new(situation, &dense.scene, modelling)?;
         let seen = ready.observe(method, grid, PATIENCE)?;
         if seen.status.is_failure() {
             return Err(ValidationError::Reference {

@@ -9,7 +9,6 @@ use super::{domain, pick, scout};
 use crate::experiment::run::RunError;
 use gearbench_integrators::Scheme;
 use gearbench_models::error::BuildError;
-use std::sync::atomic::AtomicBool;
 
 /// Why there is no answer at all.
 #[derive(Debug, thiserror::Error)]
@@ -121,40 +120,16 @@ pub struct Parts {
 pub fn choose(
     situation: &Situation,
     wish: &Wish,
-    cancel: Option<&AtomicBool>,
     mut progress: impl FnMut(&str),
 ) -> Result<Choice, ChooseError> {
     progress("static solves");
     let prepared = Prepared::of(situation)?;
     progress("rigid run through the scene");
     let scouted = prepared.best_rigid();
-    let window = scout::window(situation, scouted, &prepared.swing, wish.metric, cancel)?;
-    let growth = scout::growth(
-        situation,
-        scouted,
-        &window,
-        &prepared.swing,
-        wish.metric,
-        cancel,
-    )?;
-    let ladder: Climb = climb(
-        situation,
-        &prepared,
-        &window,
-        wish,
-        growth,
-        cancel,
-        &mut progress,
-    )?;
-    let picked = pick::pick(
-        situation,
-        &prepared,
-        &window,
-        wish,
-        ladder,
-        cancel,
-        &mut progress,
-    )?;
+    let window = scout::window(situation, scouted, &prepared.swing, wish.metric)?;
+    let growth = scout::growth(situation, scouted, &window, &prepared.swing, wish.metric)?;
+    let ladder: Climb = climb(situation, &prepared, &window, wish, growth, &mut progress)?;
+    let picked = pick::pick(situation, &prepared, &window, wish, ladder, &mut progress)?;
     Ok(Choice {
         outside: domain::outside(situation, &prepared),
         window,

@@ -11,7 +11,6 @@ use super::scout::Window;
 use super::situation::Situation;
 use super::trial::{Outcome, Trial};
 use super::wish::{Metric, Wish};
-use std::sync::atomic::AtomicBool;
 
 /// Steps per contact time of the climb, for tolerances up to a limit: their own error is not to show beside it.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
@@ -71,7 +70,6 @@ pub fn climb(
     window: &Window,
     wish: &Wish,
     growth: f64,
-    cancel: Option<&AtomicBool>,
     progress: &mut impl FnMut(&str),
 ) -> Result<Climb, ChooseError> {
     let steps = (STEPS.iter().find(|(limit, _)| wish.tolerance < *limit)).map_or(128.0, |s| s.1);
@@ -85,7 +83,7 @@ pub fn climb(
         progress(&format!("{} on the window", candidate.rung.name()));
         let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
         let mut trial = Trial::new(situation, &scene, &modelling)?;
-        let outcome = trial.run(&candidate.method, window, cancel)?;
+        let outcome = trial.run(&candidate.method, window)?;
         if !outcome.usable() {
             failure = outcome.row.message.clone().unwrap_or(failure);
             continue;

@@ -19,7 +19,7 @@ pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
         tolerance: args.tolerance,
     };
     let bar = progress_bar(0);
-    let choice = choose(&situation, &wish, None, |what| {
+    let choice = choose(&situation, &wish, |what| {
         bar.set_message(what.to_string());
     });
     bar.finish_and_clear();

@@ -16,7 +16,6 @@ use super::wish::Wish;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
-use std::sync::atomic::AtomicBool;
 
 /// Part of the tolerance that an estimate may use up.
 const MARGIN: f64 = 0.9;
@@ -41,7 +40,6 @@ struct Picker<'a, 'p> {
     wish: &'a Wish,
     climb: &'a Climb,
     top: &'a Outcome,
-    cancel: Option<&'a AtomicBool>,
     progress: &'p mut dyn FnMut(&str),
     /// Cost of the cheapest adequate candidate so far [s].
     cheapest: f64,
@@ -67,7 +65,7 @@ impl Picker<'_, '_> {
             _ => TRIGONOMETRIC.at_step(contact_time / FINE),
         };
         let mut trial = Trial::new(self.situation, &fixed.scene, &fixed.modelling)?;
-        let fine = trial.run(&method, self.window, self.cancel)?;
+        let fine = trial.run(&method, self.window)?;
         let distance = fine.error(self.wish.metric, self.top);
         let error = self.error(distance);
         Ok(Standing {
@@ -154,7 +152,7 @@ impl Picker<'_, '_> {
                         &mut own
                     }
                 };
-                let outcome = trial.run(&candidate.method, self.window, self.cancel)?;
+                let outcome = trial.run(&candidate.method, self.window)?;
                 let error = self.error(outcome.error(self.wish.metric, self.top));
                 let adequate = self.adequate(error);
                 let mut cost = f64::NAN;
@@ -162,7 +160,7 @@ impl Picker<'_, '_> {
                     // The cost of what does not do is for the picture only.
                     let repeats = if adequate { REPEATS } else { 1 };
                     let end = self.window.end;
-                    let on_window = trial.cost(&candidate.method, end, repeats, self.cancel)?;
+                    let on_window = trial.cost(&candidate.method, end, repeats)?;
                     cost = self.whole_cost(candidate, on_window);
                     self.learn(candidate, cost);
                 }
@@ -246,7 +244,6 @@ pub fn pick(
     window: &Window,
     wish: &Wish,
     climb: Climb,
-    cancel: Option<&AtomicBool>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Choice, ChooseError> {
     let Some(top) = climb.top() else {
@@ -258,7 +255,6 @@ pub fn pick(
         wish,
         climb: &climb,
         top: &top.outcome,
-        cancel,
         progress,
         cheapest: f64::INFINITY,
         per_step: None,
@@ -332,11 +328,8 @@ pub fn pick(
         choice.parts.model = standing.tried.distance;
         if let Some(fine) = &standing.fine {
             let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
-            let outcome = Trial::new(situation, &scene, &modelling)?.run(
-                &candidate.method,
-                window,
-                cancel,
-            )?;
+            let outcome =
+                Trial::new(situation, &scene, &modelling)?.run(&candidate.method, window)?;
             choice.parts.integration = outcome.error(wish.metric, fine);
         }
         choice.candidate = Some(candidate);

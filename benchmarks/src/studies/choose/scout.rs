@@ -13,7 +13,6 @@ use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{lever, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
-use std::sync::atomic::AtomicBool;
 
 /// Steps and samples of a scout run per contact time.
 const STEPS: f64 = 32.0;
@@ -102,12 +101,7 @@ fn method() -> Scheme {
 }
 
 /// A rigid run through the whole scene.
-fn whole(
-    situation: &Situation,
-    rung: &Fixed,
-    contact_time: f64,
-    cancel: Option<&AtomicBool>,
-) -> Result<Outcome, ChooseError> {
+fn whole(situation: &Situation, rung: &Fixed, contact_time: f64) -> Result<Outcome, ChooseError> {
     let n = (STEPS * situation.duration / contact_time).clamp(400.0, 200_000.0) as usize;
     let window = Window {
         grid: (0..=n)
@@ -115,7 +109,7 @@ fn whole(
             .collect(),
         ..Window::to(situation.duration, contact_time / SAMPLES)
     };
-    Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), &window, cancel)
+    Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), &window)
 }
 
 /// How deep flanks go into each other, from the largest force of a rigid run [m].
@@ -123,7 +117,7 @@ fn whole(
 /// # Errors
 /// [`ChooseError::NoContact`] when no teeth touch.
 pub fn approach(situation: &Situation, rung: &Fixed, swing: &Swing) -> Result<f64, ChooseError> {
-    let run = whole(situation, rung, swing.contact_time(), None)?;
+    let run = whole(situation, rung, swing.contact_time())?;
     let force = &run.series.contact_force_n;
     let peak = force.iter().copied().fold(0.0, f64::max);
     if peak > 0.0 {
@@ -177,10 +171,9 @@ pub fn window(
     rung: &Fixed,
     swing: &Swing,
     metric: Metric,
-    cancel: Option<&AtomicBool>,
 ) -> Result<Window, ChooseError> {
     let time = swing.contact_time();
-    let run = whole(situation, rung, time, cancel)?;
+    let run = whole(situation, rung, time)?;
     let spells = spells(&run);
     let total: f64 = spells.iter().map(|[a, b]| b - a).sum();
     let budget = (CYCLES * cycle(situation)).clamp(BUDGET * time, MOST_BUDGET * time);
@@ -252,7 +245,6 @@ pub fn growth(
     window: &Window,
     swing: &Swing,
     metric: Metric,
-    cancel: Option<&AtomicBool>,
 ) -> Result<f64, ChooseError> {
     if window.whole {
         return Ok(1.0);
@@ -260,9 +252,8 @@ pub fn growth(
     let [base, stiffer] = [1.0, 1.0 + NUDGE].map(|factor| scaled(situation, rung, swing, factor));
     let all = Window::to(situation.duration, spacing(situation, swing, metric));
     let error = |w: &Window| -> Result<f64, ChooseError> {
-        let run = |rung: &Fixed| {
-            Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), w, cancel)
-        };
+        let run =
+            |rung: &Fixed| Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), w);
         Ok(run(&stiffer)?.error(metric, &run(&base)?))
     };
     let (near, far) = (error(window)?, error(&all)?);

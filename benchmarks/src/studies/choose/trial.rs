@@ -5,7 +5,7 @@ use super::scout::Window;
 use super::situation::Situation;
 use super::wish::Metric;
 use crate::experiment::machine::cpu_time;
-use crate::experiment::run::{Job, RunError, run_in};
+use crate::experiment::run::{Job, run_in};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::scene::Scene;
@@ -13,7 +13,6 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Run};
 use gearbench_reports::series::TimeSeries;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Bound of one integration on the window: far beyond what an adequate one takes.
@@ -88,12 +87,7 @@ impl<'a> Trial<'a> {
     ///
     /// # Errors
     /// A method that the model does not take, or an interruption.
-    pub fn run(
-        &mut self,
-        method: &Scheme,
-        window: &Window,
-        cancel: Option<&AtomicBool>,
-    ) -> Result<Outcome, ChooseError> {
+    pub fn run(&mut self, method: &Scheme, window: &Window) -> Result<Outcome, ChooseError> {
         let job = Job {
             scene: self.spec,
             modelling: self.modelling,
@@ -108,7 +102,6 @@ impl<'a> Trial<'a> {
             repeats: 0,
             timeout: PATIENCE,
             max_steps: u64::MAX,
-            cancel,
         };
         let mut row = run_in(&job, &mut self.scene, self.setup)?;
         row.contacts = None;
@@ -124,13 +117,7 @@ impl<'a> Trial<'a> {
     ///
     /// # Errors
     /// A method that the model does not take, or an interruption.
-    pub fn cost(
-        &mut self,
-        method: &Scheme,
-        end: f64,
-        repeats: usize,
-        cancel: Option<&AtomicBool>,
-    ) -> Result<f64, ChooseError> {
+    pub fn cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> Result<f64, ChooseError> {
         let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let (begin, start) = (Instant::now(), cpu_time());
@@ -141,7 +128,6 @@ impl<'a> Trial<'a> {
             let mut state = self.scene.initial();
             let plan = TimePlan {
                 deadline: Some(Instant::now() + PATIENCE),
-                cancel,
                 ..TimePlan::new(end, method.resolution)
             };
             let one = Instant::now();
@@ -150,9 +136,6 @@ impl<'a> Trial<'a> {
             let _ = integrator.run(&mut self.scene, &mut state, &plan, &mut NullSink, &mut work);
             shortest = shortest.min(one.elapsed().as_secs_f64());
             runs += 1;
-            if cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed)) {
-                return Err(RunError::Interrupted.into());
-            }
         }
         let on_processor = match (start, cpu_time()) {
             (Some(a), Some(b)) if b - a >= LONG_ENOUGH => (b - a) / runs as f64,

@@ -2,7 +2,10 @@
 
 use super::arguments::Compare;
 use super::{Plan, compare};
-use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
+use crate::cli::terminal::{
+    Refusal, exit_code, refuse_run, say, stored_reference, with_progress, write,
+};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::run::{LEFT_OUT, RunError};
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
@@ -17,18 +20,16 @@ use std::time::Duration;
 pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
-    let reference = scene
-        .reference
-        .as_deref()
-        .map(gearbench_reference::reference)
-        .transpose()
-        .map_err(|e| Refusal::Files(e.to_string()))?;
+    let reference = stored_reference(&scene)?;
     let plan = Plan {
-        command: command.to_string(),
-        settings: settings(&scene, &choices, args.no_events),
-        repeats: args.repeats.max(1),
-        events: scene.study.events && !args.no_events,
-        timeout: Duration::from_secs_f64(args.timeout),
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: settings(&scene, &choices, args.no_events),
+            repeats: args.repeats.max(1),
+            events: scene.study.events && !args.no_events,
+            timeout: Duration::from_secs_f64(args.timeout),
+            ..Conditions::of(&scene)
+        },
         ..Plan::of(&scene, &choices, reference.as_ref())
     };
     let plan = match &args.integrators {
@@ -40,13 +41,8 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
         ),
         None => plan,
     };
-    let bar = progress_bar(plan.len());
-    let results = compare(&plan, None, |done, what| {
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    let results = results.map_err(refuse_run)?;
+    let results =
+        with_progress(plan.len(), |progress| compare(&plan, progress)).map_err(refuse_run)?;
 
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))

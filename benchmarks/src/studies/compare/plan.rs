@@ -1,34 +1,22 @@
 //! What the comparison runs.
 
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
-use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
 use gearbench_reference::ExternalReference;
 use gearbench_reports::record::{ReferenceSeries, Tolerance};
-use std::time::Duration;
 
 /// What to compare.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// Name of the scene.
-    pub name: String,
-    /// One line for the reader.
-    pub title: String,
-    /// Command that makes the record again.
-    pub command: String,
+    /// What all runs share.
+    pub conditions: Conditions<'a>,
     /// Models.
     pub entries: Vec<Configuration>,
     /// Integrators.
     pub methods: Vec<Scheme>,
-    /// Table of models.
-    pub models: &'a [Model],
-    /// End [s].
-    pub duration: f64,
-    /// Samples of the histories over the duration.
-    pub samples: usize,
     /// External reference.
     pub reference: Option<ReferenceSeries>,
     /// Label of an entry whose first run is a further reference.
@@ -37,14 +25,6 @@ pub struct Plan<'a> {
     pub published: Option<String>,
     /// What the scene calls accurate enough.
     pub tolerance: Option<Tolerance>,
-    /// Settings to show.
-    pub settings: Vec<(String, String)>,
-    /// Timed repeats.
-    pub repeats: u32,
-    /// Locate events.
-    pub events: bool,
-    /// Wall-clock bound of one integration.
-    pub timeout: Duration,
 }
 
 impl Plan<'_> {
@@ -55,25 +35,16 @@ impl Plan<'_> {
         reference: Option<&ExternalReference>,
     ) -> Plan<'static> {
         Plan {
-            name: scene.name.clone(),
-            title: scene.title.clone(),
-            command: String::new(),
+            conditions: Conditions::of(scene),
             entries: choices
                 .iter()
                 .map(|c| Configuration::of(scene, c))
                 .collect(),
             methods: scene.study.integrators.clone(),
-            models: models(),
-            duration: scene.duration,
-            samples: scene.study.samples,
             reference: reference.map(external),
             reference_model: scene.study.reference_model.clone(),
             published: scene.study.published.clone(),
             tolerance: scene.tolerance.clone(),
-            settings: Vec::new(),
-            repeats: 1,
-            events: scene.study.events,
-            timeout: Duration::from_secs(60),
         }
     }
 
@@ -104,10 +75,7 @@ impl Plan<'_> {
 
     /// Times to record at: those of the reference, and an even grid.
     pub(super) fn grid(&self) -> Vec<f64> {
-        let n = self.samples.max(2) - 1;
-        let mut grid: Vec<f64> = (0..=n)
-            .map(|i| self.duration * i as f64 / n as f64)
-            .collect();
+        let mut grid = self.conditions.grid();
         if let Some(r) = &self.reference {
             let last = r.series.time_s.last().copied().unwrap_or(0.0);
             grid.retain(|&t| t > last);
@@ -116,7 +84,7 @@ impl Plan<'_> {
                 .time_s
                 .iter()
                 .copied()
-                .filter(|&t| t <= self.duration);
+                .filter(|&t| t <= self.conditions.duration);
             let mut all: Vec<f64> = own.collect();
             all.append(&mut grid);
             grid = all;

@@ -1,23 +1,18 @@
 //! Runs of the comparison.
 
 use super::plan::Plan;
+use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::converged::{EXACT_MODES, SELF, SMALL, converged, exact_for_modes, tight};
-use crate::experiment::machine;
-use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
+use crate::experiment::run::{LEFT_OUT, RunError, run};
 use crate::experiment::status::{against_contact, against_tolerance};
 use crate::experiment::thin::thin;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Study};
 use gearbench_reports::series::TimeSeries;
-use std::sync::atomic::AtomicBool;
 
 /// Runs the comparison. `progress` is told the number of runs done and the name of the next.
-pub fn compare(
-    plan: &Plan<'_>,
-    cancel: Option<&AtomicBool>,
-    mut progress: impl FnMut(usize, &str),
-) -> Result<Results, RunError> {
+pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
     let grid = plan.grid();
     let tight = tight();
     let exact_modes = SELF.map(|(_, timeout)| (exact_for_modes(EXACT_MODES), timeout));
@@ -34,26 +29,16 @@ pub fn compare(
         let entry = &plan.entries[i];
         let done: usize = by_entry.iter().map(Vec::len).sum();
         let runs = &mut by_entry[i];
-        let job = |method| Job {
-            scene: &entry.scene,
-            modelling: &entry.modelling,
-            models: plan.models,
-            method,
-            t_end: plan.duration,
-            grid: &grid,
-            also_steps: true,
-            forces: false,
-            events: plan.events,
-            repeats: plan.repeats,
-            timeout: plan.timeout,
-            max_steps: u64::MAX,
-            cancel,
+        let job = |method| {
+            let of = (&entry.scene, &entry.modelling);
+            plan.conditions.job(of, method, &grid)
         };
         let mut own: Option<Option<TimeSeries>> = None;
         let mut pictured = false;
         for method in plan.methods_of(entry) {
             progress(
                 done + runs.len(),
+                plan.len(),
                 &format!("{}, {}", entry.label, method.method),
             );
             let mut row = match run(&job(method)) {
@@ -64,9 +49,7 @@ pub fn compare(
                 }
                 other => other?,
             };
-            row.model.clone_from(&entry.model);
-            row.variant = entry.variant();
-            row.calibration.clone_from(&entry.calibration);
+            entry.sign(&mut row);
             row.published_s = entry.published;
             // The first run says how large the model is.
             let own = match &mut own {
@@ -74,6 +57,7 @@ pub fn compare(
                 none => {
                     progress(
                         done + runs.len(),
+                        plan.len(),
                         &format!("{}, converged solution", entry.label),
                     );
                     none.insert(if row.modes.is_some() {
@@ -110,21 +94,14 @@ pub fn compare(
         let id = pair.rsplit(' ').next().unwrap_or(pair);
         return Err(RunError::NoLinearPart(id.into()));
     }
-    progress(runs.len(), "report");
+    progress(runs.len(), plan.len(), "report");
     Ok(Results {
-        scene: plan.name.clone(),
-        title: plan.title.clone(),
-        study: Study::Compare,
-        command: plan.command.clone(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
-        settings: [plan.settings.clone(), left_out].concat(),
+        settings: [plan.conditions.settings.clone(), left_out].concat(),
         tolerance: plan.tolerance.clone(),
         references,
         published: plan.published.clone(),
         runs,
-        ..Results::default()
+        ..plan.conditions.record(Study::Compare)
     })
 }
 

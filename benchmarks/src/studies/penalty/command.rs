@@ -2,12 +2,13 @@
 
 use super::arguments::Penalty;
 use super::{PenaltyError, Plan, study};
-use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
+use crate::cli::terminal::{
+    Refusal, exit_code, refuse_run, refuse_statics, say, with_progress, write,
+};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError};
-use crate::studies::stiffness::build_error;
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::mesh_layout;
 use gearbench_reports::record::Results;
@@ -53,9 +54,13 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
         ));
     }
     let plan = Plan {
-        name: scene.name.clone(),
-        title: scene.title.clone(),
-        command: command.to_string(),
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: told,
+            events: true,
+            timeout: Duration::from_secs_f64(args.timeout),
+            ..Conditions::of(&scene)
+        },
         entry: Configuration::of(&scene, choice),
         hard: hard.map(|c| Configuration::of(&scene, c)),
         method: scene
@@ -69,25 +74,10 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             .collect(),
         load,
         positions: args.positions,
-        models: models(),
-        duration: scene.duration,
-        samples: scene.study.samples,
-        settings: told,
-        repeats: 1,
-        timeout: Duration::from_secs_f64(args.timeout),
     };
-    let bar = progress_bar(points + usize::from(plan.hard.is_some()));
-    let results = study(&plan, None, |done, what| {
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    let results = results.map_err(|e| match e {
+    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress)).map_err(|e| match e {
         PenaltyError::Run(e) => refuse_run(e),
-        PenaltyError::Statics(label, e) => match build_error(&e) {
-            Some(b) => Refusal::from(scene.locate_in(&label, b)),
-            None => Refusal::Failed(format!("{label}: {e}")),
-        },
+        PenaltyError::Statics(label, e) => refuse_statics(&scene, &label, &e),
         PenaltyError::NoPenalty(label) => Refusal::from(SceneError::plain(
             format!("the contact of `{label}` has no penalty"),
             "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",

@@ -7,27 +7,20 @@
 pub mod arguments;
 pub mod command;
 
+use crate::experiment::conditions::{Conditions, Progress};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::machine;
-use crate::experiment::run::{Job, RunError, run};
+use crate::experiment::run::{RunError, run};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// Name of the scene.
-    pub name: String,
-    /// One line for the reader.
-    pub title: String,
-    /// Command that makes the record again.
-    pub command: String,
+    /// What all runs share.
+    pub conditions: Conditions<'a>,
     /// The model; its penalty is the study's.
     pub entry: Configuration,
     /// The same model with hard contact.
@@ -40,18 +33,6 @@ pub struct Plan<'a> {
     pub load: Option<f64>,
     /// Positions of the static cycle.
     pub positions: usize,
-    /// Table of models.
-    pub models: &'a [Model],
-    /// End [s].
-    pub duration: f64,
-    /// Samples of the histories.
-    pub samples: usize,
-    /// Settings to show.
-    pub settings: Vec<(String, String)>,
-    /// Timed repeats.
-    pub repeats: u32,
-    /// Wall-clock bound of one integration.
-    pub timeout: Duration,
 }
 
 /// Why the study ends before its end.
@@ -91,7 +72,8 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, P
         return Ok(None);
     };
     let fail = |e| PenaltyError::Statics(entry.label.clone(), e);
-    let mut pair = LoadedPair::new(&entry.scene, &entry.modelling, plan.models).map_err(fail)?;
+    let mut pair =
+        LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
     let cycle = MeshCycle::solve(&mut pair, Load::Force(force), plan.positions, |_| {});
     Ok(Some(cycle.map_err(fail)?.mean_error()))
 }
@@ -100,35 +82,17 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, P
 ///
 /// # Errors
 /// [`PenaltyError`]; runs that fail are rows.
-pub fn study(
-    plan: &Plan<'_>,
-    cancel: Option<&AtomicBool>,
-    mut progress: impl FnMut(usize, &str),
-) -> Result<Results, PenaltyError> {
-    let n = plan.samples.max(2) - 1;
-    let grid: Vec<f64> = (0..=n)
-        .map(|i| plan.duration * i as f64 / n as f64)
-        .collect();
-    let mut one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, PenaltyError> {
-        progress(done, what);
+pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, PenaltyError> {
+    let grid = plan.conditions.grid();
+    let total = plan.penalties.len() + usize::from(plan.hard.is_some());
+    let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, PenaltyError> {
+        progress(done, total, what);
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())
             .unwrap_or(&plan.method);
-        let mut row = run(&Job {
-            scene: &entry.scene,
-            modelling: &entry.modelling,
-            models: plan.models,
-            method,
-            t_end: plan.duration,
-            grid: &grid,
-            also_steps: true,
-            forces: false,
-            events: true,
-            repeats: plan.repeats,
-            timeout: plan.timeout,
-            max_steps: u64::MAX,
-            cancel,
-        })?;
+        let mut row = run(&plan
+            .conditions
+            .job((&entry.scene, &entry.modelling), method, &grid))?;
         // One name for soft and hard contact: they are one model.
         row.model.clone_from(&plan.entry.model);
         row.variant = plan.entry.variant();
@@ -175,18 +139,10 @@ pub fn study(
     for row in &mut runs {
         row.series = row.series.take().map(|s| thin(&s));
     }
-    progress(runs.len(), "report");
+    progress(runs.len(), total, "report");
     Ok(Results {
-        scene: plan.name.clone(),
-        title: plan.title.clone(),
-        study: Study::Penalty,
-        command: plan.command.clone(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
-        settings: plan.settings.clone(),
         references,
         runs,
-        ..Results::default()
+        ..plan.conditions.record(Study::Penalty)
     })
 }

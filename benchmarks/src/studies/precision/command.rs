@@ -2,7 +2,8 @@
 
 use super::arguments::Precision;
 use super::{Asked, Plan, metrics_of, study};
-use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
+use crate::cli::terminal::{Refusal, refuse_run, say, stored_reference, with_progress, write};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
 use gearbench_reports::numbers::{percent, quantity, short};
@@ -35,12 +36,7 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     };
     let scene = scene_file::load_for(&args.scene, Selection::Precision(args.models.as_deref()))?;
     let choices = scene.select_precision(args.models.as_deref())?;
-    let reference = scene
-        .reference
-        .as_deref()
-        .map(gearbench_reference::reference)
-        .transpose()
-        .map_err(|e| Refusal::Files(e.to_string()))?;
+    let reference = stored_reference(&scene)?;
     let plan = Plan::of(&scene, &choices, reference.as_ref(), &asked).map_err(refused)?;
     // What was simulated stands first, then what it was held against.
     let mut told = settings(&scene, &choices, false);
@@ -48,23 +44,21 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
         what != "integrators of the scene" && what != "converged solution (self)"
     });
     for row in told.iter_mut().filter(|(what, _)| what == "simulated time") {
-        row.1 = format!("{} ms", short(plan.duration * 1e3, 4));
+        row.1 = format!("{} ms", short(plan.conditions.duration * 1e3, 4));
     }
     let plan = Plan {
-        command: command.to_string(),
-        settings: [told, plan.settings.clone()].concat(),
-        repeats: args.repeats,
         timed: TIMED,
-        timeout: Duration::from_secs_f64(args.timeout),
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: [told, plan.conditions.settings].concat(),
+            repeats: args.repeats,
+            timeout: Duration::from_secs_f64(args.timeout),
+            ..plan.conditions
+        },
         ..plan
     };
-    let bar = progress_bar(plan.len());
-    let results = study(&plan, None, |done, what| {
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    let results = results.map_err(refuse_run)?;
+    let results =
+        with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
 
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(ExitCode::SUCCESS)

@@ -19,8 +19,8 @@ mod tests;
 pub use metric::metrics_of;
 pub use plan::{Asked, COUNTS, Full, Plan, Variant};
 
+use crate::experiment::conditions::Progress;
 use crate::experiment::converged::{SMALL, converged, exact_for_modes, tight};
-use crate::experiment::machine;
 use crate::experiment::run::{Job, LEFT_OUT, RunError, run, run_timed};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
@@ -29,7 +29,6 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::{Finished, compare as measure};
 use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::series::{Column, TimeSeries};
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Tolerances tried for the converged solution of gears with modes and the time each may take. A hundredth of the
@@ -51,19 +50,18 @@ const TOO_FINE: &str = "left out: finer than a run that took too long";
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, a reference does not reach the end, or the user interrupts.
-pub fn study(
-    plan: &Plan<'_>,
-    cancel: Option<&AtomicBool>,
-    mut progress: impl FnMut(usize, &str),
-) -> Result<Results, RunError> {
+pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
     let study = Study {
         plan,
-        grid: plan.grid(),
-        cancel,
+        grid: plan.conditions.grid_with(plan.external.as_ref()),
     };
     let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
     for full in &plan.fulls {
-        progress(computed.len(), &format!("reference {}", full.id));
+        progress(
+            computed.len(),
+            plan.len(),
+            &format!("reference {}", full.id),
+        );
         computed.push(study.reference(full)?);
     }
     let mut references: Vec<(&str, Held)> = Vec::new();
@@ -88,8 +86,8 @@ pub fn study(
                 continue;
             }
             let label = variant.label();
-            progress(done - 1, &format!("{label}, {}", method.method));
-            let job = study.job(&variant.entry.scene, &variant.entry.modelling, method);
+            progress(done - 1, plan.len(), &format!("{label}, {}", method.method));
+            let job = study.job((&variant.entry.scene, &variant.entry.modelling), method);
             let mut row = match run_timed(&job, plan.timed) {
                 Err(RunError::NoLinearPart(id)) => {
                     note(
@@ -105,7 +103,11 @@ pub fn study(
             let own = match &mut own {
                 Some(own) => own,
                 none => {
-                    progress(done - 1, &format!("{label}, converged solution"));
+                    progress(
+                        done - 1,
+                        plan.len(),
+                        &format!("{label}, converged solution"),
+                    );
                     let found = study.own_solution(variant, &row, &references)?;
                     none.insert(found.map(|s| Held::new(s, &study.grid)))
                 }
@@ -125,21 +127,14 @@ pub fn study(
             runs.push(row);
         }
     }
-    progress(done, "report");
+    progress(done, plan.len(), "report");
     let computed = computed.into_iter().map(|(r, _)| r);
     Ok(Results {
-        scene: plan.name.clone(),
-        title: plan.title.clone(),
-        study: gearbench_reports::Study::Precision,
-        command: plan.command.clone(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
-        settings: [plan.settings.clone(), notes].concat(),
+        settings: [plan.conditions.settings.clone(), notes].concat(),
         metrics: plan.metrics.clone(),
         references: plan.external.iter().cloned().chain(computed).collect(),
         runs,
-        ..Results::default()
+        ..(plan.conditions).record(gearbench_reports::Study::Precision)
     })
 }
 
@@ -164,9 +159,7 @@ fn finest(variant: &Variant, method: &Scheme) -> bool {
 /// What the caller of a run knows of it. Histories and pictures of hundreds of runs are nobody's business.
 fn fill(row: &mut Run, variant: &Variant) {
     let entry = &variant.entry;
-    row.model.clone_from(&entry.model);
-    row.variant = entry.variant();
-    row.calibration.clone_from(&entry.calibration);
+    entry.sign(row);
     row.published_s = entry.published;
     row.fitted_to.clone_from(&variant.fitted_to);
     // The modes that were kept, as the model says.
@@ -255,50 +248,15 @@ fn measure_against(
     row.series = None;
 }
 
-impl Plan<'_> {
-    /// Even times, and those of the stored reference.
-    fn grid(&self) -> Vec<f64> {
-        let n = self.samples.max(2) - 1;
-        let even = (0..=n).map(|i| self.duration * i as f64 / n as f64);
-        let external = (self.external.iter())
-            .flat_map(|r| r.series.time_s.iter().copied())
-            .filter(|t| *t <= self.duration);
-        let mut grid: Vec<f64> = even.chain(external).collect();
-        grid.sort_by(f64::total_cmp);
-        grid.dedup();
-        grid
-    }
-}
-
 /// What all runs share.
 struct Study<'a> {
     plan: &'a Plan<'a>,
     grid: Vec<f64>,
-    cancel: Option<&'a AtomicBool>,
 }
 
 impl Study<'_> {
-    fn job<'j>(
-        &'j self,
-        scene: &'j SceneSpec,
-        modelling: &'j Modelling,
-        method: &'j Scheme,
-    ) -> Job<'j> {
-        Job {
-            scene,
-            modelling,
-            models: self.plan.models,
-            method,
-            t_end: self.plan.duration,
-            grid: &self.grid,
-            also_steps: true,
-            forces: false,
-            events: self.plan.events,
-            repeats: self.plan.repeats,
-            timeout: self.plan.timeout,
-            max_steps: self.plan.max_steps,
-            cancel: self.cancel,
-        }
+    fn job<'j>(&'j self, of: (&'j SceneSpec, &'j Modelling), method: &'j Scheme) -> Job<'j> {
+        self.plan.conditions.job(of, method, &self.grid)
     }
 
     /// A reference as the record keeps it, and its whole history.
@@ -308,10 +266,10 @@ impl Study<'_> {
             Some(method) => {
                 let row = run(&Job {
                     repeats: 0,
-                    timeout: PATIENCE * self.plan.timeout,
+                    timeout: PATIENCE * self.plan.conditions.timeout,
                     max_steps: u64::MAX,
                     events: true,
-                    ..self.job(&entry.scene, &entry.modelling, method)
+                    ..self.job((&entry.scene, &entry.modelling), method)
                 })?;
                 if row.status.is_failure() {
                     return Err(RunError::Reference(format!(
@@ -370,7 +328,7 @@ impl Study<'_> {
             let tries = [(exact_for_modes(rtol), timeout)];
             let job = |method| Job {
                 max_steps: u64::MAX,
-                ..self.job(scene, modelling, method)
+                ..self.job((scene, modelling), method)
             };
             if let Some(series) = converged(&job, &tries)? {
                 let [(method, _)] = tries;
@@ -403,7 +361,7 @@ impl Study<'_> {
         }
         let job = |method| Job {
             max_steps: u64::MAX,
-            ..self.job(&entry.scene, &entry.modelling, method)
+            ..self.job((&entry.scene, &entry.modelling), method)
         };
         if row.dofs <= SMALL {
             return converged(&job, &tight());
@@ -420,6 +378,6 @@ impl Study<'_> {
             method: method.method,
             resolution: Resolution::Step(FINER * h),
         };
-        converged(&job, &[(finer, PATIENCE * self.plan.timeout)])
+        converged(&job, &[(finer, PATIENCE * self.plan.conditions.timeout)])
     }
 }

@@ -2,13 +2,12 @@
 
 use super::ladder::Rungs;
 use super::references::{held_against, references};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
-use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::spec::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
-use gearbench_models::gear::table::Model;
 use gearbench_models::spec::Value;
 use gearbench_reference::ExternalReference;
 use gearbench_reports::Metric;
@@ -83,12 +82,8 @@ pub struct Full {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// Name of the scene.
-    pub name: String,
-    /// One line for the reader.
-    pub title: String,
-    /// Command that makes the record again.
-    pub command: String,
+    /// What all runs share.
+    pub conditions: Conditions<'a>,
     /// Models with their ladders.
     pub variants: Vec<Variant>,
     /// Computed references.
@@ -97,24 +92,8 @@ pub struct Plan<'a> {
     pub external: Option<ReferenceSeries>,
     /// The metrics, the first above all.
     pub metrics: Vec<Metric>,
-    /// Table of models.
-    pub models: &'a [Model],
-    /// End [s].
-    pub duration: f64,
-    /// Samples of the histories.
-    pub samples: usize,
-    /// Locate events.
-    pub events: bool,
-    /// Settings to show.
-    pub settings: Vec<(String, String)>,
-    /// Timed repeats, at least.
-    pub repeats: u32,
     /// Short runs are repeated until their times together reach this.
     pub timed: Duration,
-    /// Wall-clock bound of one integration.
-    pub timeout: Duration,
-    /// Bound on its steps.
-    pub max_steps: u64,
 }
 
 impl Plan<'_> {
@@ -176,22 +155,17 @@ impl Plan<'_> {
         }
         let external = external.filter(|e| variants.iter().any(|v| v.against.contains(&e.id)));
         Ok(Plan {
-            name: scene.name.clone(),
-            title: scene.title.clone(),
-            command: String::new(),
+            conditions: Conditions {
+                duration: own.duration.unwrap_or(scene.duration),
+                settings,
+                max_steps: MOST_STEPS,
+                ..Conditions::of(scene)
+            },
             variants,
             fulls,
             external,
             metrics: metrics(scene, asked),
-            models: models(),
-            duration: own.duration.unwrap_or(scene.duration),
-            samples: scene.study.samples,
-            events: scene.study.events,
-            settings,
-            repeats: 1,
             timed: Duration::ZERO,
-            timeout: Duration::from_secs(60),
-            max_steps: MOST_STEPS,
         })
     }
 

@@ -1,8 +1,10 @@
 //! The study on small scenes.
 
 use super::*;
+use crate::experiment::conditions::silent;
 use crate::scene_file::{Selection, load_for};
 use gearbench_reports::{Ledger, Metric};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The rigid gears of the impact, a few rungs.
 fn small(asked: &Asked) -> Results {
@@ -13,18 +15,15 @@ fn small(asked: &Asked) -> Results {
     .unwrap();
     let choices = scene.select(Some("rigid,rigid-iso6336")).unwrap();
     let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
-    let plan = Plan {
-        timeout: Duration::from_secs(10),
-        ..Plan::of(&scene, &choices, Some(&reference), asked).unwrap()
-    };
+    let mut plan = Plan::of(&scene, &choices, Some(&reference), asked).unwrap();
+    plan.conditions.timeout = Duration::from_secs(10);
     let total = plan.len();
-    let mut last = 0;
-    let results = study(&plan, None, |done, _| {
-        assert!(done >= last && done <= total);
-        last = done;
+    let last = AtomicUsize::new(0);
+    let results = study(&plan, &|done, all, _| {
+        assert!(done >= last.swap(done, Ordering::Relaxed) && done <= total && all == total);
     })
     .unwrap();
-    assert_eq!(last, total);
+    assert_eq!(last.into_inner(), total);
     results
 }
 
@@ -86,12 +85,10 @@ fn short_runs_are_repeated_until_their_times_count() {
         integrators: Some("rk4@2us".into()),
         ..Asked::default()
     };
-    let plan = Plan {
-        repeats: 2,
-        timed: Duration::from_millis(5),
-        ..Plan::of(&scene, &choices, None, &asked).unwrap()
-    };
-    let results = study(&plan, None, |_, _| {}).unwrap();
+    let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
+    plan.conditions.repeats = 2;
+    plan.timed = Duration::from_millis(5);
+    let results = study(&plan, &silent).unwrap();
     let run = &results.runs[0];
     assert!(run.repeats > 2, "{}", run.repeats);
     assert!(f64::from(run.repeats) * run.wall_spread_s.unwrap()[1] >= 4e-3 || run.repeats == 300);
@@ -106,11 +103,9 @@ fn a_ladder_ends_where_a_run_takes_too_long() {
         steps: vec![1e-6, 1e-8, 1e-9, 1e-10],
         ..Asked::default()
     };
-    let plan = Plan {
-        max_steps: 1000,
-        ..Plan::of(&scene, &choices, None, &asked).unwrap()
-    };
-    let results = study(&plan, None, |_, _| {}).unwrap();
+    let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
+    plan.conditions.max_steps = 1000;
+    let results = study(&plan, &silent).unwrap();
     let statuses: Vec<Status> = results.runs.iter().map(|r| r.status).collect();
     assert_eq!(statuses, [Status::Converged, Status::Timeout]);
     let said = results.settings.iter().find(|(w, _)| w == TOO_FINE);
@@ -173,8 +168,7 @@ fn references_go_with_their_contact() {
     assert!(plan.variants.iter().all(|v| v.against == ["fe"]) && plan.external.is_none());
     let said = |label: &str| {
         let what = format!("model {label} is held against");
-        plan.settings
-            .iter()
+        (plan.conditions.settings.iter())
             .find(|(w, _)| *w == what)
             .unwrap()
             .1

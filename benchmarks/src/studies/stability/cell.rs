@@ -7,6 +7,7 @@
 
 use super::axis::Setup;
 use super::plan::{MapPlan, Plan};
+use crate::experiment::conditions::even;
 use crate::experiment::run::{Job, RunError, run};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
@@ -52,14 +53,6 @@ pub struct Reference {
     pub told: SelfReference,
 }
 
-/// Even times.
-fn grid(plan: &Plan<'_>, map: &MapPlan) -> Vec<f64> {
-    let n = plan.samples.max(2) - 1;
-    (0..=n)
-        .map(|i| map.duration * i as f64 / n as f64)
-        .collect()
-}
-
 fn run_one(
     plan: &Plan<'_>,
     map: &MapPlan,
@@ -67,20 +60,12 @@ fn run_one(
     method: &Scheme,
     max_steps: u64,
 ) -> Result<Run, RunError> {
+    let grid = even(plan.conditions.samples, map.duration);
     run(&Job {
-        scene: &setup.scene,
-        modelling: &setup.modelling,
-        models: plan.models,
-        method,
         t_end: map.duration,
-        grid: &grid(plan, map),
-        also_steps: true,
-        forces: false,
-        events: plan.events,
         repeats: 0,
-        timeout: plan.timeout,
         max_steps,
-        cancel: None,
+        ..(plan.conditions).job((&setup.scene, &setup.modelling), method, &grid)
     })
 }
 

@@ -6,7 +6,8 @@ use super::cell::tolerance;
 use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::{Means, StabilityError, Timings, study};
-use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
+use crate::cli::terminal::{Refusal, refuse_run, say, with_progress, write};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
 use crate::experiment::run::RunError;
@@ -61,19 +62,16 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
             journal.len()
         ));
     }
-    let bar = progress_bar(plan.cells());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let means = Means {
-        journal,
-        threads: args.threads.map_or(cores, |n| n as usize),
-        progress: &|done, total, what| {
-            bar.set_length(total as u64);
-            bar.set_position(done as u64);
-            bar.set_message(what.to_string());
-        },
-    };
-    let made = study(&plan, means);
-    bar.finish_and_clear();
+    let threads = args.threads.map_or(cores, |n| n as usize);
+    let made = with_progress(plan.cells(), |progress| {
+        let means = Means {
+            journal,
+            threads,
+            progress,
+        };
+        study(&plan, means)
+    });
     let (results, timings) = made.map_err(refuse)?;
     write(&results, (&args.out, &scene.name), summarise)?;
     write_timings(&folder, &timings)?;
@@ -240,18 +238,17 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
     ));
     told.extend(left_out);
     Ok(Plan {
-        name: scene.name.clone(),
-        title: scene.title.clone(),
-        command: command.to_string(),
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: told,
+            samples: SAMPLES,
+            timeout: Duration::from_secs_f64(args.timeout),
+            ..Conditions::of(scene)
+        },
         entries,
         maps,
-        models: models(),
         tolerance,
-        samples: SAMPLES,
-        events: scene.study.events,
         refine: !args.no_refine,
-        settings: told,
-        timeout: Duration::from_secs_f64(args.timeout),
     })
 }
 

@@ -27,8 +27,8 @@ pub mod theory;
 #[cfg(test)]
 mod tests;
 
+use crate::experiment::conditions::Progress;
 use crate::experiment::journal::JournalError;
-use crate::experiment::machine;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
 use axis::AxisError;
@@ -70,7 +70,7 @@ pub struct Means<'a> {
     /// Threads.
     pub threads: usize,
     /// Told the runs done, all that are known of, and the name of the last.
-    pub progress: &'a (dyn Fn(usize, usize, &str) + Sync),
+    pub progress: Progress<'a>,
 }
 
 /// A converged solution that at most one thread computes.
@@ -82,7 +82,7 @@ struct Work<'a> {
     references: Mutex<HashMap<String, Slot>>,
     total: AtomicUsize,
     done: AtomicUsize,
-    progress: &'a (dyn Fn(usize, usize, &str) + Sync),
+    progress: Progress<'a>,
 }
 
 /// Name of a cell in the journal.
@@ -157,17 +157,9 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
         .collect();
     Ok((
         Results {
-            scene: plan.name.clone(),
-            title: plan.title.clone(),
-            study: Study::Stability,
-            command: plan.command.clone(),
-            machine: machine::machine(),
-            commit: machine::COMMIT.into(),
-            created: machine::now(),
-            settings: plan.settings.clone(),
             tolerance: Some(plan.tolerance.clone()),
             maps,
-            ..Results::default()
+            ..plan.conditions.record(Study::Stability)
         },
         timings,
     ))
@@ -186,7 +178,8 @@ fn reduce_once(plan: &Plan<'_>) -> Result<(), StabilityError> {
         let last = (0..map.rows()).max_by(|a, b| places(a).total_cmp(&places(b)));
         for row in last.into_iter().chain([0]) {
             let setup = setup(plan, map, row)?;
-            Scene::build(&setup.scene, &setup.modelling, plan.models).map_err(RunError::from)?;
+            Scene::build(&setup.scene, &setup.modelling, plan.conditions.models)
+                .map_err(RunError::from)?;
         }
     }
     Ok(())

@@ -2,15 +2,14 @@
 //! another.
 
 use super::axis::{Axis, AxisError, Setup};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
 use gearbench_integrators::MethodSpec;
-use gearbench_models::gear::table::Model;
 use gearbench_models::spec::Value;
 use gearbench_reference::hash::Hash;
 use gearbench_reports::record::Tolerance;
 use gearbench_reports::stability::Columns;
-use std::time::Duration;
 
 /// One parameter with its values.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,30 +126,16 @@ impl MapPlan {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// Name of the scene.
-    pub name: String,
-    /// One line for the reader.
-    pub title: String,
-    /// Command that makes the record again.
-    pub command: String,
+    /// What all runs share.
+    pub conditions: Conditions<'a>,
     /// Models.
     pub entries: Vec<Configuration>,
     /// Maps, in the order of the record.
     pub maps: Vec<MapPlan>,
-    /// Table of models.
-    pub models: &'a [Model],
     /// What is accurate enough, against the model's own converged solution.
     pub tolerance: Tolerance,
-    /// Samples of the histories that errors are taken from.
-    pub samples: usize,
-    /// Locate events.
-    pub events: bool,
     /// Close in on the largest stable step.
     pub refine: bool,
-    /// Settings to show.
-    pub settings: Vec<(String, String)>,
-    /// Backstop on the wall clock of a run; the bound that counts is that on the steps.
-    pub timeout: Duration,
 }
 
 impl Plan<'_> {
@@ -196,15 +181,15 @@ impl Plan<'_> {
                     machine::COMMIT
                 ),
             ),
-            ("scene".to_owned(), self.name.clone()),
+            ("scene".to_owned(), self.conditions.name.clone()),
             (
                 "judged by".to_owned(),
                 format!(
                     "{} {:e}, {} samples, events {}, closing in {}",
                     self.tolerance.metric,
                     self.tolerance.limit,
-                    self.samples,
-                    self.events,
+                    self.conditions.samples,
+                    self.conditions.events,
                     self.refine
                 ),
             ),

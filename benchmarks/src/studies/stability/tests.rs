@@ -5,15 +5,14 @@ use super::cell::tolerance;
 use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::{Means, study};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
-use crate::models::models;
 use crate::scene_file::{Selection, load_for};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::table::{NEWMARK, VELOCITY_VERLET};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Columns;
-use std::time::Duration;
 
 /// Rigid gears in an impact under some methods, from steps that are cut off by their number to hopeless ones.
 fn plan(methods: &[MethodSpec]) -> Plan<'static> {
@@ -41,18 +40,16 @@ fn plan(methods: &[MethodSpec]) -> Plan<'static> {
         }
     };
     Plan {
-        name: scene.name.clone(),
-        title: scene.title.clone(),
-        command: "gearbench".into(),
+        conditions: Conditions {
+            command: "gearbench".into(),
+            samples: 200,
+            events: true,
+            ..Conditions::of(&scene)
+        },
         maps: methods.iter().map(|m| map(*m)).collect(),
         entries: vec![entry.clone()],
-        models: models(),
         tolerance: tolerance(scene.tolerance.as_ref()),
-        samples: 200,
-        events: true,
         refine: true,
-        settings: Vec::new(),
-        timeout: Duration::from_secs(60),
     }
 }
 

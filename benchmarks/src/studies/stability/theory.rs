@@ -48,7 +48,7 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
 
 fn freeze(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Option<Frozen> {
     let setup = plan.setup(map, row).ok()?;
-    Frozen::new(&setup.scene, &setup.modelling, plan.models).ok()
+    Frozen::new(&setup.scene, &setup.modelling, plan.conditions.models).ok()
 }
 
 fn kind(kind: LineKind) -> Kind {

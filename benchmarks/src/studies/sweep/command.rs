@@ -2,12 +2,13 @@
 
 use super::arguments::Sweep;
 use super::{Plan, SweepError, mesh_resonance, sweep};
-use crate::cli::terminal::{Refusal, exit_code, progress_bar, refuse_run, say, write};
+use crate::cli::terminal::{
+    Refusal, exit_code, refuse_run, refuse_statics, say, with_progress, write,
+};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
-use crate::studies::stiffness::build_error;
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_reports::record::Results;
 use std::process::ExitCode;
@@ -33,19 +34,21 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
     let mut shown = running.clone();
     shown.extend(&standing);
     let mut plan = Plan {
-        name: scene.name.clone(),
-        title: scene.title.clone(),
-        command: command.to_string(),
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: settings(&scene, &shown, false),
+            events: true,
+            repeats: 0,
+            timeout: Duration::from_secs_f64(args.timeout),
+            ..Conditions::of(&scene)
+        },
         entries: running.iter().map(entry).collect(),
         standing: standing.iter().map(entry).collect(),
         method: (scene.study.integrators.first().cloned()).unwrap_or(VELOCITY_VERLET.at_step(2e-7)),
-        models: models(),
         frequencies: Vec::new(),
         cycles: args.cycles.map_or(told.cycles, |n| n as usize),
         settle: told.settle,
         positions: args.positions,
-        settings: settings(&scene, &shown, false),
-        timeout: Duration::from_secs_f64(args.timeout),
     };
     let refuse = |e: SweepError| match e {
         SweepError::Run(e) => refuse_run(e),
@@ -54,10 +57,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
             "the scene `{}` cannot be swept: {message}",
             scene.name
         )),
-        SweepError::Statics(label, e) => match build_error(&e) {
-            Some(b) => Refusal::from(scene.locate_in(&label, b)),
-            None => Refusal::Failed(format!("{label}: {e}")),
-        },
+        SweepError::Statics(label, e) => refuse_statics(&scene, &label, &e),
     };
     let range = match (args.from, args.to, told.range) {
         (Some(from), Some(to), _) if from < to => [from, to],
@@ -80,13 +80,8 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();
 
-    let bar = progress_bar(plan.frequencies.len() * plan.entries.len());
-    let results = sweep(&plan, None, |done, what| {
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    let results = results.map_err(refuse)?;
+    let results =
+        with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))
 }

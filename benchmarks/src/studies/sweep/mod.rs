@@ -10,8 +10,8 @@ pub mod steady;
 #[cfg(test)]
 mod tests;
 
+use crate::experiment::conditions::{Conditions, Progress};
 use crate::experiment::configuration::Configuration;
-use crate::experiment::machine;
 use crate::experiment::run::{Job, RunError, run};
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
@@ -23,8 +23,6 @@ use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle, St
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status, Study};
 use gearbench_reports::series::TimeSeries;
 use std::f64::consts::TAU;
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 use steady::{Histories, measure};
 
 /// Samples of a mesh cycle in the histories.
@@ -41,20 +39,14 @@ const UNSETTLED: f64 = 0.2;
 /// What to sweep.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// Name of the scene.
-    pub name: String,
-    /// One line for the reader.
-    pub title: String,
-    /// Command that makes the record again.
-    pub command: String,
+    /// What all runs share.
+    pub conditions: Conditions<'a>,
     /// Models that run.
     pub entries: Vec<Configuration>,
     /// Further models that stand still only.
     pub standing: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,
-    /// Table of models.
-    pub models: &'a [Model],
     /// Mesh frequencies [Hz].
     pub frequencies: Vec<f64>,
     /// Whole mesh cycles to measure.
@@ -63,10 +55,6 @@ pub struct Plan<'a> {
     pub settle: f64,
     /// Positions of the static cycle.
     pub positions: usize,
-    /// Settings to show.
-    pub settings: Vec<(String, String)>,
-    /// Wall-clock bound of one integration.
-    pub timeout: Duration,
 }
 
 /// Why a sweep ends before its end.
@@ -254,7 +242,8 @@ fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<
 fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, SweepError> {
     let fail = |e| SweepError::Statics(entry.label.clone(), e);
     let pair = Pair::of(&entry.scene).map_err(SweepError::Scene)?;
-    let mut loaded = LoadedPair::new(&entry.scene, &entry.modelling, plan.models).map_err(fail)?;
+    let mut loaded =
+        LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
     let load = StaticLoad::Force(pair.force);
     let cycle = MeshCycle::solve(&mut loaded, load, plan.positions, |_| {}).map_err(fail)?;
     let tangent = cycle.mesh_tangent() * cycle.face_width;
@@ -268,7 +257,7 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Sweep
         error_mean_m: cycle.mean_error(),
         error_peak_to_peak_m: cycle.peak_to_peak(),
         tangent_n_per_m: tangent,
-        resonance_hz: resonance(entry, plan.models, tangent),
+        resonance_hz: resonance(entry, plan.conditions.models, tangent),
     })
 }
 
@@ -285,14 +274,11 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
 /// # Errors
 /// [`SweepError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
 /// are rows.
-pub fn sweep(
-    plan: &Plan<'_>,
-    cancel: Option<&AtomicBool>,
-    mut progress: impl FnMut(usize, &str),
-) -> Result<Results, SweepError> {
+pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, SweepError> {
     let mut statics = Vec::new();
+    let total = plan.frequencies.len() * plan.entries.len();
     for entry in plan.entries.iter().chain(&plan.standing) {
-        progress(0, &format!("{}, at rest", entry.label));
+        progress(0, total, &format!("{}, at rest", entry.label));
         statics.push(standing(plan, entry)?);
     }
     let mut runs = Vec::new();
@@ -303,23 +289,15 @@ pub fn sweep(
             .unwrap_or(&plan.method);
         for &frequency in &plan.frequencies {
             let what = format!("{}, mesh frequency {frequency:.0} Hz", entry.label);
-            progress(runs.len(), &what);
-            runs.push(one(plan, entry, &pair, method, frequency, cancel)?);
+            progress(runs.len(), total, &what);
+            runs.push(one(plan, entry, &pair, method, frequency)?);
         }
     }
-    progress(runs.len(), "report");
+    progress(runs.len(), total, "report");
     Ok(Results {
-        scene: plan.name.clone(),
-        title: plan.title.clone(),
-        study: Study::Sweep,
-        command: plan.command.clone(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
-        settings: plan.settings.clone(),
         statics,
         runs,
-        ..Results::default()
+        ..plan.conditions.record(Study::Sweep)
     })
 }
 
@@ -329,7 +307,6 @@ fn one(
     pair: &Pair,
     method: &Scheme,
     frequency: f64,
-    cancel: Option<&AtomicBool>,
 ) -> Result<Run, SweepError> {
     let period = frequency.recip();
     let settle = plan.settle.max(LEAST_CYCLES * period);
@@ -341,23 +318,14 @@ fn one(
         .map(|i| settle + (t_end - settle) * i as f64 / count)
         .collect();
     let mut row = run(&Job {
-        scene: &scene,
-        modelling: &entry.modelling,
-        models: plan.models,
-        method,
         t_end,
-        grid: &grid,
         also_steps: false,
         forces: true,
-        events: true,
-        repeats: 0,
-        timeout: plan.timeout,
-        max_steps: u64::MAX,
-        cancel,
+        ..plan
+            .conditions
+            .job((&scene, &entry.modelling), method, &grid)
     })?;
-    row.model.clone_from(&entry.model);
-    row.variant = entry.variant();
-    row.calibration.clone_from(&entry.calibration);
+    entry.sign(&mut row);
     row.contacts = None;
     // Rigid gears hand the contact force on; others have inertia of their own vibration.
     let gears = [0, 1].map(|i| {

@@ -1,7 +1,7 @@
 //! Sweeps with known answers.
 
 use super::*;
-use crate::models::models;
+use crate::experiment::conditions::silent;
 use crate::scene_file::{Origin, SceneFile};
 
 /// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
@@ -51,19 +51,18 @@ contact = {{ stiffness = {rows}, damping = {{ law = "kelvin-voigt-ratio", ratio 
 
 fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) -> Plan<'static> {
     Plan {
-        name: scene.name.clone(),
-        title: String::new(),
-        command: String::new(),
+        conditions: Conditions {
+            events: true,
+            repeats: 0,
+            ..Conditions::of(scene)
+        },
         entries: vec![Configuration::of(scene, &scene.models[0])],
         standing: Vec::new(),
         method: gearbench_integrators::table::DOPRI5.at_tolerance(1e-7),
-        models: models(),
         frequencies,
         cycles,
         settle,
         positions: 16,
-        settings: Vec::new(),
-        timeout: Duration::from_secs(60),
     }
 }
 
@@ -79,7 +78,7 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
     let deflection = pair.force / 1e8;
     let orders = [0.25, 0.8, 1.0, 1.25];
     let plan = plan(&scene, orders.map(|r| r * fn_hz).to_vec(), 4, 8e-3);
-    let results = sweep(&plan, None, |_, _| {}).unwrap();
+    let results = sweep(&plan, &silent).unwrap();
     for (run, r) in results.runs.iter().zip(orders) {
         assert!(!run.status.is_failure(), "{:?}", run.message);
         let s = run.steady.as_ref().unwrap();
@@ -111,7 +110,7 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
 fn slow_running_comes_to_the_static_limit() {
     let scene = scene(0.2, 0.7, 15.0);
     let plan = plan(&scene, vec![60.0], 1, 1e-3);
-    let results = sweep(&plan, None, |_, _| {}).unwrap();
+    let results = sweep(&plan, &silent).unwrap();
     let s = results.runs[0].steady.as_ref().unwrap();
     let still = &results.statics[0];
     assert!((s.error_peak_to_peak_m / still.error_peak_to_peak_m - 1.0).abs() < 0.02);

@@ -2,11 +2,11 @@
 
 use super::arguments::Truncation;
 use super::{COUNTS, Plan, Side, study};
-use crate::cli::terminal::{Refusal, progress_bar, refuse_run, say, write};
+use crate::cli::terminal::{Refusal, refuse_run, say, stored_reference, with_progress, write};
+use crate::experiment::conditions::Conditions;
 use crate::experiment::external::external;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
-use crate::models::models;
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{NEWMARK, TRIGONOMETRIC, VELOCITY_VERLET};
@@ -33,12 +33,7 @@ const TRUNCATED_STEP: f64 = 2e-8;
 pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let (elastic, full) = sides(&scene, args)?;
-    let reference = scene
-        .reference
-        .as_deref()
-        .map(gearbench_reference::reference)
-        .transpose()
-        .map_err(|e| Refusal::Files(e.to_string()))?;
+    let reference = stored_reference(&scene)?;
     let mut tried: Vec<usize> = args.counts.iter().map(|n| *n as usize).collect();
     if tried.is_empty() {
         tried = COUNTS.to_vec();
@@ -46,31 +41,23 @@ pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
     tried.sort_unstable();
     tried.dedup();
     let plan = Plan {
-        name: scene.name.clone(),
-        title: scene.title.clone(),
-        command: command.to_string(),
+        conditions: Conditions {
+            command: command.to_string(),
+            settings: settings(&scene, &[elastic, full], false),
+            events: true,
+            repeats: args.repeats,
+            timeout: Duration::from_secs_f64(args.timeout),
+            ..Conditions::of(&scene)
+        },
         model: ELASTIC.into(),
         elastic: side(&scene, elastic, first(elastic, TRIGONOMETRIC, STEP)),
         truncated: truncated(&scene, elastic),
         full: side(&scene, full, full_method(&scene, full, args)?),
         counts: tried,
         refine: !args.no_refine,
-        models: models(),
-        duration: scene.duration,
-        samples: scene.study.samples,
         external: reference.as_ref().map(external),
-        settings: settings(&scene, &[elastic, full], false),
-        repeats: args.repeats,
-        timeout: Duration::from_secs_f64(args.timeout),
     };
-    let bar = progress_bar(1);
-    let results = study(&plan, None, |done, total, what| {
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    let results = results.map_err(refuse_run)?;
+    let results = with_progress(1, |progress| study(&plan, progress)).map_err(refuse_run)?;
 
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(ExitCode::SUCCESS)

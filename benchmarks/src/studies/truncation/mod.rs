@@ -9,18 +9,15 @@
 pub mod arguments;
 pub mod command;
 
-use crate::experiment::machine;
+use crate::experiment::conditions::{Conditions, Progress};
 use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
 use gearbench_reports::truncation::{LIMITS, ways};
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 /// Numbers of modes that are tried when nobody says.
 pub const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
@@ -94,12 +91,8 @@ pub struct Side {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// Name of the scene.
-    pub name: String,
-    /// One line for the reader.
-    pub title: String,
-    /// Command that makes the record again.
-    pub command: String,
+    /// What all runs share.
+    pub conditions: Conditions<'a>,
     /// Id of the elastic model in the records.
     pub model: String,
     /// The elastic model; modes, `choose` and `residual` are the study's.
@@ -112,20 +105,8 @@ pub struct Plan<'a> {
     pub counts: Vec<usize>,
     /// Halve the distance to the fewest modes.
     pub refine: bool,
-    /// Table of models.
-    pub models: &'a [Model],
-    /// End [s].
-    pub duration: f64,
-    /// Samples of the histories.
-    pub samples: usize,
     /// External reference.
     pub external: Option<ReferenceSeries>,
-    /// Settings to show.
-    pub settings: Vec<(String, String)>,
-    /// Timed repeats.
-    pub repeats: u32,
-    /// Wall-clock bound of one integration.
-    pub timeout: Duration,
 }
 
 /// What a run keeps.
@@ -215,49 +196,22 @@ impl Plan<'_> {
         }
         modelling
     }
-
-    fn job<'j>(
-        &'j self,
-        side: (&'j SceneSpec, &'j Modelling, &'j Scheme),
-        grid: &'j [f64],
-        cancel: Option<&'j AtomicBool>,
-    ) -> Job<'j> {
-        Job {
-            scene: side.0,
-            modelling: side.1,
-            models: self.models,
-            method: side.2,
-            t_end: self.duration,
-            grid,
-            also_steps: true,
-            forces: false,
-            events: true,
-            repeats: self.repeats,
-            timeout: self.timeout,
-            max_steps: u64::MAX,
-            cancel,
-        }
-    }
 }
 
 /// Runs the study. `progress` is told the runs done, all that are known of, and the name of the next.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.
-pub fn study(
-    plan: &Plan<'_>,
-    cancel: Option<&AtomicBool>,
-    mut progress: impl FnMut(usize, usize, &str),
-) -> Result<Results, RunError> {
-    let grid = grid(plan);
+pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
+    let grid = plan.conditions.grid_with(plan.external.as_ref());
     let cases = plan.cases();
     let mut total = 1 + cases.len();
     progress(0, total, "full finite elements");
     let full = &plan.full;
     let mut reference = run(&Job {
         repeats: 0,
-        timeout: PATIENCE * plan.timeout,
-        ..plan.job((&full.scene, &full.modelling, &full.method), &grid, cancel)
+        timeout: PATIENCE * plan.conditions.timeout,
+        ..(plan.conditions).job((&full.scene, &full.modelling), &full.method, &grid)
     })?;
     reference.model = "fe".into();
     let Some(series) = reference
@@ -288,24 +242,16 @@ pub fn study(
     references.extend(plan.external.iter().cloned());
 
     let mut results = Results {
-        scene: plan.name.clone(),
-        title: plan.title.clone(),
-        study: Study::Truncation,
-        command: plan.command.clone(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
-        settings: plan.settings.clone(),
         references,
         runs: vec![reference],
-        ..Results::default()
+        ..plan.conditions.record(Study::Truncation)
     };
-    let mut one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
+    let one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
         let what = format!("{}, {}", case.modes, case.way.label);
         progress(results.runs.len(), total, &what);
         let modelling = plan.modelling(case);
         let method = plan.method(case);
-        let job = plan.job((&plan.elastic.scene, &modelling, &method), &grid, cancel);
+        let job = (plan.conditions).job((&plan.elastic.scene, &modelling), &method, &grid);
         let mut row = run(&job)?;
         row.model.clone_from(&plan.model);
         row.variant = Some(case.way.label.into());
@@ -349,19 +295,6 @@ pub fn study(
     }
     keep_histories(&mut results);
     Ok(results)
-}
-
-/// Even times, and those of the external reference.
-fn grid(plan: &Plan<'_>) -> Vec<f64> {
-    let n = plan.samples.max(2) - 1;
-    let even = (0..=n).map(|i| plan.duration * i as f64 / n as f64);
-    let external = (plan.external.iter())
-        .flat_map(|r| r.series.time_s.iter().copied())
-        .filter(|t| *t <= plan.duration);
-    let mut grid: Vec<f64> = even.chain(external).collect();
-    grid.sort_by(f64::total_cmp);
-    grid.dedup();
-    grid
 }
 
 /// Numbers of modes that a way has kept, ascending, each once.

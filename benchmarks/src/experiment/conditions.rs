@@ -1,0 +1,131 @@
+//! What all runs of a study share, and what heads its record.
+
+use super::machine;
+use super::run::Job;
+use crate::models::models;
+use crate::scene_file::SceneFile;
+use gearbench_integrators::Scheme;
+use gearbench_models::gear::table::Model;
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::record::{ReferenceSeries, Results, Study};
+use std::time::Duration;
+
+/// What all runs of a study share.
+#[derive(Clone, Debug)]
+pub struct Conditions<'a> {
+    /// Name of the scene.
+    pub name: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Command that makes the record again.
+    pub command: String,
+    /// Settings to show.
+    pub settings: Vec<(String, String)>,
+    /// Table of models.
+    pub models: &'a [Model],
+    /// End [s].
+    pub duration: f64,
+    /// Samples of the histories over the duration.
+    pub samples: usize,
+    /// Locate events.
+    pub events: bool,
+    /// Timed repeats.
+    pub repeats: u32,
+    /// Wall-clock bound of one integration.
+    pub timeout: Duration,
+    /// Bound on its steps.
+    pub max_steps: u64,
+}
+
+/// Told the runs done, all that are known of, and the name of the next.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize, &str) + Sync);
+
+/// Tells nobody.
+pub fn silent(_: usize, _: usize, _: &str) {}
+
+/// Even times from zero to an end [s].
+#[must_use]
+pub fn even(samples: usize, end: f64) -> Vec<f64> {
+    let n = samples.max(2) - 1;
+    (0..=n).map(|i| end * i as f64 / n as f64).collect()
+}
+
+impl Conditions<'static> {
+    /// Those of a scene: one timed repeat, a minute per run.
+    #[must_use]
+    pub fn of(scene: &SceneFile) -> Self {
+        Conditions {
+            name: scene.name.clone(),
+            title: scene.title.clone(),
+            command: String::new(),
+            settings: Vec::new(),
+            models: models(),
+            duration: scene.duration,
+            samples: scene.study.samples,
+            events: scene.study.events,
+            repeats: 1,
+            timeout: Duration::from_secs(60),
+            max_steps: u64::MAX,
+        }
+    }
+}
+
+impl Conditions<'_> {
+    /// Even times of the histories [s].
+    #[must_use]
+    pub fn grid(&self) -> Vec<f64> {
+        even(self.samples, self.duration)
+    }
+
+    /// The same with the times of a reference.
+    #[must_use]
+    pub fn grid_with(&self, reference: Option<&ReferenceSeries>) -> Vec<f64> {
+        let own = (reference.into_iter())
+            .flat_map(|r| r.series.time_s.iter().copied())
+            .filter(|t| *t <= self.duration);
+        let mut grid: Vec<f64> = self.grid().into_iter().chain(own).collect();
+        grid.sort_by(f64::total_cmp);
+        grid.dedup();
+        grid
+    }
+
+    /// A run under these conditions.
+    #[must_use]
+    pub fn job<'j>(
+        &'j self,
+        (scene, modelling): (&'j SceneSpec, &'j Modelling),
+        method: &'j Scheme,
+        grid: &'j [f64],
+    ) -> Job<'j> {
+        Job {
+            scene,
+            modelling,
+            models: self.models,
+            method,
+            t_end: self.duration,
+            grid,
+            also_steps: true,
+            forces: false,
+            events: self.events,
+            repeats: self.repeats,
+            timeout: self.timeout,
+            max_steps: self.max_steps,
+        }
+    }
+
+    /// The record of a study, so far without what it found.
+    #[must_use]
+    pub fn record(&self, study: Study) -> Results {
+        Results {
+            scene: self.name.clone(),
+            title: self.title.clone(),
+            study,
+            command: self.command.clone(),
+            machine: machine::machine(),
+            commit: machine::COMMIT.into(),
+            created: machine::now(),
+            settings: self.settings.clone(),
+            ..Results::default()
+        }
+    }
+}
