@@ -35,6 +35,7 @@ pub const RIGID: Model = Model {
     parameters: &[
         takes("rows", "nodes along the profile"),
         takes("columns", "nodes over the width"),
+        takes("lean_pitches", "how far tips stand off their involutes"),
     ],
     build: build_rigid,
 };
@@ -132,13 +133,27 @@ pub(crate) fn flanks_of(context: &GearContext<'_>) -> Flanks {
 }
 
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    let flanks = flanks_of(context);
+    let mut flanks = flanks_of(context);
+    if let Body::Gear(gear) = context.body {
+        flanks = leaning(gear, flanks, number(context, "lean_pitches", 0.0));
+    }
     Ok(Box::new(RigidFlanks {
         rigid: Rigid::new(context.hub.clone(), context.lever),
         placement: context.placement,
         positions: undeformed(&flanks),
         flanks,
     }))
+}
+
+/// The flanks with each node turned in proportion to its height over the base circle, tips by so many pitches.
+fn leaning(gear: &Gear, flanks: Flanks, pitches: f64) -> Flanks {
+    let mut grids = flanks.grids().to_vec();
+    for x in grids.iter_mut().flat_map(|g| &mut g.positions) {
+        let height = (x.x.hypot(x.y) - gear.r_base()) / (gear.r_tip() - gear.r_base());
+        let (sin, cos) = (height * pitches * gear.pitch_angle()).sin_cos();
+        *x = Vec3::new(cos * x.x - sin * x.y, sin * x.x + cos * x.y, x.z);
+    }
+    Flanks::new(grids)
 }
 
 fn undeformed(flanks: &Flanks) -> Vec<Vec3> {

@@ -40,6 +40,18 @@ pub enum SurfaceKind {
     Smooth,
 }
 
+/// How the flanks are found whose points are held against each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CoarseSearch {
+    /// By tooth indices where the flanks of both gears follow the involutes of their toothings; else by boxes.
+    #[default]
+    Auto,
+    /// By the path coordinates of the involutes that the flanks approximate.
+    ToothIndices,
+    /// By boxes about the flanks, whatever their numbers and wherever they stand.
+    Boxes,
+}
+
 /// Whose points are held against the other's surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Passes {
@@ -68,6 +80,8 @@ pub struct PointContact {
     pub surface: SurfaceKind,
     /// Whose points.
     pub passes: Passes,
+    /// How flanks are found.
+    pub coarse: CoarseSearch,
     /// Gap of the undeformed flanks [m] up to which a pair of flanks is looked at; it must exceed the elastic
     /// displacement of the teeth. `None` takes a fiftieth of the base pitch.
     pub reach: Option<f64>,
@@ -97,6 +111,7 @@ impl PointContact {
             rule: PointRule::default(),
             surface: SurfaceKind::default(),
             passes: Passes::default(),
+            coarse: CoarseSearch::default(),
             reach: None,
             hard: false,
         }

@@ -457,7 +457,6 @@ fn flank_points_with_and_without_their_settings() {
     assert_eq!(
         of(all),
         Some(PointContact {
-            penalty: 2e14,
             damping: 1e7,
             rule: PointRule::Quadrature {
                 along: 5,
@@ -466,7 +465,7 @@ fn flank_points_with_and_without_their_settings() {
             surface: SurfaceKind::Faceted,
             passes: Passes::Both,
             reach: Some(1e-4),
-            hard: false,
+            ..PointContact::new(2e14)
         })
     );
     let nodes = of("penalty_pa_per_m = 1e15, points = \"nodes\"").unwrap();

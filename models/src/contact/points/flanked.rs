@@ -17,6 +17,8 @@ use std::f64::consts::TAU;
 
 /// Places along a face at which a surface is compared with its involute.
 const SAMPLES: u32 = 8;
+/// Part of the base pitch by which the nodes of a flank may lie off one involute and still be found as lying on it.
+const OFF_INVOLUTE: f64 = 0.1;
 /// Part of the largest deviation by which it may be larger between these.
 const BETWEEN_SAMPLES: f64 = 0.05;
 
@@ -68,6 +70,8 @@ pub(super) struct Flanked {
     foremost: Option<[f64; 2]>,
     /// Flanks move with the hub alone.
     pub rigid: bool,
+    /// The flanks follow their involutes, near enough to be found by path coordinates.
+    pub involute: bool,
     /// How far a flank stands outward of its involute at most, on the path coordinate [m]; for such flanks.
     pub proud: f64,
     /// Base radius [m]; `None` for a rack.
@@ -131,10 +135,12 @@ impl Flanked {
         // The first flank of a side stands for all, with what others stand before their place by its pitch.
         let mut most_proud = 0.0_f64;
         let mut foremost: [Option<(f64, f64)>; 2] = [None; 2];
+        let mut involute = true;
         let mut sorted = [vec![], vec![]];
         for (shape, g) in grids.grids().iter().enumerate() {
             let outermost = outermost(o.body, &o.view, g);
             let (s, tooth) = path_at_zero(&o, g.side, outermost);
+            involute &= off_involute(&o, g) <= OFF_INVOLUTE * pitch;
             if moves_as_one {
                 let stands = proud(&o, &shapes[shape], outermost, MOST_PAST);
                 most_proud = most_proud.max(stands);
@@ -169,10 +175,11 @@ impl Flanked {
             turn,
             sorted,
             rigid: moves_as_one,
+            involute,
             proud: most_proud,
             base_radius: o.view.base_radius,
             foremost: match foremost {
-                [Some(left), Some(right)] => Some([left.0 + left.1, right.0 + right.1]),
+                [Some(left), Some(right)] if involute => Some([left.0 + left.1, right.0 + right.1]),
                 _ => None,
             },
         })
@@ -242,6 +249,14 @@ impl Flanked {
     }
 }
 
+impl Flanked {
+    /// Calls `f` for all flanks of a side in the order of their path coordinates, those of a gear within half a turn
+    /// of `s`.
+    pub fn each_about(&self, side: Side, travel: f64, s: f64, f: impl FnMut(Near)) {
+        self.each_near(side, travel, [s - 0.5 * self.turn, s + 0.5 * self.turn], f);
+    }
+}
+
 /// Refuses grids that are none.
 fn check(flanks: &Flanks) -> Result<(), Reason> {
     if flanks.grids().is_empty() {
@@ -306,6 +321,24 @@ fn outermost(body: &Body, view: &MeshView, g: &crate::geometry::FlankGrid) -> f6
         })
     })
     .unwrap_or(0.0)
+}
+
+/// How far apart on the path coordinate [m] the involutes through the nodes of a flank are; infinite for a flank
+/// without a node above the form circle.
+fn off_involute(o: &Owner<'_>, g: &crate::geometry::FlankGrid) -> f64 {
+    let per_place = (o.view.base_radius).unwrap_or_else(|| o.view.working_pressure_angle.cos());
+    let mut places = (g.positions.iter()).filter_map(|x| place_of(o.body, &o.view, g.side, x));
+    let Some(first) = places.next() else {
+        return f64::INFINITY;
+    };
+    let off = |place: f64| match o.view.base_radius {
+        Some(_) => place - first - TAU * ((place - first) / TAU).round(),
+        None => place - first,
+    };
+    let (low, high) = places
+        .map(off)
+        .fold((0.0_f64, 0.0_f64), |(l, h), p| (l.min(p), h.max(p)));
+    per_place * (high - low)
 }
 
 /// Where [`outermost`] would see a flank through a point of the own frame; `None` below the form circle.

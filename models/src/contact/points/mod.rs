@@ -10,8 +10,10 @@
 //! Same-named flanks touch: left flanks of one gear meet left flanks of the other, also of a rack.
 //!
 //! Steps of the search, after the gear train module of P. Ziegler and P. Eberhard (2011): teeth about the line
-//! of centres, the flanks they face on both sides, points of these.
+//! of centres, the flanks they face on both sides, points of these. Where tooth numbers do not tell the first two, boxes
+//! about the flanks do (`coarse`).
 
+mod coarse;
 mod flanked;
 mod generated;
 mod profile;

@@ -1,5 +1,6 @@
 //! The point search: candidates of a mesh at a state.
 
+use super::coarse::{CoarseScratch, CoarseStep, FlankBoxes, ToothIndices};
 use super::flanked::{Flanked, Near, Owner};
 use super::projection::{Begin, Deformed, Hit};
 use super::spur::{Spur, SpurScratch};
@@ -17,7 +18,7 @@ use crate::error::Reason;
 use crate::gear::NormalField;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::{Locus, Point, Pose, Tooth};
-use crate::spec::{Passes, PointContact};
+use crate::spec::{CoarseSearch, Passes, PointContact};
 use std::cell::RefCell;
 
 /// Part of the base pitch up to which undeformed flanks are looked at.
@@ -46,6 +47,8 @@ pub struct FlankPoints {
     /// Path coordinates of the first gear at which its flanks are looked at [m].
     pub(super) zone: [f64; 2],
     lines: [Option<[Vec3; 2]>; 2],
+    /// Which flanks are looked at.
+    coarse: Box<dyn CoarseStep>,
     /// The search in the transverse plane, where flanks allow it.
     spur: Option<Spur>,
     pub(super) scratch: RefCell<Scratch>,
@@ -66,6 +69,7 @@ pub(super) struct Scratch {
     pub first: Vec<Near>,
     active: [Vec<Active>; 2],
     positions: [Vec<Vec3>; 2],
+    coarse: CoarseScratch,
     pairs: Vec<[usize; 2]>,
     /// Clearance of each node of a flank [m].
     heights: Vec<f64>,
@@ -116,13 +120,25 @@ impl FlankPoints {
         let width = gears[0].face_width.min(gears[1].face_width);
         let beside =
             BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * geometry.base_helix.tan().abs();
+        let reach = settings.reach.unwrap_or(REACH * geometry.base_pitch);
+        let by_indices = match settings.coarse {
+            CoarseSearch::Auto => gears.iter().all(|g| g.involute),
+            CoarseSearch::ToothIndices => true,
+            CoarseSearch::Boxes => false,
+        };
+        let coarse: Box<dyn CoarseStep> = if by_indices {
+            Box::new(ToothIndices)
+        } else {
+            Box::new(FlankBoxes::new(&gears, reach, geometry.base_pitch))
+        };
         Ok(FlankPoints {
-            spur: Spur::new(&gears, &rule),
+            coarse,
+            spur: by_indices.then(|| Spur::new(&gears, &rule)).flatten(),
             gears,
             rule,
             penalty,
             hard: settings.hard,
-            reach: settings.reach.unwrap_or(REACH * geometry.base_pitch),
+            reach,
             length: geometry.length,
             helix_cos: geometry.base_helix.cos(),
             base_pitch: geometry.base_pitch,
@@ -143,22 +159,22 @@ impl FlankPoints {
         if !travel.iter().all(|t| t.is_finite()) {
             return;
         }
-        let reach = self.reach / self.helix_cos;
+        let mut coarse = std::mem::take(&mut scratch.coarse);
+        coarse.pairs.clear();
         for side in Side::BOTH {
-            let mut first = std::mem::take(&mut scratch.first);
-            first.clear();
-            self.gears[0].each_near(side, travel[0], self.zone, |near| first.push(near));
-            for near in &first {
-                let facing = self.length - near.s;
-                let range = [facing - reach, facing + 0.5 * self.base_pitch];
-                self.gears[1].each_near(side, travel[1], range, |other| {
-                    let a = self.activate(0, *near, parties[0], travel[0], scratch);
-                    let b = self.activate(1, other, parties[1], travel[1], scratch);
-                    scratch.pairs.push([a, b]);
-                });
-            }
-            scratch.first = first;
+            self.coarse.pairs(self, side, travel, &mut coarse);
         }
+        for [near, other] in &coarse.pairs {
+            let a = self.activate(0, *near, parties[0], travel[0], scratch);
+            let b = self.activate(1, *other, parties[1], travel[1], scratch);
+            scratch.pairs.push([a, b]);
+        }
+        scratch.coarse = coarse;
+    }
+
+    /// Path coordinates by which flanks may be apart and points still within reach [m].
+    pub(super) fn reach_along(&self) -> f64 {
+        self.reach / self.helix_cos
     }
 
     /// Index of a flank among the active ones; its nodes are placed when it is new.

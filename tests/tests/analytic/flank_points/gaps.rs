@@ -83,7 +83,7 @@ fn rigid_smooth_flanks_have_exact_gaps_and_those_of_the_lines_of_action() {
     agrees("its points", &slanted, &[rigid(), m(9, 3)], 1, 1e-9);
 }
 
-fn helical(params: GearParams, angle: f64) -> GearParams {
+pub(super) fn helical(params: GearParams, angle: f64) -> GearParams {
     GearParams {
         helix_angle: angle,
         ..params

@@ -1,6 +1,7 @@
 //! Contact of flank points: gaps and normals on exact involutes against the lines of action, forces, rows,
 //! moments, edges.
 
+mod coarse;
 mod forces;
 mod gaps;
 mod rows;
