@@ -212,7 +212,7 @@ pub struct Step {
 }
 
 /// A deck that was read. Names are in lower case, for decks do not tell cases apart.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Deck {
     /// File, as it was named.
     pub name: String,

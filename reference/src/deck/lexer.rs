@@ -44,6 +44,35 @@ pub(crate) struct Data {
     pub(crate) fields: Vec<String>,
 }
 
+/// Errors of one kind: at a keyword line, and at a data line below one.
+macro_rules! errors {
+    ($($name:ident $kind:ident),*) => {
+        impl Keyword {
+            $(pub(crate) fn $name(
+                &self,
+                expected: impl Into<String>,
+                found: impl Into<String>,
+                help: impl Into<String>,
+            ) -> DeckError {
+                (self.place).error(DeckErrorKind::$kind, self.text.clone(), expected, found, help)
+            })*
+        }
+        impl Data {
+            $(pub(crate) fn $name(
+                &self,
+                keyword: &Keyword,
+                expected: impl Into<String>,
+                found: impl Into<String>,
+                help: impl Into<String>,
+            ) -> DeckError {
+                (self.place).error(DeckErrorKind::$kind, keyword.text.clone(), expected, found, help)
+            })*
+        }
+    };
+}
+
+errors!(syntax Syntax, unsupported Unsupported, reference Reference);
+
 /// A line that says something.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Line {

@@ -40,15 +40,7 @@ use std::path::Path;
 /// [`DeckError`] says where and why the deck is declined.
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
     let name = path.as_ref().to_string_lossy().into_owned();
-    let text = text_of(&name).map_err(|e| DeckError {
-        kind: DeckErrorKind::Io,
-        file: name.as_str().into(),
-        line: 0,
-        context: "".into(),
-        expected: "a readable deck".into(),
-        found: e.to_string().into(),
-        help: "".into(),
-    })?;
+    let text = text_of(&name).map_err(|e| unreadable(&name, "a readable deck", &e))?;
     read_str(&name, &text, &mut text_of)
 }
 
@@ -66,18 +58,22 @@ pub fn read_str(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<D
 /// # Errors
 /// [`DeckError`] says where and why the deck is declined.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
-    let text = decode(bytes).map_err(|e| DeckError {
+    let text = decode(bytes).map_err(|e| unreadable(name, "a deck as text or gzip", &e))?;
+    read_str(name, &text, &mut |_| {
+        Err(io::Error::other("an embedded deck includes no files"))
+    })
+}
+
+fn unreadable(name: &str, expected: &str, e: &io::Error) -> DeckError {
+    DeckError {
         kind: DeckErrorKind::Io,
         file: name.into(),
         line: 0,
         context: "".into(),
-        expected: "a deck as text or gzip".into(),
+        expected: expected.into(),
         found: e.to_string().into(),
         help: "".into(),
-    })?;
-    read_str(name, &text, &mut |_| {
-        Err(io::Error::other("an embedded deck includes no files"))
-    })
+    }
 }
 
 fn text_of(name: &str) -> io::Result<String> {

@@ -10,7 +10,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-use super::data::{Deck, Labels, Step, Target};
+use super::data::{Deck, Step, Target};
 use super::error::{DeckError, DeckErrorKind, Place, quote};
 use super::lexer::{Data, Keyword, Lexer, Line, Resolver};
 use std::collections::BTreeMap;
@@ -21,23 +21,7 @@ pub(crate) fn read(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Resul
         lexer: Lexer::new(name, text, resolver)?,
         deck: Deck {
             name: name.into(),
-            heading: Vec::new(),
-            nodes: Vec::new(),
-            node_labels: Labels::default(),
-            blocks: Vec::new(),
-            element_labels: Labels::default(),
-            node_sets: BTreeMap::new(),
-            element_sets: BTreeMap::new(),
-            surfaces: BTreeMap::new(),
-            defined: BTreeMap::new(),
-            materials: BTreeMap::new(),
-            sections: Vec::new(),
-            rigid_bodies: Vec::new(),
-            boundaries: Vec::new(),
-            interactions: BTreeMap::new(),
-            contact_pairs: Vec::new(),
-            initial_velocities: Vec::new(),
-            steps: Vec::new(),
+            ..Deck::default()
         },
         material: None,
         interaction: None,
@@ -108,9 +92,7 @@ impl Reader<'_> {
             "DYNAMIC" => self.dynamic(k),
             "FREQUENCY" => self.frequency(k),
             key if step::REQUESTS.contains(&key) => self.request(k),
-            _ => Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            _ => Err(k.unsupported(
                 "a keyword that gears need",
                 "one that is not read here",
                 "take it out of the deck if the gear does not depend on it",
@@ -153,9 +135,7 @@ impl Reader<'_> {
     fn outside_step(&self, k: &Keyword) -> Result<(), DeckError> {
         match self.step {
             None => Ok(()),
-            Some(_) => Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
+            Some(_) => Err(k.syntax(
                 "model data before the first *STEP",
                 "them inside a step",
                 "move them in front of *STEP",
@@ -167,13 +147,7 @@ impl Reader<'_> {
     fn need_data(&mut self, k: &Keyword, what: &str) -> Result<Data, DeckError> {
         match self.lexer.data()? {
             Some(data) => Ok(data),
-            None => Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
-                format!("a data line with {what}"),
-                "none",
-                "",
-            )),
+            None => Err(k.syntax(format!("a data line with {what}"), "none", "")),
         }
     }
 
@@ -197,9 +171,8 @@ impl Reader<'_> {
     fn node_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
         let label = label(k, data, field)?;
         self.deck.node_labels.find(label).ok_or_else(|| {
-            data.place.error(
-                DeckErrorKind::Reference,
-                k.text.clone(),
+            data.reference(
+                k,
                 "a node defined above",
                 format!("label {label}"),
                 "put *NODE with this label in front",
@@ -210,9 +183,8 @@ impl Reader<'_> {
     fn element_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
         let label = label(k, data, field)?;
         self.deck.element_labels.find(label).ok_or_else(|| {
-            data.place.error(
-                DeckErrorKind::Reference,
-                k.text.clone(),
+            data.reference(
+                k,
                 "an element defined above",
                 format!("label {label}"),
                 "put *ELEMENT with this label in front",
@@ -267,9 +239,7 @@ fn options<'k, const N: usize>(
                     true => "no options".to_owned(),
                     false => format!("options among {}", list.join(", ")),
                 };
-                return Err(k.place.error(
-                    DeckErrorKind::Unsupported,
-                    k.text.clone(),
+                return Err(k.unsupported(
                     expected,
                     quote(&option.key),
                     "it may change the model, so it is not passed over",
@@ -284,13 +254,7 @@ fn options<'k, const N: usize>(
 fn named(k: &Keyword, option: &str, value: Option<&str>) -> Result<String, DeckError> {
     match value {
         Some(value) if !value.is_empty() => Ok(value.to_ascii_lowercase()),
-        _ => Err(k.place.error(
-            DeckErrorKind::Syntax,
-            k.text.clone(),
-            format!("{option}=name"),
-            "no name",
-            "",
-        )),
+        _ => Err(k.syntax(format!("{option}=name"), "no name", "")),
     }
 }
 
@@ -303,13 +267,7 @@ fn label(k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
 fn whole(k: &Keyword, data: &Data, field: &str, expected: &str) -> Result<u32, DeckError> {
     match field.parse::<u32>() {
         Ok(n) if n > 0 => Ok(n),
-        _ => Err(data.place.error(
-            DeckErrorKind::Syntax,
-            k.text.clone(),
-            expected,
-            quote(field),
-            "",
-        )),
+        _ => Err(data.syntax(k, expected, quote(field), "")),
     }
 }
 
@@ -319,9 +277,8 @@ fn direction(k: &Keyword, data: &Data, field: &str) -> Result<u8, DeckError> {
         "1" => Ok(1),
         "2" => Ok(2),
         "3" => Ok(3),
-        _ => Err(data.place.error(
-            DeckErrorKind::Unsupported,
-            k.text.clone(),
+        _ => Err(data.unsupported(
+            k,
             "a direction 1, 2 or 3",
             quote(field),
             "nodes of solid elements have no other",
@@ -339,13 +296,7 @@ fn number(k: &Keyword, data: &Data, field: &str) -> Result<f64, DeckError> {
     };
     match value {
         Some(x) if digits && x.is_finite() => Ok(x),
-        _ => Err(data.place.error(
-            DeckErrorKind::Syntax,
-            k.text.clone(),
-            "a finite number",
-            quote(field),
-            "",
-        )),
+        _ => Err(data.syntax(k, "a finite number", quote(field), "")),
     }
 }
 
@@ -362,9 +313,8 @@ fn at_most(k: &Keyword, data: &Data, count: usize) -> Result<(), DeckError> {
     if data.fields.len() <= count {
         return Ok(());
     }
-    Err(data.place.error(
-        DeckErrorKind::Unsupported,
-        k.text.clone(),
+    Err(data.unsupported(
+        k,
         format!("at most {count} values in the line"),
         data.fields.len().to_string(),
         "a further value may change the model, so it is not passed over",

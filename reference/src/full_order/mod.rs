@@ -1,6 +1,6 @@
 //! The full-order gear model `fe`: all nodal displacements, in the same scenes as every other model.
 //!
-//! | room | owns |
+//! | module | owns |
 //! |---|---|
 //! | [`frame`] | the frame on the hub: where undeformed points are |
 //! | [`body`] | mesh, stiffness and mass, prepared |

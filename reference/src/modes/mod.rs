@@ -24,7 +24,6 @@ use crate::solve::{self, Cholesky, Scalar, SolveError, Symbolic, negative_eigenv
 use faer::sparse::SparseColMatRef;
 use faer::{Mat, Par};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// How to find modes.
 #[derive(Clone, Copy, Debug)]
@@ -238,23 +237,17 @@ fn search(
         }
         _ => {}
     }
-    let start = Instant::now();
     let shifted = k.minus(shift, &m);
     let symbolic = Arc::new(Symbolic::new(
         shifted.symbolic(),
         solve::ordering::Ordering::Best,
     )?);
-    let analysis = start.elapsed().as_secs_f64();
-    let start = Instant::now();
     let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), options.par)?;
-    let factorisation = start.elapsed().as_secs_f64();
     drop(shifted);
     let par = options
         .par
         .unwrap_or(if n < 20_000 { Par::Seq } else { Par::rayon(0) });
     let mut iteration = lanczos::Lanczos::new(m.clone(), shift, block, options, par);
-    iteration.report.analysis_s = analysis;
-    iteration.report.factorisation_s = factorisation;
     iteration.report.factorisations = 1;
     iteration.report.factor_bytes = factor.bytes();
     iteration.run(&factor, target)?;
@@ -278,7 +271,6 @@ fn verify(
     block: usize,
     modes: &mut Modes,
 ) -> Result<(), ModesError> {
-    let start = Instant::now();
     let w2 = &modes.omega2;
     let last = w2.len() - 1;
     let from = last.saturating_sub(block.max(4));
@@ -297,6 +289,5 @@ fn verify(
     }
     modes.report.verified = counted;
     modes.report.factorisations += 1;
-    modes.report.verification_s = start.elapsed().as_secs_f64();
     Ok(())
 }

@@ -27,10 +27,10 @@
 //! | [`of_mesh`] | any mesh: one factorisation, all flank nodes as right-hand sides |
 //! | [`of_sector`] | gears made of copies of a sector: forces on one tooth, one small problem per harmonic |
 
-use super::cutting::{symmetrise, symmetrise_blocks};
 use super::error::ReductionError;
 use super::mounting::Mounting;
 use super::surface::Surface;
+use super::truncation::{symmetrise, symmetrise_blocks};
 use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;

@@ -30,7 +30,7 @@ pub mod basis;
 pub mod cache;
 pub mod choose;
 pub mod compliance;
-mod cutting;
+
 mod error;
 pub mod estimate;
 mod geometry;
@@ -45,14 +45,15 @@ pub mod shared;
 pub mod store;
 pub mod surface;
 pub(crate) mod table;
+mod truncation;
 
-pub use cutting::{Kept, without_modes};
 pub use error::ReductionError;
 pub use geometry::Toothing;
 pub use mounting::Mounting;
 pub use of_gear::{OfGear, of_gear};
 pub use request::Request;
 pub use surface::Surface;
+pub use truncation::{Kept, without_modes};
 
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;

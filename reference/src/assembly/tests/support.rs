@@ -1,13 +1,11 @@
-//! Bricks of any element kind, and lowest eigenfrequencies by subspace iteration.
+//! Bricks of any element kind, and lowest eigenfrequencies.
 
 use crate::assembly::tie::Reduced;
 use crate::element::natural_corner;
 use crate::mesh::{ElementKind, Mesh};
-use crate::solve::Cholesky;
+use crate::modes;
 use faer::sparse::SparseColMat;
-use faer::{Mat, Par};
 use gearbench_models::Vec3;
-use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
 /// A box from the origin, cut into equal cells; nodes ascend along z first, x last.
@@ -74,78 +72,9 @@ pub fn product(a: &SparseColMat<usize, f64>, x: &[f64]) -> Vec<f64> {
     y
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// The lowest eigenfrequencies [Hz] of a held body, ascending, by subspace iteration (K.-J. Bathe, *Finite
-/// Element Procedures*, ch. 11); each is accepted only by its true residual.
+/// The lowest eigenfrequencies [Hz] of a held body, ascending.
 pub fn frequencies(reduced: &Reduced, count: usize) -> Vec<f64> {
-    let (k, m) = (&reduced.stiffness, &reduced.mass);
-    let (n, width) = (k.ncols(), 2 * count + 4);
-    assert!(width < n);
-    let factor = Cholesky::new(k.as_ref()).unwrap();
-    let mut basis: Vec<Vec<f64>> = (0..width)
-        .map(|c| {
-            (0..n)
-                .map(|i| (1.0 + (i * (2 * c + 3)) as f64 * 0.618).sin())
-                .collect()
-        })
-        .collect();
-    for _ in 0..60 {
-        let mut y = Mat::zeros(n, width);
-        for (c, x) in basis.iter().enumerate() {
-            for (i, f) in product(m, x).into_iter().enumerate() {
-                y[(i, c)] = f;
-            }
-        }
-        factor.solve_many(y.as_mut(), Par::Seq);
-        // Orthonormal in the mass, twice for rounding.
-        let mut done: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-        for c in 0..width {
-            let mut x: Vec<f64> = (0..n).map(|i| y[(i, c)]).collect();
-            for _ in 0..2 {
-                for (q, mq) in &done {
-                    let part = dot(mq, &x);
-                    x.iter_mut().zip(q).for_each(|(x, q)| *x -= part * q);
-                }
-            }
-            let size = dot(&x, &product(m, &x)).sqrt();
-            x.iter_mut().for_each(|x| *x /= size);
-            let mx = product(m, &x);
-            done.push((x, mx));
-        }
-        let images: Vec<Vec<f64>> = done.iter().map(|(q, _)| product(k, q)).collect();
-        let ritz = DMatrix::from_fn(width, width, |i, j| dot(&done[i].0, &images[j]));
-        let eigen = ((&ritz + ritz.transpose()) * 0.5).symmetric_eigen();
-        let mut order: Vec<usize> = (0..width).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-        let turned = |of: &dyn Fn(usize) -> Vec<f64>, c: usize| {
-            let mut x = vec![0.0; n];
-            for i in 0..width {
-                let part = eigen.eigenvectors[(i, order[c])];
-                x.iter_mut().zip(of(i)).for_each(|(x, q)| *x += part * q);
-            }
-            x
-        };
-        basis = (0..width)
-            .map(|c| turned(&|i| done[i].0.clone(), c))
-            .collect();
-        let converged = basis.iter().take(count).enumerate().all(|(c, x)| {
-            let (kx, mx) = (product(k, x), product(m, x));
-            let value = eigen.eigenvalues[order[c]];
-            let left: f64 = kx
-                .iter()
-                .zip(&mx)
-                .map(|(k, m)| (k - value * m).powi(2))
-                .sum();
-            left.sqrt() < 1e-6 * dot(&kx, &kx).sqrt()
-        });
-        if converged {
-            return (0..count)
-                .map(|c| eigen.eigenvalues[order[c]].sqrt() / std::f64::consts::TAU)
-                .collect();
-        }
-    }
-    panic!("subspace iteration did not settle");
+    let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
+    let found = modes::lowest(k, m, count, &modes::Options::default()).unwrap();
+    found.frequencies()
 }

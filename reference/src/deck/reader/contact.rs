@@ -3,7 +3,7 @@
 use super::model::{field, twice};
 use super::{Reader, at_most, known, named, number, options};
 use crate::deck::data::{ContactKind, ContactPair, Interaction};
-use crate::deck::error::{DeckError, DeckErrorKind, quote};
+use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::Keyword;
 use crate::mesh::Face;
 use std::collections::HashSet;
@@ -14,9 +14,7 @@ impl Reader<'_> {
         let [name, kind] = options(k, ["NAME", "TYPE"], &["INTERNAL"])?;
         let name = named(k, "NAME", name)?;
         if kind.is_some_and(|t| !t.eq_ignore_ascii_case("ELEMENT")) {
-            return Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            return Err(k.unsupported(
                 "TYPE=ELEMENT",
                 quote(kind.unwrap_or("")),
                 "name the surface by element faces",
@@ -34,13 +32,7 @@ impl Reader<'_> {
                 "S5" => 4,
                 "S6" => 5,
                 other => {
-                    return Err(data.place.error(
-                        DeckErrorKind::Syntax,
-                        k.text.clone(),
-                        "a face S1 to S6",
-                        quote(other),
-                        "",
-                    ));
+                    return Err(data.syntax(k, "a face S1 to S6", quote(other), ""));
                 }
             };
             let text = field(&data, 0);
@@ -93,9 +85,7 @@ impl Reader<'_> {
         self.outside_step(k)?;
         let [kind] = options(k, ["PRESSURE-OVERCLOSURE"], &[])?;
         if !kind.is_some_and(|t| t.eq_ignore_ascii_case("LINEAR")) {
-            return Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            return Err(k.unsupported(
                 "PRESSURE-OVERCLOSURE=LINEAR",
                 quote(kind.unwrap_or("none")),
                 "give the contact a linear penalty",
@@ -105,13 +95,7 @@ impl Reader<'_> {
         at_most(k, &data, 1)?;
         let stiffness = number(k, &data, field(&data, 0))?;
         if stiffness <= 0.0 {
-            return Err(data.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
-                "a stiffness above 0",
-                stiffness.to_string(),
-                "",
-            ));
+            return Err(data.syntax(k, "a stiffness above 0", stiffness.to_string(), ""));
         }
         let interaction = self
             .interaction
@@ -122,13 +106,7 @@ impl Reader<'_> {
                 interaction.stiffness = Some(stiffness);
                 Ok(())
             }
-            None => Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
-                "*SURFACE INTERACTION before it",
-                "none",
-                "",
-            )),
+            None => Err(k.syntax("*SURFACE INTERACTION before it", "none", "")),
         }
     }
 
@@ -146,9 +124,7 @@ impl Reader<'_> {
             "SURFACETOSURFACE" => ContactKind::SurfaceToSurface,
             "NODETOSURFACE" => ContactKind::NodeToSurface,
             other => {
-                return Err(k.place.error(
-                    DeckErrorKind::Unsupported,
-                    k.text.clone(),
+                return Err(k.unsupported(
                     "TYPE=SURFACE TO SURFACE or NODE TO SURFACE",
                     quote(other),
                     "programs differ in what they take without it, so say which",

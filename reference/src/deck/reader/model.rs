@@ -2,7 +2,7 @@
 
 use super::{Reader, at_most, known, label, named, number_or_zero, options, whole};
 use crate::deck::data::ElementBlock;
-use crate::deck::error::{DeckError, DeckErrorKind, quote};
+use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::{Data, Keyword};
 use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
@@ -38,9 +38,8 @@ impl Reader<'_> {
                 number_or_zero(k, &data, 3)?,
             );
             let Some(dense) = self.deck.node_labels.push(label) else {
-                return Err(data.place.error(
-                    DeckErrorKind::Reference,
-                    k.text.clone(),
+                return Err(data.reference(
+                    k,
                     "each node once",
                     format!("label {label} again"),
                     "renumber one of them",
@@ -60,9 +59,7 @@ impl Reader<'_> {
         let [kind, set] = options(k, ["TYPE", "ELSET"], &[])?;
         let name = named(k, "TYPE", kind)?;
         let Some(kind) = ElementKind::from_name(&name) else {
-            return Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            return Err(k.unsupported(
                 "an element C3D8, C3D8I, C3D20 or C3D20R",
                 quote(&name.to_ascii_uppercase()),
                 "mesh the gear with these hexahedra",
@@ -81,9 +78,8 @@ impl Reader<'_> {
         while let Some(mut data) = self.lexer.data()? {
             let label = label(k, &data, field(&data, 0))?;
             if self.deck.element_labels.push(label).is_none() {
-                return Err(data.place.error(
-                    DeckErrorKind::Reference,
-                    k.text.clone(),
+                return Err(data.reference(
+                    k,
                     "each element once",
                     format!("label {label} again"),
                     "renumber one of them",
@@ -106,9 +102,8 @@ impl Reader<'_> {
                     None
                 };
                 let Some(more) = more else {
-                    return Err(data.place.error(
-                        DeckErrorKind::Syntax,
-                        k.text.clone(),
+                    return Err(data.syntax(
+                        k,
                         format!("{} nodes of element {label}", kind.nodes()),
                         count.to_string(),
                         if count < kind.nodes() {
@@ -124,9 +119,8 @@ impl Reader<'_> {
             sorted.extend_from_slice(&block.connectivity[start..]);
             sorted.sort_unstable();
             if sorted.windows(2).any(|w| w[0] == w[1]) {
-                return Err(data.place.error(
-                    DeckErrorKind::Unsupported,
-                    k.text.clone(),
+                return Err(data.unsupported(
+                    k,
                     format!("{} different nodes of element {label}", kind.nodes()),
                     "one of them twice",
                     "a collapsed hexahedron is a wedge; mesh with hexahedra only",
@@ -217,9 +211,8 @@ impl Reader<'_> {
             Of::Elements => &self.deck.element_labels,
         };
         if last < first {
-            return Err(data.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
+            return Err(data.syntax(
+                k,
                 "first label, last label, increment",
                 format!("{first} to {last}"),
                 "put the smaller label first",
@@ -229,9 +222,8 @@ impl Reader<'_> {
         loop {
             // The first undefined label ends the loop, so that it never runs longer than the deck has labels.
             let Some(dense) = labels.find(label) else {
-                return Err(data.place.error(
-                    DeckErrorKind::Reference,
-                    k.text.clone(),
+                return Err(data.reference(
+                    k,
                     format!("all of {first} to {last} by {step} defined above"),
                     format!("none with label {label}"),
                     "generate existing labels only",
@@ -266,9 +258,7 @@ pub(super) fn field(data: &Data, i: usize) -> &str {
 
 /// A second definition.
 pub(super) fn twice(k: &Keyword, what: &str, name: &str) -> DeckError {
-    k.place.error(
-        DeckErrorKind::Reference,
-        k.text.clone(),
+    k.reference(
         format!("each {what} once"),
         format!("{} again", quote(name)),
         "rename one of them",

@@ -3,7 +3,7 @@
 use super::model::{field, twice};
 use super::{Reader, at_most, direction, known, named, number, number_or_zero, options};
 use crate::deck::data::{Boundary, DeckMaterial, InitialVelocity, RigidBody, Section};
-use crate::deck::error::{DeckError, DeckErrorKind, quote};
+use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::{Data, Keyword};
 
 impl Reader<'_> {
@@ -28,24 +28,15 @@ impl Reader<'_> {
         self.material
             .as_ref()
             .and_then(|name| self.deck.materials.get_mut(name))
-            .ok_or_else(|| {
-                k.place.error(
-                    DeckErrorKind::Syntax,
-                    k.text.clone(),
-                    "*MATERIAL before it",
-                    "none",
-                    "",
-                )
-            })
+            .ok_or_else(|| k.syntax("*MATERIAL before it", "none", ""))
     }
 
     /// One line of numbers; a second would make them depend on temperature.
     fn one_line(&mut self, k: &Keyword, what: &str, count: usize) -> Result<Vec<f64>, DeckError> {
         let data = self.need_data(k, what)?;
         if data.fields.len() != count {
-            return Err(data.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            return Err(data.unsupported(
+                k,
                 format!("one line with {what}"),
                 format!("{} values", data.fields.len()),
                 "the material is isotropic and does not depend on temperature",
@@ -53,9 +44,8 @@ impl Reader<'_> {
         }
         let values = data.fields.iter().map(|f| number(k, &data, f)).collect();
         if let Some(more) = self.lexer.data()? {
-            return Err(more.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            return Err(more.unsupported(
+                k,
                 format!("one line with {what}"),
                 "a second line",
                 "the material does not depend on temperature",
@@ -69,21 +59,13 @@ impl Reader<'_> {
         if kind
             .is_some_and(|t| !t.eq_ignore_ascii_case("ISO") && !t.eq_ignore_ascii_case("ISOTROPIC"))
         {
-            return Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
-                "an isotropic material",
-                quote(kind.unwrap_or("")),
-                "",
-            ));
+            return Err(k.unsupported("an isotropic material", quote(kind.unwrap_or("")), ""));
         }
         self.open_material(k)?;
         let values = self.one_line(k, "Young's modulus [Pa] and Poisson's ratio", 2)?;
         let (young, poisson) = (values[0], values[1]);
         if young <= 0.0 || poisson <= -1.0 || poisson >= 0.5 {
-            return Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
+            return Err(k.syntax(
                 "E > 0 and -1 < nu < 0.5",
                 format!("E = {young}, nu = {poisson}"),
                 "",
@@ -98,13 +80,7 @@ impl Reader<'_> {
         self.open_material(k)?;
         let density = self.one_line(k, "the density [kg/m^3]", 1)?[0];
         if density <= 0.0 {
-            return Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
-                "a density above 0",
-                density.to_string(),
-                "",
-            ));
+            return Err(k.syntax("a density above 0", density.to_string(), ""));
         }
         self.open_material(k)?.density = Some(density);
         Ok(())
@@ -122,9 +98,8 @@ impl Reader<'_> {
         while let Some(data) = self.lexer.data()? {
             at_most(k, &data, 1)?;
             if number_or_zero(k, &data, 0)? != 1.0 && !field(&data, 0).is_empty() {
-                return Err(data.place.error(
-                    DeckErrorKind::Unsupported,
-                    k.text.clone(),
+                return Err(data.unsupported(
+                    k,
                     "no section data of a solid",
                     quote(field(&data, 0)),
                     "",
@@ -166,9 +141,8 @@ impl Reader<'_> {
                 text => direction(k, &data, text)?,
             };
             if last < first {
-                return Err(data.place.error(
-                    DeckErrorKind::Syntax,
-                    k.text.clone(),
+                return Err(data.syntax(
+                    k,
                     "node, first direction, last direction, value",
                     format!("directions {first} to {last}"),
                     "",
@@ -191,13 +165,7 @@ impl Reader<'_> {
         self.outside_step(k)?;
         let [kind] = options(k, ["TYPE"], &[])?;
         if !kind.is_some_and(|t| t.eq_ignore_ascii_case("VELOCITY")) {
-            return Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
-                "TYPE=VELOCITY",
-                quote(kind.unwrap_or("no type")),
-                "",
-            ));
+            return Err(k.unsupported("TYPE=VELOCITY", quote(kind.unwrap_or("no type")), ""));
         }
         while let Some(data) = self.lexer.data()? {
             at_most(k, &data, 3)?;

@@ -3,7 +3,7 @@
 use super::model::field;
 use super::{OpenStep, Reader, at_most, number, options, whole};
 use crate::deck::data::{Procedure, Step};
-use crate::deck::error::{DeckError, DeckErrorKind, quote};
+use crate::deck::error::{DeckError, quote};
 use crate::deck::lexer::{Data, Keyword};
 
 /// Keywords that only ask for output: they change no model.
@@ -35,19 +35,11 @@ impl Reader<'_> {
             Some(v) if v.is_empty() || v.eq_ignore_ascii_case("YES") => true,
             Some(v) if v.eq_ignore_ascii_case("NO") => false,
             Some(v) => {
-                return Err(k.place.error(
-                    DeckErrorKind::Syntax,
-                    k.text.clone(),
-                    "NLGEOM, NLGEOM=YES or NLGEOM=NO",
-                    quote(v),
-                    "",
-                ));
+                return Err(k.syntax("NLGEOM, NLGEOM=YES or NLGEOM=NO", quote(v), ""));
             }
         };
         if perturbation.is_some() && !self.deck.steps.is_empty() {
-            return Err(k.place.error(
-                DeckErrorKind::Unsupported,
-                k.text.clone(),
+            return Err(k.unsupported(
                 "a perturbation of the undeformed state, in the first step",
                 "one after another step",
                 "",
@@ -79,9 +71,7 @@ impl Reader<'_> {
                 self.deck.steps.push(open.step);
                 Ok(())
             }
-            Some(_) => Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
+            Some(_) => Err(k.syntax(
                 "*STATIC, *DYNAMIC or *FREQUENCY in the step",
                 "none of them",
                 "",
@@ -97,9 +87,7 @@ impl Reader<'_> {
                 open.procedure = true;
                 Ok(())
             }
-            Some(_) => Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
+            Some(_) => Err(k.syntax(
                 "one procedure in a step",
                 "a second one",
                 "open a further step",
@@ -122,13 +110,7 @@ impl Reader<'_> {
                 number(k, &data, text)?
             };
             if value <= 0.0 && i < 2 {
-                return Err(data.place.error(
-                    DeckErrorKind::Syntax,
-                    k.text.clone(),
-                    "an increment and a period above 0",
-                    quote(text),
-                    "",
-                ));
+                return Err(data.syntax(k, "an increment and a period above 0", quote(text), ""));
             }
             if i < 2 {
                 times[i] = value;
@@ -150,13 +132,7 @@ impl Reader<'_> {
             .map(|text| number(k, &as_data(k, text), text))
             .transpose()?;
         if let Some(alpha) = alpha.filter(|a| !(-1.0 / 3.0..=0.0).contains(a)) {
-            return Err(k.place.error(
-                DeckErrorKind::Syntax,
-                k.text.clone(),
-                "an alpha between -1/3 and 0",
-                alpha.to_string(),
-                "",
-            ));
+            return Err(k.syntax("an alpha between -1/3 and 0", alpha.to_string(), ""));
         }
         let times = self.times(k)?;
         let procedure = Procedure::Dynamic {
@@ -186,13 +162,7 @@ impl Reader<'_> {
 }
 
 fn outside(k: &Keyword) -> DeckError {
-    k.place.error(
-        DeckErrorKind::Syntax,
-        k.text.clone(),
-        "it between *STEP and *END STEP",
-        "it outside a step",
-        "",
-    )
+    k.syntax("it between *STEP and *END STEP", "it outside a step", "")
 }
 
 /// An option's value as a data line, for the functions that read those.

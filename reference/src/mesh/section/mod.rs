@@ -56,6 +56,7 @@ pub(super) struct Follower {
 }
 
 /// One tooth pitch of the section.
+#[derive(Default)]
 pub(super) struct Section {
     pub points: Vec<Plane>,
     /// Whether a point is a mid-side node.
@@ -165,15 +166,7 @@ pub(super) fn section(common: &Common<'_>, tooth: &Tooth) -> Section {
         }
     };
 
-    let mut s = Section {
-        points: Vec::new(),
-        mid: Vec::new(),
-        quads: Vec::new(),
-        cut: 0,
-        bore: Vec::new(),
-        flanks: Default::default(),
-        followers: Vec::new(),
-    };
+    let mut s = Section::default();
     let mut skins = [Block::new(rows, layers), Block::new(rows, layers)];
     let mut core = Block::new(corner, core_columns);
     let mut rim = Block::new(rim_columns, levels);

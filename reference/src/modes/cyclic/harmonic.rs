@@ -1,13 +1,12 @@
 //! The search for modes of one harmonic, which can be continued.
 
 use super::{Sector, Shared};
-use crate::modes::lanczos::{Lanczos, Report, Target, is_small};
+use crate::modes::lanczos::{Lanczos, Target, is_small};
 use crate::modes::{Modes, ModesError, Options, Symmetric, default_shift, dense};
 use crate::solve::ordering::Ordering;
 use crate::solve::{Cholesky, Scalar, Symbolic, negative_eigenvalues};
 use faer::{Mat, Par, c64};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Vectors per step.
 const BLOCK: usize = 4;
@@ -116,6 +115,18 @@ struct State<T: Scalar> {
     engine: Engine<T>,
 }
 
+/// Factor of the shifted stiffness.
+fn factor<T: Scalar>(
+    stiffness: &Symmetric<T>,
+    shift: f64,
+    mass: &Symmetric<T>,
+    symbolic: &Shared,
+) -> Result<Cholesky<T>, ModesError> {
+    let shifted = stiffness.minus(shift, mass);
+    let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), Some(Par::Seq))?;
+    Ok(factor)
+}
+
 enum Engine<T: Scalar> {
     /// All modes of a small problem.
     Dense(Modes<T>),
@@ -166,13 +177,9 @@ impl<T: Scalar> State<T> {
         let factor = match self.factor.take() {
             Some(factor) => factor,
             None => {
-                let start = Instant::now();
-                let shifted = self.stiffness.minus(self.shift, &self.mass);
-                let symbolic = self.symbolic.clone();
-                let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic, Some(Par::Seq))?;
+                let factor = factor(&self.stiffness, self.shift, &self.mass, &self.symbolic)?;
                 iteration.report.factorisations += 1;
                 iteration.report.factor_bytes = factor.bytes();
-                iteration.report.factorisation_s += start.elapsed().as_secs_f64();
                 factor
             }
         };
@@ -201,10 +208,7 @@ impl<T: Scalar> State<T> {
             Engine::Iteration(iteration) => match &self.factor {
                 Some(factor) => iteration.modes(factor, &self.stiffness, count)?,
                 None => {
-                    let shifted = self.stiffness.minus(self.shift, &self.mass);
-                    let symbolic = self.symbolic.clone();
-                    let factor =
-                        Cholesky::with_symbolic(shifted.as_ref(), symbolic, Some(Par::Seq))?;
+                    let factor = factor(&self.stiffness, self.shift, &self.mass, &self.symbolic)?;
                     let mut modes = iteration.modes(&factor, &self.stiffness, count)?;
                     modes.report.factorisations += 1;
                     modes
@@ -212,7 +216,6 @@ impl<T: Scalar> State<T> {
             },
         };
         if let (Some(bound), Engine::Iteration(_)) = (bound, &self.engine) {
-            let start = Instant::now();
             let shifted = self.stiffness.minus(bound, &self.mass);
             let counted = negative_eigenvalues(shifted.as_ref(), &self.symbolic, Par::Seq)?;
             if counted != count {
@@ -224,7 +227,6 @@ impl<T: Scalar> State<T> {
             }
             modes.report.verified = counted;
             modes.report.factorisations += 1;
-            modes.report.verification_s += start.elapsed().as_secs_f64();
         }
         let mut shapes = Mat::zeros(sector.displacements(), count);
         let mut reduced = Vec::with_capacity(self.mass.size());
@@ -235,12 +237,11 @@ impl<T: Scalar> State<T> {
                 sector.expand(harmonic, &reduced, scale, full.as_slice_mut());
             }
         }
-        let report: Report = modes.report;
         Ok(Modes {
             omega2: modes.omega2,
             vectors: shapes,
             residuals: modes.residuals,
-            report,
+            report: modes.report,
         })
     }
 }

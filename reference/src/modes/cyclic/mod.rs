@@ -30,7 +30,6 @@ use gearbench_models::stiffness::Material;
 use harmonic::Harmonic;
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Which of the two modes of a pair, or a mode by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,12 +70,6 @@ pub struct CyclicModes {
     pub shapes: Vec<Mat<c64>>,
     /// Work of each harmonic.
     pub reports: Vec<Report>,
-    /// Element matrices and harmonic matrices [s].
-    pub assembly_s: f64,
-    /// Whole search on the clock, without the assembly of the sector [s].
-    pub search_s: f64,
-    /// Factors kept at a time, at most [bytes].
-    pub factor_bytes: usize,
 }
 
 impl CyclicModes {
@@ -162,12 +155,7 @@ pub fn lowest(
     count: usize,
     options: &Options,
 ) -> Result<CyclicModes, ModesError> {
-    let start = Instant::now();
-    let sector = Sector::new(sector, material, hub)?;
-    let assembly_s = start.elapsed().as_secs_f64();
-    let mut modes = sector.lowest(count, options)?;
-    modes.assembly_s += assembly_s;
-    Ok(modes)
+    Sector::new(sector, material, hub)?.lowest(count, options)
 }
 
 impl Sector {
@@ -197,7 +185,6 @@ impl Sector {
     fn search(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
         let teeth = self.teeth() as usize;
         let unknowns = self.unknowns() * teeth;
-        let start = Instant::now();
         let symbolic = Arc::new(self.symbolic()?);
         let harmonics = teeth / 2 + 1;
         let keep = 16 * symbolic.stored() * harmonics < KEEP_BELOW;
@@ -246,21 +233,12 @@ impl Sector {
             shapes.push(found.vectors);
         }
         modes.sort_by(|a, b| a.omega2.total_cmp(&b.omega2));
-        let factors = reports.iter().map(|r: &Report| r.factor_bytes);
-        let factor_bytes = if keep {
-            factors.sum()
-        } else {
-            2 * factors.max().unwrap_or(0)
-        };
         Ok(CyclicModes {
             teeth: self.teeth(),
             unknowns,
             modes,
             shapes,
             reports,
-            assembly_s: 0.0,
-            search_s: start.elapsed().as_secs_f64(),
-            factor_bytes,
         })
     }
 

@@ -15,7 +15,6 @@ use crate::solve::{Cholesky, Scalar};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Work done for a set of modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,20 +33,6 @@ pub struct Report {
     pub verified: usize,
     /// Memory of the factor [bytes].
     pub factor_bytes: usize,
-    /// Order and fill [s].
-    pub analysis_s: f64,
-    /// First factorisation [s].
-    pub factorisation_s: f64,
-    /// Solves [s].
-    pub solve_s: f64,
-    /// Orthogonalisation, mass products and restarts [s].
-    pub orthogonalisation_s: f64,
-    /// Projected eigenproblems [s].
-    pub projection_s: f64,
-    /// Last inverse iteration and residuals [s].
-    pub polish_s: f64,
-    /// Inertia count [s].
-    pub verification_s: f64,
 }
 
 /// When enough modes are found.
@@ -178,7 +163,7 @@ impl<T: Scalar> Lanczos<T> {
         let mut next_check = wanted;
         loop {
             if self.size >= next_check {
-                let ritz = self.timed_ritz()?;
+                let ritz = self.ritz()?;
                 let converged = self.converged(&ritz);
                 let enough = match target {
                     Target::Count(count) => converged >= count,
@@ -244,17 +229,14 @@ impl<T: Scalar> Lanczos<T> {
     }
 
     fn solve(&mut self, factor: &Cholesky<T>, x: MatMut<'_, T>) {
-        let start = Instant::now();
         self.report.solves += x.ncols();
         factor.solve_many(x, self.par);
-        self.report.solve_s += start.elapsed().as_secs_f64();
     }
 
     /// Applies A to the last block and makes what is new in it the next block.
     fn step(&mut self, factor: &Cholesky<T>) -> Result<(), ModesError> {
         let mut w = self.mass_last.clone();
         self.solve(factor, w.as_mut());
-        let start = Instant::now();
         let (old, all) = (self.size, self.size + self.block);
         // What the neighbouring blocks explain first; the rest of the basis is then left with little.
         let near = if self.restarted {
@@ -285,9 +267,7 @@ impl<T: Scalar> Lanczos<T> {
         self.restarted = false;
         self.report.steps += 1;
         self.report.subspace = self.report.subspace.max(all);
-        self.normalise(w, all)?;
-        self.report.orthogonalisation_s += start.elapsed().as_secs_f64();
-        Ok(())
+        self.normalise(w, all)
     }
 
     /// Takes the part along basis vectors `from..to` out of `w`; returns the coefficients.

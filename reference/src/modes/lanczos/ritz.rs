@@ -6,7 +6,6 @@ use crate::modes::{Modes, ModesError, Symmetric};
 use crate::solve::{Cholesky, Scalar};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use std::time::Instant;
 
 /// Ritz values `theta`, descending, with vectors and estimated residuals.
 pub(super) struct Ritz<T: Scalar> {
@@ -16,13 +15,6 @@ pub(super) struct Ritz<T: Scalar> {
 }
 
 impl<T: Scalar> Lanczos<T> {
-    pub(super) fn timed_ritz(&mut self) -> Result<Ritz<T>, ModesError> {
-        let start = Instant::now();
-        let ritz = self.ritz();
-        self.report.projection_s += start.elapsed().as_secs_f64();
-        ritz
-    }
-
     pub(super) fn ritz(&self) -> Result<Ritz<T>, ModesError> {
         let m = self.size;
         let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m), self.par)?;
@@ -63,7 +55,6 @@ impl<T: Scalar> Lanczos<T> {
 
     /// Replaces the basis by its leading Ritz vectors; the last block stays.
     pub(super) fn restart(&mut self, ritz: &Ritz<T>, keep: usize) {
-        let start = Instant::now();
         let kept = self.combined(ritz.vectors.as_ref().subcols(0, keep));
         let last = self.basis.subcols(self.size, self.block).to_owned();
         self.basis.as_mut().subcols_mut(0, keep).copy_from(&kept);
@@ -79,7 +70,6 @@ impl<T: Scalar> Lanczos<T> {
         self.size = keep;
         self.restarted = true;
         self.report.restarts += 1;
-        self.report.orthogonalisation_s += start.elapsed().as_secs_f64();
     }
 
     pub(super) fn combined(&self, coefficients: MatRef<'_, T>) -> Mat<T> {
@@ -107,7 +97,6 @@ impl<T: Scalar> Lanczos<T> {
         count: usize,
     ) -> Result<Modes<T>, ModesError> {
         let mut report = self.report;
-        let start = Instant::now();
         if count == 0 {
             return Ok(Modes {
                 omega2: Vec::new(),
@@ -177,7 +166,6 @@ impl<T: Scalar> Lanczos<T> {
         );
         let omega2: Vec<f64> = shifted.iter().map(|l| l + self.shift).collect();
         let residuals = residuals(stiffness, &self.mass, &omega2, vectors.as_ref(), self.shift);
-        report.polish_s += start.elapsed().as_secs_f64();
         Ok(Modes {
             omega2,
             vectors,

@@ -61,6 +61,11 @@ impl StoreError {
         }
     }
 
+    /// A file that cannot be read or written.
+    pub(super) fn io(expected: &str, found: impl Into<String>, help: &str) -> Self {
+        StoreError::new(StoreErrorKind::Io, "", expected, found, help)
+    }
+
     /// The same with the file's name.
     pub(super) fn of(mut self, file: &str) -> Self {
         self.file = file.into();

@@ -126,18 +126,8 @@ pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError>
     if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem.of(&name));
     }
-    let fail = |e: io::Error| {
-        StoreError::new(
-            StoreErrorKind::Io,
-            "",
-            "a place to write to",
-            e.to_string(),
-            "choose another name for the output",
-        )
-        .of(&name)
-    };
     let part = part_of(path);
-    let whole = File::create(&part).and_then(|file| {
+    let whole: io::Result<_> = File::create(&part).and_then(|file| {
         let mut out = fields::write(BufWriter::new(file), basis, meta)?;
         out.flush()?;
         out.get_ref().metadata()
@@ -145,7 +135,8 @@ pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError>
     let kept = whole.and_then(|m| fs::rename(&part, path).map(|()| m.len()));
     kept.map_err(|e| {
         let _ = fs::remove_file(&part);
-        fail(e)
+        let help = "choose another name for the output";
+        StoreError::io("a place to write to", e.to_string(), help).of(&name)
     })
 }
 
@@ -165,14 +156,8 @@ fn part_of(path: &Path) -> PathBuf {
 pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let name = path.to_string_lossy();
     let fail = |found: String| {
-        StoreError::new(
-            StoreErrorKind::Io,
-            "",
-            "a readable reduction (.npz)",
-            found,
-            "`gearbench reduce DECK --out F.npz` makes one",
-        )
-        .of(&name)
+        let help = "`gearbench reduce DECK --out F.npz` makes one";
+        StoreError::io("a readable reduction (.npz)", found, help).of(&name)
     };
     let size = fs::metadata(path).map_err(|e| fail(e.to_string()))?.len();
     if size > MAX_FILE_BYTES {
@@ -202,13 +187,6 @@ pub fn to_bytes(basis: &Basis, meta: &Meta) -> Result<Vec<u8>, StoreError> {
     if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem);
     }
-    fields::write(Vec::new(), basis, meta).map_err(|e| {
-        StoreError::new(
-            StoreErrorKind::Io,
-            "",
-            "an archive in memory",
-            e.to_string(),
-            "",
-        )
-    })
+    fields::write(Vec::new(), basis, meta)
+        .map_err(|e| StoreError::io("an archive in memory", e.to_string(), ""))
 }
