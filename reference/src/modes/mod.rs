@@ -262,6 +262,9 @@ fn search(
     Ok(modes)
 }
 
+/// Squares of frequencies that differ by less, relatively, are those of a pair: rounding decides which is the lower.
+const PAIR: f64 = 1e-6;
+
 /// Counts the modes below a gap near the end of those found.
 fn verify(
     k: &Symmetric<f64>,
@@ -275,7 +278,9 @@ fn verify(
     let last = w2.len() - 1;
     let from = last.saturating_sub(block.max(4));
     let gap = |i: &usize| (w2[i + 1] - w2[*i]) / w2[i + 1].abs().max(f64::MIN_POSITIVE);
-    let Some(i) = (from..last).max_by(|a, b| gap(a).total_cmp(&gap(b))) else {
+    let widest = (from..last).max_by(|a, b| gap(a).total_cmp(&gap(b)));
+    // Between the two of a pair there is nothing to count in.
+    let Some(i) = widest.filter(|i| gap(i) > PAIR) else {
         return Ok(());
     };
     let bound = 0.5 * (w2[i] + w2[i + 1]);

@@ -198,3 +198,25 @@ fn bad_input_is_declined() {
     };
     assert!(lowest(big.as_ref(), negative.as_ref(), 3, &options).is_err());
 }
+
+/// Two equal chains, of which only the lowest pair is asked for.
+#[test]
+fn a_lone_pair_is_found_without_a_count_between_its_halves() {
+    let n = 400;
+    let mut stiffness = Vec::new();
+    for i in 0..n {
+        stiffness.push(Triplet::new(i, i, 2.0));
+        if i + 1 < n && i + 1 != n / 2 {
+            stiffness.push(Triplet::new(i + 1, i, -1.0));
+        }
+    }
+    let unit: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1.0)).collect();
+    let matrix = |t: &[_]| SparseColMat::<usize, f64>::try_new_from_triplets(n, n, t).unwrap();
+    let (k, m) = (matrix(&stiffness), matrix(&unit));
+    let found = lowest(k.as_ref(), m.as_ref(), 2, &Options::default()).unwrap();
+    // Each chain has n/2 masses between two walls: omega_1 = 2 sin(pi / (2 (n/2 + 1))).
+    let exact = 2.0 * (std::f64::consts::PI / (n + 2) as f64).sin();
+    for w2 in found.omega2 {
+        assert!((w2.sqrt() / exact - 1.0).abs() < 1e-9, "{w2}");
+    }
+}
