@@ -1,7 +1,7 @@
 //! What all runs of a study share, and what heads its record.
 
 use super::machine;
-use super::run::Job;
+use super::run::{Job, NO_BOUND};
 use crate::models::models;
 use crate::scene_file::SceneFile;
 use gearbench_integrators::Scheme;
@@ -51,7 +51,7 @@ pub fn even(samples: usize, end: f64) -> Vec<f64> {
 }
 
 impl Conditions<'static> {
-    /// Those of a scene: one timed repeat, a minute per run.
+    /// Those of a scene: one timed repeat, no bound of time.
     #[must_use]
     pub fn of(scene: &SceneFile) -> Self {
         Conditions {
@@ -64,7 +64,7 @@ impl Conditions<'static> {
             samples: scene.study.samples,
             events: scene.study.events,
             repeats: 1,
-            timeout: Duration::from_secs(60),
+            timeout: NO_BOUND,
             max_steps: u64::MAX,
         }
     }

@@ -5,21 +5,16 @@ use super::run::{Job, RunError, run};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_reports::series::TimeSeries;
-use std::time::Duration;
 
-/// Tolerances tried for the converged solution and the time each may take; long stiff scenes get the second.
-pub const SELF: [(f64, Duration); 2] = [
-    (1e-10, Duration::from_secs(3)),
-    (1e-8, Duration::from_secs(15)),
-];
-/// Tolerance of the converged solution of gears with modes, by the method that is exact for these.
-pub const EXACT_MODES: f64 = 1e-4;
-/// How converged solutions of gears without modes are computed, the best first, with the time each may take.
-pub fn tight() -> [(Scheme, Duration); 2] {
-    SELF.map(|(rtol, timeout)| {
-        let method = DOPRI5.at_tolerance(rtol);
-        (method, timeout)
-    })
+/// Tolerances tried for the converged solution, and the steps times coordinates that each may take; long stiff scenes get
+/// the second.
+const SELF: [(f64, u64); 2] = [(1e-10, 20_000_000), (1e-8, 100_000_000)];
+/// Of gears with modes, by the method that is exact for these: tolerance, and steps.
+pub const EXACT_MODES: [(f64, u64); 1] = [(1e-4, 1_000_000)];
+
+/// How converged solutions of gears without modes are computed, the best first, with the work that each may take.
+pub fn tight() -> [(Scheme, u64); 2] {
+    SELF.map(|(rtol, work)| (DOPRI5.at_tolerance(rtol), work))
 }
 
 /// The method that is exact for modes, under a tolerance.
@@ -30,16 +25,17 @@ pub fn exact_for_modes(rtol: f64) -> Scheme {
 /// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
 pub const SMALL: usize = 2000;
 
-/// The model's own converged solution by the first of these methods that reaches the end in its time; `None` when it
-/// is not to be had in reasonable time.
+/// The model's own converged solution by the first of these methods that reaches the end with its work,
+/// steps times `coordinates`; `None` when none does.
 pub fn converged<'a>(
     job: &impl Fn(&'a Scheme) -> Job<'a>,
-    tight: &'a [(Scheme, Duration)],
+    coordinates: usize,
+    tight: &'a [(Scheme, u64)],
 ) -> Result<Option<TimeSeries>, RunError> {
-    for (method, timeout) in tight {
+    for (method, work) in tight {
         let row = run(&Job {
             repeats: 0,
-            timeout: *timeout,
+            max_steps: work / coordinates.max(1) as u64,
             events: true,
             ..job(method)
         })?;

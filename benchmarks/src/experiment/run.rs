@@ -26,6 +26,9 @@ const MOST_REPEATS: usize = 300;
 /// The setting that names pairs of a model and an integrator that cannot run it.
 pub const LEFT_OUT: &str = "left out: needs a linear part";
 
+/// No bound of wall-clock time: what ends such a run is its end, or the number of its steps.
+pub const NO_BOUND: Duration = Duration::from_secs(1_000_000_000);
+
 /// What a run needs to know.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {

@@ -13,7 +13,6 @@ mod golden_work;
 mod hammer;
 mod kicks;
 mod linear_oscillator;
-mod micro_benchmark;
 mod modal;
 mod observers;
 mod problems;

@@ -5,7 +5,7 @@
 
 mod wrong_laws;
 
-use gearbench::experiment::run::{Job, run};
+use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench::experiment::status::{Witness, against_contact, against_tolerance};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, TimePlan, Work};
@@ -15,7 +15,7 @@ use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Modelling, Profile, S
 use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Results, Run, Status, Study, Tolerance};
 use gearbench_tests::*;
-use std::time::Duration;
+use std::sync::LazyLock;
 use wrong_laws::{Wrong, WrongScene};
 
 /// After the impact of case A, before the opposite flanks meet.
@@ -79,7 +79,7 @@ impl Way {
             forces: false,
             events: self.events,
             repeats: 0,
-            timeout: Duration::from_secs(2),
+            timeout: NO_BOUND,
             max_steps: self.max_steps,
         })
         .unwrap_or_else(|e| panic!("{text}: {e}"))
@@ -159,6 +159,9 @@ fn restitution() -> Way {
 fn lasting(t_end: f64, way: Way) -> Way {
     Way { t_end, ..way }
 }
+
+/// All of them, run once.
+static DRIVEN: LazyLock<Vec<Driven>> = LazyLock::new(drive);
 
 fn drive() -> Vec<Driven> {
     let rigid = Way::rigid();
@@ -265,8 +268,8 @@ fn is_finite_text(text: &str) -> bool {
 
 #[test]
 fn every_class_is_driven_and_labelled() {
-    let list = drive();
-    for Driven(status, how, run) in &list {
+    let list = &*DRIVEN;
+    for Driven(status, how, run) in list {
         println!(
             "{:16} {how:48} {}: {}",
             status.as_str(),
@@ -274,7 +277,7 @@ fn every_class_is_driven_and_labelled() {
             run.message.as_deref().unwrap_or("-")
         );
     }
-    for Driven(status, how, run) in &list {
+    for Driven(status, how, run) in list {
         assert_eq!(run.status, *status, "{how}: {:?}", run.message);
         // All but success says when or how much, and what to do.
         let said = run.message.as_deref().unwrap_or_default();
@@ -290,7 +293,7 @@ fn every_class_is_driven_and_labelled() {
 /// The record of all of them, with its tables and its page, holds numbers only.
 #[test]
 fn records_of_failures_hold_finite_numbers() {
-    let mut runs: Vec<Run> = drive().into_iter().map(|d| d.2).collect();
+    let mut runs: Vec<Run> = DRIVEN.iter().map(|d| d.2.clone()).collect();
     for (i, run) in runs.iter_mut().enumerate() {
         run.model = "rigid".into();
         run.variant = Some(format!("case {i}"));
@@ -310,10 +313,11 @@ fn records_of_failures_hold_finite_numbers() {
         runs,
         ..Results::default()
     };
-    let dir = std::env::temp_dir().join(format!("gearbench-failures-{}", std::process::id()));
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("failures");
     gearbench_reports::write_results(&dir, &results).unwrap();
     let mut files = 0;
-    let mut folders = vec![dir.clone()];
+    let mut folders = vec![dir];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
             if entry.path().is_dir() {
@@ -325,6 +329,5 @@ fn records_of_failures_hold_finite_numbers() {
             files += 1;
         }
     }
-    std::fs::remove_dir_all(&dir).unwrap();
     assert!(files > 3, "{files} files");
 }

@@ -3,13 +3,12 @@
 
 use super::entry;
 use gearbench::experiment::configuration::Configuration;
-use gearbench::experiment::run::{Job, run};
+use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench::models::models;
 use gearbench::studies::stability::limits::{Frozen, LineKind};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
 use gearbench_reports::record::{Run, Status};
-use std::time::Duration;
 
 fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
     let grid: Vec<f64> = (0..=200).map(|i| t_end * f64::from(i) / 200.0).collect();
@@ -27,7 +26,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         forces: false,
         events: true,
         repeats: 0,
-        timeout: Duration::from_secs(60),
+        timeout: NO_BOUND,
         max_steps: 1_000_000,
     })
     .unwrap()

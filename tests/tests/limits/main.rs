@@ -30,14 +30,8 @@ fn with_modes(mut entry: Configuration, modes: u32) -> Configuration {
 /// Prints limits and holds them to theory.
 fn hold(entries: &[Configuration], methods: &[&str], bound: f64) -> Vec<StepLimit> {
     let cases: Vec<Case> = entries.iter().map(Case::of).collect();
-    let begin = std::time::Instant::now();
     let methods: Vec<MethodSpec> = methods.iter().map(|m| m.parse().unwrap()).collect();
     let rows = table(&cases, models(), &methods, |_| {}).unwrap();
-    println!(
-        "{} limits in {:.1} s",
-        rows.len(),
-        begin.elapsed().as_secs_f64()
-    );
     for r in &rows {
         println!(
             "{:24} {:22} {:28} {:.4e} s {:.4e} s {:.4}",

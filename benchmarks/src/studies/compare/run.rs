@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::converged::{EXACT_MODES, SELF, SMALL, converged, exact_for_modes, tight};
+use crate::experiment::converged::{EXACT_MODES, SMALL, converged, exact_for_modes, tight};
 use crate::experiment::run::{LEFT_OUT, RunError, run};
 use crate::experiment::status::{against_contact, against_tolerance};
 use crate::experiment::thin::thin;
@@ -15,7 +15,7 @@ use gearbench_reports::series::TimeSeries;
 pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
     let grid = plan.grid();
     let tight = tight();
-    let exact_modes = SELF.map(|(_, timeout)| (exact_for_modes(EXACT_MODES), timeout));
+    let exact_modes = EXACT_MODES.map(|(rtol, steps)| (exact_for_modes(rtol), steps));
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
     let mut references: Vec<ReferenceSeries> = plan.reference.iter().cloned().collect();
@@ -61,9 +61,9 @@ pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunEr
                         &format!("{}, converged solution", entry.label),
                     );
                     none.insert(if row.modes.is_some() {
-                        converged(&job, &exact_modes)?
+                        converged(&job, 1, &exact_modes)?
                     } else if row.dofs <= SMALL {
-                        converged(&job, &tight)?
+                        converged(&job, row.dofs, &tight)?
                     } else {
                         None
                     })

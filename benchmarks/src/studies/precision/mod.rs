@@ -29,15 +29,10 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::{Finished, compare as measure};
 use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::series::{Column, TimeSeries};
-use std::time::Duration;
 
-/// Tolerances tried for the converged solution of gears with modes and the time each may take. A hundredth of the
+/// Tolerances tried for the converged solution of gears with modes and the steps each may take. A hundredth of the
 /// finest tolerance of a ladder, where that is affordable.
-const EXACT_MODES: [(f64, Duration); 3] = [
-    (1e-6, Duration::from_secs(8)),
-    (1e-4, Duration::from_secs(20)),
-    (1e-3, Duration::from_secs(20)),
-];
+const EXACT_MODES: [(f64, u64); 3] = [(1e-6, 1_000_000), (1e-4, 2_500_000), (1e-3, 2_500_000)];
 /// Step of the converged solution of a full model that is no reference over the finest of its ladder.
 const FINER: f64 = 0.5;
 /// So many times longer than others a reference may take.
@@ -324,13 +319,10 @@ impl Study<'_> {
         scene: &SceneSpec,
         modelling: &Modelling,
     ) -> Result<Option<(Scheme, TimeSeries)>, RunError> {
-        for (rtol, timeout) in EXACT_MODES {
-            let tries = [(exact_for_modes(rtol), timeout)];
-            let job = |method| Job {
-                max_steps: u64::MAX,
-                ..self.job((scene, modelling), method)
-            };
-            if let Some(series) = converged(&job, &tries)? {
+        for (rtol, steps) in EXACT_MODES {
+            let tries = [(exact_for_modes(rtol), steps)];
+            let job = |method| self.job((scene, modelling), method);
+            if let Some(series) = converged(&job, 1, &tries)? {
                 let [(method, _)] = tries;
                 return Ok(Some((method, series)));
             }
@@ -360,11 +352,11 @@ impl Study<'_> {
             return Ok(found.map(|(_, series)| series));
         }
         let job = |method| Job {
-            max_steps: u64::MAX,
+            timeout: PATIENCE * self.plan.conditions.timeout,
             ..self.job((&entry.scene, &entry.modelling), method)
         };
         if row.dofs <= SMALL {
-            return converged(&job, &tight());
+            return converged(&job, row.dofs, &tight());
         }
         // A full model: its own integrator on half the finest step.
         let steps = variant.methods.iter().filter_map(|m| match m.resolution {
@@ -378,6 +370,6 @@ impl Study<'_> {
             method: method.method,
             resolution: Resolution::Step(FINER * h),
         };
-        converged(&job, &[(finer, PATIENCE * self.plan.conditions.timeout)])
+        converged(&job, 1, &[(finer, u64::MAX)])
     }
 }

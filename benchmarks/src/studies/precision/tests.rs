@@ -15,8 +15,7 @@ fn small(asked: &Asked) -> Results {
     .unwrap();
     let choices = scene.select(Some("rigid,rigid-iso6336")).unwrap();
     let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
-    let mut plan = Plan::of(&scene, &choices, Some(&reference), asked).unwrap();
-    plan.conditions.timeout = Duration::from_secs(10);
+    let plan = Plan::of(&scene, &choices, Some(&reference), asked).unwrap();
     let total = plan.len();
     let last = AtomicUsize::new(0);
     let results = study(&plan, &|done, all, _| {
@@ -87,11 +86,12 @@ fn short_runs_are_repeated_until_their_times_count() {
     };
     let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
     plan.conditions.repeats = 2;
-    plan.timed = Duration::from_millis(5);
+    // Far more than the most repeats take.
+    plan.timed = std::time::Duration::from_secs(1);
     let results = study(&plan, &silent).unwrap();
     let run = &results.runs[0];
     assert!(run.repeats > 2, "{}", run.repeats);
-    assert!(f64::from(run.repeats) * run.wall_spread_s.unwrap()[1] >= 4e-3 || run.repeats == 300);
+    assert!(f64::from(run.repeats) * run.wall_spread_s.unwrap()[1] >= 0.8 || run.repeats == 300);
 }
 
 #[test]
