@@ -5,23 +5,18 @@
 //! through its outermost node, which is linear in the gear's travel, so both steps look up sorted lists.
 
 use super::generated;
+use super::involute::{off_involute, outermost, path_at_zero, proud};
 use super::search::MOST_PAST;
 use super::surface::{Rule, Shape};
-use crate::Vec3;
 use crate::error::Reason;
 use crate::gear::GearModel;
-use crate::geometry::{Flanks, Side, inv};
+use crate::geometry::{Flanks, Side};
 use crate::kinematics::{MeshView, Placement};
 use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
 
-/// Places along a face at which a surface is compared with its involute.
-const SAMPLES: u32 = 8;
 /// Part of the base pitch by which the nodes of a flank may lie off one involute and still be found as lying on it.
 const OFF_INVOLUTE: f64 = 0.1;
-/// Part of the largest deviation by which it may be larger between these.
-const BETWEEN_SAMPLES: f64 = 0.05;
-
 /// What a point search needs to know of a gear.
 #[derive(Clone, Copy)]
 pub struct Owner<'a> {
@@ -247,9 +242,7 @@ impl Flanked {
             });
         }
     }
-}
 
-impl Flanked {
     /// Calls `f` for all flanks of a side in the order of their path coordinates, those of a gear within half a turn
     /// of `s`.
     pub fn each_about(&self, side: Side, travel: f64, s: f64, f: impl FnMut(Near)) {
@@ -288,130 +281,4 @@ fn check(flanks: &Flanks) -> Result<(), Reason> {
         }
     }
     Ok(())
-}
-
-/// Angle [rad] on the base circle (own y [m] on a rack's reference line) of the undeformed flank's outermost
-/// node, carried there along the involute and to the middle of the width.
-fn outermost(body: &Body, view: &MeshView, g: &crate::geometry::FlankGrid) -> f64 {
-    let sign = g.side.sign();
-    let own = |x: &Vec3| place_of(body, view, g.side, x);
-    // A left flank looks counter-clockwise, on a rack to the own -y.
-    let out = if matches!(body, Body::Gear(_)) {
-        sign
-    } else {
-        -sign
-    };
-    let mut best: Option<f64> = None;
-    for x in g.positions.iter() {
-        let Some(mut p) = own(x) else { continue };
-        if let (Some(b), Body::Gear(_)) = (best, body) {
-            // Angles of one flank stand together.
-            p -= TAU * ((p - b) / TAU).round();
-        }
-        best = Some(best.map_or(p, |b| if out * p > out * b { p } else { b }));
-    }
-    // A flank that ends below the form circle stands where its last node is.
-    best.or_else(|| {
-        g.positions.last().map(|x| {
-            if matches!(body, Body::Gear(_)) {
-                x.y.atan2(x.x)
-            } else {
-                x.y
-            }
-        })
-    })
-    .unwrap_or(0.0)
-}
-
-/// How far apart on the path coordinate [m] the involutes through the nodes of a flank are; infinite for a flank
-/// without a node above the form circle.
-fn off_involute(o: &Owner<'_>, g: &crate::geometry::FlankGrid) -> f64 {
-    let per_place = (o.view.base_radius).unwrap_or_else(|| o.view.working_pressure_angle.cos());
-    let mut places = (g.positions.iter()).filter_map(|x| place_of(o.body, &o.view, g.side, x));
-    let Some(first) = places.next() else {
-        return f64::INFINITY;
-    };
-    let off = |place: f64| match o.view.base_radius {
-        Some(_) => place - first - TAU * ((place - first) / TAU).round(),
-        None => place - first,
-    };
-    let (low, high) = places
-        .map(off)
-        .fold((0.0_f64, 0.0_f64), |(l, h), p| (l.min(p), h.max(p)));
-    per_place * (high - low)
-}
-
-/// Where [`outermost`] would see a flank through a point of the own frame; `None` below the form circle.
-fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
-    let sign = side.sign();
-    match body {
-        Body::Gear(gear) => {
-            let rb = view.base_radius.unwrap_or_else(|| gear.r_base());
-            let r = x.x.hypot(x.y);
-            let angle = x.y.atan2(x.x) - x.z * gear.base_helix_angle().tan() / rb;
-            let roll = (r * r - rb * rb).max(0.0).sqrt();
-            (r >= gear.r_form() * (1.0 - 1e-6)).then(|| angle + sign * inv((roll / rb).atan()))
-        }
-        Body::Rack(rack) => {
-            let tan = rack.transverse_pressure_angle().tan();
-            let height = -x.x;
-            (height >= -rack.form_depth() - 1e-6 * rack.pitch())
-                .then(|| x.y + x.z * rack.params().helix_angle.tan() - sign * height * tan)
-        }
-    }
-}
-
-/// How far the surface of a flank, continued beyond the tip by `past` of its last face, stands outward of the
-/// involute through its outermost node, on the path coordinate [m].
-fn proud(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
-    let sign = shape.side.sign();
-    let per_place = match o.view.base_radius {
-        Some(rb) => sign * rb,
-        None => -sign * o.view.working_pressure_angle.cos(),
-    };
-    let along = |row: usize, i: usize| {
-        let last = if row + 2 == shape.rows {
-            1.0 + past
-        } else {
-            1.0
-        };
-        last * i as f64 / f64::from(SAMPLES)
-    };
-    let (mut most, mut least) = (0.0_f64, 0.0_f64);
-    for row in 0..shape.rows - 1 {
-        for column in 0..shape.columns - 1 {
-            for i in 0..=SAMPLES as usize {
-                for b in [0.0, 0.5, 1.0] {
-                    let x = shape.undeformed(row, column, [along(row, i), b]);
-                    let Some(mut place) = place_of(o.body, &o.view, shape.side, &x) else {
-                        continue;
-                    };
-                    place -= outermost;
-                    if o.view.base_radius.is_some() {
-                        place -= TAU * (place / TAU).round();
-                    }
-                    most = most.max(per_place * place);
-                    least = least.min(per_place * place);
-                }
-            }
-        }
-    }
-    // Between samples a surface that is smooth within a face rises by a small part of what it varies.
-    most + BETWEEN_SAMPLES * (most - least)
-}
-
-/// Path coordinate [m] of a flank at zero travel and its tooth, from its [`outermost`] place.
-fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
-    let (sign, v) = (side.sign(), &o.view);
-    let tooth = |centre: f64| (centre / v.pitch).round() as i64;
-    match v.base_radius {
-        Some(rb) => (
-            rb * (sign * (outermost + o.phase - v.direction) + v.working_pressure_angle),
-            tooth(outermost - sign * v.half_angle_base),
-        ),
-        None => (
-            -sign * (v.assembled + outermost) * v.working_pressure_angle.cos(),
-            tooth(outermost + sign * v.half_angle_base),
-        ),
-    }
 }

@@ -16,6 +16,7 @@
 mod coarse;
 mod flanked;
 mod generated;
+mod involute;
 mod profile;
 mod projection;
 mod quadrature;
