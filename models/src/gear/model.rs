@@ -1,7 +1,7 @@
 //! The one gear-contact interface: what a gear model must tell the contact and the integrator.
 //!
 //! A gear has generalised coordinates (those of its mount first, then its own), a pose for each tooth,
-//! a contact row, a local compliance, a mass and internal forces. Rigid, movable teeth and elastic bodies
+//! a contact row, a mass and internal forces. Rigid, movable teeth and elastic bodies
 //! differ in nothing else. A gear may take part in several meshes; the gears of a mesh may have different
 //! models.
 
@@ -98,18 +98,8 @@ pub trait GearModel {
         }
     }
 
-    /// True when all teeth always have the travel of the hub and no [`Self::displacement`] comes on top.
+    /// True when all teeth always have the travel of the hub.
     fn moves_as_one(&self) -> bool {
-        false
-    }
-
-    /// Elastic displacement of a point beyond the motion of its tooth [m].
-    fn displacement(&self, _at: At<'_>, _p: &Point) -> Vec3 {
-        Vec3::zeros()
-    }
-
-    /// False lets the search skip [`Self::displacement`].
-    fn has_displacement(&self) -> bool {
         false
     }
 
@@ -139,17 +129,6 @@ pub trait GearModel {
             return 0.0;
         }
         hub.lever(&p.x, n) * hub.speed(at.t, at.v)
-    }
-
-    /// Local (massless) compliance [m/N] between two of its points, whatever the meshes:
-    /// displacement of `p` along `n` by a unit force at `r` along `m`.
-    fn compliance(&self, _p: &Point, _n: &Vec3, _r: &Point, _m: &Vec3) -> f64 {
-        0.0
-    }
-
-    /// True when [`Self::compliance`] is not zero everywhere.
-    fn is_compliant(&self) -> bool {
-        false
     }
 
     /// False lets the scene skip [`Self::internal_force`].

@@ -421,7 +421,6 @@ impl Scene {
                 zones: 0,
             });
         }
-        refuse_two_compliances(&gears)?;
         refuse_two_laws(spec, &gears, &meshes)?;
         Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
     }
@@ -481,7 +480,6 @@ impl Scene {
             .map(|g| g.model.pace())
             .fold(scales.pace, f64::min);
         let channels = channel_names(&gears, meshes.len());
-        let compliant = gears.iter().any(|g| g.model.is_compliant());
         let fields = gears.iter().any(|g| g.model.field().is_some());
         let nodal = Nodal::new(&gears, &meshes);
         let condenses = gears.iter().any(|g| g.model.prefers_condensed());
@@ -508,7 +506,6 @@ impl Scene {
             n,
             memory,
             guards,
-            compliant,
             fields,
             condenses,
             locates,
@@ -551,26 +548,6 @@ fn refuse_two_laws(
         }
     }
     Ok(())
-}
-
-/// Compliance between points and displacement fields of nodes take different solves.
-fn refuse_two_compliances(gears: &[SceneGear]) -> Result<(), BuildError> {
-    let field = gears.iter().find(|g| g.model.field().is_some());
-    let local = gears.iter().find(|g| g.model.is_compliant());
-    match (field, local) {
-        (Some(field), Some(local)) => Err(BuildError::gear(
-            &local.name,
-            GearPart::Model,
-            (
-                format!(
-                    "its compliance is one between contact points, that of gear `{}` one between nodes",
-                    field.name
-                ),
-                "use one kind of model for both",
-            ),
-        )),
-        _ => Ok(()),
-    }
 }
 
 /// Typical deflection, speed and time of the meshes of a scene.

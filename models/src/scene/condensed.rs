@@ -45,7 +45,6 @@ impl Scene {
     /// Whether the condensed correction serves the contacts at hand.
     pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
         self.condenses
-            && !self.compliant
             && self.work.active.iter().all(|a| {
                 let candidate = &self.work.candidates[a.candidate];
                 self.meshes[a.mesh].friction.is_none()

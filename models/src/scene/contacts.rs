@@ -6,12 +6,11 @@ use super::nodal_tangent::Reduced;
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::pairs::all_open;
-use crate::contact::solve::{CompliantSolve, SolvePoint};
 use crate::contact::{Candidate, Party, Wanted};
 use crate::geometry::Side;
 use crate::kinematics::{Row, Tooth};
 use crate::law::{FrictionForce, LawForce};
-use gearbench_integrators::system::{At, Singular};
+use gearbench_integrators::system::At;
 
 /// A contact that carries (or may carry) a force.
 #[derive(Clone, Copy, Debug)]
@@ -19,9 +18,9 @@ pub(super) struct Active {
     pub mesh: usize,
     /// Index into the candidates.
     pub candidate: usize,
-    /// Gap with local compliance [m].
+    /// Gap [m].
     pub gap: f64,
-    /// Gap rate before local compliance [m/s].
+    /// Its rate [m/s].
     pub rate: f64,
     pub impact_speed: f64,
     pub force: LawForce,
@@ -58,12 +57,6 @@ pub(super) struct Workspace {
     pub active: Vec<Active>,
     /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
     pub rows: Vec<[Row; 3]>,
-    pub points: Vec<SolvePoint>,
-    /// The same contacts without damping, for the energies of compliant contacts.
-    pub elastic: Vec<SolvePoint>,
-    pub compliance: Vec<f64>,
-    pub solve: CompliantSolve,
-    pub failed: bool,
     pub condensed: Condensed,
     /// Contacts of gears with fields.
     pub nodal: Nodal,
@@ -126,10 +119,6 @@ impl Scene {
     pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
         if self.fields {
             self.evaluate_with_fields(at);
-            return;
-        }
-        if self.compliant {
-            self.evaluate_compliant(at);
             return;
         }
         self.work.active.clear();
@@ -197,124 +186,6 @@ impl Scene {
         }
     }
 
-    /// The same with local compliance: all points are solved for together.
-    fn evaluate_compliant(&mut self, at: At<'_>) {
-        let located = at.memory[0] != 0.0;
-        let Scene {
-            gears,
-            meshes,
-            work,
-            ..
-        } = self;
-        work.active.clear();
-        work.points.clear();
-        work.candidates.clear();
-        for (m, mesh) in meshes.iter().enumerate() {
-            let (a, b) = parties(gears, mesh, at);
-            let first = work.candidates.len();
-            let memory = &at.memory[mesh.search_memory()];
-            let wanted = if located {
-                Wanted::Listed
-            } else {
-                Wanted::Touching(f64::INFINITY)
-            };
-            mesh.search
-                .candidates(a, b, memory, wanted, &mut work.candidates);
-            for k in first..work.candidates.len() {
-                let c = &work.candidates[k];
-                let i = work.active.len();
-                if i == work.rows.len() {
-                    work.rows.push(Default::default());
-                }
-                fill_rows(gears, mesh, [&a, &b], c, &mut work.rows[i]);
-                let rate = work.rows[i][0].dot(at.v) + c.gap_t;
-                let stored = mesh.impact_speed(at.memory, c.slot);
-                let impact_speed = if stored > 0.0 { stored } else { -rate };
-                work.points.push(SolvePoint {
-                    law: mesh.law.shared(c.share),
-                    gap0: c.gap,
-                    rate,
-                    impact_speed,
-                    stiffness: c.stiffness,
-                    closed: located.then(|| at.memory[mesh.slot(c.slot)] != 0.0),
-                    ..SolvePoint::default()
-                });
-                work.active.push(Active {
-                    mesh: m,
-                    candidate: k,
-                    gap: c.gap,
-                    rate,
-                    impact_speed,
-                    force: LawForce::default(),
-                    friction: FrictionForce::default(),
-                    sliding: 0.0,
-                });
-            }
-        }
-        let n = work.active.len();
-        work.compliance.clear();
-        for i in 0..n {
-            for j in 0..n {
-                let (ci, cj) = (&work.candidates[i], &work.candidates[j]);
-                let (mi, mj) = (&meshes[work.active[i].mesh], &meshes[work.active[j].mesh]);
-                let mut sum = 0.0;
-                for k in 0..2 {
-                    for l in 0..2 {
-                        if mi.gears[k] != mj.gears[l] {
-                            continue;
-                        }
-                        // The force on gear a is -n N and its displacement opens the gap by -x.n.
-                        let sign = if k == l { 1.0 } else { -1.0 };
-                        sum += sign
-                            * gears[mi.gears[k]].model.compliance(
-                                &ci.points[k],
-                                &ci.normal,
-                                &cj.points[l],
-                                &cj.normal,
-                            );
-                    }
-                }
-                work.compliance.push(sum);
-            }
-        }
-        work.failed = work
-            .solve
-            .solve(&work.compliance, &mut work.points)
-            .is_err();
-        for i in 0..n {
-            let active = &mut work.active[i];
-            active.gap = work.points[i].gap;
-            active.force = work.points[i].force;
-            if work.failed {
-                active.force.n = f64::NAN;
-            }
-            let mesh = &meshes[active.mesh];
-            let (a, b) = parties(gears, mesh, at);
-            slide(mesh, [a, b], at, &work.candidates[i], &work.rows[i], active);
-        }
-    }
-
-    /// The compliant contacts at the last state evaluated without their damping: gaps and forces in
-    /// `work.elastic`. With a law that has no damper they are the contacts themselves.
-    pub(super) fn evaluate_elastic_part(&mut self) {
-        let work = &mut self.work;
-        work.elastic.clone_from(&work.points);
-        if !work.points.iter().any(|p| p.law.is_dissipative()) {
-            return;
-        }
-        for p in &mut work.elastic {
-            p.law = p.law.undamped();
-            p.closed = Some(p.closed.unwrap_or(p.force.n != 0.0));
-        }
-        if work
-            .solve
-            .solve(&work.compliance, &mut work.elastic)
-            .is_err()
-        {
-            work.elastic.iter_mut().for_each(|p| p.force.n = f64::NAN);
-        }
-    }
-
     /// Applies `x += N w + F t` of all active contacts.
     #[inline]
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
@@ -330,7 +201,7 @@ impl Scene {
     }
 
     /// Derivative of the normal forces in a direction, one per active contact, into `work.rhs`.
-    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) -> Result<(), Singular> {
+    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) {
         let work = &mut self.work;
         work.rhs.clear();
         for (c, rows) in work.active.iter().zip(&work.rows) {
@@ -342,11 +213,6 @@ impl Scene {
                     + c.force.dn_dk * candidate.stiffness_s * along,
             );
         }
-        if self.compliant {
-            work.solve
-                .couple(&work.compliance, &work.points, &mut work.rhs, 1)?;
-        }
-        Ok(())
     }
 
     /// Contact forces at a state, for pictures and reports.

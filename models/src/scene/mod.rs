@@ -159,7 +159,6 @@ pub struct Scene {
     n: usize,
     memory: usize,
     guards: usize,
-    compliant: bool,
     /// A gear has a displacement field.
     fields: bool,
     /// A gear asks for the condensed Newton correction.

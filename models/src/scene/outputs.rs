@@ -72,44 +72,17 @@ impl Scene {
             c[1] = hub.speed;
             c[2] = hub.travel;
         }
-        if self.compliant {
-            self.evaluate_elastic_part();
-        }
-        for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
+        for (a, rows) in self.work.active.iter().zip(&self.work.rows) {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
-            // A closed contact whose force passes through zero still holds its energy.
-            let released =
-                self.compliant && !self.work.points[i].closed.unwrap_or(a.force.n != 0.0);
-            // The elastic force at the gap before local compliance, and the gap it leaves. The damper of a
-            // compliant contact acts beside law and compliance in series: their energy is that of the
-            // elastic part alone, and all the rest of the force is lost.
-            let (elastic, gap) = if self.compliant {
-                let work = &self.work;
-                let n = work.elastic.len();
-                let p = &work.elastic[i];
-                let deflection: f64 = (0..n)
-                    .map(|j| work.compliance[i * n + j] * work.elastic[j].force.n)
-                    .sum();
-                energy.contact += 0.5 * p.force.n * deflection;
-                (p.force.n, p.gap)
-            } else {
-                (
-                    mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n,
-                    a.gap,
-                )
-            };
-            if !released {
-                energy.contact += mesh.law.potential(gap, c.stiffness);
-            }
+            let elastic = mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n;
+            energy.contact += mesh.law.potential(a.gap, c.stiffness);
             power.dissipated -= (a.force.n - elastic) * a.rate;
             power.external -= a.force.n * c.gap_t;
-            if !released {
-                let first = &self.gears[mesh.gears[0]];
-                let drift = first.model.drift(first.at(at), &c.points[0], &c.normal);
-                let ds = drift - rows[0].dot_first(at.v) / c.scale[0];
-                power.parametric += mesh.law.d_potential_dk(gap) * c.stiffness_s * ds;
-            }
+            let first = &self.gears[mesh.gears[0]];
+            let drift = first.model.drift(first.at(at), &c.points[0], &c.normal);
+            let ds = drift - rows[0].dot_first(at.v) / c.scale[0];
+            power.parametric += mesh.law.d_potential_dk(a.gap) * c.stiffness_s * ds;
             let mut force = a.force.n * c.normal;
             if mesh.friction.is_some() {
                 power.dissipated -= a.friction.f * a.sliding;

@@ -1,6 +1,5 @@
 //! The scene as a second-order system: force, tangent, Newton correction, guards, switches.
 
-use super::contacts::Active;
 use super::{Scene, SceneGear, parties};
 use crate::contact::{Candidate, Wanted};
 use crate::kinematics::Row;
@@ -110,7 +109,7 @@ impl SecondOrderSystem for Scene {
         if self.condenses_now(c) {
             return self.correct_condensed(at, c, rhs_to_x);
         }
-        if m == 1 && !self.compliant && self.meshes[self.work.active[0].mesh].friction.is_none() {
+        if m == 1 && self.meshes[self.work.active[0].mesh].friction.is_none() {
             return self.correct_one_contact(at, c, rhs_to_x);
         }
         let friction = self
@@ -138,12 +137,6 @@ impl SecondOrderSystem for Scene {
             rows[0].add_to(1.0, &mut z[i * n..][..n]);
         }
         let mut result = Ok(());
-        if self.compliant {
-            let work = &mut self.work;
-            result = work
-                .solve
-                .couple(&work.compliance, &work.points, &mut v[..m * n], n);
-        }
         if friction {
             for i in 0..m {
                 self.friction_terms(at, c, i, m, &mut v, &mut z);
@@ -209,10 +202,7 @@ impl SecondOrderSystem for Scene {
             }
         }
         self.evaluate_contacts(at);
-        if self.normal_tangent(dq, dv).is_err() {
-            df.fill(f64::NAN);
-            return;
-        }
+        self.normal_tangent(dq, dv);
         let work = &self.work;
         for (i, (a, rows)) in work.active.iter().zip(&work.rows).enumerate() {
             rows[0].add_to(work.rhs[i], df);
@@ -250,10 +240,6 @@ impl Events for Scene {
     fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
         if out.is_empty() {
-            return;
-        }
-        if self.compliant {
-            self.compliant_guards(at, out);
             return;
         }
         for m in 0..self.meshes.len() {
@@ -368,8 +354,8 @@ impl Events for Scene {
             let closing = s.memory[at] == 0.0;
             // A contact that a damper releases early keeps its impact speed until the flanks part.
             let apart = self
-                .gap_of(s, m, slot)
-                .is_none_or(|g| g >= -1e-6 * self.magnitudes.deflection);
+                .find(s, m, slot)
+                .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
             if closing {
                 if apart || s.memory[at + 1] <= 0.0 {
                     let speed = self.approach_speed(s, m, slot);
@@ -511,26 +497,6 @@ impl Scene {
         }
         self.work.z = z;
         if singular { Err(Singular) } else { solved }
-    }
-
-    /// Guards of contacts with local compliance.
-    fn compliant_guards(&mut self, at: At<'_>, out: &mut [f64]) {
-        self.evaluate_contacts(at);
-        for (m, mesh) in self.meshes.iter().enumerate() {
-            let (a, b) = parties(&self.gears, mesh, at);
-            let (zone, slots) = out[mesh.guards..].split_at_mut(mesh.zones);
-            mesh.search
-                .guards(a, b, &at.memory[mesh.search_memory()], zone);
-            for active in self.work.active.iter().filter(|x| x.mesh == m) {
-                let c = &self.work.candidates[active.candidate];
-                let closed = at.memory[mesh.slot(c.slot)] != 0.0;
-                slots[c.slot] = if closed {
-                    as_length(&mesh.law, active.force.n, c.stiffness)
-                } else {
-                    open_guard(&mesh.law, c, active.gap, active.rate, active.impact_speed)
-                };
-            }
-        }
     }
 
     /// Guards of a mesh's closed or overlapping contacts with a damper, from the force.
@@ -690,17 +656,6 @@ impl Scene {
         let c = found.iter().find(|c| c.slot == slot).copied();
         self.work.candidates = found;
         c
-    }
-
-    /// Gap of a slot, with the local compliance that loaded neighbours bring.
-    fn gap_of(&mut self, s: &State, m: usize, slot: usize) -> Option<f64> {
-        if !self.compliant {
-            return self.find(s, m, slot).map(|c| c.gap);
-        }
-        self.evaluate_contacts(s.at());
-        let work = &self.work;
-        let of_slot = |a: &&Active| a.mesh == m && work.candidates[a.candidate].slot == slot;
-        work.active.iter().find(of_slot).map(|a| a.gap)
     }
 
     fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {

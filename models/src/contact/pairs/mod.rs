@@ -119,7 +119,6 @@ struct Mover<'a> {
     party: &'a Party<'a>,
     /// Travel of all its teeth, where they move as one.
     travel: Option<f64>,
-    displaced: bool,
 }
 
 impl<'a> Mover<'a> {
@@ -128,11 +127,7 @@ impl<'a> Mover<'a> {
         let Party { gear, at } = *party;
         let first = Tooth { index: 0, mesh: 0 };
         let travel = gear.moves_as_one().then(|| gear.tooth_travel(at, first));
-        Mover {
-            party,
-            travel,
-            displaced: travel.is_none() && gear.has_displacement(),
-        }
+        Mover { party, travel }
     }
 }
 
@@ -257,15 +252,9 @@ impl LinesOfAction {
     }
 
     /// Where a pair stands: its teeth, path coordinates and gap.
-    ///
-    /// An elastic displacement along the normal carries the flank along the line of action like a turn of the
-    /// tooth: it belongs to the path coordinate, which modifications and stiffness are read at.
     #[inline(always)]
-    fn pair(&self, line: &Line, pair: i64, mut s: [f64; 2], [a, b]: [&Mover<'_>; 2]) -> PairState {
+    fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        if a.displaced || b.displaced {
-            s = self.displaced(line, teeth, s, [a.party, b.party]);
-        }
         let (mut gap, mut scale) = (self.helix_cos * (self.length - s[0] - s[1]), [1.0, 1.0]);
         if !line.plain {
             (gap, scale) = self.modified(line, s, gap);
@@ -276,19 +265,6 @@ impl LinesOfAction {
             gap,
             scale,
         }
-    }
-
-    fn displaced(
-        &self,
-        line: &Line,
-        teeth: [Tooth; 2],
-        mut s: [f64; 2],
-        [a, b]: [&Party<'_>; 2],
-    ) -> [f64; 2] {
-        let points = self.points(line, teeth, s);
-        s[0] += a.gear.displacement(a.at, &points[0]).dot(&line.normal) / self.helix_cos;
-        s[1] -= b.gear.displacement(b.at, &points[1]).dot(&line.normal) / self.helix_cos;
-        s
     }
 
     /// Gap and scales with the modifications of both flanks.
@@ -402,7 +378,7 @@ impl LinesOfAction {
             {
                 return;
             }
-            let p = self.pair(line, pair, s, movers);
+            let p = self.pair(line, pair, s);
             if let Wanted::Touching(reach) = wanted
                 && p.gap > reach
             {
@@ -416,7 +392,7 @@ impl LinesOfAction {
     fn gaps_of_pairs(&self, l: usize, range: (i64, i64), movers: [&Mover<'_>; 2], out: &mut [f64]) {
         let line = &self.lines[l];
         self.each_pair(l, range, movers, |slot, pair, s| {
-            out[slot] = self.pair(line, pair, s, movers).gap
+            out[slot] = self.pair(line, pair, s).gap
         });
     }
 
@@ -442,7 +418,7 @@ impl LinesOfAction {
         self.set_zone_guards([a[0], a[1], a[n], a[n + 1]], guards);
         let mut slot = self.slot(l, lo);
         for (i, b) in b.iter().enumerate() {
-            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b], movers).gap;
+            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b]).gap;
             slot = self.next_slot(l, slot);
         }
     }
