@@ -12,10 +12,11 @@
 
 use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
 use gearbench_models::Vec3;
+use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
 use gearbench_models::kinematics::{Hub, Point, Row, Tooth, Wrench};
-use gearbench_models::spec::{BuildError, Value};
+use gearbench_models::spec::Value;
 
 /// The row that a table of models needs: this is the one line.
 pub const MODEL: Model = Model {
