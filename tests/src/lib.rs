@@ -257,16 +257,22 @@ pub fn same_candidate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> O
 
 /// The contact row `dg/dq` of a candidate as a full vector.
 pub fn contact_row(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Vec<f64> {
-    let mut row = Row::default();
+    row_and_rate(scene, s, mesh, c).0
+}
+
+/// The contact row of a candidate, and the part of its gap rate that is prescribed [m/s].
+pub fn row_and_rate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> (Vec<f64>, f64) {
+    let (mut row, mut rate) = (Row::default(), 0.0);
     row.clear();
     for (k, sign) in [(0, -1.0), (1, 1.0)] {
         let g = &scene.gears()[scene.meshes()[mesh].gears[k]];
         row.target(g.range().start, sign * c.scale[k]);
-        g.model.row(g.at(s.at()), &c.points[k], &c.normal, &mut row);
+        let at = g.at(s.at());
+        rate += sign * c.scale[k] * g.model.row(at, &c.points[k], &c.normal, &mut row);
     }
     let mut w = vec![0.0; s.q.len()];
     row.add_to(1.0, &mut w);
-    w
+    (w, rate)
 }
 
 /// What a run left behind.

@@ -27,6 +27,18 @@ pub(super) struct Active {
     pub friction: FrictionForce,
     /// Sliding speed of gear b over gear a [m/s].
     pub sliding: f64,
+    pub prescribed: Prescribed,
+}
+
+/// Speeds that driven mounts prescribe [m/s].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Prescribed {
+    /// Of the first gear's point along the normal.
+    pub first: f64,
+    /// Of the gap.
+    pub gap: f64,
+    /// Of sliding.
+    pub sliding: f64,
 }
 
 /// The contact force at a point, for pictures and reports.
@@ -84,17 +96,17 @@ fn fill_rows(
     [a, b]: [&Party<'_>; 2],
     c: &Candidate,
     rows: &mut [Row; 3],
-) {
+) -> Prescribed {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
-    row.clear();
-    row.target(offset(0), -c.scale[0]);
-    a.gear.row(a.at, &c.points[0], &c.normal, row);
-    row.mark_split();
-    row.target(offset(1), c.scale[1]);
-    b.gear.row(b.at, &c.points[1], &c.normal, row);
+    let [first, gap] = gap_row(gears, mesh, [a, b], c, row);
+    let mut prescribed = Prescribed {
+        first,
+        gap,
+        sliding: 0.0,
+    };
     if mesh.friction.is_none() {
-        return;
+        return prescribed;
     }
     let t = sliding_direction(&c.normal);
     for (k, shift) in [(1, 0.0), (2, 1.0)] {
@@ -106,11 +118,34 @@ fn fill_rows(
             p
         };
         row.target(offset(0), -1.0);
-        a.gear.row(a.at, &moved(0), &t, row);
+        let of_a = a.gear.row(a.at, &moved(0), &t, row);
         row.mark_split();
         row.target(offset(1), 1.0);
-        b.gear.row(b.at, &moved(1), &t, row);
+        let of_b = b.gear.row(b.at, &moved(1), &t, row);
+        if k == 1 {
+            prescribed.sliding = of_b - of_a;
+        }
     }
+    prescribed
+}
+
+/// The row `dg/dq` of a candidate; returns the prescribed speed of the first gear's point along the normal, and of the
+/// gap.
+#[inline]
+pub(super) fn gap_row(
+    gears: &[SceneGear],
+    mesh: &SceneMesh,
+    [a, b]: [&Party<'_>; 2],
+    c: &Candidate,
+    row: &mut Row,
+) -> [f64; 2] {
+    row.clear();
+    row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
+    let of_a = a.gear.row(a.at, &c.points[0], &c.normal, row);
+    row.mark_split();
+    row.target(gears[mesh.gears[1]].offset, c.scale[1]);
+    let of_b = b.gear.row(b.at, &c.points[1], &c.normal, row);
+    [of_a, c.scale[1] * of_b - c.scale[0] * of_a]
 }
 
 impl Scene {
@@ -157,8 +192,8 @@ impl Scene {
                 work.rows.push(Default::default());
             }
             let rows = &mut work.rows[i];
-            fill_rows(gears, mesh, [&a, &b], c, rows);
-            let rate = rows[0].dot(at.v) + c.gap_t;
+            let prescribed = fill_rows(gears, mesh, [&a, &b], c, rows);
+            let rate = rows[0].dot(at.v) + prescribed.gap;
             let stored = mesh.impact_speed(at.memory, c.slot);
             let impact_speed = if stored > 0.0 { stored } else { -rate };
             let law = mesh.law.shared(c.share);
@@ -179,9 +214,10 @@ impl Scene {
                 force,
                 friction: FrictionForce::default(),
                 sliding: 0.0,
+                prescribed,
             });
             if mesh.friction.is_some() {
-                slide(mesh, [a, b], at, c, rows, &mut work.active[i]);
+                slide(mesh, at, rows, &mut work.active[i]);
             }
         }
     }
@@ -255,19 +291,9 @@ impl Scene {
     }
 }
 
-fn slide(
-    mesh: &SceneMesh,
-    sides: [Party<'_>; 2],
-    at: At<'_>,
-    c: &Candidate,
-    rows: &[Row; 3],
-    active: &mut Active,
-) {
+fn slide(mesh: &SceneMesh, at: At<'_>, rows: &[Row; 3], active: &mut Active) {
     if let Some(friction) = &mesh.friction {
-        let t = sliding_direction(&c.normal);
-        let [a, b] = sides;
-        let drift = b.gear.drift(b.at, &c.points[1], &t) - a.gear.drift(a.at, &c.points[0], &t);
-        active.sliding = rows[1].dot(at.v) + drift;
+        active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
         active.friction = friction.force(active.force.n, active.sliding);
     }
 }

@@ -1,5 +1,5 @@
 //! `w = dg/dq`: the gap of every candidate against the contact row of both gears, by central differences, and
-//! the gap rate `w . v + gap_t` against differences in time.
+//! the gap rate `w . v` and what is prescribed against differences in time.
 
 use gearbench_integrators::{Events, State};
 use gearbench_models::contact::Candidate;
@@ -319,9 +319,9 @@ fn gap_rate_holds_with_driven_gears() {
                     };
                     let mut seen = 0;
                     for (mesh, c) in candidates(&scene, &s) {
-                        let w = contact_row(&scene, &s, mesh, &c);
-                        let rate: f64 =
-                            w.iter().zip(&s.v).map(|(w, v)| w * v).sum::<f64>() + c.gap_t;
+                        let (w, prescribed) = row_and_rate(&scene, &s, mesh, &c);
+                        let own: f64 = w.iter().zip(&s.v).map(|(w, v)| w * v).sum();
+                        let rate = own + prescribed;
                         let (Some(above), Some(below)) = (gap(h, mesh, &c), gap(-h, mesh, &c))
                         else {
                             continue;

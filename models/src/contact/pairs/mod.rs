@@ -28,9 +28,11 @@ pub use deviation::Deviation;
 use super::candidate::Candidate;
 use super::party::{Party, Wanted};
 use crate::Vec3;
+use crate::gear::ToothCoordinates;
 use crate::geometry::Side;
 use crate::kinematics::{Locus, MeshView, Point, Tooth};
 use crate::stiffness::StiffnessCurve;
+use gearbench_integrators::system::At;
 
 /// A slice of the face width.
 #[derive(Clone, Debug)]
@@ -116,18 +118,28 @@ impl PathMap {
 
 /// A gear at a state, as the lines of action see it.
 struct Mover<'a> {
-    party: &'a Party<'a>,
-    /// Travel of all its teeth, where they move as one.
-    travel: Option<f64>,
+    at: At<'a>,
+    travels: Travels<'a>,
+}
+
+/// Travels of its teeth.
+#[derive(Clone, Copy)]
+enum Travels<'a> {
+    /// All teeth move with the hub.
+    OfHub(f64),
+    /// Each has its own.
+    OfTeeth(&'a dyn ToothCoordinates),
 }
 
 impl<'a> Mover<'a> {
     #[inline]
-    fn new(party: &'a Party<'a>) -> Self {
+    fn new(party: &Party<'a>) -> Self {
         let Party { gear, at } = *party;
-        let first = Tooth { index: 0, mesh: 0 };
-        let travel = gear.moves_as_one().then(|| gear.tooth_travel(at, first));
-        Mover { party, travel }
+        let travels = match gear.teeth() {
+            Some(teeth) => Travels::OfTeeth(teeth),
+            None => Travels::OfHub(gear.hub().travel_at(at)),
+        };
+        Mover { at, travels }
     }
 }
 
@@ -176,12 +188,9 @@ impl LinesOfAction {
     /// Path coordinate of the flank of gear `k` in a pair [m].
     #[inline(always)]
     fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
-        let travel = match gear.travel {
-            Some(travel) => travel,
-            None => gear
-                .party
-                .gear
-                .tooth_travel(gear.party.at, self.teeth(line.side, pair)[k]),
+        let travel = match gear.travels {
+            Travels::OfHub(travel) => travel,
+            Travels::OfTeeth(teeth) => teeth.travel(gear.at, self.teeth(line.side, pair)[k]),
         };
         line.map[k].s(travel, pair)
     }
@@ -196,21 +205,22 @@ impl LinesOfAction {
         first: i64,
         out: &mut [f64],
     ) {
-        if let Some(travel) = gear.travel {
-            for (pair, s) in (first..).zip(out) {
-                *s = line.map[k].s(travel, pair);
+        let teeth = match gear.travels {
+            Travels::OfHub(travel) => {
+                for (pair, s) in (first..).zip(out) {
+                    *s = line.map[k].s(travel, pair);
+                }
+                return;
             }
-            return;
-        }
+            Travels::OfTeeth(teeth) => teeth,
+        };
         let up = line.ascending[k];
         let lowest = if up {
             first
         } else {
             first + out.len() as i64 - 1
         };
-        gear.party
-            .gear
-            .tooth_travels(gear.party.at, self.teeth(line.side, lowest)[k], out);
+        teeth.travels(gear.at, self.teeth(line.side, lowest)[k], out);
         if !up {
             out.reverse();
         }
@@ -230,7 +240,7 @@ impl LinesOfAction {
     ) {
         let line = &self.lines[l];
         let (mut pair, mut slot) = (first, self.slot(l, first));
-        if let [Some(a), Some(b)] = [a.travel, b.travel] {
+        if let [Travels::OfHub(a), Travels::OfHub(b)] = [a.travels, b.travels] {
             while pair <= last {
                 f(slot, pair, [line.map[0].s(a, pair), line.map[1].s(b, pair)]);
                 pair += 1;
@@ -284,7 +294,8 @@ impl LinesOfAction {
     /// move as one. False says nothing.
     #[inline(always)]
     fn clearly_open(&self, line: &Line, [a, b]: [&Mover<'_>; 2], reach: f64) -> bool {
-        let (Some(a), Some(b), true) = (a.travel, b.travel, line.plain) else {
+        let (Travels::OfHub(a), Travels::OfHub(b), true) = (a.travels, b.travels, line.plain)
+        else {
             return false;
         };
         let slack = line.slack - line.map[0].per_travel * a - line.map[1].per_travel * b;
@@ -334,25 +345,16 @@ impl LinesOfAction {
     }
 
     #[inline]
-    fn candidate(
-        &self,
-        line: &Line,
-        slot: usize,
-        p: &PairState,
-        [a, b]: [&Party<'_>; 2],
-    ) -> Candidate {
+    fn candidate(&self, line: &Line, slot: usize, p: &PairState) -> Candidate {
         let weight = self.slices[line.slice].weight;
         let points = self.points(line, p.teeth, p.s);
         let (k, k_s) = self.stiffness.eval(p.s[0]);
-        let gap_t = p.scale[1] * b.gear.drift(b.at, &points[1], &line.normal)
-            - p.scale[0] * a.gear.drift(a.at, &points[0], &line.normal);
         Candidate {
             slot,
             points,
             normal: line.normal,
             scale: p.scale,
             gap: p.gap,
-            gap_t,
             stiffness: k * weight,
             stiffness_s: k_s * weight / self.helix_cos,
             s: p.s[0],
@@ -384,7 +386,7 @@ impl LinesOfAction {
             {
                 return;
             }
-            out.push(self.candidate(line, slot, &p, [movers[0].party, movers[1].party]));
+            out.push(self.candidate(line, slot, &p));
         });
     }
 

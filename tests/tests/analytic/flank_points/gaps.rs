@@ -274,7 +274,7 @@ fn the_cost_follows_the_active_flanks() {
                 .candidates(party(0), party(1), &[], wanted, &mut found);
         }
         let time = begin.elapsed().as_secs_f64() / f64::from(turns);
-        let work = mesh.search.work();
+        let work = mesh.search.points().unwrap().work();
         println!(
             "z = {z:?}: {work:?}, {} touch: {:.1} us, {:.0} ns per point, {:.0} ns per projection",
             found.len(),
