@@ -109,11 +109,11 @@ fn kernel(scene: &mut Scene, states: &[State]) -> (f64, f64) {
     let time = least(states.len(), || {
         for (s, nodes) in states.iter().zip(&nodes) {
             for (g, nodes) in scene.gears().iter().zip(nodes) {
-                let (field, range) = (g.model.field().unwrap(), g.range());
+                let (field, range) = (g.model.displacement().unwrap(), g.range());
                 let count = nodes.len();
                 field.compliance(nodes, &mut r[..count * count]);
                 field.displacements(&s.q[range.clone()], nodes, &mut a[..count]);
-                field.press(nodes, &a[..count], &mut f[range]);
+                field.apply_nodal_forces(nodes, &a[..count], &mut f[range]);
             }
             black_box(matrices[n(nodes)].clone().cholesky());
         }

@@ -10,14 +10,14 @@
 //!
 //! with the displacements from the assembled positions as coordinates: linear masses, exact momentum.
 
-use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
+use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
+use gearbench_models::gear::{FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear};
 use gearbench_models::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
-use gearbench_models::kinematics::{Hub, Locus, Placement, Point, Row, Tooth};
+use gearbench_models::kinematics::{Locus, Placement, Point, Row};
 use gearbench_models::spec::{Body, Value};
 
 pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
@@ -173,54 +173,11 @@ struct RigidFlanks {
 }
 
 impl GearModel for RigidFlanks {
-    fn id(&self) -> &'static str {
-        RIGID.id
-    }
-    fn hub(&self) -> &Hub {
+    fn hub(&self) -> &HubBody {
         self.rigid.hub()
     }
-
-    fn hub_mut(&mut self) -> &mut Hub {
+    fn hub_mut(&mut self) -> &mut HubBody {
         self.rigid.hub_mut()
-    }
-    fn coordinates(&self) -> Coordinates {
-        self.rigid.coordinates()
-    }
-    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
-        self.rigid.scales(m, q, v);
-    }
-    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) {
-        self.rigid.initialise(speed, q, v, memory);
-    }
-    fn contact_mass(&self) -> f64 {
-        self.rigid.contact_mass()
-    }
-    fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        self.rigid.tooth_travel(at, tooth)
-    }
-    fn flanks(&self) -> Option<&Flanks> {
-        Some(&self.flanks)
-    }
-    fn node_positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub().travel(at.t, at.q));
-        for (x, &i) in out.iter_mut().zip(nodes) {
-            *x = pose.point(&self.positions[i as usize]);
-        }
-    }
-    fn has_internal_force(&self) -> bool {
-        false
-    }
-    fn uses_engagement(&self) -> bool {
-        false
-    }
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
-        self.rigid.row(at, p, n, row);
-    }
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
-        self.rigid.solve_mass(at, f_to_a);
-    }
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        self.rigid.apply_mass(at, x, y);
     }
     fn correct(
         &mut self,
@@ -231,18 +188,27 @@ impl GearModel for RigidFlanks {
     ) -> Result<(), Singular> {
         self.rigid.correct(at, c, hub_damping, x)
     }
-    fn energy(&self, at: At<'_>) -> Energy {
-        self.rigid.energy(at)
+    fn surface(&self) -> Option<FlankSurface<'_>> {
+        Some(FlankSurface {
+            flanks: &self.flanks,
+            nodes: self,
+            displacement: None,
+        })
     }
-    fn hub_state(&self, at: At<'_>) -> HubState {
-        self.rigid.hub_state(at)
+}
+
+impl FlankNodes for RigidFlanks {
+    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+        let pose = self.placement.pose(self.hub().travel_at(at));
+        for (x, &i) in out.iter_mut().zip(nodes) {
+            *x = pose.point(&self.positions[i as usize]);
+        }
     }
 }
 
 /// See [`NODAL`].
 struct Nodal {
-    hub: Hub,
-    lever: f64,
+    hub: HubBody,
     placement: Placement,
     flanks: Flanks,
     /// Undeformed nodes in the own frame.
@@ -274,14 +240,27 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
             "the nodes are too heavy",
         ));
     }
+    let k = number(context, "stiffness_n_per_m", 1e8);
+    let (first, own) = (context.hub.coordinates(), 3 * positions.len());
+    let on_hub = |x: f64, of_node: f64| {
+        let hub = std::iter::repeat_n(x, first);
+        hub.chain(std::iter::repeat_n(of_node, own)).collect()
+    };
+    let hub = HubBody {
+        own,
+        contact_mass: m,
+        characteristic_time: (m / k).sqrt(),
+        scales: on_hub(context.lever, 1.0),
+        masses: on_hub(body, m),
+        ..HubBody::new(context.hub.clone(), context.lever)
+    };
     Ok(Box::new(Nodal {
-        hub: context.hub.clone(),
-        lever: context.lever,
+        hub,
         placement: context.placement,
         flanks,
         positions,
         body,
-        k: number(context, "stiffness_n_per_m", 1e8),
+        k,
         m,
         d: number(context, "damping_ns_per_m", 0.0),
         condensed: number(context, "condensed", 0.0) != 0.0,
@@ -317,7 +296,7 @@ impl Nodal {
             panic!("the point search gives points on faces")
         };
         let mut corners = [Vec3::zeros(); 4];
-        self.node_positions(at, &self.flanks.corners(face), &mut corners);
+        self.positions(at, &self.flanks.corners(face), &mut corners);
         let mut bulge = p.x;
         for (x, n) in corners.iter().zip(Flanks::weights(xi)) {
             bulge -= n * x;
@@ -327,29 +306,11 @@ impl Nodal {
 }
 
 impl GearModel for Nodal {
-    fn id(&self) -> &'static str {
-        NODAL.id
-    }
-    fn hub(&self) -> &Hub {
+    fn hub(&self) -> &HubBody {
         &self.hub
     }
-
-    fn hub_mut(&mut self) -> &mut Hub {
+    fn hub_mut(&mut self) -> &mut HubBody {
         &mut self.hub
-    }
-    fn coordinates(&self) -> Coordinates {
-        Coordinates {
-            n: self.first() + 3 * self.positions.len(),
-            memory: 0,
-        }
-    }
-    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
-        q.fill(m.deflection);
-        v.fill(m.speed);
-        if self.first() > 0 {
-            q[0] /= self.lever;
-            v[0] /= self.lever;
-        }
     }
     fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
         q.fill(0.0);
@@ -367,49 +328,24 @@ impl GearModel for Nodal {
             (v[0], v[1]) = (-speed * arm.y, speed * arm.x);
         }
     }
-    fn contact_mass(&self) -> f64 {
-        self.m
-    }
-    fn pace(&self) -> f64 {
-        (self.m / self.k).sqrt()
-    }
-    fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
-        self.hub.travel(at.t, at.q)
-    }
-    fn flanks(&self) -> Option<&Flanks> {
-        Some(&self.flanks)
-    }
-    fn node_positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let start = self.placement.pose(0.0);
-        for (x, &i) in out.iter_mut().zip(nodes) {
-            let i = i as usize;
-            *x = start.point(&self.positions[i]) + self.node(at.q, i);
-        }
-    }
-    fn uses_engagement(&self) -> bool {
-        false
-    }
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         let Locus::Quadrature { face, xi } = p.locus else {
             panic!("the point search gives points on faces")
         };
+        let bulge = self.bulge(at, p);
+        let mut prescribed = bulge.x * n.y - bulge.y * n.x;
         if self.first() > 0 {
-            let bulge = self.bulge(at, p);
-            row.push(0, bulge.x * n.y - bulge.y * n.x);
+            row.push(0, prescribed);
+            prescribed = 0.0;
         }
+        prescribed *= self.hub.speed(at.t, at.v);
         for (&node, w) in self.flanks.corners(face).iter().zip(Flanks::weights(xi)) {
             let values = [w * n.x, w * n.y, w * n.z];
             row.push_span(self.first() + 3 * node as usize, values);
         }
+        prescribed
     }
-    fn drift(&self, at: At<'_>, p: &Point, n: &Vec3) -> f64 {
-        if self.first() > 0 {
-            return 0.0;
-        }
-        let bulge = self.bulge(at, p);
-        (bulge.x * n.y - bulge.y * n.x) * self.hub.speed(at.t, at.v)
-    }
-    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
         let first = self.first();
         let speed = self.hub.speed(at.t, at.v);
         let mut torque = 0.0;
@@ -424,7 +360,7 @@ impl GearModel for Nodal {
             f[0] += torque;
         }
     }
-    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         assert_eq!(self.d, 0.0, "the tangent of the dashpots is not written");
         let first = self.first();
         let turn = if first > 0 { dq[0] } else { 0.0 };
@@ -441,25 +377,115 @@ impl GearModel for Nodal {
             df[0] += torque;
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, f_to_a: &mut [f64]) {
-        let first = self.first();
-        if first > 0 {
-            f_to_a[0] /= self.body;
-        }
-        for f in &mut f_to_a[first..] {
-            *f /= self.m;
-        }
-    }
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        for (y, x) in y.iter_mut().zip(x) {
-            *y = self.m * x;
-        }
-        if self.first() > 0 {
-            y[0] = self.body * x[0];
-        }
-    }
     fn correct(
         &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        self.solve(at, c, hub_damping, x)
+    }
+    fn energy(&self, at: At<'_>) -> Energy {
+        let mut e = Energy::default();
+        if self.first() > 0 {
+            e.kinetic += 0.5 * self.body * at.v[0] * at.v[0];
+        }
+        for (i, _, _, off) in self.springs(at) {
+            e.kinetic += 0.5 * self.m * self.node(at.v, i).norm_squared();
+            e.strain += 0.5 * self.k * off.norm_squared();
+        }
+        e
+    }
+    fn powers(&self, at: At<'_>) -> Power {
+        let speed = self.hub.speed(at.t, at.v);
+        let lost = |(i, _, t, _): (usize, Vec3, Vec3, Vec3)| {
+            self.d * (self.node(at.v, i) - speed * t).norm_squared()
+        };
+        Power {
+            dissipated: self.springs(at).map(lost).sum(),
+            ..Power::default()
+        }
+    }
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let speed = self.hub.speed(at.t, at.v);
+        let mut momentum = self.body * speed;
+        for (i, arm, _, off) in self.springs(at) {
+            let (r, v) = (arm + off, self.node(at.v, i));
+            momentum += self.m * (r.x * v.y - r.y * v.x);
+        }
+        HubState {
+            travel: self.hub.travel(at.t, at.q),
+            speed,
+            momentum,
+        }
+    }
+    fn surface(&self) -> Option<FlankSurface<'_>> {
+        Some(FlankSurface {
+            flanks: &self.flanks,
+            nodes: self,
+            displacement: None,
+        })
+    }
+    fn large(&self) -> Option<&dyn LargeGear> {
+        self.condensed.then_some(self)
+    }
+}
+
+impl FlankNodes for Nodal {
+    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+        let start = self.placement.pose(0.0);
+        for (x, &i) in out.iter_mut().zip(nodes) {
+            let i = i as usize;
+            *x = start.point(&self.positions[i]) + self.node(at.q, i);
+        }
+    }
+}
+
+impl LargeGear for Nodal {
+    fn condensed(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular> {
+        let mut x = vec![0.0; at.q.len()];
+        for (j, &unit) in coordinates.iter().enumerate() {
+            x.fill(0.0);
+            x[unit as usize] = 1.0;
+            self.solve(at, c, hub_damping, &mut x)?;
+            for (line, &i) in g.chunks_exact_mut(coordinates.len()).zip(coordinates) {
+                line[j] = x[i as usize];
+            }
+        }
+        Ok(())
+    }
+    fn add_response(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        (coordinates, forces): (&[u32], &[f64]),
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let mut y = vec![0.0; at.q.len()];
+        for (&i, f) in coordinates.iter().zip(forces) {
+            y[i as usize] += f;
+        }
+        self.solve(at, c, hub_damping, &mut y)?;
+        x.iter_mut().zip(y).for_each(|(x, y)| *x += y);
+        Ok(())
+    }
+    fn factorisations(&self) -> u64 {
+        0
+    }
+}
+
+impl Nodal {
+    fn solve(
+        &self,
         at: At<'_>,
         c: Coeffs,
         hub_damping: f64,
@@ -488,38 +514,5 @@ impl GearModel for Nodal {
             }
         }
         Ok(())
-    }
-    fn prefers_condensed(&self) -> bool {
-        self.condensed
-    }
-    fn energy(&self, at: At<'_>) -> Energy {
-        let mut e = Energy::default();
-        if self.first() > 0 {
-            e.kinetic += 0.5 * self.body * at.v[0] * at.v[0];
-        }
-        for (i, _, _, off) in self.springs(at) {
-            e.kinetic += 0.5 * self.m * self.node(at.v, i).norm_squared();
-            e.strain += 0.5 * self.k * off.norm_squared();
-        }
-        e
-    }
-    fn dissipated(&self, at: At<'_>) -> f64 {
-        let speed = self.hub.speed(at.t, at.v);
-        self.springs(at)
-            .map(|(i, _, t, _)| self.d * (self.node(at.v, i) - speed * t).norm_squared())
-            .sum()
-    }
-    fn hub_state(&self, at: At<'_>) -> HubState {
-        let speed = self.hub.speed(at.t, at.v);
-        let mut momentum = self.body * speed;
-        for (i, arm, _, off) in self.springs(at) {
-            let (r, v) = (arm + off, self.node(at.v, i));
-            momentum += self.m * (r.x * v.y - r.y * v.x);
-        }
-        HubState {
-            travel: self.hub.travel(at.t, at.q),
-            speed,
-            momentum,
-        }
     }
 }

@@ -23,17 +23,17 @@ use gearbench_models::spec::{
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 
-#[allow(dead_code)]
-#[path = "../../models/examples/elastic_test_gear.rs"]
-pub mod elastic_test_gear;
 pub mod elastic_toy;
+#[allow(dead_code)]
+#[path = "../../models/examples/elastic_web.rs"]
+pub mod elastic_web;
 pub mod fingerprint;
 pub mod flank_test_gears;
 
 /// All models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
     let mut table = MODELS.to_vec();
-    table.push(elastic_test_gear::MODEL);
+    table.push(elastic_web::MODEL);
     table
 }
 
@@ -175,22 +175,22 @@ pub fn all_teeth(model: ModelSpec) -> ModelSpec {
     with(model, "integrate", Value::Text("all".into()))
 }
 
-/// The example: two pairs of modes and a local compliance [m/N], coupled to the neighbours by `coupling`.
-pub fn elastic(teeth: usize, zeta: f64, local: f64, coupling: f64) -> ModelSpec {
-    let parameters = elastic_test_gear::harmonic_modes(teeth, &[2.0e5, 4.5e5], zeta, 3.0);
+/// The example: half of the inertia in a rim of 20 kHz.
+pub fn web(damping_ratio: f64) -> ModelSpec {
     let model = ModelSpec {
-        id: elastic_test_gear::MODEL.id.into(),
-        parameters,
+        id: elastic_web::MODEL.id.into(),
+        parameters: Parameters::new(),
     };
-    let model = with(model, "compliance_m_per_n", Value::Number(local));
-    with(model, "compliance_coupling", Value::Number(coupling))
+    let model = with(model, "frequency_hz", Value::Number(2e4));
+    let model = with(model, "rim_share", Value::Number(0.5));
+    with(model, "damping_ratio", Value::Number(damping_ratio))
 }
 
 /// A model for each row of the table with usual parameters for a gear of so many teeth; undamped.
-pub fn usual(model: &Model, teeth: usize) -> ModelSpec {
+pub fn usual(model: &Model, _teeth: usize) -> ModelSpec {
     match model.id {
         "movable-teeth" => movable(5.3e8, 4.8e-3, 0.0),
-        "elastic-test" => elastic(teeth, 0.0, 2e-9, 0.3),
+        "elastic-web" => web(0.0),
         id => ModelSpec {
             id: id.into(),
             parameters: Parameters::new(),
@@ -257,16 +257,22 @@ pub fn same_candidate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> O
 
 /// The contact row `dg/dq` of a candidate as a full vector.
 pub fn contact_row(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Vec<f64> {
-    let mut row = Row::default();
+    row_and_rate(scene, s, mesh, c).0
+}
+
+/// The contact row of a candidate, and the part of its gap rate that is prescribed [m/s].
+pub fn row_and_rate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> (Vec<f64>, f64) {
+    let (mut row, mut rate) = (Row::default(), 0.0);
     row.clear();
     for (k, sign) in [(0, -1.0), (1, 1.0)] {
         let g = &scene.gears()[scene.meshes()[mesh].gears[k]];
         row.target(g.range().start, sign * c.scale[k]);
-        g.model.row(g.at(s.at()), &c.points[k], &c.normal, &mut row);
+        let at = g.at(s.at());
+        rate += sign * c.scale[k] * g.model.row(at, &c.points[k], &c.normal, &mut row);
     }
     let mut w = vec![0.0; s.q.len()];
     row.add_to(1.0, &mut w);
-    w
+    (w, rate)
 }
 
 /// What a run left behind.

@@ -232,12 +232,12 @@ struct Reduction {
 fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
     let mut found = Reduction::default();
     for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
-        let Some(field) = gear.model.field() else {
+        let Some(field) = gear.model.displacement() else {
             continue;
         };
-        let kept = gear.model.coordinates().n - gear.model.hub().coordinates();
+        let kept = gear.model.hub().own;
         // The pace of such a gear is that of its fastest mode.
-        let highest = (std::f64::consts::TAU * gear.model.pace()).recip();
+        let highest = (std::f64::consts::TAU * gear.model.hub().characteristic_time).recip();
         found.modes = found.modes.max(Some(kept));
         found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
         if kept > 0 {

@@ -16,10 +16,8 @@ pub struct Candidate {
     /// `dg = -scale_a d(x_a . n) + scale_b d(x_b . n)`: 1 on the unmodified flank, 1 minus the slope of the
     /// flank's deviation otherwise.
     pub scale: [f64; 2],
-    /// Gap before local compliance [m], positive when open.
+    /// Gap [m], positive when open.
     pub gap: f64,
-    /// Part of the gap rate that is prescribed [m/s].
-    pub gap_t: f64,
     /// Stiffness of the law at this point, [N/m] for a linear law.
     pub stiffness: f64,
     /// Derivative of the stiffness by the path coordinate of the first gear [N/m^2].

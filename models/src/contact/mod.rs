@@ -2,7 +2,7 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`search`] | the seam between a mesh and its search |
+//! | [`Search`] | which of both a mesh has |
 //! | [`pairs`] | tooth pairs on the lines of action |
 //! | [`points`] | points of one flank against the surface of the other |
 //! | [`nodal`] | contact of gears whose flank nodes stand off the rigid flank |
@@ -14,9 +14,10 @@ pub mod nodal;
 pub mod pairs;
 mod party;
 pub mod points;
-pub mod search;
+mod search;
 pub mod solve;
 
 pub use candidate::Candidate;
 pub use clearance::{Clearance, LineClearance};
 pub use party::{Party, SearchWork, Wanted, ZoneChange};
+pub use search::Search;

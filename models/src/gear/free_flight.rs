@@ -6,7 +6,7 @@
 
 /// A gear in flight, seen from a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Flight {
+pub struct FreeFlight {
     /// Travel [rad] or [m], speed and acceleration of the frame.
     pub frame: [f64; 3],
     /// How far its flanks may stand outward of those of the frame by the displacements of their points [m].

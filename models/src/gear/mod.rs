@@ -2,19 +2,26 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`model`] | the trait [`GearModel`] |
+//! | `model` | the trait [`GearModel`] |
+//! | `hub_body` | the data that every gear has: [`HubBody`] |
+//! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
-//! | [`free_flight`], [`normal_field`] | what some of them tell beyond the trait |
 
+pub mod capabilities;
 pub mod elastic;
+mod flank_displacement;
 mod free_flight;
+mod hub_body;
 mod model;
 pub mod movable_teeth;
-mod normal_field;
 pub mod rigid;
 pub mod table;
 
-pub use free_flight::Flight;
-pub use model::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
-pub use normal_field::NormalField;
+pub use capabilities::{
+    CoupledMass, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators, ToothCoordinates,
+};
+pub use flank_displacement::FlankDisplacement;
+pub use free_flight::FreeFlight;
+pub use hub_body::HubBody;
+pub use model::{GearModel, HubState, Magnitudes};

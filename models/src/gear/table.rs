@@ -3,7 +3,7 @@
 use super::model::GearModel;
 use super::{movable_teeth, rigid};
 use crate::error::BuildError;
-use crate::kinematics::{Hub, Placement};
+use crate::kinematics::{Hub, MeshView, Placement};
 use crate::spec::{Body, Parameters};
 use crate::stiffness::Material;
 
@@ -24,6 +24,10 @@ pub struct GearContext<'a> {
     pub placement: Placement,
     /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action over hub coordinate.
     pub lever: f64,
+    /// How the gear's meshes see it, in order.
+    pub meshes: &'a [MeshView],
+    /// Speed of its hub at the start [rad/s] or [m/s].
+    pub speed: f64,
     /// Parameters from the scene.
     pub parameters: &'a Parameters,
 }
@@ -37,6 +41,18 @@ pub struct ParameterInfo {
     pub meaning: &'static str,
     /// Must be given.
     pub required: bool,
+}
+
+impl ParameterInfo {
+    /// A parameter that must be given.
+    #[must_use]
+    pub const fn required(key: &'static str, meaning: &'static str) -> Self {
+        ParameterInfo {
+            key,
+            meaning,
+            required: true,
+        }
+    }
 }
 
 /// Builds a gear model.

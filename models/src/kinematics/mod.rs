@@ -6,7 +6,7 @@ mod pose;
 mod row;
 mod view;
 
-pub use hub::{Hub, Wrench};
+pub use hub::{Direction, Hub, Wrench};
 pub use point::{Locus, Point, Tooth};
 pub use pose::{Placement, Pose};
 pub use row::Row;

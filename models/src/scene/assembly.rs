@@ -6,11 +6,11 @@ use super::nodal::Nodal;
 use super::outputs::channel_names;
 use super::{Scene, SceneGear, SceneMesh};
 use crate::Vec3;
+use crate::contact::Search;
 use crate::contact::pairs::{Deviation, LinesOfAction, MeshGeometry, Slice};
-use crate::contact::search::ContactSearch;
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
-use crate::gear::Magnitudes;
 use crate::gear::table::{GearContext, Model};
+use crate::gear::{LinearMotion, Magnitudes};
 use crate::geometry::{Gear, Side};
 use crate::kinematics::{Hub, MeshView, Placement};
 use crate::law::{Damping, Law, LawError};
@@ -306,6 +306,14 @@ impl Scene {
             .map(|m| mesh_layout(&spec.gears[m.gears[0]], &spec.gears[m.gears[1]]))
             .collect::<Result<Vec<_>, _>>()?;
         let phases = assemble(spec, &layouts)?;
+        let mut seen_by = vec![Vec::new(); spec.gears.len()];
+        for (mesh, l) in spec.meshes.iter().zip(&layouts) {
+            let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+            let of_mesh = views(l, a, b, mesh.gears.map(|i| phases[i]));
+            for (&i, view) in mesh.gears.iter().zip(of_mesh) {
+                seen_by[i].push(view);
+            }
+        }
 
         let mut gears = Vec::new();
         for (g, model) in spec.gears.iter().zip(&modelling.gears) {
@@ -341,10 +349,13 @@ impl Scene {
                 added_inertia: g.added_inertia,
                 placement: Placement::new(&hub, phases[gears.len()]),
                 lever: lever(&g.body),
+                meshes: &seen_by[gears.len()],
+                speed: initial_speed(g),
                 parameters: &model.parameters,
             };
             gears.push(SceneGear {
                 name: g.name.clone(),
+                id: model.id.clone(),
                 model: row.build(&context)?,
                 loads: g.loads.clone(),
                 offset: 0,
@@ -361,23 +372,20 @@ impl Scene {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
             let (search, geometry) = lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
-            for (k, i) in mesh.gears.into_iter().enumerate() {
+            for i in mesh.gears {
                 seen[i] += 1;
-                gears[i].model.attach(search.views[k]);
             }
             check_start(spec, mesh, l, &search)?;
             for i in mesh.gears {
-                let model = &gears[i].model;
                 // Pairs take turns in standing for the mesh: that is no jump only where all have one gap.
-                if search.whole_mesh && model.coordinates().n > model.hub().coordinates() {
+                if search.whole_mesh && gears[i].model.hub().own > 0 {
                     return Err(BuildError::mesh(
                         mesh.gears.map(|i| spec.gears[i].name.as_str()),
                         MeshPart::Stiffness,
                         (
                             format!(
                                 "one stiffness for the whole mesh needs rigid gears, but gear `{}` is `{}`",
-                                spec.gears[i].name,
-                                model.id()
+                                spec.gears[i].name, gears[i].id
                             ),
                             "give the stiffness of a tooth pair",
                         ),
@@ -391,7 +399,7 @@ impl Scene {
                 .gears
                 .iter()
                 .any(|i| gears[*i].model.flanks().is_some());
-            let (search, law, clearances): (Box<dyn ContactSearch>, Law, _) = if with_flanks {
+            let (search, law, clearances): (Search, Law, _) = if with_flanks {
                 let lines = Side::BOTH.map(|side| search.line(side));
                 let (search, law) =
                     flank_points(spec, mesh, contact, &gears, &phases, &geometry, lines)?;
@@ -399,12 +407,12 @@ impl Scene {
                 let clearances = search
                     .clearance([0.0; 2])
                     .map_or_else(Vec::new, |c| c.lines().to_vec());
-                (Box::new(search), law, clearances)
+                (Search::Points(Box::new(search)), law, clearances)
             } else {
                 let law = law_of(spec, mesh, contact, k_max)?;
-                (Box::new(search), law, on_lines)
+                (Search::Pairs(Box::new(search)), law, on_lines)
             };
-            let has_field = |i: &usize| gears[*i].model.field().is_some();
+            let has_field = |i: &usize| gears[*i].model.displacement().is_some();
             meshes.push(SceneMesh {
                 gears: mesh.gears,
                 search,
@@ -421,7 +429,6 @@ impl Scene {
                 zones: 0,
             });
         }
-        refuse_two_compliances(&gears)?;
         refuse_two_laws(spec, &gears, &meshes)?;
         Ok(Self::lay_out(spec, gears, meshes, &scales, phases))
     }
@@ -436,21 +443,23 @@ impl Scene {
     ) -> Scene {
         let (mut n, mut memory, mut guards) = (0, 1, 0);
         for g in &mut gears {
-            let c = g.model.coordinates();
-            (g.offset, g.n) = (n, c.n);
-            g.memory = (memory, c.memory);
-            g.internal = g.model.has_internal_force();
-            n += c.n;
-            memory += c.memory;
+            let hub = g.model.hub();
+            (g.offset, g.n) = (n, hub.len());
+            g.memory = (memory, hub.discrete);
+            g.internal = hub.own > 0;
+            n += hub.len();
+            memory += hub.discrete;
         }
         for m in &mut meshes {
             (m.memory, m.guards) = (memory, guards);
-            (m.cells, m.slots, m.zones) =
-                (m.search.memory(), m.search.slots(), m.search.guard_count());
+            if let Some(pairs) = m.search.pairs() {
+                (m.cells, m.slots, m.zones) =
+                    (pairs.discrete(), pairs.slots(), pairs.guard_count());
+            }
             memory += m.cells + 2 * m.slots;
             guards += m.zones + m.slots;
         }
-        let locates = meshes.iter().all(|m| m.search.locates());
+        let locates = meshes.iter().all(|m| m.search.pairs().is_some());
         if !locates {
             guards = 0;
         }
@@ -462,15 +471,8 @@ impl Scene {
         };
         for (g, s) in gears.iter_mut().zip(&spec.gears) {
             let range = g.range();
-            // A prescribed motion says itself how fast its gear moves.
-            let speed = match &s.mount {
-                Mount::Driven(p) => p.value(0.0),
-                Mount::Fixed => 0.0,
-                Mount::Revolute | Mount::Prismatic => s.speed,
-            };
-            g.model.prepare(speed);
             g.model.initialise(
-                speed,
+                initial_speed(s),
                 &mut initial.q[range.clone()],
                 &mut initial.v[range],
                 &mut initial.memory[g.memory.0..][..g.memory.1],
@@ -478,24 +480,27 @@ impl Scene {
         }
         let pace = gears
             .iter()
-            .map(|g| g.model.pace())
+            .map(|g| g.model.hub().characteristic_time)
             .fold(scales.pace, f64::min);
         let channels = channel_names(&gears, meshes.len());
-        let compliant = gears.iter().any(|g| g.model.is_compliant());
-        let fields = gears.iter().any(|g| g.model.field().is_some());
+        let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
-        let condenses = gears.iter().any(|g| g.model.prefers_condensed());
+        let condenses = gears.iter().any(|g| g.model.large().is_some());
         let tracks = meshes.iter().any(|m| m.law.needs_impact_speed())
-            || gears.iter().any(|g| g.model.uses_engagement());
+            || gears.iter().any(|g| g.model.follows_contact());
         let mut mass = vec![0.0; n];
-        if !gears
-            .iter()
-            .all(|g| g.model.constant_mass(&mut mass[g.range()]))
-        {
-            mass.clear();
+        for g in &gears {
+            g.model.hub().diagonal_mass(&mut mass[g.range()]);
         }
-        let oscillators = gears.iter().all(|g| g.model.oscillators().is_some());
-        let sleeps = gears.iter().any(|g| g.model.sleep() > 0.0);
+        let diagonal = gears.iter().all(|g| g.model.coupled_mass().is_none());
+        let linear = |g: &SceneGear| {
+            g.model
+                .linear()
+                .and_then(LinearMotion::oscillators)
+                .is_some()
+        };
+        let oscillators = gears.iter().all(linear);
+        let sleeps = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         Scene {
             gears,
             meshes,
@@ -508,12 +513,15 @@ impl Scene {
             n,
             memory,
             guards,
-            compliant,
             fields,
             condenses,
             locates,
             tracks,
-            inverse_mass: mass.iter().map(|m| m.recip()).collect(),
+            inverse_mass: if diagonal {
+                mass.iter().map(|m| m.recip()).collect()
+            } else {
+                Vec::new()
+            },
             mass,
             work: Workspace {
                 nodal,
@@ -553,26 +561,6 @@ fn refuse_two_laws(
     Ok(())
 }
 
-/// Compliance between points and displacement fields of nodes take different solves.
-fn refuse_two_compliances(gears: &[SceneGear]) -> Result<(), BuildError> {
-    let field = gears.iter().find(|g| g.model.field().is_some());
-    let local = gears.iter().find(|g| g.model.is_compliant());
-    match (field, local) {
-        (Some(field), Some(local)) => Err(BuildError::gear(
-            &local.name,
-            GearPart::Model,
-            (
-                format!(
-                    "its compliance is one between contact points, that of gear `{}` one between nodes",
-                    field.name
-                ),
-                "use one kind of model for both",
-            ),
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// Typical deflection, speed and time of the meshes of a scene.
 #[derive(Clone, Copy, Debug)]
 struct Scales {
@@ -595,13 +583,9 @@ impl Scales {
     fn add(&mut self, spec: &SceneSpec, mesh: &MeshSpec, gears: &[SceneGear], k: f64) {
         let sides = mesh.gears.map(|i| (&spec.gears[i], &gears[i]));
         let mass = reduced_mass(sides.map(|(s, g)| hub_mass(s, g.model.hub())));
-        let own = reduced_mass(sides.map(|(_, g)| g.model.contact_mass()));
+        let own = reduced_mass(sides.map(|(_, g)| g.model.hub().contact_mass));
         let along = sides.map(|(s, g)| {
-            let speed = match &s.mount {
-                Mount::Driven(p) => p.value(0.0),
-                Mount::Fixed => 0.0,
-                _ => s.speed,
-            };
+            let speed = initial_speed(s);
             let force = s.loads.iter().map(|l| g.load_bound(l)).sum::<f64>() / lever(&s.body);
             (speed * lever(&s.body), force)
         });
@@ -648,6 +632,15 @@ impl SceneGear {
             },
             Load::Viscous(_) => 0.0,
         }
+    }
+}
+
+/// Speed of a hub at the start: a prescribed motion says itself how fast its gear moves.
+fn initial_speed(g: &GearSpec) -> f64 {
+    match &g.mount {
+        Mount::Driven(p) => p.value(0.0),
+        Mount::Fixed => 0.0,
+        Mount::Revolute | Mount::Prismatic => g.speed,
     }
 }
 

@@ -37,7 +37,7 @@ fn refuse_singular(
     };
     let gives = |k: usize| {
         let model = &gears[mesh.gears[k]].model;
-        model.field().is_some_and(|f| f.is_compliant())
+        model.displacement().is_some_and(|f| f.is_compliant())
     };
     if gives(slave) {
         return Ok(());
@@ -123,7 +123,7 @@ pub(super) fn flank_points(
     if let Some(i) = mesh
         .gears
         .iter()
-        .find(|i| gears[**i].model.uses_engagement())
+        .find(|i| gears[**i].model.follows_contact())
     {
         return Err(error(
             MeshPart::Contact,

@@ -14,6 +14,7 @@
 
 use super::{Scene, SceneGear};
 use crate::cholesky::{backward, cholesky, dot, forward};
+use crate::gear::capabilities::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
@@ -45,7 +46,6 @@ impl Scene {
     /// Whether the condensed correction serves the contacts at hand.
     pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
         self.condenses
-            && !self.compliant
             && self.work.active.iter().all(|a| {
                 let candidate = &self.work.candidates[a.candidate];
                 self.meshes[a.mesh].friction.is_none()
@@ -98,8 +98,14 @@ impl Scene {
             b.x.extend(touched.iter().map(|&i| x[g.offset + i as usize]));
             if n > 0 {
                 let (own, viscous) = (g.at(at), g.viscous());
-                g.model
-                    .condensed(own, c, viscous, touched, &mut b.g[start..])?;
+                condensed(
+                    g.model.as_mut(),
+                    own,
+                    c,
+                    viscous,
+                    touched,
+                    &mut b.g[start..],
+                )?;
             }
         }
         // The form by coordinates also factorises the blocks of G.
@@ -112,8 +118,8 @@ impl Scene {
             if !touched.is_empty() {
                 let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
                 let forces = &b.forces[*start..][..touched.len()];
-                g.model
-                    .add_response(own, c, viscous, touched, forces, &mut x[range])?;
+                let touched = (touched.as_slice(), forces);
+                add_response(g.model.as_mut(), own, c, viscous, touched, &mut x[range])?;
             }
         }
         Ok(())

@@ -6,12 +6,11 @@ use super::nodal_tangent::Reduced;
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::pairs::all_open;
-use crate::contact::solve::{CompliantSolve, SolvePoint};
 use crate::contact::{Candidate, Party, Wanted};
 use crate::geometry::Side;
 use crate::kinematics::{Row, Tooth};
 use crate::law::{FrictionForce, LawForce};
-use gearbench_integrators::system::{At, Singular};
+use gearbench_integrators::system::At;
 
 /// A contact that carries (or may carry) a force.
 #[derive(Clone, Copy, Debug)]
@@ -19,14 +18,26 @@ pub(super) struct Active {
     pub mesh: usize,
     /// Index into the candidates.
     pub candidate: usize,
-    /// Gap with local compliance [m].
+    /// Gap [m].
     pub gap: f64,
-    /// Gap rate before local compliance [m/s].
+    /// Its rate [m/s].
     pub rate: f64,
     pub impact_speed: f64,
     pub force: LawForce,
     pub friction: FrictionForce,
     /// Sliding speed of gear b over gear a [m/s].
+    pub sliding: f64,
+    pub prescribed: Prescribed,
+}
+
+/// Speeds that driven mounts prescribe [m/s].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Prescribed {
+    /// Of the first gear's point along the normal.
+    pub first: f64,
+    /// Of the gap.
+    pub gap: f64,
+    /// Of sliding.
     pub sliding: f64,
 }
 
@@ -58,12 +69,6 @@ pub(super) struct Workspace {
     pub active: Vec<Active>,
     /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
     pub rows: Vec<[Row; 3]>,
-    pub points: Vec<SolvePoint>,
-    /// The same contacts without damping, for the energies of compliant contacts.
-    pub elastic: Vec<SolvePoint>,
-    pub compliance: Vec<f64>,
-    pub solve: CompliantSolve,
-    pub failed: bool,
     pub condensed: Condensed,
     /// Contacts of gears with fields.
     pub nodal: Nodal,
@@ -91,17 +96,17 @@ fn fill_rows(
     [a, b]: [&Party<'_>; 2],
     c: &Candidate,
     rows: &mut [Row; 3],
-) {
+) -> Prescribed {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
-    row.clear();
-    row.target(offset(0), -c.scale[0]);
-    a.gear.row(a.at, &c.points[0], &c.normal, row);
-    row.mark_split();
-    row.target(offset(1), c.scale[1]);
-    b.gear.row(b.at, &c.points[1], &c.normal, row);
+    let [first, gap] = gap_row(gears, mesh, [a, b], c, row);
+    let mut prescribed = Prescribed {
+        first,
+        gap,
+        sliding: 0.0,
+    };
     if mesh.friction.is_none() {
-        return;
+        return prescribed;
     }
     let t = sliding_direction(&c.normal);
     for (k, shift) in [(1, 0.0), (2, 1.0)] {
@@ -113,11 +118,34 @@ fn fill_rows(
             p
         };
         row.target(offset(0), -1.0);
-        a.gear.row(a.at, &moved(0), &t, row);
+        let of_a = a.gear.row(a.at, &moved(0), &t, row);
         row.mark_split();
         row.target(offset(1), 1.0);
-        b.gear.row(b.at, &moved(1), &t, row);
+        let of_b = b.gear.row(b.at, &moved(1), &t, row);
+        if k == 1 {
+            prescribed.sliding = of_b - of_a;
+        }
     }
+    prescribed
+}
+
+/// The row `dg/dq` of a candidate; returns the prescribed speed of the first gear's point along the normal, and of the
+/// gap.
+#[inline]
+pub(super) fn gap_row(
+    gears: &[SceneGear],
+    mesh: &SceneMesh,
+    [a, b]: [&Party<'_>; 2],
+    c: &Candidate,
+    row: &mut Row,
+) -> [f64; 2] {
+    row.clear();
+    row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
+    let of_a = a.gear.row(a.at, &c.points[0], &c.normal, row);
+    row.mark_split();
+    row.target(gears[mesh.gears[1]].offset, c.scale[1]);
+    let of_b = b.gear.row(b.at, &c.points[1], &c.normal, row);
+    [of_a, c.scale[1] * of_b - c.scale[0] * of_a]
 }
 
 impl Scene {
@@ -126,10 +154,6 @@ impl Scene {
     pub(super) fn evaluate_contacts(&mut self, at: At<'_>) {
         if self.fields {
             self.evaluate_with_fields(at);
-            return;
-        }
-        if self.compliant {
-            self.evaluate_compliant(at);
             return;
         }
         self.work.active.clear();
@@ -168,8 +192,8 @@ impl Scene {
                 work.rows.push(Default::default());
             }
             let rows = &mut work.rows[i];
-            fill_rows(gears, mesh, [&a, &b], c, rows);
-            let rate = rows[0].dot(at.v) + c.gap_t;
+            let prescribed = fill_rows(gears, mesh, [&a, &b], c, rows);
+            let rate = rows[0].dot(at.v) + prescribed.gap;
             let stored = mesh.impact_speed(at.memory, c.slot);
             let impact_speed = if stored > 0.0 { stored } else { -rate };
             let law = mesh.law.shared(c.share);
@@ -190,128 +214,11 @@ impl Scene {
                 force,
                 friction: FrictionForce::default(),
                 sliding: 0.0,
+                prescribed,
             });
             if mesh.friction.is_some() {
-                slide(mesh, [a, b], at, c, rows, &mut work.active[i]);
+                slide(mesh, at, rows, &mut work.active[i]);
             }
-        }
-    }
-
-    /// The same with local compliance: all points are solved for together.
-    fn evaluate_compliant(&mut self, at: At<'_>) {
-        let located = at.memory[0] != 0.0;
-        let Scene {
-            gears,
-            meshes,
-            work,
-            ..
-        } = self;
-        work.active.clear();
-        work.points.clear();
-        work.candidates.clear();
-        for (m, mesh) in meshes.iter().enumerate() {
-            let (a, b) = parties(gears, mesh, at);
-            let first = work.candidates.len();
-            let memory = &at.memory[mesh.search_memory()];
-            let wanted = if located {
-                Wanted::Listed
-            } else {
-                Wanted::Touching(f64::INFINITY)
-            };
-            mesh.search
-                .candidates(a, b, memory, wanted, &mut work.candidates);
-            for k in first..work.candidates.len() {
-                let c = &work.candidates[k];
-                let i = work.active.len();
-                if i == work.rows.len() {
-                    work.rows.push(Default::default());
-                }
-                fill_rows(gears, mesh, [&a, &b], c, &mut work.rows[i]);
-                let rate = work.rows[i][0].dot(at.v) + c.gap_t;
-                let stored = mesh.impact_speed(at.memory, c.slot);
-                let impact_speed = if stored > 0.0 { stored } else { -rate };
-                work.points.push(SolvePoint {
-                    law: mesh.law.shared(c.share),
-                    gap0: c.gap,
-                    rate,
-                    impact_speed,
-                    stiffness: c.stiffness,
-                    closed: located.then(|| at.memory[mesh.slot(c.slot)] != 0.0),
-                    ..SolvePoint::default()
-                });
-                work.active.push(Active {
-                    mesh: m,
-                    candidate: k,
-                    gap: c.gap,
-                    rate,
-                    impact_speed,
-                    force: LawForce::default(),
-                    friction: FrictionForce::default(),
-                    sliding: 0.0,
-                });
-            }
-        }
-        let n = work.active.len();
-        work.compliance.clear();
-        for i in 0..n {
-            for j in 0..n {
-                let (ci, cj) = (&work.candidates[i], &work.candidates[j]);
-                let (mi, mj) = (&meshes[work.active[i].mesh], &meshes[work.active[j].mesh]);
-                let mut sum = 0.0;
-                for k in 0..2 {
-                    for l in 0..2 {
-                        if mi.gears[k] != mj.gears[l] {
-                            continue;
-                        }
-                        // The force on gear a is -n N and its displacement opens the gap by -x.n.
-                        let sign = if k == l { 1.0 } else { -1.0 };
-                        sum += sign
-                            * gears[mi.gears[k]].model.compliance(
-                                &ci.points[k],
-                                &ci.normal,
-                                &cj.points[l],
-                                &cj.normal,
-                            );
-                    }
-                }
-                work.compliance.push(sum);
-            }
-        }
-        work.failed = work
-            .solve
-            .solve(&work.compliance, &mut work.points)
-            .is_err();
-        for i in 0..n {
-            let active = &mut work.active[i];
-            active.gap = work.points[i].gap;
-            active.force = work.points[i].force;
-            if work.failed {
-                active.force.n = f64::NAN;
-            }
-            let mesh = &meshes[active.mesh];
-            let (a, b) = parties(gears, mesh, at);
-            slide(mesh, [a, b], at, &work.candidates[i], &work.rows[i], active);
-        }
-    }
-
-    /// The compliant contacts at the last state evaluated without their damping: gaps and forces in
-    /// `work.elastic`. With a law that has no damper they are the contacts themselves.
-    pub(super) fn evaluate_elastic_part(&mut self) {
-        let work = &mut self.work;
-        work.elastic.clone_from(&work.points);
-        if !work.points.iter().any(|p| p.law.is_dissipative()) {
-            return;
-        }
-        for p in &mut work.elastic {
-            p.law = p.law.undamped();
-            p.closed = Some(p.closed.unwrap_or(p.force.n != 0.0));
-        }
-        if work
-            .solve
-            .solve(&work.compliance, &mut work.elastic)
-            .is_err()
-        {
-            work.elastic.iter_mut().for_each(|p| p.force.n = f64::NAN);
         }
     }
 
@@ -330,7 +237,7 @@ impl Scene {
     }
 
     /// Derivative of the normal forces in a direction, one per active contact, into `work.rhs`.
-    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) -> Result<(), Singular> {
+    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) {
         let work = &mut self.work;
         work.rhs.clear();
         for (c, rows) in work.active.iter().zip(&work.rows) {
@@ -342,11 +249,6 @@ impl Scene {
                     + c.force.dn_dk * candidate.stiffness_s * along,
             );
         }
-        if self.compliant {
-            work.solve
-                .couple(&work.compliance, &work.points, &mut work.rhs, 1)?;
-        }
-        Ok(())
     }
 
     /// Contact forces at a state, for pictures and reports.
@@ -389,19 +291,9 @@ impl Scene {
     }
 }
 
-fn slide(
-    mesh: &SceneMesh,
-    sides: [Party<'_>; 2],
-    at: At<'_>,
-    c: &Candidate,
-    rows: &[Row; 3],
-    active: &mut Active,
-) {
+fn slide(mesh: &SceneMesh, at: At<'_>, rows: &[Row; 3], active: &mut Active) {
     if let Some(friction) = &mesh.friction {
-        let t = sliding_direction(&c.normal);
-        let [a, b] = sides;
-        let drift = b.gear.drift(b.at, &c.points[1], &t) - a.gear.drift(a.at, &c.points[0], &t);
-        active.sliding = rows[1].dot(at.v) + drift;
+        active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
         active.friction = friction.force(active.force.n, active.sliding);
     }
 }

@@ -1,6 +1,6 @@
-//! Flight: how long nothing touches, where the scene is until then, and gears that are put to rest meanwhile.
+//! FreeFlight: how long nothing touches, where the scene is until then, and gears that are put to rest meanwhile.
 //!
-//! **How long.** Under steady loads gears fly as their frames do ([`Flight`]), `theta = theta_0 + theta' t +
+//! **How long.** Under steady loads gears fly as their frames do ([`FreeFlight`]), `theta = theta_0 + theta' t +
 //! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
 //! ([`LineClearance`](crate::contact::LineClearance)). Flanks stand off these by `B q + r T` of elastic
 //! gears and by the travels of movable teeth beside their frames, both bounded for the whole flight by the energy `E`
@@ -31,7 +31,8 @@
 
 use super::{Scene, SceneGear};
 use crate::contact::LineClearance;
-use crate::gear::Flight;
+use crate::gear::FreeFlight;
+use crate::gear::capabilities::work_on_hub;
 use crate::spec::Load;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Events, State};
@@ -71,7 +72,7 @@ fn first_zero(c: f64, b: f64, a: f64) -> f64 {
 }
 
 /// Clearance of the frames on a line, its rate and acceleration.
-fn clearance(line: &LineClearance, frames: [&Flight; 2]) -> [f64; 3] {
+fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
     let [a, b] = line.per_travel;
     let along = |d: usize| a * frames[0].frame[d] + b * frames[1].frame[d];
     [line.assembled + along(0), along(1), along(2)]
@@ -91,7 +92,8 @@ impl Scene {
         self.flights.clear();
         for g in &self.gears {
             let load = g.steady_load(at.t);
-            let Some(flight) = load.and_then(|load| g.model.flight(g.at(at), load)) else {
+            let Some(flight) = load.and_then(|load| g.model.linear()?.free_flight(g.at(at), load))
+            else {
                 return at.t;
             };
             self.flights.push(flight);
@@ -133,7 +135,9 @@ impl Scene {
             coast.begin(at.t);
             for g in &self.gears {
                 let load = g.steady_load(at.t).unwrap_or(0.0);
-                g.model.coast(g.at(at), load, g.offset, coast);
+                if let Some(linear) = g.model.linear() {
+                    linear.add_to_coast(g.at(at), load, g.offset, coast);
+                }
             }
         }
         until
@@ -169,7 +173,7 @@ impl Scene {
         }
         let mut slept = false;
         for (i, g) in self.gears.iter().enumerate() {
-            let share = g.model.sleep();
+            let share = g.model.hub().vibration_cut_off;
             let reference = self.coming_impact(i);
             // A partner that is held as well has no reduced mass to meet.
             let below = self.flights[i].energy < share * reference && reference.is_finite();
@@ -180,7 +184,9 @@ impl Scene {
             let own = g.range();
             let cells = &mut memory[g.memory.0..][..g.memory.1];
             let (q, v) = (&mut q[own.clone()], &mut v[own]);
-            slept |= g.model.put_to_rest(*t, load, q, v, cells);
+            if let Some(linear) = g.model.linear() {
+                slept |= linear.cut_off_vibrations(*t, load, q, v, cells);
+            }
         }
         slept
     }
@@ -190,7 +196,10 @@ impl Scene {
         let mut work = 0.0;
         for g in &self.gears {
             let load = g.steady_load(from.t)?;
-            work += g.model.steady_work(g.at(from), g.at(to), load);
+            work += match g.model.linear() {
+                Some(linear) => linear.steady_work(g.at(from), g.at(to), load),
+                None => work_on_hub(g.model.as_ref(), g.at(from), g.at(to), load),
+            };
         }
         Some(work)
     }

@@ -23,9 +23,8 @@ mod system;
 
 pub use contacts::ContactForce;
 
-use crate::contact::search::ContactSearch;
-use crate::contact::{LineClearance, Party};
-use crate::gear::{Flight, GearModel, Magnitudes};
+use crate::contact::{LineClearance, Party, Search};
+use crate::gear::{FreeFlight, GearModel, Magnitudes};
 use crate::law::{Friction, Law};
 use crate::spec::{Load, Mount, Profile};
 use contacts::Workspace;
@@ -35,6 +34,8 @@ use gearbench_integrators::system::{At, State};
 pub struct SceneGear {
     /// Name from the scene.
     pub name: String,
+    /// Id of its model.
+    pub id: String,
     /// The model.
     pub model: Box<dyn GearModel>,
     /// Loads on its hub.
@@ -74,9 +75,13 @@ impl SceneGear {
     /// Adds the load on a hub that is free to move to the scene's forces.
     #[inline]
     fn add_load(&self, at: At<'_>, f: &mut [f64]) {
-        if !self.loads.is_empty() && self.model.hub().coordinates() > 0 {
-            let load = self.load(at.t, self.model.hub_speed(self.at(at)));
-            self.model.add_hub_load(load, &mut f[self.range()]);
+        if self.loads.is_empty() {
+            return;
+        }
+        let hub = self.model.hub();
+        if hub.coordinates() > 0 {
+            let load = self.load(at.t, hub.load_speed(self.at(at)));
+            hub.add_load(load, &mut f[self.range()]);
         }
     }
 
@@ -99,7 +104,7 @@ pub struct SceneMesh {
     /// Indices of the gears; the first is never a rack.
     pub gears: [usize; 2],
     /// Finds candidate points.
-    pub search: Box<dyn ContactSearch>,
+    pub search: Search,
     /// Normal law.
     pub law: Law,
     /// Sliding friction.
@@ -159,7 +164,6 @@ pub struct Scene {
     n: usize,
     memory: usize,
     guards: usize,
-    compliant: bool,
     /// A gear has a displacement field.
     fields: bool,
     /// A gear asks for the condensed Newton correction.
@@ -168,7 +172,7 @@ pub struct Scene {
     locates: bool,
     /// Without event location: somebody needs impact speeds or engaged teeth to be followed.
     tracks: bool,
-    /// The mass matrix and its inverse where it is diagonal and constant, else empty.
+    /// Diagonal masses, and their inverse where all gears have such, else empty.
     mass: Vec<f64>,
     inverse_mass: Vec<f64>,
     work: Workspace,
@@ -177,7 +181,7 @@ pub struct Scene {
     /// A gear may be put to rest in flight.
     sleeps: bool,
     /// Buffer of [`Self::flight_until`].
-    flights: Vec<Flight>,
+    flights: Vec<FreeFlight>,
     initial: State,
     phases: Vec<f64>,
 }

@@ -1,12 +1,13 @@
 //! The scene as independent oscillators and a rest, for methods that are exact for the linear part.
 
 use super::Scene;
+use crate::gear::LinearMotion;
 use gearbench_integrators::system::{At, Events, ModalSplit, SecondOrderSystem, State};
 
 impl ModalSplit for Scene {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         for g in &self.gears {
-            if let Some(o) = g.model.oscillators() {
+            if let Some(o) = g.model.linear().and_then(LinearMotion::oscillators) {
                 omega[g.range()].copy_from_slice(o.omega);
                 zeta[g.range()].copy_from_slice(o.zeta);
             }
@@ -14,9 +15,10 @@ impl ModalSplit for Scene {
     }
 
     fn prepare(&mut self, lag: &[f64]) {
-        for g in &mut self.gears {
-            let own = g.range();
-            g.model.set_lag(Some(&lag[own]));
+        for g in &self.gears {
+            if let Some(linear) = g.model.linear() {
+                linear.set_quasi_static_correction(Some(&lag[g.range()]));
+            }
         }
         self.work.nodal.forget();
     }
@@ -25,7 +27,9 @@ impl ModalSplit for Scene {
         a.fill(0.0);
         for g in &self.gears {
             g.add_load(at, a);
-            g.model.add_inertia_force(at.t, &mut a[g.range()]);
+            if let Some(linear) = g.model.linear() {
+                linear.add_inertia_force(at.t, &mut a[g.range()]);
+            }
         }
         self.evaluate_contacts(at);
         self.add_contact_forces(a);
@@ -39,7 +43,9 @@ impl ModalSplit for Scene {
                 return at.t;
             }
             g.add_load(at, a);
-            g.model.add_inertia_force(at.t, &mut a[g.range()]);
+            if let Some(linear) = g.model.linear() {
+                linear.add_inertia_force(at.t, &mut a[g.range()]);
+            }
         }
         self.solve_mass(at, a);
         self.next_knot(at.t)

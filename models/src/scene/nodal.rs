@@ -119,7 +119,12 @@ impl SceneGear {
 
 /// Islands of the meshes that have a gear with a field.
 pub(super) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Vec<Island> {
-    let compliant = |g: usize| gears[g].model.field().is_some_and(|f| f.is_compliant());
+    let compliant = |g: usize| {
+        gears[g]
+            .model
+            .displacement()
+            .is_some_and(|f| f.is_compliant())
+    };
     let mut islands: Vec<Island> = Vec::new();
     for (m, mesh) in meshes.iter().enumerate().filter(|(_, m)| m.nodal) {
         let mut own = Island {
@@ -176,7 +181,7 @@ impl Nodal {
         self.found.points.clear();
         self.found.partners.clear();
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
-            if g.model.field().is_some() {
+            if g.model.displacement().is_some() {
                 let load = if g.model.hub().coordinates() > 0 {
                     g.applied(at.t)
                 } else {
@@ -211,11 +216,13 @@ impl Nodal {
             };
             let side = |party, nodes, k: usize| NodalParty {
                 party,
-                field: gears[mesh.gears[k]].model.field(),
+                field: gears[mesh.gears[k]].model.displacement(),
                 nodes,
             };
             let sides = [side(a, of_a, 0), side(b, of_b, 1)];
-            mesh.search.nodal_points(sides, margin, &mut self.found);
+            if let Some(points) = mesh.search.points() {
+                points.nodal_points(sides, margin, &mut self.found);
+            }
             for p in &mut self.found.points[first..] {
                 p.mesh = m as u32;
             }
@@ -399,7 +406,7 @@ impl Nodal {
         solved.solve.set_nodes(blocks, numbers, |mut out| {
             for (&g, b) in compliant.iter().zip(blocks) {
                 let (block, rest) = out.split_at_mut(b.len * b.len);
-                if let Some(field) = gears[g].model.field() {
+                if let Some(field) = gears[g].model.displacement() {
                     field.compliance(&numbers[b.start..][..b.len], block);
                 }
                 out = rest;
@@ -475,7 +482,7 @@ impl Nodal {
             return;
         }
         for (i, g) in gears.iter().enumerate() {
-            if let Some(field) = g.model.field() {
+            if let Some(field) = g.model.displacement() {
                 let nodes = &self.gears[i].nodes;
                 self.velocities[i].resize(nodes.len(), 0.0);
                 field.displacements(g.at(at).v, nodes, &mut self.velocities[i]);
@@ -559,8 +566,8 @@ impl Nodal {
             if *torque != 0.0 && g.model.hub().coordinates() > 0 {
                 f[range.start] += torque;
             }
-            if let Some(field) = g.model.field() {
-                field.press(&nodes.nodes, &nodes.force, &mut f[range]);
+            if let Some(field) = g.model.displacement() {
+                field.apply_nodal_forces(&nodes.nodes, &nodes.force, &mut f[range]);
             }
         }
     }
@@ -584,11 +591,10 @@ fn rows_of(
         let g = &gears[mesh.gears[k]];
         let sign = if k == slave { 1.0 } else { -1.0 };
         match p.partner {
-            Some(partner) if g.model.field().is_none() => {
+            Some(partner) if g.model.displacement().is_none() => {
                 let (own, point) = (g.at(at), &found.partners[partner as usize]);
                 row.target(g.offset, sign);
-                g.model.row(own, point, &a.direction, row);
-                drift += sign * g.model.drift(own, point, &a.direction);
+                drift += sign * g.model.row(own, point, &a.direction, row);
             }
             _ => levers[k] = sign * g.model.hub().lever(&p.x, &a.direction),
         }

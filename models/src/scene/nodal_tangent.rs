@@ -21,6 +21,7 @@ use super::contacts::Active;
 use super::nodal::Nodal;
 use super::{Scene, SceneGear, SceneMesh};
 use crate::contact::nodal::UNUSED;
+use crate::gear::capabilities::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};
@@ -90,7 +91,7 @@ impl Reduced {
             row.for_each(|i, _| touch(i));
         }
         for (g, torque) in gears.iter().zip(&nodal.torque) {
-            let turns = g.model.field().is_some() || *torque != 0.0;
+            let turns = g.model.displacement().is_some() || *torque != 0.0;
             if turns && g.model.hub().coordinates() > 0 {
                 touch(g.range().start);
             }
@@ -107,7 +108,7 @@ impl Reduced {
             let places = &mut self.places[i];
             places.clear();
             self.nodes[i].clear();
-            if g.model.field().is_some() {
+            if g.model.displacement().is_some() {
                 for (&node, force) in nodal.gears[i].nodes.iter().zip(&nodal.gears[i].force) {
                     if *force == 0.0 {
                         places.push(NONE);
@@ -306,21 +307,21 @@ impl Scene {
             b.block.clear();
             b.block.resize(n * n, 0.0);
             let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
-            if g.model.field().is_some() {
+            if g.model.displacement().is_some() {
                 let hub = touched.len();
                 for j in 0..n {
                     b.column.clear();
                     b.column.resize(range.len(), 0.0);
                     if j < hub {
                         b.column[0] = 1.0;
-                    } else if let Some(field) = g.model.field() {
-                        field.press(&[b.nodes[i][j - hub]], &[-1.0], &mut b.column);
+                    } else if let Some(field) = g.model.displacement() {
+                        field.apply_nodal_forces(&[b.nodes[i][j - hub]], &[-1.0], &mut b.column);
                     }
                     g.model.correct(own, c, viscous, &mut b.column)?;
                     if hub > 0 {
                         b.block[j * n] = b.column[0];
                     }
-                    if let Some(field) = g.model.field() {
+                    if let Some(field) = g.model.displacement() {
                         field.displacements(
                             &b.column,
                             &b.nodes[i],
@@ -333,14 +334,14 @@ impl Scene {
                 if hub > 0 {
                     y[0] = x[range.start];
                 }
-                if let Some(field) = g.model.field() {
+                if let Some(field) = g.model.displacement() {
                     field.displacements(&x[range], &b.nodes[i], &mut y[hub..]);
                 }
             } else {
                 for (y, &t) in b.y[start..].iter_mut().zip(touched) {
                     *y = x[range.start + t as usize];
                 }
-                g.model.condensed(own, c, viscous, touched, &mut b.block)?;
+                condensed(g.model.as_mut(), own, c, viscous, touched, &mut b.block)?;
             }
             // The block is symmetric.
             for (k, line) in b.block.chunks_exact(n).enumerate() {
@@ -368,7 +369,7 @@ impl Scene {
             let n = of_nodes - start + b.nodes[i].len();
             let forces = &b.forces[*start..][..n];
             let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
-            if g.model.field().is_some() {
+            if g.model.displacement().is_some() {
                 for force in forces {
                     let (column, rest) = columns.split_at(range.len());
                     columns = rest;
@@ -377,8 +378,8 @@ impl Scene {
                     }
                 }
             } else if n > 0 {
-                g.model
-                    .add_response(own, c, viscous, touched, forces, &mut x[range])?;
+                let touched = (touched.as_slice(), forces);
+                add_response(g.model.as_mut(), own, c, viscous, touched, &mut x[range])?;
             }
         }
         Ok(())
@@ -403,7 +404,7 @@ impl Scene {
                 for (y, &t) in y[*start..].iter_mut().zip(touched) {
                     *y = x[g.offset + t as usize];
                 }
-                if let Some(field) = g.model.field() {
+                if let Some(field) = g.model.displacement() {
                     let n = b.nodes[i].len();
                     field.displacements(&x[g.range()], &b.nodes[i], &mut y[*of_nodes..][..n]);
                 }
@@ -451,11 +452,11 @@ impl Scene {
             for (f, &t) in forces[*start..].iter().zip(touched) {
                 df[g.offset + t as usize] += f;
             }
-            if let Some(field) = g.model.field() {
+            if let Some(field) = g.model.displacement() {
                 let n = b.nodes[i].len();
                 // Forces on nodes press inwards, these act outwards.
                 let inward: Vec<f64> = forces[*of_nodes..][..n].iter().map(|f| -f).collect();
-                field.press(&b.nodes[i], &inward, &mut df[g.range()]);
+                field.apply_nodal_forces(&b.nodes[i], &inward, &mut df[g.range()]);
             }
         }
         if failed {

@@ -60,9 +60,10 @@ impl Scene {
             let e = g.model.energy(own);
             energy.kinetic += e.kinetic;
             energy.strain += e.strain;
-            power.dissipated += g.model.dissipated(own);
-            power.parametric += g.model.parametric(own);
-            power.external += g.model.driven_power(own);
+            let p = g.model.powers(own);
+            power.dissipated += p.dissipated;
+            power.parametric += p.parametric;
+            power.external += p.external;
             let hub = g.model.hub_state(own);
             if g.model.hub().coordinates() > 0 {
                 power.external += g.load(at.t, hub.speed) * hub.speed;
@@ -72,44 +73,15 @@ impl Scene {
             c[1] = hub.speed;
             c[2] = hub.travel;
         }
-        if self.compliant {
-            self.evaluate_elastic_part();
-        }
-        for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
+        for (a, rows) in self.work.active.iter().zip(&self.work.rows) {
             let mesh = &self.meshes[a.mesh];
             let c = &self.work.candidates[a.candidate];
-            // A closed contact whose force passes through zero still holds its energy.
-            let released =
-                self.compliant && !self.work.points[i].closed.unwrap_or(a.force.n != 0.0);
-            // The elastic force at the gap before local compliance, and the gap it leaves. The damper of a
-            // compliant contact acts beside law and compliance in series: their energy is that of the
-            // elastic part alone, and all the rest of the force is lost.
-            let (elastic, gap) = if self.compliant {
-                let work = &self.work;
-                let n = work.elastic.len();
-                let p = &work.elastic[i];
-                let deflection: f64 = (0..n)
-                    .map(|j| work.compliance[i * n + j] * work.elastic[j].force.n)
-                    .sum();
-                energy.contact += 0.5 * p.force.n * deflection;
-                (p.force.n, p.gap)
-            } else {
-                (
-                    mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n,
-                    a.gap,
-                )
-            };
-            if !released {
-                energy.contact += mesh.law.potential(gap, c.stiffness);
-            }
+            let elastic = mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n;
+            energy.contact += mesh.law.potential(a.gap, c.stiffness);
             power.dissipated -= (a.force.n - elastic) * a.rate;
-            power.external -= a.force.n * c.gap_t;
-            if !released {
-                let first = &self.gears[mesh.gears[0]];
-                let drift = first.model.drift(first.at(at), &c.points[0], &c.normal);
-                let ds = drift - rows[0].dot_first(at.v) / c.scale[0];
-                power.parametric += mesh.law.d_potential_dk(gap) * c.stiffness_s * ds;
-            }
+            power.external -= a.force.n * a.prescribed.gap;
+            let ds = a.prescribed.first - rows[0].dot_first(at.v) / c.scale[0];
+            power.parametric += mesh.law.d_potential_dk(a.gap) * c.stiffness_s * ds;
             let mut force = a.force.n * c.normal;
             if mesh.friction.is_some() {
                 power.dissipated -= a.friction.f * a.sliding;
@@ -184,7 +156,7 @@ impl Scene {
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {
-            let Some(field) = g.model.field() else {
+            let Some(field) = g.model.displacement() else {
                 continue;
             };
             let mut pressed = 0.0;
@@ -194,7 +166,7 @@ impl Scene {
                 pressed += r[0] * force;
             }
             out.channels[per_gear + OF_GEAR.len() * i + TRAVEL] +=
-                field.hub_give() * nodes.load - pressed;
+                field.hub_residual_compliance() * nodes.load - pressed;
             if g.model.hub().coordinates() > 0 {
                 power.external += pressed * g.applied_rate(at.t);
             }
@@ -208,8 +180,9 @@ impl Scene {
         forces.resize(self.n, 0.0);
         for g in &self.gears {
             if !g.loads.is_empty() && g.model.hub().coordinates() > 0 {
-                let load = g.load(at.t, g.model.hub_speed(g.at(at)));
-                g.model.add_hub_load(load, &mut forces[g.range()]);
+                let hub = g.model.hub();
+                let load = g.load(at.t, hub.load_speed(g.at(at)));
+                hub.add_load(load, &mut forces[g.range()]);
             }
         }
         self.add_contact_forces(&mut forces);

@@ -1,8 +1,9 @@
 //! The scene as a second-order system: force, tangent, Newton correction, guards, switches.
 
-use super::contacts::Active;
+use super::contacts::gap_row;
 use super::{Scene, SceneGear, parties};
 use crate::contact::{Candidate, Wanted};
+use crate::gear::LargeGear;
 use crate::kinematics::Row;
 use crate::law::Law;
 use gearbench_integrators::Coast;
@@ -46,7 +47,8 @@ impl SecondOrderSystem for Scene {
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         for g in &self.gears {
             g.model
-                .scales(self.magnitudes, &mut q[g.range()], &mut v[g.range()]);
+                .hub()
+                .magnitudes(self.magnitudes, &mut q[g.range()], &mut v[g.range()]);
         }
     }
 
@@ -60,7 +62,7 @@ impl SecondOrderSystem for Scene {
             if g.internal {
                 let own = g.at(at);
                 let range = g.range();
-                g.model.internal_force(own, &mut f[range]);
+                g.model.forces(own, &mut f[range]);
             }
             g.add_load(at, f);
         }
@@ -75,24 +77,36 @@ impl SecondOrderSystem for Scene {
             }
             return;
         }
-        for g in &mut self.gears {
-            let own = g.at(at);
+        for g in &self.gears {
             let range = g.range();
-            g.model.solve_mass(own, &mut f_to_a[range]);
+            match g.model.coupled_mass() {
+                Some(mass) => mass.solve(g.at(at), &mut f_to_a[range]),
+                None => {
+                    for (f, m) in f_to_a[range.clone()].iter_mut().zip(&self.mass[range]) {
+                        *f /= m;
+                    }
+                }
+            }
         }
     }
 
     fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        if !self.mass.is_empty() {
+        if !self.inverse_mass.is_empty() {
             for ((y, x), m) in y.iter_mut().zip(x).zip(&self.mass) {
                 *y = m * x;
             }
             return;
         }
-        for g in &mut self.gears {
-            let own = g.at(at);
+        for g in &self.gears {
             let range = g.range();
-            g.model.apply_mass(own, &x[range.clone()], &mut y[range]);
+            match g.model.coupled_mass() {
+                Some(mass) => mass.apply(g.at(at), &x[range.clone()], &mut y[range]),
+                None => {
+                    for i in range {
+                        y[i] = self.mass[i] * x[i];
+                    }
+                }
+            }
         }
     }
 
@@ -110,7 +124,7 @@ impl SecondOrderSystem for Scene {
         if self.condenses_now(c) {
             return self.correct_condensed(at, c, rhs_to_x);
         }
-        if m == 1 && !self.compliant && self.meshes[self.work.active[0].mesh].friction.is_none() {
+        if m == 1 && self.meshes[self.work.active[0].mesh].friction.is_none() {
             return self.correct_one_contact(at, c, rhs_to_x);
         }
         let friction = self
@@ -138,12 +152,6 @@ impl SecondOrderSystem for Scene {
             rows[0].add_to(1.0, &mut z[i * n..][..n]);
         }
         let mut result = Ok(());
-        if self.compliant {
-            let work = &mut self.work;
-            result = work
-                .solve
-                .couple(&work.compliance, &work.points, &mut v[..m * n], n);
-        }
         if friction {
             for i in 0..m {
                 self.friction_terms(at, c, i, m, &mut v, &mut z);
@@ -184,7 +192,8 @@ impl SecondOrderSystem for Scene {
     }
 
     fn factorisations(&self) -> Option<u64> {
-        let kept = self.gears.iter().filter_map(|g| g.model.factorisations());
+        let large = self.gears.iter().filter_map(|g| g.model.large());
+        let kept = large.map(LargeGear::factorisations);
         kept.reduce(|a, b| a + b)
     }
 
@@ -193,26 +202,24 @@ impl SecondOrderSystem for Scene {
         for g in &mut self.gears {
             let own = g.at(at);
             let range = g.range();
-            g.model.internal_tangent(
+            g.model.tangent(
                 own,
                 &dq[range.clone()],
                 &dv[range.clone()],
                 &mut df[range.clone()],
             );
-            if g.model.hub().coordinates() > 0 && !g.loads.is_empty() {
+            let hub = g.model.hub();
+            if hub.coordinates() > 0 && !g.loads.is_empty() {
                 let along = At {
                     v: &dv[range.clone()],
                     ..own
                 };
-                let load = -g.viscous() * g.model.hub_speed(along);
-                g.model.add_hub_load(load, &mut df[range]);
+                let load = -g.viscous() * hub.load_speed(along);
+                hub.add_load(load, &mut df[range]);
             }
         }
         self.evaluate_contacts(at);
-        if self.normal_tangent(dq, dv).is_err() {
-            df.fill(f64::NAN);
-            return;
-        }
+        self.normal_tangent(dq, dv);
         let work = &self.work;
         for (i, (a, rows)) in work.active.iter().zip(&work.rows).enumerate() {
             rows[0].add_to(work.rhs[i], df);
@@ -252,17 +259,15 @@ impl Events for Scene {
         if out.is_empty() {
             return;
         }
-        if self.compliant {
-            self.compliant_guards(at, out);
-            return;
-        }
         for m in 0..self.meshes.len() {
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, at);
             let (zone, slots) =
                 out[mesh.guards..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
-            mesh.search
-                .watch(a, b, &at.memory[mesh.search_memory()], zone, slots);
+            let Some(pairs) = mesh.search.pairs() else {
+                continue;
+            };
+            pairs.watch(a, b, &at.memory[mesh.search_memory()], zone, slots);
             // Gaps are all that open contacts and contacts without damping need.
             let modes = &at.memory[mesh.modes()];
             let (mut closed, mut overlap) = (false, false);
@@ -299,13 +304,15 @@ impl Events for Scene {
     }
 
     fn begin(&mut self, s: &mut State, located: bool) {
-        for g in &mut self.gears {
-            g.model.set_lag(None);
+        for g in &self.gears {
+            if let Some(linear) = g.model.linear() {
+                linear.set_quasi_static_correction(None);
+            }
         }
         self.work.nodal.forget();
         // Contacts of an earlier run let go of their teeth.
         for m in 0..self.meshes.len() {
-            for slot in 0..self.meshes[m].search.slots() {
+            for slot in 0..self.meshes[m].slots {
                 if s.memory[self.meshes[m].slot(slot)] != 0.0 {
                     self.engage(s, m, slot, false);
                 }
@@ -315,11 +322,13 @@ impl Events for Scene {
         for i in 0..self.meshes.len() {
             let mesh = &self.meshes[i];
             let range = mesh.search_memory();
-            let mut zone = vec![0.0; range.len()];
-            let (a, b) = parties(&self.gears, mesh, s.at());
-            mesh.search.begin(a, b, &mut zone);
-            s.memory[range].copy_from_slice(&zone);
-            for slot in 0..mesh.search.slots() {
+            if let Some(pairs) = mesh.search.pairs() {
+                let mut zone = vec![0.0; range.len()];
+                let (a, _) = parties(&self.gears, mesh, s.at());
+                pairs.begin(a, &mut zone);
+                s.memory[range].copy_from_slice(&zone);
+            }
+            for slot in 0..mesh.slots {
                 let at = mesh.slot(slot);
                 s.memory[at] = 0.0;
                 s.memory[at + 1] = 0.0;
@@ -339,14 +348,16 @@ impl Events for Scene {
         let zones = mesh.zones;
         if local < zones {
             let range = mesh.search_memory();
+            let Some(pairs) = mesh.search.pairs() else {
+                return Change::None;
+            };
             // A pair that leaves is no candidate any more: look at it before.
             let mut listed = std::mem::take(&mut self.work.listed);
             listed.clear();
             let (a, b) = parties(&self.gears, mesh, s.at());
             let memory = &s.memory[range.clone()];
-            mesh.search
-                .candidates(a, b, memory, Wanted::Listed, &mut listed);
-            let change = mesh.search.switch(local, &mut s.memory[range]);
+            pairs.candidates(a, b, memory, Wanted::Listed, &mut listed);
+            let change = pairs.switch(local, &mut s.memory[range]);
             let leaving = change
                 .left
                 .and_then(|slot| listed.iter().find(|c| c.slot == slot).copied());
@@ -368,8 +379,8 @@ impl Events for Scene {
             let closing = s.memory[at] == 0.0;
             // A contact that a damper releases early keeps its impact speed until the flanks part.
             let apart = self
-                .gap_of(s, m, slot)
-                .is_none_or(|g| g >= -1e-6 * self.magnitudes.deflection);
+                .find(s, m, slot)
+                .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
             if closing {
                 if apart || s.memory[at + 1] <= 0.0 {
                     let speed = self.approach_speed(s, m, slot);
@@ -393,10 +404,10 @@ impl Events for Scene {
             let range = g.range();
             let State { t, q, v, memory } = s;
             let own = &mut memory[g.memory.0..][..g.memory.1];
-            if g.model
-                .commit(*t, &mut q[range.clone()], &mut v[range], own)
-                == Change::Restart
-            {
+            let Some(teeth) = g.model.teeth() else {
+                continue;
+            };
+            if teeth.commit(*t, &mut q[range.clone()], &mut v[range], own) == Change::Restart {
                 change = Change::Restart;
             }
         }
@@ -422,20 +433,19 @@ impl FreeFlight for Scene {
 
 impl Report for Scene {
     fn has_powers(&self) -> bool {
-        let gear = |g: &SceneGear| g.model.has_powers() || !g.loads.is_empty();
+        let gear = |g: &SceneGear| g.model.hub().has_powers() || !g.loads.is_empty();
         // Stiffness along the path puts power in; points of flanks have a constant penalty.
         self.gears.iter().any(gear)
-            || self
-                .meshes
-                .iter()
-                .any(|m| m.search.locates() || m.law.is_dissipative() || m.friction.is_some())
+            || self.meshes.iter().any(|m| {
+                m.search.pairs().is_some() || m.law.is_dissipative() || m.friction.is_some()
+            })
     }
 
     fn has_jumps(&self) -> bool {
         // Dampers of modes and loads on hubs let no contact force jump.
         self.meshes
             .iter()
-            .any(|m| m.search.locates() || m.law.is_dissipative() || m.friction.is_some())
+            .any(|m| m.search.pairs().is_some() || m.law.is_dissipative() || m.friction.is_some())
     }
 
     fn channels(&self) -> &[String] {
@@ -460,12 +470,8 @@ fn gap_rate(
     row: &mut Row,
 ) -> f64 {
     let (a, b) = parties(gears, mesh, at);
-    row.clear();
-    row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
-    a.gear.row(a.at, &c.points[0], &c.normal, row);
-    row.target(gears[mesh.gears[1]].offset, c.scale[1]);
-    b.gear.row(b.at, &c.points[1], &c.normal, row);
-    row.dot(at.v) + c.gap_t
+    let [_, prescribed] = gap_row(gears, mesh, [&a, &b], c, row);
+    row.dot(at.v) + prescribed
 }
 
 impl Scene {
@@ -511,26 +517,6 @@ impl Scene {
         }
         self.work.z = z;
         if singular { Err(Singular) } else { solved }
-    }
-
-    /// Guards of contacts with local compliance.
-    fn compliant_guards(&mut self, at: At<'_>, out: &mut [f64]) {
-        self.evaluate_contacts(at);
-        for (m, mesh) in self.meshes.iter().enumerate() {
-            let (a, b) = parties(&self.gears, mesh, at);
-            let (zone, slots) = out[mesh.guards..].split_at_mut(mesh.zones);
-            mesh.search
-                .guards(a, b, &at.memory[mesh.search_memory()], zone);
-            for active in self.work.active.iter().filter(|x| x.mesh == m) {
-                let c = &self.work.candidates[active.candidate];
-                let closed = at.memory[mesh.slot(c.slot)] != 0.0;
-                slots[c.slot] = if closed {
-                    as_length(&mesh.law, active.force.n, c.stiffness)
-                } else {
-                    open_guard(&mesh.law, c, active.gap, active.rate, active.impact_speed)
-                };
-            }
-        }
     }
 
     /// Guards of a mesh's closed or overlapping contacts with a damper, from the force.
@@ -647,7 +633,7 @@ impl Scene {
             let memory = &s.memory[mesh.search_memory()];
             mesh.search
                 .candidates(a, b, memory, Wanted::Touching(0.0), &mut found);
-            for slot in 0..mesh.search.slots() {
+            for slot in 0..mesh.slots {
                 let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
                 let at = self.meshes[m].slot(slot);
                 match touching {
@@ -692,17 +678,6 @@ impl Scene {
         c
     }
 
-    /// Gap of a slot, with the local compliance that loaded neighbours bring.
-    fn gap_of(&mut self, s: &State, m: usize, slot: usize) -> Option<f64> {
-        if !self.compliant {
-            return self.find(s, m, slot).map(|c| c.gap);
-        }
-        self.evaluate_contacts(s.at());
-        let work = &self.work;
-        let of_slot = |a: &&Active| a.mesh == m && work.candidates[a.candidate].slot == slot;
-        work.active.iter().find(of_slot).map(|a| a.gap)
-    }
-
     fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
         let Some(c) = self.find(s, m, slot) else {
             return 0.0;
@@ -729,7 +704,9 @@ impl Scene {
         for k in 0..2 {
             let g = &mut self.gears[self.meshes[m].gears[k]];
             let own = &mut s.memory[g.memory.0..][..g.memory.1];
-            g.model.engage(own, teeth[k], side, closed);
+            if let Some(coordinates) = g.model.teeth() {
+                coordinates.engage(own, teeth[k], side, closed);
+            }
         }
     }
 }

@@ -19,11 +19,12 @@ use super::correction::Correction;
 use super::frame::unit_motion;
 use super::kinematics::dot3;
 use crate::assembly::tie::{MassKind, Tie};
-use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
+use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
-use gearbench_models::gear::{Coordinates, GearModel, HubState, Magnitudes};
-use gearbench_models::geometry::Flanks;
-use gearbench_models::kinematics::{Hub, Point, Row, Tooth, Wrench};
+use gearbench_models::gear::{
+    CoupledMass, FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear,
+};
+use gearbench_models::kinematics::{Hub, Point, Row, Wrench};
 use gearbench_models::spec::Mount;
 use std::cell::RefCell;
 
@@ -42,28 +43,45 @@ struct Nodal {
 /// A gear with all its nodal displacements.
 #[derive(Debug)]
 pub struct FullOrder {
-    pub(super) hub: Hub,
-    lever: f64,
+    pub(super) hub: HubBody,
     pub(super) body: Body,
     /// Coordinates of the hub: 0 or 1; those of the nodes follow.
     pub(super) own: usize,
     scratch: RefCell<Nodal>,
-    correction: Correction,
+    correction: RefCell<Correction>,
 }
 
 impl FullOrder {
-    /// A body on its hub; `lever` is the base radius [m], or `cos(alpha)` for a rack. The hub's inertia becomes
+    /// A body on its hub with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia becomes
     /// that of the mesh with what is added.
     #[must_use]
-    pub fn new(mut hub: Hub, lever: f64, body: Body) -> Self {
+    pub fn new(mut hub: Hub, effective_base_radius: f64, body: Body) -> Self {
         hub.inertia = body.inertia;
         let n = 3 * body.position.len();
         let zeros = || vec![0.0; n];
+        let own = hub.coordinates();
+        let count = 3 * body.free.len();
+        let masses = if body.mass == MassKind::Lumped {
+            let of_nodes = body.free.iter().map(|&node| body.lumped[node as usize]);
+            let of_nodes = of_nodes.flat_map(|m| [m; 3]);
+            std::iter::repeat_n(body.hub_inertia, own)
+                .chain(of_nodes)
+                .collect()
+        } else {
+            Vec::new()
+        };
         FullOrder {
-            own: hub.coordinates(),
-            correction: Correction::new(&body.reduced, hub.coordinates()),
-            hub,
-            lever,
+            own,
+            correction: RefCell::new(Correction::new(&body.reduced, own)),
+            hub: HubBody {
+                own: count,
+                scales: std::iter::repeat_n(effective_base_radius, own)
+                    .chain(std::iter::repeat_n(1.0, count))
+                    .collect(),
+                masses,
+                conservative: true,
+                ..HubBody::new(hub, effective_base_radius)
+            },
             body,
             scratch: RefCell::new(Nodal {
                 u: zeros(),
@@ -82,35 +100,15 @@ impl FullOrder {
 }
 
 impl GearModel for FullOrder {
-    fn id(&self) -> &'static str {
-        "fe"
-    }
-
-    fn hub(&self) -> &Hub {
+    fn hub(&self) -> &HubBody {
         &self.hub
     }
 
-    fn hub_mut(&mut self) -> &mut Hub {
+    fn hub_mut(&mut self) -> &mut HubBody {
         &mut self.hub
     }
 
-    fn coordinates(&self) -> Coordinates {
-        Coordinates {
-            n: self.own + 3 * self.body.free.len(),
-            memory: 0,
-        }
-    }
-
-    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
-        q.fill(m.deflection);
-        v.fill(m.speed);
-        for i in 0..self.own {
-            q[i] /= self.lever;
-            v[i] /= self.lever;
-        }
-    }
-
-    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _discrete: &mut [f64]) {
         q.fill(0.0);
         v[..self.own].fill(speed);
         for (k, &node) in self.body.free.iter().enumerate() {
@@ -121,51 +119,18 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn contact_mass(&self) -> f64 {
-        if self.own > 0 {
-            self.hub.inertia / self.lever.powi(2)
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
-        self.hub.travel(at.t, at.q)
-    }
-
-    fn uses_engagement(&self) -> bool {
-        false
-    }
-
-    fn flanks(&self) -> Option<&Flanks> {
-        Some(&self.body.flanks)
-    }
-
-    fn node_positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let frame = self.frame(at);
-        let d = &at.q[self.own..];
-        for (&node, x) in nodes.iter().zip(out) {
-            let place = self.body.place[node as usize];
-            let reference = &self.body.position[node as usize];
-            let moved = if place == Tie::HELD {
-                Vec3::from(frame.carried(reference))
-            } else {
-                Vec3::from_column_slice(&d[3 * place as usize..][..3])
-            };
-            *x = self.hub.centre + reference + moved;
-        }
-    }
-
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         let Some((corners, weights)) = self.corners(p) else {
-            return;
+            return 0.0;
         };
-        if self.own > 0 {
-            let along = dot3(
-                unit_motion(&self.bulge(at, p, &corners, &weights).into(), self.slide()),
-                n.as_slice(),
-            );
-            if along != 0.0 && self.slide().is_none() {
+        // The nodes say all of a point's motion but what lies above their face, which turns with the hub.
+        let mut prescribed = 0.0;
+        if self.slide().is_none() {
+            let bulge = self.bulge(at, p, &corners, &weights);
+            let along = dot3(unit_motion(&bulge.into(), None), n.as_slice());
+            if self.own == 0 {
+                prescribed = self.hub.speed(at.t, at.v) * along;
+            } else if along != 0.0 {
                 row.push(0, along);
             }
         }
@@ -175,21 +140,10 @@ impl GearModel for FullOrder {
                 row.push_span(self.own + 3 * place as usize, [w * n.x, w * n.y, w * n.z]);
             }
         }
+        prescribed
     }
 
-    /// The nodes say all of a point's motion but what lies above their face, which turns with a driven hub.
-    fn drift(&self, at: At<'_>, p: &Point, n: &Vec3) -> f64 {
-        if self.own > 0 || self.slide().is_some() {
-            return 0.0;
-        }
-        self.corners(p).map_or(0.0, |(corners, weights)| {
-            let bulge = self.bulge(at, p, &corners, &weights);
-            let turned = unit_motion(&bulge.into(), None);
-            self.hub.speed(at.t, at.v) * dot3(turned, n.as_slice())
-        })
-    }
-
-    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
         let frame = self.frame(at);
         let mut nodal = self.scratch.borrow_mut();
         let Nodal { u, g, .. } = &mut *nodal;
@@ -214,7 +168,7 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let frame = self.frame(at);
         let mut nodal = self.scratch.borrow_mut();
         let Nodal { u, g, du, dg } = &mut *nodal;
@@ -269,69 +223,6 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
-        let (hub, nodes) = f_to_a.split_at_mut(self.own);
-        if self.body.mass == MassKind::Lumped {
-            for f in hub {
-                *f /= self.body.hub_inertia;
-            }
-            for (f, &node) in nodes.chunks_exact_mut(3).zip(&self.body.free) {
-                for x in f {
-                    *x /= self.body.lumped[node as usize];
-                }
-            }
-            return;
-        }
-        let frame = self.frame(at);
-        let mass_only = Coeffs {
-            m: 1.0,
-            d: 0.0,
-            k: 0.0,
-        };
-        // The mass matrix is positive definite: its factorisation does not fail.
-        if self
-            .correction
-            .solve(frame, mass_only, 0.0, f_to_a)
-            .is_err()
-        {
-            f_to_a.fill(f64::NAN);
-        }
-    }
-
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        let frame = self.frame(at);
-        let speed = if self.own > 0 { x[0] } else { 0.0 };
-        let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, .. } = &mut *nodal;
-        self.velocities(frame, speed, x, u);
-        self.body.apply_nodal_mass(u, g);
-        for (k, &node) in self.body.free.iter().enumerate() {
-            y[self.own + 3 * k..][..3].copy_from_slice(&g[3 * node as usize..][..3]);
-        }
-        if self.own > 0 {
-            let mut sum = self.body.added_inertia * speed;
-            for (node, &place) in self.body.place.iter().enumerate() {
-                if place == Tie::HELD {
-                    let unit = unit_motion(&self.body.position[node].into(), self.slide());
-                    sum += dot3(frame.to_space(unit), &g[3 * node..3 * node + 3]);
-                }
-            }
-            y[0] = sum;
-        }
-    }
-
-    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
-        if self.body.mass != MassKind::Lumped {
-            return false;
-        }
-        let (hub, nodes) = diagonal.split_at_mut(self.own);
-        hub.fill(self.body.hub_inertia);
-        for (d, &node) in nodes.chunks_exact_mut(3).zip(&self.body.free) {
-            d.fill(self.body.lumped[node as usize]);
-        }
-        true
-    }
-
     fn correct(
         &mut self,
         at: At<'_>,
@@ -340,42 +231,9 @@ impl GearModel for FullOrder {
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
         let frame = self.frame(at);
-        self.correction.solve(frame, c, hub_damping, rhs_to_x)
-    }
-
-    fn factorisations(&self) -> Option<u64> {
-        Some(self.correction.factorisations())
-    }
-
-    fn prefers_condensed(&self) -> bool {
-        true
-    }
-
-    fn condensed(
-        &mut self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        coordinates: &[u32],
-        g: &mut [f64],
-    ) -> Result<(), Singular> {
-        let frame = self.frame(at);
         self.correction
-            .flexibility(frame, c, hub_damping, coordinates, g)
-    }
-
-    fn add_response(
-        &mut self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        coordinates: &[u32],
-        forces: &[f64],
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        let frame = self.frame(at);
-        self.correction
-            .add_response(frame, c, hub_damping, coordinates, forces, x)
+            .get_mut()
+            .solve(frame, c, hub_damping, rhs_to_x)
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
@@ -396,20 +254,31 @@ impl GearModel for FullOrder {
         }
     }
 
-    fn driven_power(&self, at: At<'_>) -> f64 {
-        if !matches!(self.hub.mount, Mount::Driven(_)) {
-            return 0.0;
+    fn powers(&self, at: At<'_>) -> Power {
+        Power {
+            external: self.driven_power(at),
+            ..Power::default()
         }
-        let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, .. } = &mut *nodal;
-        self.elastic(self.frame(at), at.q, u);
-        self.body.assembly.stiffness.apply(u, g);
-        let inertia = self.body.hub_inertia * self.hub.prescribed_acceleration(at.t);
-        self.hub.speed(at.t, at.v) * (inertia - self.torque(u, g))
     }
 
-    fn has_powers(&self) -> bool {
-        matches!(self.hub.mount, Mount::Driven(_))
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let frame = self.frame(at);
+        let (travel, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, du, .. } = &mut *nodal;
+        self.velocities(frame, speed, at.v, u);
+        self.body.apply_nodal_mass(u, g);
+        self.elastic(frame, at.q, du);
+        let mut momentum = self.body.added_inertia * speed;
+        for node in 0..self.body.position.len() {
+            let arm = frame.to_space(self.arm(node, du));
+            momentum += dot3(arm, &g[3 * node..3 * node + 3]);
+        }
+        HubState {
+            travel,
+            speed,
+            momentum,
+        }
     }
 
     /// What the elements pull at the nodes that the hub holds, and the inertia of these. Where their mass is coupled to
@@ -449,23 +318,123 @@ impl GearModel for FullOrder {
         Wrench { force, torque }
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
+    fn surface(&self) -> Option<FlankSurface<'_>> {
+        Some(FlankSurface {
+            flanks: &self.body.flanks,
+            nodes: self,
+            displacement: None,
+        })
+    }
+
+    fn large(&self) -> Option<&dyn LargeGear> {
+        Some(self)
+    }
+
+    fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
+        (self.body.mass != MassKind::Lumped).then_some(self)
+    }
+}
+
+impl FlankNodes for FullOrder {
+    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
         let frame = self.frame(at);
-        let (travel, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let d = &at.q[self.own..];
+        for (&node, x) in nodes.iter().zip(out) {
+            let place = self.body.place[node as usize];
+            let reference = &self.body.position[node as usize];
+            let moved = if place == Tie::HELD {
+                Vec3::from(frame.carried(reference))
+            } else {
+                Vec3::from_column_slice(&d[3 * place as usize..][..3])
+            };
+            *x = self.hub.centre + reference + moved;
+        }
+    }
+}
+
+impl CoupledMass for FullOrder {
+    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
+        let frame = self.frame(at);
+        let mass_only = Coeffs {
+            m: 1.0,
+            d: 0.0,
+            k: 0.0,
+        };
+        // The mass matrix is positive definite: its factorisation does not fail.
+        let solved = (self.correction.borrow_mut()).solve(frame, mass_only, 0.0, f_to_a);
+        if solved.is_err() {
+            f_to_a.fill(f64::NAN);
+        }
+    }
+
+    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        let frame = self.frame(at);
+        let speed = if self.own > 0 { x[0] } else { 0.0 };
         let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, du, .. } = &mut *nodal;
-        self.velocities(frame, speed, at.v, u);
+        let Nodal { u, g, .. } = &mut *nodal;
+        self.velocities(frame, speed, x, u);
         self.body.apply_nodal_mass(u, g);
-        self.elastic(frame, at.q, du);
-        let mut momentum = self.body.added_inertia * speed;
-        for node in 0..self.body.position.len() {
-            let arm = frame.to_space(self.arm(node, du));
-            momentum += dot3(arm, &g[3 * node..3 * node + 3]);
+        for (k, &node) in self.body.free.iter().enumerate() {
+            y[self.own + 3 * k..][..3].copy_from_slice(&g[3 * node as usize..][..3]);
         }
-        HubState {
-            travel,
-            speed,
-            momentum,
+        if self.own > 0 {
+            let mut sum = self.body.added_inertia * speed;
+            for (node, &place) in self.body.place.iter().enumerate() {
+                if place == Tie::HELD {
+                    let unit = unit_motion(&self.body.position[node].into(), self.slide());
+                    sum += dot3(frame.to_space(unit), &g[3 * node..3 * node + 3]);
+                }
+            }
+            y[0] = sum;
         }
+    }
+}
+
+impl LargeGear for FullOrder {
+    fn condensed(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular> {
+        let frame = self.frame(at);
+        self.correction
+            .borrow_mut()
+            .flexibility(frame, c, hub_damping, coordinates, g)
+    }
+
+    fn add_response(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        (coordinates, forces): (&[u32], &[f64]),
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let frame = self.frame(at);
+        self.correction
+            .borrow_mut()
+            .add_response(frame, c, hub_damping, coordinates, forces, x)
+    }
+
+    fn factorisations(&self) -> u64 {
+        self.correction.borrow().factorisations()
+    }
+}
+
+impl FullOrder {
+    /// Power that a prescribed motion puts into the nodes [W].
+    pub(super) fn driven_power(&self, at: At<'_>) -> f64 {
+        if !matches!(self.hub.mount, Mount::Driven(_)) {
+            return 0.0;
+        }
+        let mut nodal = self.scratch.borrow_mut();
+        let Nodal { u, g, .. } = &mut *nodal;
+        self.elastic(self.frame(at), at.q, u);
+        self.body.assembly.stiffness.apply(u, g);
+        let inertia = self.body.hub_inertia * self.hub.prescribed_acceleration(at.t);
+        self.hub.speed(at.t, at.v) * (inertia - self.torque(u, g))
     }
 }

@@ -6,7 +6,7 @@ use super::gear::FullOrder;
 use crate::assembly::tie::Tie;
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
-use gearbench_models::gear::GearModel;
+use gearbench_models::gear::FlankNodes;
 use gearbench_models::geometry::Flanks;
 use gearbench_models::kinematics::{Locus, Point};
 
@@ -84,7 +84,7 @@ impl FullOrder {
         weights: &[f64; 4],
     ) -> Vec3 {
         let mut x = [Vec3::zeros(); 4];
-        self.node_positions(at, corners, &mut x);
+        self.positions(at, corners, &mut x);
         let on_face: Vec3 = x.iter().zip(weights).map(|(x, w)| *w * x).sum();
         let bulge = p.x - on_face;
         // Rounding of a position is no bulge.

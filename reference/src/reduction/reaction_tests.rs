@@ -10,7 +10,7 @@ use crate::test_support::{coarse_gear, coarse_rack, noise, rack, stub};
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
-use gearbench_models::gear::{GearModel, NormalField};
+use gearbench_models::gear::{FlankDisplacement, GearModel};
 use gearbench_models::kinematics::Placement;
 use gearbench_models::kinematics::{Hub, Wrench};
 use gearbench_models::spec::Mount;
@@ -59,7 +59,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let placement = Placement::new(&hub, 0.7);
         let gear = Elastic::new(hub, 0.02, placement, Arc::new(data)).unwrap();
         // A state at an angle, deflected and vibrating; forces on some nodes and a load on the hub.
-        let n = gear.coordinates().n;
+        let n = gear.hub().len();
         let mut q: Vec<f64> = noise(n, 1.0);
         for (i, q) in q.iter_mut().enumerate().skip(rigid) {
             // So small that what the turning of the deflection adds is not seen.
@@ -79,7 +79,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let nodes: Vec<u32> = (0..surface.nodes() as u32).step_by(5).collect();
         let pressed: Vec<f64> = noise(nodes.len(), 300.0).iter().map(|f| f.abs()).collect();
         let mut forces = vec![0.0; n];
-        gear.press(&nodes, &pressed, &mut forces);
+        gear.apply_nodal_forces(&nodes, &pressed, &mut forces);
         let pose = placement.pose(if free { 0.4 } else { 0.0 });
         let mut contact = Wrench::default();
         let positions = surface.positions();
@@ -92,7 +92,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         if free {
             forces[0] += contact.torque;
         }
-        gear.add_hub_load(12.0, &mut forces);
+        gear.hub().add_load(12.0, &mut forces);
         let reaction = gear.mount_reaction(at, &forces, &contact);
 
         // The same by the finite elements, own frame: K u + M a at the held nodes.

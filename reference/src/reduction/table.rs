@@ -271,7 +271,8 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     );
     let gear = gear.map_err(|e| reader.error("mesh", e))?;
     let gear = gear.with_spin_terms(spin);
-    let gear = gear.map_err(|e| reader.error("spin_terms", e))?;
+    let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
+    gear.decide_spin_terms(context.speed);
     let gear = gear.with_sleep(sleep);
     Ok(Box::new(gear.map_err(|e| reader.error("sleep", e))?))
 }
@@ -320,10 +321,11 @@ mod tests {
             added_inertia: 0.0,
             placement: Placement::new(&hub, 0.1),
             lever,
+            meshes: &[],
+            speed: 0.0,
             parameters: &all,
         };
-        ROW.build(&context)
-            .map(|g| g.coordinates().n - hub.coordinates())
+        ROW.build(&context).map(|g| g.hub().own)
     }
 
     #[test]

@@ -74,7 +74,7 @@ fn flying(models: &[ModelSpec; 2], contact: &ContactSpec, size: f64, seed: u64) 
     let magnitude = scene.magnitudes().deflection;
     for g in scene.gears() {
         let own = g.model.hub().coordinates();
-        if g.model.id() == "rigid" {
+        if g.id == "rigid" {
             continue;
         }
         for i in g.range().skip(own) {

@@ -164,7 +164,7 @@ fn models_and_their_parameters() {
             "`pinion`",
             "no model `rubber`",
             "movable-teeth",
-            "elastic-test",
+            "elastic-web",
         ],
     );
     refused(
@@ -226,15 +226,11 @@ fn models_and_their_parameters() {
         &["`tooth_stiffness_n_per_m`", "is missing", "identify"],
     );
     // The example refuses in the same manner.
-    let mut short = elastic(20, 0.0, 0.0, 0.0);
-    short
-        .parameters
-        .insert("flank_shape_per_sqrt_kg".into(), Value::List(vec![1.0; 3]));
     refused(
         &spec,
-        &both(short),
+        &both(with(web(0.0), "rim_share", Value::Number(1.5))),
         &c,
-        &["`elastic-test`", "3 values", "20 teeth"],
+        &["`elastic-web`", "`rim_share`", "below 1"],
     );
 }
 

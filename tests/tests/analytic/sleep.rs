@@ -185,18 +185,38 @@ fn falling_asleep_keeps_momentum() {
                 s.v[i] += 1e-2 * numbers.draw();
             }
             let momentum = |s: &State| g.model.hub_state(g.at(s.at())).momentum;
-            let flight = g.model.flight(g.at(s.at()), load).unwrap();
+            let flight = g
+                .model
+                .linear()
+                .unwrap()
+                .free_flight(g.at(s.at()), load)
+                .unwrap();
             let (before, energy) = (momentum(&s), g.model.energy(g.at(s.at())).total());
             let own = g.range();
             let mut memory = s.memory.clone();
-            let cells = &mut memory[1..][..g.model.coordinates().memory];
+            let cells = &mut memory[1..][..g.model.hub().discrete];
             let (q, v) = (&mut s.q[own.clone()], &mut s.v[own]);
-            assert!(g.model.put_to_rest(0.0, load, q, v, cells));
-            assert!(!g.model.put_to_rest(0.0, load, q, v, cells));
+            assert!(
+                g.model
+                    .linear()
+                    .unwrap()
+                    .cut_off_vibrations(0.0, load, q, v, cells)
+            );
+            assert!(
+                !g.model
+                    .linear()
+                    .unwrap()
+                    .cut_off_vibrations(0.0, load, q, v, cells)
+            );
             let after = momentum(&s);
             assert!((after / before - 1.0).abs() < 1e-14);
             let taken = energy - g.model.energy(g.at(s.at())).total();
-            let resting = g.model.flight(g.at(s.at()), load).unwrap();
+            let resting = g
+                .model
+                .linear()
+                .unwrap()
+                .free_flight(g.at(s.at()), load)
+                .unwrap();
             assert!(resting.energy < 1e-12 * flight.energy);
             // About another rest the energy is not a difference of energies.
             if load == 0.0 {

@@ -89,7 +89,7 @@ impl Passage {
                 Pair {
                     hubs: mesh.gears.map(|i| {
                         let g = &scene.gears()[i];
-                        (g.model.hub().clone(), g.range())
+                        (g.model.hub().hub.clone(), g.range())
                     }),
                     levers: [along(1.0, 0.0), along(0.0, 1.0)],
                     gap: mesh.start.gap,

@@ -136,7 +136,7 @@ impl Swing {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
         let pace = built.pace(built.initial().at());
-        let mass = |i: usize| built.gears()[i].model.contact_mass();
+        let mass = |i: usize| built.gears()[i].model.hub().contact_mass;
         let of = |m: &gearbench_models::spec::MeshSpec| {
             1.0 / m.gears.map(|i| 1.0 / mass(i)).iter().sum::<f64>()
         };

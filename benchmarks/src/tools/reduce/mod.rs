@@ -212,6 +212,8 @@ fn of_scene(
         added_inertia: args.added_inertia.unwrap_or(g.added_inertia),
         placement: Placement::new(&hub, 0.0),
         lever: 1.0,
+        meshes: &[],
+        speed: 0.0,
         parameters,
     };
     let of = of_gear("elastic", &context)

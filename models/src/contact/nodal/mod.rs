@@ -1,6 +1,6 @@
 //! Contact of gears whose flank nodes stand off the rigid flank: gap, forces on nodes, levers.
 //!
-//! The flanks of a gear with a [`NormalField`] move rigidly with its frame; outward displacements `a` of their nodes
+//! The flanks of a gear with a [`FlankDisplacement`] move rigidly with its frame; outward displacements `a` of their nodes
 //! reduce the gap of a point, with the bilinear weights `W` of the faces that it lies on (slave) and is projected to
 //! (master):
 //!

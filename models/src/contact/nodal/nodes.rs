@@ -1,7 +1,7 @@
 //! The nodes of a gear that take part in contact at a state.
 
 use super::UNUSED;
-use crate::gear::NormalField;
+use crate::gear::FlankDisplacement;
 use gearbench_integrators::system::At;
 
 /// Flank nodes of a gear near contact, with what is known of them. Buffers grow and stay.
@@ -52,14 +52,14 @@ impl GearNodes {
 
     /// A bound of the displacements of flank nodes before residual compliance [m].
     #[inline]
-    pub fn bound(&mut self, field: &dyn NormalField, at: At<'_>) -> f64 {
+    pub fn bound(&mut self, field: &dyn FlankDisplacement, at: At<'_>) -> f64 {
         *self.bound.get_or_insert_with(|| {
             field.bound(at) + (field.largest_hub_compliance() * self.load).abs()
         })
     }
 
     /// Slots of consecutive nodes that were not met before; the first of them.
-    pub fn meet_new(&mut self, field: &dyn NormalField, at: At<'_>, nodes: &[u32]) -> u32 {
+    pub fn meet_new(&mut self, field: &dyn FlankDisplacement, at: At<'_>, nodes: &[u32]) -> u32 {
         let first = self.nodes.len();
         let all = first + nodes.len();
         self.nodes.extend_from_slice(nodes);
@@ -91,14 +91,14 @@ impl GearNodes {
     /// Slots of nodes; their displacements are found when they are met for the first time.
     pub fn meet<const N: usize>(
         &mut self,
-        field: &dyn NormalField,
+        field: &dyn FlankDisplacement,
         at: At<'_>,
         nodes: &[u32; N],
     ) -> [u32; N] {
         nodes.map(|node| self.slot(field, at, node))
     }
 
-    fn slot(&mut self, field: &dyn NormalField, at: At<'_>, node: u32) -> u32 {
+    fn slot(&mut self, field: &dyn FlankDisplacement, at: At<'_>, node: u32) -> u32 {
         let i = node as usize;
         if i >= self.slots.len() {
             self.slots.resize(i + 1, (0, 0));

@@ -3,7 +3,7 @@
 use super::GearNodes;
 use crate::Vec3;
 use crate::contact::party::Party;
-use crate::gear::NormalField;
+use crate::gear::FlankDisplacement;
 use crate::kinematics::{Point, Tooth};
 
 /// A gear of a mesh in the search for nodal points.
@@ -11,7 +11,7 @@ pub struct NodalParty<'a> {
     /// The gear and its state.
     pub party: Party<'a>,
     /// Its field, where it has one.
-    pub field: Option<&'a dyn NormalField>,
+    pub field: Option<&'a dyn FlankDisplacement>,
     /// Its active nodes; empty without a field.
     pub nodes: &'a mut GearNodes,
 }

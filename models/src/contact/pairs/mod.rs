@@ -28,9 +28,11 @@ pub use deviation::Deviation;
 use super::candidate::Candidate;
 use super::party::{Party, Wanted};
 use crate::Vec3;
+use crate::gear::ToothCoordinates;
 use crate::geometry::Side;
 use crate::kinematics::{Locus, MeshView, Point, Tooth};
 use crate::stiffness::StiffnessCurve;
+use gearbench_integrators::system::At;
 
 /// A slice of the face width.
 #[derive(Clone, Debug)]
@@ -116,23 +118,28 @@ impl PathMap {
 
 /// A gear at a state, as the lines of action see it.
 struct Mover<'a> {
-    party: &'a Party<'a>,
-    /// Travel of all its teeth, where they move as one.
-    travel: Option<f64>,
-    displaced: bool,
+    at: At<'a>,
+    travels: Travels<'a>,
+}
+
+/// Travels of its teeth.
+#[derive(Clone, Copy)]
+enum Travels<'a> {
+    /// All teeth move with the hub.
+    OfHub(f64),
+    /// Each has its own.
+    OfTeeth(&'a dyn ToothCoordinates),
 }
 
 impl<'a> Mover<'a> {
     #[inline]
-    fn new(party: &'a Party<'a>) -> Self {
+    fn new(party: &Party<'a>) -> Self {
         let Party { gear, at } = *party;
-        let first = Tooth { index: 0, mesh: 0 };
-        let travel = gear.moves_as_one().then(|| gear.tooth_travel(at, first));
-        Mover {
-            party,
-            travel,
-            displaced: travel.is_none() && gear.has_displacement(),
-        }
+        let travels = match gear.teeth() {
+            Some(teeth) => Travels::OfTeeth(teeth),
+            None => Travels::OfHub(gear.hub().travel_at(at)),
+        };
+        Mover { at, travels }
     }
 }
 
@@ -181,12 +188,9 @@ impl LinesOfAction {
     /// Path coordinate of the flank of gear `k` in a pair [m].
     #[inline(always)]
     fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
-        let travel = match gear.travel {
-            Some(travel) => travel,
-            None => gear
-                .party
-                .gear
-                .tooth_travel(gear.party.at, self.teeth(line.side, pair)[k]),
+        let travel = match gear.travels {
+            Travels::OfHub(travel) => travel,
+            Travels::OfTeeth(teeth) => teeth.travel(gear.at, self.teeth(line.side, pair)[k]),
         };
         line.map[k].s(travel, pair)
     }
@@ -201,21 +205,22 @@ impl LinesOfAction {
         first: i64,
         out: &mut [f64],
     ) {
-        if let Some(travel) = gear.travel {
-            for (pair, s) in (first..).zip(out) {
-                *s = line.map[k].s(travel, pair);
+        let teeth = match gear.travels {
+            Travels::OfHub(travel) => {
+                for (pair, s) in (first..).zip(out) {
+                    *s = line.map[k].s(travel, pair);
+                }
+                return;
             }
-            return;
-        }
+            Travels::OfTeeth(teeth) => teeth,
+        };
         let up = line.ascending[k];
         let lowest = if up {
             first
         } else {
             first + out.len() as i64 - 1
         };
-        gear.party
-            .gear
-            .tooth_travels(gear.party.at, self.teeth(line.side, lowest)[k], out);
+        teeth.travels(gear.at, self.teeth(line.side, lowest)[k], out);
         if !up {
             out.reverse();
         }
@@ -235,7 +240,7 @@ impl LinesOfAction {
     ) {
         let line = &self.lines[l];
         let (mut pair, mut slot) = (first, self.slot(l, first));
-        if let [Some(a), Some(b)] = [a.travel, b.travel] {
+        if let [Travels::OfHub(a), Travels::OfHub(b)] = [a.travels, b.travels] {
             while pair <= last {
                 f(slot, pair, [line.map[0].s(a, pair), line.map[1].s(b, pair)]);
                 pair += 1;
@@ -257,15 +262,9 @@ impl LinesOfAction {
     }
 
     /// Where a pair stands: its teeth, path coordinates and gap.
-    ///
-    /// An elastic displacement along the normal carries the flank along the line of action like a turn of the
-    /// tooth: it belongs to the path coordinate, which modifications and stiffness are read at.
     #[inline(always)]
-    fn pair(&self, line: &Line, pair: i64, mut s: [f64; 2], [a, b]: [&Mover<'_>; 2]) -> PairState {
+    fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        if a.displaced || b.displaced {
-            s = self.displaced(line, teeth, s, [a.party, b.party]);
-        }
         let (mut gap, mut scale) = (self.helix_cos * (self.length - s[0] - s[1]), [1.0, 1.0]);
         if !line.plain {
             (gap, scale) = self.modified(line, s, gap);
@@ -276,19 +275,6 @@ impl LinesOfAction {
             gap,
             scale,
         }
-    }
-
-    fn displaced(
-        &self,
-        line: &Line,
-        teeth: [Tooth; 2],
-        mut s: [f64; 2],
-        [a, b]: [&Party<'_>; 2],
-    ) -> [f64; 2] {
-        let points = self.points(line, teeth, s);
-        s[0] += a.gear.displacement(a.at, &points[0]).dot(&line.normal) / self.helix_cos;
-        s[1] -= b.gear.displacement(b.at, &points[1]).dot(&line.normal) / self.helix_cos;
-        s
     }
 
     /// Gap and scales with the modifications of both flanks.
@@ -308,7 +294,8 @@ impl LinesOfAction {
     /// move as one. False says nothing.
     #[inline(always)]
     fn clearly_open(&self, line: &Line, [a, b]: [&Mover<'_>; 2], reach: f64) -> bool {
-        let (Some(a), Some(b), true) = (a.travel, b.travel, line.plain) else {
+        let (Travels::OfHub(a), Travels::OfHub(b), true) = (a.travels, b.travels, line.plain)
+        else {
             return false;
         };
         let slack = line.slack - line.map[0].per_travel * a - line.map[1].per_travel * b;
@@ -358,25 +345,16 @@ impl LinesOfAction {
     }
 
     #[inline]
-    fn candidate(
-        &self,
-        line: &Line,
-        slot: usize,
-        p: &PairState,
-        [a, b]: [&Party<'_>; 2],
-    ) -> Candidate {
+    fn candidate(&self, line: &Line, slot: usize, p: &PairState) -> Candidate {
         let weight = self.slices[line.slice].weight;
         let points = self.points(line, p.teeth, p.s);
         let (k, k_s) = self.stiffness.eval(p.s[0]);
-        let gap_t = p.scale[1] * b.gear.drift(b.at, &points[1], &line.normal)
-            - p.scale[0] * a.gear.drift(a.at, &points[0], &line.normal);
         Candidate {
             slot,
             points,
             normal: line.normal,
             scale: p.scale,
             gap: p.gap,
-            gap_t,
             stiffness: k * weight,
             stiffness_s: k_s * weight / self.helix_cos,
             s: p.s[0],
@@ -402,13 +380,13 @@ impl LinesOfAction {
             {
                 return;
             }
-            let p = self.pair(line, pair, s, movers);
+            let p = self.pair(line, pair, s);
             if let Wanted::Touching(reach) = wanted
                 && p.gap > reach
             {
                 return;
             }
-            out.push(self.candidate(line, slot, &p, [movers[0].party, movers[1].party]));
+            out.push(self.candidate(line, slot, &p));
         });
     }
 
@@ -416,7 +394,7 @@ impl LinesOfAction {
     fn gaps_of_pairs(&self, l: usize, range: (i64, i64), movers: [&Mover<'_>; 2], out: &mut [f64]) {
         let line = &self.lines[l];
         self.each_pair(l, range, movers, |slot, pair, s| {
-            out[slot] = self.pair(line, pair, s, movers).gap
+            out[slot] = self.pair(line, pair, s).gap
         });
     }
 
@@ -442,7 +420,7 @@ impl LinesOfAction {
         self.set_zone_guards([a[0], a[1], a[n], a[n + 1]], guards);
         let mut slot = self.slot(l, lo);
         for (i, b) in b.iter().enumerate() {
-            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b], movers).gap;
+            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b]).gap;
             slot = self.next_slot(l, slot);
         }
     }

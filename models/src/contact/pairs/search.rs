@@ -4,20 +4,21 @@ use super::{LinesOfAction, Mover, ZONE_GUARDS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::{Party, Wanted, ZoneChange};
-use crate::contact::search::ContactSearch;
 use crate::geometry::Side;
-use crate::kinematics::Tooth;
 
-impl ContactSearch for LinesOfAction {
-    fn slots(&self) -> usize {
+impl LinesOfAction {
+    /// Number of contact slots: an upper bound of simultaneous candidates.
+    pub fn slots(&self) -> usize {
         self.lines.len() * self.pairs
     }
 
-    fn memory(&self) -> usize {
+    /// Length of the search's discrete state.
+    pub fn discrete(&self) -> usize {
         2 * self.lines.len()
     }
 
-    fn guard_count(&self) -> usize {
+    /// Number of the search's guards.
+    pub fn guard_count(&self) -> usize {
         if self.whole_mesh {
             0
         } else {
@@ -25,7 +26,8 @@ impl ContactSearch for LinesOfAction {
         }
     }
 
-    fn begin(&self, a: Party<'_>, _b: Party<'_>, memory: &mut [f64]) {
+    /// Sets the discrete state from a state.
+    pub fn begin(&self, a: Party<'_>, memory: &mut [f64]) {
         let a = Mover::new(&a);
         for (line, m) in self.lines.iter().zip(memory.chunks_exact_mut(2)) {
             let (lo, hi) = self.zone_now(line, &a);
@@ -34,7 +36,8 @@ impl ContactSearch for LinesOfAction {
         }
     }
 
-    fn candidates(
+    /// Appends candidates.
+    pub fn candidates(
         &self,
         a: Party<'_>,
         b: Party<'_>,
@@ -56,30 +59,8 @@ impl ContactSearch for LinesOfAction {
         }
     }
 
-    fn gaps(&self, a: Party<'_>, b: Party<'_>, memory: &[f64], out: &mut [f64]) {
-        let movers = [&Mover::new(&a), &Mover::new(&b)];
-        for l in 0..self.lines.len() {
-            let range = self.pairs_of(l, movers[0], memory, true);
-            self.gaps_of_pairs(l, range, movers, out);
-        }
-    }
-
-    fn guards(&self, a: Party<'_>, _b: Party<'_>, memory: &[f64], out: &mut [f64]) {
-        if self.whole_mesh {
-            return;
-        }
-        let a = Mover::new(&a);
-        for ((line, m), guards) in self
-            .lines
-            .iter()
-            .zip(memory.chunks_exact(2))
-            .zip(out.chunks_exact_mut(ZONE_GUARDS))
-        {
-            self.zone_guards(line, (m[0] as i64, m[1] as i64), &a, guards);
-        }
-    }
-
-    fn watch(
+    /// Guards of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as they are.
+    pub fn watch(
         &self,
         a: Party<'_>,
         b: Party<'_>,
@@ -87,17 +68,22 @@ impl ContactSearch for LinesOfAction {
         guards: &mut [f64],
         gaps: &mut [f64],
     ) {
-        if self.whole_mesh {
-            return self.gaps(a, b, memory, gaps);
-        }
         let movers = [&Mover::new(&a), &Mover::new(&b)];
+        if self.whole_mesh {
+            for l in 0..self.lines.len() {
+                let range = self.pairs_of(l, movers[0], memory, true);
+                self.gaps_of_pairs(l, range, movers, gaps);
+            }
+            return;
+        }
         for (l, g) in guards.chunks_exact_mut(ZONE_GUARDS).enumerate() {
             let (lo, hi) = (memory[2 * l] as i64, memory[2 * l + 1] as i64);
             self.watch_line(l, (lo, hi), movers, g, gaps);
         }
     }
 
-    fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange {
+    /// Flips what guard `i` watches.
+    pub fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange {
         let l = guard / ZONE_GUARDS;
         let slot = |p: f64| l * self.pairs + (p as i64).rem_euclid(self.pairs as i64) as usize;
         let m = &mut memory[2 * l..2 * l + 2];
@@ -123,7 +109,8 @@ impl ContactSearch for LinesOfAction {
         change
     }
 
-    fn line(&self, side: Side) -> Option<[Vec3; 2]> {
+    /// Ends of the line of action of a flank [m], for pictures.
+    pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point: the line is shown as far as the path of contact reaches.
         let end = if self.views[1].base_radius.is_some() {
@@ -134,8 +121,9 @@ impl ContactSearch for LinesOfAction {
         Some([line.origin, line.origin + end * line.transverse])
     }
 
-    fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
-        let side = self.lines[c.slot / self.pairs].side;
-        ([c.points[0].tooth, c.points[1].tooth], side)
+    /// Flank side of a candidate.
+    #[must_use]
+    pub fn side_of(&self, c: &Candidate) -> Side {
+        self.lines[c.slot / self.pairs].side
     }
 }

@@ -120,7 +120,7 @@ impl Flanked {
             Some(rb) => TAU * rb,
             None => f64::INFINITY,
         };
-        let moves_as_one = o.gear.field().is_some() || (!own && o.gear.moves_as_one());
+        let moves_as_one = o.gear.displacement().is_some() || (!own && o.gear.teeth().is_none());
         let pitch = turn / teeth as f64;
         let pitch = if rack {
             o.view.pitch * o.view.working_pressure_angle.cos()

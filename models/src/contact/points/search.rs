@@ -12,10 +12,9 @@ use crate::contact::nodal::{
     GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::contact::pairs::MeshGeometry;
-use crate::contact::party::{Party, SearchWork, Wanted, ZoneChange};
-use crate::contact::search::ContactSearch;
+use crate::contact::party::{Party, SearchWork, Wanted};
 use crate::error::Reason;
-use crate::gear::NormalField;
+use crate::gear::FlankDisplacement;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::{Locus, Point, Pose, Tooth};
 use crate::spec::{CoarseSearch, Passes, PointContact};
@@ -194,10 +193,10 @@ impl FlankPoints {
         let shape = &g.shapes[near.shape];
         let start = positions.len();
         positions.resize(start + shape.nodes.len(), Vec3::zeros());
-        let pose = if g.own {
-            party
-                .gear
-                .node_positions(party.at, &shape.nodes, &mut positions[start..]);
+        let pose = if let Some(surface) = party.gear.surface() {
+            surface
+                .nodes
+                .positions(party.at, &shape.nodes, &mut positions[start..]);
             g.placement.pose(travel)
         } else {
             let tooth = self.tooth(k, &near);
@@ -389,7 +388,7 @@ impl FlankPoints {
     }
 
     #[inline]
-    fn candidate(&self, found: &Found<'_>, parties: [&Party<'_>; 2]) -> Candidate {
+    fn candidate(&self, found: &Found<'_>) -> Candidate {
         let Found {
             k,
             flanks: [slave, _],
@@ -401,16 +400,12 @@ impl FlankPoints {
         // the second.
         let points = self.points(found);
         let normal = if *k == 0 { -hit.normal } else { hit.normal };
-        let [a, b] = parties;
-        let gap_t =
-            b.gear.drift(b.at, &points[1], &normal) - a.gear.drift(a.at, &points[0], &normal);
         Candidate {
             slot: usize::from(slave.shape.side == Side::Right),
             points,
             normal,
             scale: [1.0, 1.0],
             gap: hit.gap,
-            gap_t,
             stiffness: self.penalty[*k] * p.area,
             stiffness_s: 0.0,
             s: 0.0,
@@ -448,7 +443,7 @@ impl FlankPoints {
         &self,
         found: &Found<'_>,
         parties: &[Party<'_>; 2],
-        nodes: &mut [(Option<&dyn NormalField>, &mut GearNodes); 2],
+        nodes: &mut [(Option<&dyn FlankDisplacement>, &mut GearNodes); 2],
         margin: &mut Margin,
         out: &mut NodalPoints,
     ) {
@@ -507,30 +502,12 @@ impl FlankPoints {
     }
 }
 
-impl ContactSearch for FlankPoints {
-    fn slots(&self) -> usize {
-        0
-    }
-
-    fn memory(&self) -> usize {
-        0
-    }
-
-    fn guard_count(&self) -> usize {
-        0
-    }
-
-    fn locates(&self) -> bool {
-        false
-    }
-
-    fn begin(&self, _a: Party<'_>, _b: Party<'_>, _memory: &mut [f64]) {}
-
-    fn candidates(
+impl FlankPoints {
+    /// Appends candidates.
+    pub fn candidates(
         &self,
         a: Party<'_>,
         b: Party<'_>,
-        _memory: &[f64],
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     ) {
@@ -541,11 +518,14 @@ impl ContactSearch for FlankPoints {
         };
         let parties = [&a, &b];
         self.each_point(parties, limit, |found| {
-            out.push(self.candidate(found, parties));
+            out.push(self.candidate(found));
         });
     }
 
-    fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
+    /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
+    /// otherwise or the search does not know.
+    #[must_use]
+    pub fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
         let mut gaps = [0.0; 2];
         for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
             let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, travels[k]));
@@ -559,7 +539,9 @@ impl ContactSearch for FlankPoints {
         })
     }
 
-    fn nodal_points(
+    /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), of a
+    /// gap within the margin before residual compliance, and the nodes that they lie on.
+    pub fn nodal_points(
         &self,
         mut sides: [NodalParty<'_>; 2],
         margin: &mut Margin,
@@ -598,24 +580,15 @@ impl ContactSearch for FlankPoints {
         });
     }
 
-    fn gaps(&self, _a: Party<'_>, _b: Party<'_>, _memory: &[f64], _out: &mut [f64]) {}
-
-    fn guards(&self, _a: Party<'_>, _b: Party<'_>, _memory: &[f64], _out: &mut [f64]) {}
-
-    fn switch(&self, _guard: usize, _memory: &mut [f64]) -> ZoneChange {
-        ZoneChange::default()
-    }
-
-    fn work(&self) -> SearchWork {
+    /// What the last evaluation looked at.
+    #[must_use]
+    pub fn work(&self) -> SearchWork {
         self.scratch.borrow().work
     }
 
-    fn line(&self, side: Side) -> Option<[Vec3; 2]> {
+    /// Ends of the line of action of a flank [m], for pictures.
+    #[must_use]
+    pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         self.lines[usize::from(side == Side::Right)]
-    }
-
-    fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
-        let side = if c.slot == 0 { Side::Left } else { Side::Right };
-        ([c.points[0].tooth, c.points[1].tooth], side)
     }
 }

@@ -11,7 +11,7 @@
 
 use super::gear::Elastic;
 use crate::error::Reason;
-use crate::gear::free_flight::Flight;
+use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::At;
@@ -25,7 +25,7 @@ impl Elastic {
         if !(0.0..1.0).contains(&share) {
             return Err((format!("{share} lies outside [0, 1)"), "1e-12 is usual").into());
         }
-        self.sleep = share;
+        self.hub.vibration_cut_off = share;
         Ok(self)
     }
 
@@ -56,19 +56,14 @@ impl Elastic {
         [swinging, resting]
     }
 
-    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<Flight> {
+    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         if self.spinning().is_some() {
             return None;
         }
         let [swinging, resting] = self.energies(at, load);
         let outward = (self.softest * swinging).sqrt() + (self.softest * resting).sqrt();
-        let hub = &self.hub;
-        Some(Flight {
-            frame: [
-                hub.travel(at.t, at.q),
-                hub.speed(at.t, at.v),
-                hub.acceleration(at.t, load),
-            ],
+        Some(FreeFlight {
+            frame: self.hub.frame(at, load),
             outward: outward + (self.hub_reach * load).abs(),
             travel: 0.0,
             energy: 0.5 * swinging,
@@ -76,11 +71,7 @@ impl Elastic {
     }
 
     pub(super) fn add_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        if self.own > 0 {
-            let acceleration = self.hub.acceleration(at.t, load);
-            coast.swing(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
-            coast.moves(first, 1.0);
-        }
+        self.hub.add_to_coast(at, load, first, coast);
         for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
             coast.swing(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
             coast.moves(first + i, 1.0);

@@ -1,26 +1,27 @@
 //! The elastic gear as a gear model.
 
 use super::kernels;
-use super::lag::Lagging;
+use super::quasi_static::QuasiStatic;
 use super::reduced::Reduced;
 use super::spin::Spin;
 use crate::Vec3;
 use crate::error::Reason;
-use crate::gear::NormalField;
-use crate::gear::free_flight::Flight;
-use crate::gear::model::{Coordinates, GearModel, HubState, Magnitudes, Oscillators};
+use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion, Oscillators};
+use crate::gear::flank_displacement::FlankDisplacement;
+use crate::gear::free_flight::FreeFlight;
+use crate::gear::hub_body::HubBody;
+use crate::gear::model::{GearModel, HubState};
 use crate::geometry::Flanks;
-use crate::kinematics::{Hub, Locus, Placement, Point, Row, Tooth, Wrench};
-use crate::spec::Mount;
+use crate::kinematics::{Hub, Locus, Placement, Point, Row, Wrench};
 use gearbench_integrators::Coast;
-use gearbench_integrators::system::{At, Coeffs, Energy, Singular};
+use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// A reduced elastic body on its hub.
 #[derive(Clone, Debug)]
 pub struct Elastic {
-    pub(super) hub: Hub,
-    lever: f64,
+    pub(super) hub: HubBody,
     placement: Placement,
     pub(super) data: Arc<Reduced>,
     /// Undeformed flank nodes in the own frame [m].
@@ -30,27 +31,23 @@ pub struct Elastic {
     /// Per coordinate; zero for the hub.
     pub(super) omega: Vec<f64>,
     pub(super) zeta: Vec<f64>,
-    /// Largest shape of each mode at a flank node [1/sqrt(kg)].
-    largest: Vec<f64>,
     /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
     pub(super) softest: f64,
     /// Largest residual displacement of a flank node by unit load on the hub.
     pub(super) hub_reach: f64,
-    /// Share of the energy of an impact below which modes are put to rest in flight.
-    pub(super) sleep: f64,
     pub(super) spin: Spin,
-    pub(super) lagging: Lagging,
+    pub(super) correction: RefCell<QuasiStatic>,
 }
 
 impl Elastic {
-    /// A reduced body on its hub; `lever` is the base radius [m], or `cos(alpha)` for a rack. The hub's inertia
+    /// A reduced body on its hub; with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia
     /// becomes that of the reduction.
     ///
     /// # Errors
     /// What of the data does not fit together, or does not fit the mount.
     pub fn new(
         mut hub: Hub,
-        lever: f64,
+        effective_base_radius: f64,
         placement: Placement,
         data: Arc<Reduced>,
     ) -> Result<Self, Reason> {
@@ -102,21 +99,36 @@ impl Elastic {
                 positions[node as usize] = *x;
             }
         }
+        // A mode that moves no flank has no magnitude of its own.
+        let floor = 1e-3 * largest.iter().copied().fold(0.0, f64::max);
+        let of_modes = largest
+            .iter()
+            .map(|shape| shape.max(floor).max(f64::MIN_POSITIVE));
+        let body = HubBody::new(hub, effective_base_radius);
+        let on_hub = |x: f64| std::iter::repeat_n(x, own);
+        let hub = HubBody {
+            own: data.modes(),
+            characteristic_time: 1.0 / data.omega.iter().copied().fold(0.0, f64::max),
+            scales: on_hub(effective_base_radius).chain(of_modes).collect(),
+            masses: on_hub(body.inertia)
+                .chain(data.omega.iter().map(|_| 1.0))
+                .collect(),
+            hub_shapes: data.hub.clone(),
+            conservative: data.damping.iter().all(|z| *z <= 0.0),
+            ..body
+        };
         Ok(Elastic {
             positions,
             own,
             omega: with_hub(&data.omega),
             zeta: with_hub(&data.damping),
             hub,
-            lever,
             placement,
             data,
-            largest,
             softest,
             hub_reach,
-            sleep: 0.0,
             spin: Spin::default(),
-            lagging: Lagging::default(),
+            correction: RefCell::default(),
         })
     }
 
@@ -132,12 +144,12 @@ impl Elastic {
     }
 }
 
-impl NormalField for Elastic {
+impl FlankDisplacement for Elastic {
     fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]) {
         kernels::gather(nodes, |k| self.data.shapes_at(k), &x[self.own..], out);
     }
 
-    fn press(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]) {
+    fn apply_nodal_forces(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]) {
         let f = &mut f[self.own..];
         kernels::scatter(nodes, forces, |k| self.data.shapes_at(k), f);
     }
@@ -147,7 +159,7 @@ impl NormalField for Elastic {
     }
 
     fn compliance(&self, nodes: &[u32], out: &mut [f64]) {
-        match self.lagging.flanks(&self.data) {
+        match self.correction.borrow().flanks(&self.data) {
             Some(flanks) => flanks.gather(nodes, self.data.nodes(), out),
             None => out.fill(0.0),
         }
@@ -167,7 +179,7 @@ impl NormalField for Elastic {
         self.hub_reach
     }
 
-    fn hub_give(&self) -> f64 {
+    fn hub_residual_compliance(&self) -> f64 {
         self.data.residual.as_ref().map_or(0.0, |r| r.hub_hub)
     }
 
@@ -177,93 +189,20 @@ impl NormalField for Elastic {
 }
 
 impl GearModel for Elastic {
-    fn id(&self) -> &'static str {
-        "elastic"
-    }
-
-    fn hub(&self) -> &Hub {
+    fn hub(&self) -> &HubBody {
         &self.hub
     }
 
-    fn hub_mut(&mut self) -> &mut Hub {
+    fn hub_mut(&mut self) -> &mut HubBody {
         &mut self.hub
     }
 
-    fn coordinates(&self) -> Coordinates {
-        Coordinates {
-            n: self.omega.len(),
-            memory: 0,
-        }
-    }
-
-    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
-        for i in 0..self.own {
-            q[i] = m.deflection / self.lever;
-            v[i] = m.speed / self.lever;
-        }
-        // A mode that moves no flank has no magnitude of its own.
-        let floor = 1e-3 * self.largest.iter().copied().fold(0.0, f64::max);
-        let modes = q[self.own..].iter_mut().zip(&mut v[self.own..]);
-        for ((q, v), largest) in modes.zip(&self.largest) {
-            let shape = largest.max(floor).max(f64::MIN_POSITIVE);
-            *q = m.deflection / shape;
-            *v = m.speed / shape;
-        }
-    }
-
-    fn prepare(&mut self, speed: f64) {
-        self.decide_spin_terms(speed);
-    }
-
-    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
-        q.fill(0.0);
-        v.fill(0.0);
-        v[..self.own].fill(speed);
-    }
-
-    fn contact_mass(&self) -> f64 {
-        if self.own > 0 {
-            self.hub.inertia / self.lever.powi(2)
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    fn pace(&self) -> f64 {
-        1.0 / self.omega.iter().copied().fold(0.0, f64::max)
-    }
-
-    fn tooth_travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
-        self.hub.travel(at.t, at.q)
-    }
-
-    fn tooth_travels(&self, at: At<'_>, _first: Tooth, out: &mut [f64]) {
-        out.fill(self.hub.travel(at.t, at.q));
-    }
-
-    fn flanks(&self) -> Option<&Flanks> {
-        Some(&self.data.flanks)
-    }
-
-    fn field(&self) -> Option<&dyn NormalField> {
-        Some(self)
-    }
-
-    fn node_positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
-        for (x, &node) in out.iter_mut().zip(nodes) {
-            *x = pose.point(&self.positions[node as usize]);
-        }
-    }
-
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
-        if self.own > 0 {
-            row.push(0, self.hub.lever(&p.x, n));
-        }
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+        let prescribed = self.hub.row(at, &p.x, n, row);
         let (corners, weights) = match p.locus {
             Locus::Quadrature { face, xi } => (self.data.flanks.corners(face), Flanks::weights(xi)),
             Locus::Node(node) => ([node; 4], [1.0, 0.0, 0.0, 0.0]),
-            Locus::Flank { .. } => return,
+            Locus::Flank { .. } => return prescribed,
         };
         // Displacements are outward: they count with the sign of the normal.
         let pose = self.placement.pose(self.hub.travel(at.t, at.q));
@@ -280,9 +219,10 @@ impl GearModel for Elastic {
                     .sum::<f64>()
             }),
         );
+        prescribed
     }
 
-    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
         let own = self.own..self.omega.len();
         let omega = self.omega[own.clone()].iter().zip(&self.zeta[own.clone()]);
         let state = at.q[own.clone()].iter().zip(&at.v[own.clone()]);
@@ -295,17 +235,7 @@ impl GearModel for Elastic {
         }
     }
 
-    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
-        let acceleration = self.hub.prescribed_acceleration(t);
-        if acceleration == 0.0 {
-            return;
-        }
-        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
-            *f -= acceleration * l;
-        }
-    }
-
-    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         for i in self.own..self.omega.len() {
             let (w, z) = (self.omega[i], self.zeta[i]);
             df[i] -= w * (w * dq[i] + 2.0 * z * dv[i]);
@@ -314,31 +244,6 @@ impl GearModel for Elastic {
             let acceleration = self.hub.prescribed_acceleration(at.t);
             self.add_spin_tangent(integrals, at, acceleration, [dq, dv], df);
         }
-    }
-
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
-        if let (Some(integrals), 1) = (self.spinning(), self.own) {
-            return self.solve_spin_mass(integrals, at, f_to_a);
-        }
-        for f in &mut f_to_a[..self.own] {
-            *f /= self.hub.inertia;
-        }
-    }
-
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        if let (Some(integrals), 1) = (self.spinning(), self.own) {
-            return self.apply_spin_mass(integrals, at, x, y);
-        }
-        y.copy_from_slice(x);
-        for y in &mut y[..self.own] {
-            *y *= self.hub.inertia;
-        }
-    }
-
-    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
-        diagonal.fill(1.0);
-        diagonal[..self.own].fill(self.hub.inertia);
-        self.own == 0 || self.spinning().is_none()
     }
 
     fn correct(
@@ -405,34 +310,19 @@ impl GearModel for Elastic {
         }
     }
 
-    fn has_powers(&self) -> bool {
-        matches!(self.hub.mount, Mount::Driven(_)) || self.zeta.iter().any(|z| *z > 0.0)
-    }
-
-    fn dissipated(&self, at: At<'_>) -> f64 {
-        (self.omega.iter().zip(&self.zeta).zip(at.v))
-            .map(|((w, z), v)| 2.0 * z * w * v * v)
-            .sum()
-    }
-
-    fn driven_power(&self, at: At<'_>) -> f64 {
-        if self.own > 0 {
-            return 0.0;
+    fn powers(&self, at: At<'_>) -> Power {
+        Power {
+            dissipated: self.dissipated(at),
+            external: self.driven_power(at),
+            ..Power::default()
         }
-        let acceleration = self.hub.prescribed_acceleration(at.t);
-        let turning = (self.spinning()).map_or(0.0, |i| self.spin_power(i, at, acceleration));
-        turning - acceleration * self.over_modes(&self.data.participation, at.v)
-    }
-
-    fn set_lag(&mut self, lag: Option<&[f64]>) {
-        self.lag_by(lag);
     }
 
     fn hub_state(&self, at: At<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
         HubState {
-            travel: self.hub.travel(at.t, at.q) + self.over_modes(&self.data.hub, at.q),
-            speed: speed + self.over_modes(&self.data.hub, at.v),
+            travel: self.hub.travel(at.t, at.q) + self.hub.over_shapes(at.q),
+            speed: speed + self.hub.over_shapes(at.v),
             momentum: self.hub.inertia * speed
                 + self.over_modes(&self.data.participation, at.v)
                 + self.spinning().map_or(0.0, |i| self.spin_momentum(i, at)),
@@ -495,19 +385,64 @@ impl GearModel for Elastic {
         reaction
     }
 
-    fn hub_speed(&self, at: At<'_>) -> f64 {
-        self.hub.speed(at.t, at.v) + self.over_modes(&self.data.hub, at.v)
+    fn surface(&self) -> Option<FlankSurface<'_>> {
+        Some(FlankSurface {
+            flanks: &self.data.flanks,
+            nodes: self,
+            displacement: Some(self),
+        })
     }
 
-    fn add_hub_load(&self, load: f64, f: &mut [f64]) {
+    fn linear(&self) -> Option<&dyn LinearMotion> {
+        Some(self)
+    }
+
+    fn coupled_mass(&self) -> Option<&dyn CoupledMass> {
+        (self.own > 0 && self.spinning().is_some()).then_some(self)
+    }
+}
+
+impl Elastic {
+    fn dissipated(&self, at: At<'_>) -> f64 {
+        (self.omega.iter().zip(&self.zeta).zip(at.v))
+            .map(|((w, z), v)| 2.0 * z * w * v * v)
+            .sum()
+    }
+
+    pub(super) fn driven_power(&self, at: At<'_>) -> f64 {
         if self.own > 0 {
-            f[0] += load;
-            for (f, h) in f[1..].iter_mut().zip(&self.data.hub) {
-                *f += h * load;
-            }
+            return 0.0;
+        }
+        let acceleration = self.hub.prescribed_acceleration(at.t);
+        let turning = (self.spinning()).map_or(0.0, |i| self.spin_power(i, at, acceleration));
+        turning - acceleration * self.over_modes(&self.data.participation, at.v)
+    }
+}
+
+impl FlankNodes for Elastic {
+    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
+        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        for (x, &node) in out.iter_mut().zip(nodes) {
+            *x = pose.point(&self.positions[node as usize]);
+        }
+    }
+}
+
+impl CoupledMass for Elastic {
+    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
+        if let Some(integrals) = self.spinning() {
+            self.solve_spin_mass(integrals, at, f_to_a);
         }
     }
 
+    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
+        if let Some(integrals) = self.spinning() {
+            self.apply_spin_mass(integrals, at, x, y);
+        }
+    }
+}
+
+impl LinearMotion for Elastic {
     fn oscillators(&self) -> Option<Oscillators<'_>> {
         // Coriolis forces couple the modes.
         self.spinning().is_none().then_some(Oscillators {
@@ -516,34 +451,40 @@ impl GearModel for Elastic {
         })
     }
 
-    fn flight(&self, at: At<'_>, load: f64) -> Option<Flight> {
+    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
+        let acceleration = self.hub.prescribed_acceleration(t);
+        if acceleration == 0.0 {
+            return;
+        }
+        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
+            *f -= acceleration * l;
+        }
+    }
+
+    fn set_quasi_static_correction(&self, missing: Option<&[f64]>) {
+        self.correct_by(missing);
+    }
+
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         self.flight_of(at, load)
     }
 
-    fn coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
         self.add_coast(at, load, first, coast);
     }
 
-    fn sleep(&self) -> f64 {
-        self.sleep
-    }
-
-    fn put_to_rest(
+    fn cut_off_vibrations(
         &self,
         t: f64,
         load: f64,
         q: &mut [f64],
         v: &mut [f64],
-        _memory: &mut [f64],
+        _discrete: &mut [f64],
     ) -> bool {
         self.rest_modes(t, load, q, v)
     }
 
     fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         self.work_of(from, to, load)
-    }
-
-    fn uses_engagement(&self) -> bool {
-        false
     }
 }

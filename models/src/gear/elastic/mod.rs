@@ -22,7 +22,7 @@ mod free_flight;
 mod gear;
 pub mod inertia;
 mod kernels;
-mod lag;
+mod quasi_static;
 pub mod reduced;
 mod spin;
 

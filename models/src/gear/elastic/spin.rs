@@ -53,7 +53,7 @@ impl Elastic {
 
     /// Decides for [`SpinTerms::Auto`] by the speed of the hub [rad/s] at the start; of a driven one by the largest
     /// of its course.
-    pub(super) fn decide_spin_terms(&mut self, mut speed: f64) {
+    pub fn decide_spin_terms(&mut self, mut speed: f64) {
         if self.spin.terms != SpinTerms::Auto {
             return;
         }

@@ -12,7 +12,7 @@
 //! integrated at all. The deviations of teeth outside the windows from their mean are in closed form already.
 
 use super::MovableTeeth;
-use crate::gear::free_flight::Flight;
+use crate::gear::free_flight::FreeFlight;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::At;
 
@@ -126,7 +126,7 @@ impl MovableTeeth {
         if rests { [0.0; 2] } else { [d, v] }
     }
 
-    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<Flight> {
+    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         let parts = self.parts(at, load)?;
         let resting = parts.resting();
         let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
@@ -148,7 +148,7 @@ impl MovableTeeth {
             travel += twice.sqrt() / parts.own_omega;
             deviating += twice;
         }
-        Some(Flight {
+        Some(FreeFlight {
             frame: parts.frame,
             outward: 0.0,
             travel,

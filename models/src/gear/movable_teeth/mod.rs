@@ -36,14 +36,16 @@ mod springs;
 
 pub use parameters::{PARAMETERS, build};
 
-use super::free_flight::Flight;
-use super::model::{Coordinates, GearModel, HubState, Magnitudes};
+use super::capabilities::{LinearMotion, ToothCoordinates};
+use super::free_flight::FreeFlight;
+use super::hub_body::HubBody;
+use super::model::{GearModel, HubState};
 use crate::Vec3;
 use crate::geometry::Side;
-use crate::kinematics::{Hub, MeshView, Point, Row, Tooth, Wrench};
+use crate::kinematics::{MeshView, Point, Row, Tooth, Wrench};
 use deviations::{Deviations, Exchange};
 use gearbench_integrators::Coast;
-use gearbench_integrators::system::{At, Change, Coeffs, Energy, Singular};
+use gearbench_integrators::system::{At, Change, Coeffs, Energy, Power, Singular};
 use springs::{RadiusStiffness, ToothSprings};
 
 /// Teeth beyond a whole pitch by this fraction still belong to the window they were in.
@@ -80,16 +82,12 @@ enum Integrated {
 /// A gear or rack with movable teeth.
 #[derive(Clone, Debug)]
 pub struct MovableTeeth {
-    hub: Hub,
+    hub: HubBody,
     teeth: usize,
     /// Inertia of the body without its teeth.
     body: f64,
     springs: ToothSprings,
-    /// Converts a deflection on the line of action to an angle.
-    lever: f64,
     all_wanted: bool,
-    /// Share of the energy of an impact below which teeth are put to rest in flight.
-    sleep: f64,
     integrated: Integrated,
     views: Vec<MeshView>,
     /// Number of teeth in windows.
@@ -205,8 +203,9 @@ impl MovableTeeth {
                 v: &[],
                 memory: &[],
             };
-            let own = self.coordinates().n - self.first();
-            self.constant = (0..own).map(|i| self.varying_spring(at, i, 0.0)).collect();
+            self.constant = (0..self.hub.own)
+                .map(|i| self.varying_spring(at, i, 0.0))
+                .collect();
         }
     }
 
@@ -312,116 +311,33 @@ struct Spring {
 }
 
 impl GearModel for MovableTeeth {
-    fn id(&self) -> &'static str {
-        "movable-teeth"
-    }
-
-    fn hub(&self) -> &Hub {
+    fn hub(&self) -> &HubBody {
         &self.hub
     }
 
-    fn hub_mut(&mut self) -> &mut Hub {
+    fn hub_mut(&mut self) -> &mut HubBody {
         &mut self.hub
     }
 
-    fn coordinates(&self) -> Coordinates {
-        let own = match &self.integrated {
-            Integrated::All => self.teeth,
-            Integrated::Windows(_) => 1 + self.slots,
-        };
-        Coordinates {
-            n: self.first() + own,
-            memory: self.head() + self.deviations().cells(),
-        }
-    }
-
-    fn attach(&mut self, view: MeshView) {
-        self.views.push(view);
-        self.arrange();
-        self.note_constants();
-    }
-
-    fn scales(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
-        q.fill(m.deflection / self.lever);
-        v.fill(m.speed / self.lever);
-    }
-
-    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) {
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], discrete: &mut [f64]) {
         q.fill(0.0);
         v.fill(speed);
-        memory.fill(0.0);
+        discrete.fill(0.0);
         for m in 0..self.views.len() {
-            memory[m] = self.nearest(m, 0.0).round();
-        }
-    }
-
-    fn contact_mass(&self) -> f64 {
-        let lightest = self
-            .springs
-            .mass
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
-        lightest * self.springs.radius_squared / self.lever.powi(2)
-    }
-
-    fn pace(&self) -> f64 {
-        self.springs.shortest_time()
-    }
-
-    #[inline]
-    fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        match self.coordinate(at.memory, tooth) {
-            Some(i) => at.q[i],
-            // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
-            None => at.q[self.first()],
-        }
-    }
-
-    fn tooth_travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
-        let mean = at.q[self.first()];
-        match &self.integrated {
-            Integrated::All => {
-                let own = &at.q[self.first()..];
-                let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
-                for travel in out {
-                    *travel = own[i];
-                    i = if i + 1 == own.len() { 0 } else { i + 1 };
-                }
-            }
-            Integrated::Windows(windows) => {
-                let w = &windows[first.mesh as usize];
-                let from = at.memory[first.mesh as usize] as i64 - w.half;
-                let own = &at.q[w.base..][..w.len() as usize];
-                let mut i = (first.index as i32).rem_euclid(own.len() as i32) as usize;
-                // Distance behind the window's first tooth; negative is huge.
-                let mut behind = (first.index - from) as u64;
-                for travel in out {
-                    *travel = if behind < own.len() as u64 {
-                        own[i]
-                    } else {
-                        mean
-                    };
-                    behind = behind.wrapping_add(1);
-                    i = if i + 1 == own.len() { 0 } else { i + 1 };
-                }
-            }
+            discrete[m] = self.nearest(m, 0.0).round();
         }
     }
 
     #[inline]
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) {
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         // A tooth outside its window carries no force, so the mean stands for it.
         let i = self.coordinate(at.memory, p.tooth).unwrap_or(self.first());
         row.push(i, self.hub.lever(&p.x, n));
-    }
-
-    // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
-    fn drift(&self, _at: At<'_>, _p: &Point, _n: &Vec3) -> f64 {
+        // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
         0.0
     }
 
-    fn internal_force(&mut self, at: At<'_>, f: &mut [f64]) {
+    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
         let first = self.first();
         let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
         let mut on_body = 0.0;
@@ -452,7 +368,7 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    fn internal_tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let first = self.first();
         let phi = self.hub.travel(at.t, at.q);
         let (dphi, dspeed) = if first > 0 {
@@ -472,42 +388,6 @@ impl GearModel for MovableTeeth {
         if first > 0 {
             df[0] += on_body;
         }
-    }
-
-    fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]) {
-        let first = self.first();
-        if first > 0 {
-            f_to_a[0] /= self.body;
-        }
-        for i in 0..at.q.len() - first {
-            f_to_a[first + i] /= self.tooth_inertia(i);
-        }
-    }
-
-    fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        let first = self.first();
-        if first > 0 {
-            y[0] = self.body * x[0];
-        }
-        for i in 0..at.q.len() - first {
-            y[first + i] = self.tooth_inertia(i) * x[first + i];
-        }
-    }
-
-    fn constant_mass(&self, diagonal: &mut [f64]) -> bool {
-        let first = self.first();
-        for (i, m) in diagonal.iter_mut().enumerate() {
-            *m = if i < first {
-                self.body
-            } else {
-                self.tooth_inertia(i - first)
-            };
-        }
-        true
-    }
-
-    fn uses_engagement(&self) -> bool {
-        self.springs.radius.is_some()
     }
 
     /// Arrow matrix: the teeth are coupled through the hub only.
@@ -579,6 +459,174 @@ impl GearModel for MovableTeeth {
         e
     }
 
+    fn powers(&self, at: At<'_>) -> Power {
+        Power {
+            dissipated: self.dissipated(at),
+            parametric: self.parametric(at),
+            external: self.driven_power(at),
+        }
+    }
+
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let first = self.first();
+        let speed = self.hub.speed(at.t, at.v);
+        let teeth: f64 = (0..at.q.len() - first)
+            .map(|i| self.tooth_inertia(i) * at.v[first + i])
+            .sum();
+        HubState {
+            travel: self.hub.travel(at.t, at.q),
+            speed,
+            momentum: self.body * speed + teeth,
+        }
+    }
+
+    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+        self.reaction(at, forces, contact)
+    }
+
+    fn linear(&self) -> Option<&dyn LinearMotion> {
+        Some(self)
+    }
+
+    fn teeth(&self) -> Option<&dyn ToothCoordinates> {
+        Some(self)
+    }
+}
+
+impl LinearMotion for MovableTeeth {
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+        self.flight_of(at, load)
+    }
+
+    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        self.add_coast(at, load, first, coast);
+    }
+
+    fn cut_off_vibrations(
+        &self,
+        t: f64,
+        load: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        discrete: &mut [f64],
+    ) -> bool {
+        self.rest_teeth(t, load, q, v, discrete)
+    }
+
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+        self.work_of(from, to, load)
+    }
+}
+
+impl ToothCoordinates for MovableTeeth {
+    #[inline]
+    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        match self.coordinate(at.memory, tooth) {
+            Some(i) => at.q[i],
+            // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
+            None => at.q[self.first()],
+        }
+    }
+
+    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        let mean = at.q[self.first()];
+        match &self.integrated {
+            Integrated::All => {
+                let own = &at.q[self.first()..];
+                let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
+                for travel in out {
+                    *travel = own[i];
+                    i = if i + 1 == own.len() { 0 } else { i + 1 };
+                }
+            }
+            Integrated::Windows(windows) => {
+                let w = &windows[first.mesh as usize];
+                let from = at.memory[first.mesh as usize] as i64 - w.half;
+                let own = &at.q[w.base..][..w.len() as usize];
+                let mut i = (first.index as i32).rem_euclid(own.len() as i32) as usize;
+                // Distance behind the window's first tooth; negative is huge.
+                let mut behind = (first.index - from) as u64;
+                for travel in out {
+                    *travel = if behind < own.len() as u64 {
+                        own[i]
+                    } else {
+                        mean
+                    };
+                    behind = behind.wrapping_add(1);
+                    i = if i + 1 == own.len() { 0 } else { i + 1 };
+                }
+            }
+        }
+    }
+
+    fn follows_contact(&self) -> bool {
+        self.springs.radius.is_some()
+    }
+
+    fn engage(&self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
+        if self.springs.radius.is_none() {
+            return Change::None;
+        }
+        let Some(i) = self.coordinate(memory, tooth) else {
+            return Change::None;
+        };
+        let Some(slot) = self.slot(i - self.first()) else {
+            return Change::None;
+        };
+        let cell = self.engaged_cell(slot);
+        memory[cell] = if closed {
+            side.sign() * f64::from(tooth.mesh + 1)
+        } else {
+            0.0
+        };
+        Change::Restart
+    }
+
+    fn commit(&self, t: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) -> Change {
+        let travel = self.hub.travel(t, q);
+        let mut change = Change::None;
+        for m in 0..self.views.len() {
+            let x = self.nearest(m, travel);
+            let mut centre = memory[m];
+            while (x - centre).abs() > 0.5 + HYSTERESIS {
+                let step = (x - centre).signum();
+                let before = centre as i64;
+                centre += step;
+                memory[m] = centre;
+                if let Integrated::Windows(windows) = &self.integrated {
+                    let w = &windows[m];
+                    let leaves = before - step as i64 * w.half;
+                    let enters = before + step as i64 * (w.half + 1);
+                    let local = enters.rem_euclid(w.len()) as usize;
+                    let engaged = self.engaged_cell(w.slot + local);
+                    memory[engaged] = 0.0;
+                    let (mean, i) = (self.first(), w.base + local);
+                    let mut state = [q[mean], v[mean], q[i], v[i]];
+                    let (head, free) = memory.split_at_mut(self.head());
+                    let outside = |tooth: i64| {
+                        windows.iter().zip(head.iter()).all(|(w, &centre)| {
+                            let from_first = tooth - (centre as i64 - w.half);
+                            from_first.rem_euclid(self.teeth as i64) >= w.len()
+                        })
+                    };
+                    let teeth = Exchange {
+                        t,
+                        count: self.count(0),
+                        leaves,
+                        enters,
+                    };
+                    self.deviations()
+                        .exchange(&self.springs, teeth, free, &mut state, outside);
+                    [q[mean], v[mean], q[i], v[i]] = state;
+                    change = Change::Restart;
+                }
+            }
+        }
+        change
+    }
+}
+
+impl MovableTeeth {
     fn dissipated(&self, at: At<'_>) -> f64 {
         let first = self.first();
         let speed = self.hub.speed(at.t, at.v);
@@ -623,110 +671,19 @@ impl GearModel for MovableTeeth {
             .sum::<f64>()
     }
 
-    fn hub_state(&self, at: At<'_>) -> HubState {
-        let first = self.first();
-        let speed = self.hub.speed(at.t, at.v);
-        let teeth: f64 = (0..at.q.len() - first)
-            .map(|i| self.tooth_inertia(i) * at.v[first + i])
-            .sum();
-        HubState {
-            travel: self.hub.travel(at.t, at.q),
-            speed,
-            momentum: self.body * speed + teeth,
-        }
-    }
-
-    fn flight(&self, at: At<'_>, load: f64) -> Option<Flight> {
-        self.flight_of(at, load)
-    }
-
-    fn coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.add_coast(at, load, first, coast);
-    }
-
-    fn sleep(&self) -> f64 {
-        self.sleep
-    }
-
-    fn put_to_rest(
-        &self,
-        t: f64,
-        load: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        memory: &mut [f64],
-    ) -> bool {
-        self.rest_teeth(t, load, q, v, memory)
-    }
-
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-        self.work_of(from, to, load)
-    }
-
-    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
-        self.reaction(at, forces, contact)
-    }
-
-    fn engage(&mut self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
-        if self.springs.radius.is_none() {
-            return Change::None;
-        }
-        let Some(i) = self.coordinate(memory, tooth) else {
-            return Change::None;
+    /// Chooses the teeth with coordinates of their own, and notes what follows from them.
+    fn lay_out(&mut self) {
+        self.arrange();
+        self.hub.own = match &self.integrated {
+            Integrated::All => self.teeth,
+            Integrated::Windows(_) => 1 + self.slots,
         };
-        let Some(slot) = self.slot(i - self.first()) else {
-            return Change::None;
-        };
-        let cell = self.engaged_cell(slot);
-        memory[cell] = if closed {
-            side.sign() * f64::from(tooth.mesh + 1)
-        } else {
-            0.0
-        };
-        Change::Restart
-    }
-
-    fn commit(&mut self, t: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) -> Change {
-        let travel = self.hub.travel(t, q);
-        let mut change = Change::None;
-        for m in 0..self.views.len() {
-            let x = self.nearest(m, travel);
-            let mut centre = memory[m];
-            while (x - centre).abs() > 0.5 + HYSTERESIS {
-                let step = (x - centre).signum();
-                let before = centre as i64;
-                centre += step;
-                memory[m] = centre;
-                if let Integrated::Windows(windows) = &self.integrated {
-                    let w = &windows[m];
-                    let leaves = before - step as i64 * w.half;
-                    let enters = before + step as i64 * (w.half + 1);
-                    let local = enters.rem_euclid(w.len()) as usize;
-                    let engaged = self.engaged_cell(w.slot + local);
-                    memory[engaged] = 0.0;
-                    let (mean, i) = (self.first(), w.base + local);
-                    let mut state = [q[mean], v[mean], q[i], v[i]];
-                    let (head, free) = memory.split_at_mut(self.head());
-                    let outside = |tooth: i64| {
-                        windows.iter().zip(head.iter()).all(|(w, &centre)| {
-                            let from_first = tooth - (centre as i64 - w.half);
-                            from_first.rem_euclid(self.teeth as i64) >= w.len()
-                        })
-                    };
-                    let teeth = Exchange {
-                        t,
-                        count: self.count(0),
-                        leaves,
-                        enters,
-                    };
-                    self.deviations()
-                        .exchange(&self.springs, teeth, free, &mut state, outside);
-                    [q[mean], v[mean], q[i], v[i]] = state;
-                    change = Change::Restart;
-                }
-            }
-        }
-        change
+        self.hub.discrete = self.head() + self.deviations().cells();
+        self.note_constants();
+        let teeth = (0..self.hub.own).map(|i| self.tooth_inertia(i));
+        self.hub.masses = std::iter::repeat_n(self.body, self.first())
+            .chain(teeth)
+            .collect();
     }
 }
 

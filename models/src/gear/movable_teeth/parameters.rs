@@ -3,6 +3,7 @@
 use super::springs::{RadiusStiffness, ToothSprings};
 use super::{Integrated, MovableTeeth};
 use crate::error::BuildError;
+use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
 use crate::gear::table::{GearContext, ParameterInfo};
 use crate::spec::{Body, Value};
@@ -251,19 +252,24 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             ),
         ));
     }
+    let lightest = springs.mass.iter().copied().fold(f64::INFINITY, f64::min);
+    let hub = HubBody {
+        contact_mass: lightest * springs.radius_squared / context.lever.powi(2),
+        characteristic_time: springs.shortest_time(),
+        vibration_cut_off: sleep,
+        ..HubBody::new(context.hub.clone(), context.lever)
+    };
     let mut gear = MovableTeeth {
-        hub: context.hub.clone(),
+        hub,
         teeth,
         body,
         springs,
-        lever: context.lever,
         all_wanted,
-        sleep,
         integrated: Integrated::All,
-        views: Vec::new(),
+        views: context.meshes.to_vec(),
         slots: 0,
         constant: Vec::new(),
     };
-    gear.note_constants();
+    gear.lay_out();
     Ok(Box::new(gear))
 }

@@ -15,8 +15,8 @@ fn a_drive_puts_in_what_the_energy_gains() {
         let t = 0.5;
         let (q, v) = state(&gear, gear.hub().travel(t, &[]), gear.hub().speed(t, &[]));
         let mut a = vec![0.0; q.len()];
-        gear.internal_force(at(t, &q, &v), &mut a);
-        gear.solve_mass(at(t, &q, &v), &mut a);
+        gear.forces(at(t, &q, &v), &mut a);
+        solve_mass(&gear, at(t, &q, &v), &mut a);
         let h = 1e-9;
         let energy = |sign: f64| {
             let (mut q, mut v) = (q.clone(), v.clone());
@@ -56,13 +56,13 @@ fn the_mount_gives_what_momentum_takes() {
             })
             .collect();
         let mut a = forces.clone();
-        g.internal_force(at, &mut a);
-        g.solve_mass(at, &mut a);
+        g.forces(at, &mut a);
+        solve_mass(&g, at, &mut a);
         let (centre, slide) = (g.hub().centre, g.hub().slide);
         let nodes = g.body().position.len();
         let numbers: Vec<u32> = (0..nodes as u32).collect();
         let mut x = vec![Vec3::zeros(); nodes];
-        g.node_positions(at, &numbers, &mut x);
+        g.positions(at, &numbers, &mut x);
         let acceleration = if own > 0 {
             a[0]
         } else {

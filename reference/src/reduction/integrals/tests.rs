@@ -277,7 +277,7 @@ fn disc_basis(sectors: u32) -> Basis {
 fn rim(b: &Basis, speed: f64, terms: SpinTerms) -> f64 {
     let n = b.omega.len();
     let mut gear = elastic(b, speed, terms);
-    gear.prepare(speed);
+    gear.decide_spin_terms(speed);
     let (zero, mut f) = (vec![0.0; n], vec![0.0; n]);
     let at = At {
         t: 1.0,
@@ -285,7 +285,7 @@ fn rim(b: &Basis, speed: f64, terms: SpinTerms) -> f64 {
         v: &zero,
         memory: &[],
     };
-    gear.internal_force(at, &mut f);
+    gear.forces(at, &mut f);
     let part = |i: usize| b.shapes[i] * f[i] / b.omega[i].powi(2);
     (0..n).map(part).sum::<f64>()
 }

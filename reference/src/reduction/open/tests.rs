@@ -64,6 +64,8 @@ fn judged(
         added_inertia,
         placement: Placement::new(&hub, 0.0),
         lever: 1.0,
+        meshes: &[],
+        speed: 0.0,
         parameters: &none,
     };
     misfit(&stored, &context)

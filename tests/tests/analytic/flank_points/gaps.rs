@@ -268,7 +268,7 @@ fn the_cost_follows_the_active_flanks() {
         let wanted = Wanted::Touching(0.0);
         mesh.search
             .candidates(party(0), party(1), &[], wanted, &mut found);
-        let work = mesh.search.work();
+        let work = mesh.search.points().unwrap().work();
         assert!(!found.is_empty());
         assert!(work.flanks <= 12, "{work:?}");
         assert!(work.points < work.nodes, "{work:?}");

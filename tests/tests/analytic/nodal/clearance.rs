@@ -48,7 +48,7 @@ fn no_point_is_nearer_than_the_clearance() {
         let rows = 21;
         let model = toy(rows, 5, 2, 0.0);
         let scene = build(&spec, &[model.clone(), model], &with_points(points));
-        let search = &scene.meshes()[0].search;
+        let search = scene.meshes()[0].search.points().unwrap();
         let begin = search.clearance([0.0; 2]).expect("flanks move rigidly");
         let (mut tightest, mut loosest) = (f64::INFINITY, 0.0_f64);
         for step in 0..40 {

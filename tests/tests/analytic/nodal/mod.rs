@@ -50,11 +50,7 @@ fn deform(scene: &Scene, s: &mut State, size: f64, seed: u64) {
     let (scale, _) = scales(scene);
     let magnitude = scene.magnitudes().deflection;
     let mut numbers = Numbers::new(seed);
-    for g in scene
-        .gears()
-        .iter()
-        .filter(|g| g.model.id() == "elastic-toy")
-    {
+    for g in scene.gears().iter().filter(|g| g.id == "elastic-toy") {
         let n = g.range().len() - g.model.hub().coordinates();
         for i in g.range().skip(g.model.hub().coordinates()) {
             s.q[i] = scale[i] * size / magnitude * numbers.draw() / (n as f64).sqrt();
@@ -80,7 +76,7 @@ fn potential(scene: &mut Scene, s: &State) -> f64 {
         };
         // The hub turns with frame and modes: the load's generalised forces say how.
         let mut f = vec![0.0; g.range().len()];
-        g.model.add_hub_load(*torque, &mut f);
+        g.model.hub().add_load(*torque, &mut f);
         work += f
             .iter()
             .zip(&s.q[g.range()])

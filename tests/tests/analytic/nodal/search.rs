@@ -12,7 +12,7 @@ fn by_hand(scene: &Scene, s: &State) -> (usize, f64) {
         for (k, &g) in scene.meshes()[mesh].gears.iter().enumerate() {
             let gear = &scene.gears()[g];
             let (Some(field), Locus::Quadrature { face, xi }) =
-                (gear.model.field(), c.points[k].locus)
+                (gear.model.displacement(), c.points[k].locus)
             else {
                 continue;
             };
@@ -97,7 +97,7 @@ fn the_work_follows_the_contact() {
         let mut s = scene.initial();
         deform(&scene, &mut s, 2e-6, 3);
         force(&mut scene, &s);
-        scene.meshes()[0].search.work()
+        scene.meshes()[0].search.points().unwrap().work()
     };
     let apart = work(21, 60e-6);
     assert_eq!((apart.nodes, apart.points), (0, 0), "{apart:?}");

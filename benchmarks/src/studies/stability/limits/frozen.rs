@@ -133,7 +133,7 @@ impl Frozen {
             }
         }
         let of_mesh = |(mesh, k): (&gearbench_models::scene::SceneMesh, &f64)| {
-            let inverse = |i: usize| self.scene.gears()[i].model.contact_mass().recip();
+            let inverse = |i: usize| self.scene.gears()[i].model.hub().contact_mass.recip();
             k * mesh.gears.map(inverse).iter().sum::<f64>()
         };
         let square = (self.scene.meshes().iter().zip(&stiffness))
@@ -220,7 +220,10 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
         Body::Gear(g) => std::f64::consts::TAU / f64::from(g.teeth()),
         Body::Rack(r) => r.pitch(),
     };
-    let fields = scene.gears().iter().any(|g| g.model.field().is_some());
+    let fields = scene
+        .gears()
+        .iter()
+        .any(|g| g.model.displacement().is_some());
     let m = scene.magnitudes();
     // Bodies of finite elements have modes that an explicit method would follow for nothing.
     let (method, resolution) = if scene.modal().is_some() {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Vec3;
+use crate::gear::capabilities::{CoupledMass, LinearMotion};
 use crate::gear::elastic::reduced::Reduced;
 use crate::gear::model::GearModel;
 use crate::geometry::{FlankGrid, Flanks, Side};
@@ -97,8 +98,11 @@ fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
 
 fn acceleration(gear: &mut Elastic, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
     let mut f = vec![0.0; q.len()];
-    gear.internal_force(at(t, q, v), &mut f);
-    gear.solve_mass(at(t, q, v), &mut f);
+    gear.forces(at(t, q, v), &mut f);
+    // Modes have unit masses.
+    if let Some(mass) = gear.coupled_mass() {
+        mass.solve(at(t, q, v), &mut f);
+    }
     f
 }
 
@@ -179,19 +183,19 @@ fn ramp() -> Mount {
 fn tangent_is_the_derivative_of_the_force() {
     for mount in [Mount::Revolute, ramp()] {
         let mut gear = gear(mount, SpinTerms::Full);
-        let n = gear.coordinates().n;
+        let n = gear.hub().len();
         let q: Vec<f64> = noise(n, 6.0).iter().map(|x| 1e-3 * x).collect();
         let v: Vec<f64> = noise(n, 7.0).iter().map(|x| 500.0 * x).collect();
         let dq: Vec<f64> = noise(n, 8.0).iter().map(|x| 1e-5 * x).collect();
         let dv = noise(n, 9.0);
         let mut exact = vec![0.0; n];
-        gear.internal_tangent(at(4e-3, &q, &v), &dq, &dv, &mut exact);
+        gear.tangent(at(4e-3, &q, &v), &dq, &dv, &mut exact);
         let mut side = |sign: f64| {
             let shift = |x: &[f64], d: &[f64]| -> Vec<f64> {
                 x.iter().zip(d).map(|(x, d)| x + sign * 1e-3 * d).collect()
             };
             let mut f = vec![0.0; n];
-            gear.internal_force(at(4e-3, &shift(&q, &dq), &shift(&v, &dv)), &mut f);
+            gear.forces(at(4e-3, &shift(&q, &dq), &shift(&v, &dv)), &mut f);
             f
         };
         let (plus, minus) = (side(1.0), side(-1.0));
@@ -209,18 +213,18 @@ fn tangent_is_the_derivative_of_the_force() {
 
 #[test]
 fn mass_solves_what_mass_makes_and_is_the_kinetic_energy() {
-    let mut gear = gear(Mount::Revolute, SpinTerms::Full);
+    let gear = gear(Mount::Revolute, SpinTerms::Full);
     let n = 1 + MODES;
     let q: Vec<f64> = noise(n, 6.0).iter().map(|x| 1e-3 * x).collect();
     let v = noise(n, 7.0);
     let mut f = vec![0.0; n];
-    gear.apply_mass(at(0.0, &q, &v), &v, &mut f);
+    CoupledMass::apply(&gear, at(0.0, &q, &v), &v, &mut f);
     let twice: f64 = f.iter().zip(&v).map(|(f, v)| f * v).sum();
     let kinetic = gear.energy(at(0.0, &q, &v)).kinetic;
     assert!((0.5 * twice / kinetic - 1.0).abs() < 1e-12);
     // The momentum is that of the turn.
     assert!((gear.hub_state(at(0.0, &q, &v)).momentum / f[0] - 1.0).abs() < 1e-12);
-    gear.solve_mass(at(0.0, &q, &v), &mut f);
+    CoupledMass::solve(&gear, at(0.0, &q, &v), &mut f);
     for (a, b) in f.iter().zip(&v) {
         assert!((a - b).abs() < 1e-12);
     }
@@ -293,26 +297,25 @@ fn terms_enter_by_themselves_beyond_the_limit() {
     let lowest = 8e3;
     for (part, spins) in [(0.9, false), (1.1, true), (-1.1, true)] {
         let mut gear = gear(Mount::Revolute, SpinTerms::Auto);
-        gear.prepare(part * AUTO_LIMIT * lowest);
+        gear.decide_spin_terms(part * AUTO_LIMIT * lowest);
         assert_eq!(gear.spinning().is_some(), spins);
         assert_eq!(gear.oscillators().is_none(), spins);
-        let mut diagonal = [0.0; 1 + MODES];
-        assert_eq!(gear.constant_mass(&mut diagonal), !spins);
+        assert_eq!(gear.coupled_mass().is_some(), spins);
     }
     // A driven hub is judged by its fastest.
     let mut driven = gear(ramp(), SpinTerms::Auto);
-    driven.prepare(0.0);
+    driven.decide_spin_terms(0.0);
     assert!(driven.spinning().is_some());
     let mut still = gear(Mount::Fixed, SpinTerms::Full);
-    still.prepare(0.0);
+    still.decide_spin_terms(0.0);
     assert!(still.spinning().is_none());
     // Asked for, and refused where there is nothing to take them from.
     let mut bare = gear(Mount::Revolute, SpinTerms::None);
-    bare.prepare(1e6);
+    bare.decide_spin_terms(1e6);
     assert!(bare.spinning().is_none());
     let mut data = bare.data().clone();
     data.integrals = None;
-    let hub = bare.hub().clone();
+    let hub = bare.hub().hub.clone();
     let placement = Placement::new(&hub, 0.0);
     let without = Elastic::new(hub, 0.03, placement, Arc::new(data)).unwrap();
     let e = without.with_spin_terms(SpinTerms::Full).unwrap_err();

@@ -1,4 +1,4 @@
-//! The seam to contacts that work on nodes: how far flank nodes stand outward of the rigid flank.
+//! The flank displacement operator: how far flank nodes stand outward of the rigid flank, for contacts of nodes.
 
 use gearbench_integrators::system::At;
 
@@ -7,12 +7,12 @@ use gearbench_integrators::system::At;
 /// presses into the tooth, `T` is the load on the hub.
 ///
 /// With constant `B` and `R` the contact forces derive from one potential of `q`, whatever nodes touch.
-pub trait NormalField {
+pub trait FlankDisplacement {
     /// `out_k = sum_i b_ki x_i` with the gear's coordinates, or velocities, `x`.
     fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]);
 
     /// `f_i -= sum_k b_ki F_k`.
-    fn press(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]);
+    fn apply_nodal_forces(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]);
 
     /// True when there is a residual compliance.
     fn is_compliant(&self) -> bool;
@@ -27,7 +27,7 @@ pub trait NormalField {
     fn largest_hub_compliance(&self) -> f64;
 
     /// Turn (travel) of the hub by unit load on it that the residual compliance carries.
-    fn hub_give(&self) -> f64;
+    fn hub_residual_compliance(&self) -> f64;
 
     /// A bound of `|B q|` at any flank node [m]: `sqrt(c) sqrt(2 U)` with the largest modal compliance `c` of a node
     /// and the strain energy `U` (Cauchy and Schwarz).

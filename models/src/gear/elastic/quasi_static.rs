@@ -18,17 +18,17 @@ use crate::cholesky::dot;
 /// Teeth up to which nodes are near each other.
 const NEAR: usize = 2;
 
-/// Compliance between flank nodes for a method that lags.
+/// Compliance between flank nodes for a method that leaves something out.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lagging {
-    /// The lags it is for; it is made once for a run after run with one step.
-    lag: Vec<f64>,
+pub(super) struct QuasiStatic {
+    /// What is missing; it is made once for a run after run with one step.
+    missing: Vec<f64>,
     flanks: Option<FlankCompliance>,
-    /// The method of this run lags.
+    /// The method of this run leaves something out.
     on: bool,
 }
 
-impl Lagging {
+impl QuasiStatic {
     pub(super) fn flanks<'a>(&'a self, data: &'a Reduced) -> Option<&'a FlankCompliance> {
         let made = self.flanks.as_ref().filter(|_| self.on);
         made.or(data.residual.as_ref().map(|r| &r.flanks))
@@ -36,20 +36,21 @@ impl Lagging {
 }
 
 impl Elastic {
-    pub(super) fn lag_by(&mut self, lag: Option<&[f64]>) {
-        let Some(lag) = lag.filter(|l| l.iter().any(|x| *x != 0.0)) else {
-            self.lagging.on = false;
+    pub(super) fn correct_by(&self, missing: Option<&[f64]>) {
+        let mut correction = self.correction.borrow_mut();
+        let Some(missing) = missing.filter(|l| l.iter().any(|x| *x != 0.0)) else {
+            correction.on = false;
             return;
         };
         let Some(residual) = &self.data.residual else {
             return;
         };
-        self.lagging.on = true;
-        if self.lagging.lag == lag {
+        correction.on = true;
+        if correction.missing == missing {
             return;
         }
         let (modes, nodes) = (self.data.modes(), self.data.nodes());
-        let (frame, of_modes) = lag.split_at(self.own);
+        let (frame, of_modes) = missing.split_at(self.own);
         // Rows so that a product of two is what the pair of nodes gets.
         let width = modes + self.own;
         let mut rows = Vec::with_capacity(nodes * width);
@@ -103,9 +104,9 @@ impl Elastic {
                 }
             }
         }
-        self.lagging.flanks = Some(flanks);
-        self.lagging.lag.clear();
-        self.lagging.lag.extend_from_slice(lag);
+        correction.flanks = Some(flanks);
+        correction.missing.clear();
+        correction.missing.extend_from_slice(missing);
     }
 
     /// Outward displacement of a flank node by unit turn (travel) of the frame.

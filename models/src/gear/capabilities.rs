@@ -1,0 +1,228 @@
+//! What only some gears can do: small traits that a gear hands out through [`GearModel`].
+
+use super::flank_displacement::FlankDisplacement;
+use super::free_flight::FreeFlight;
+use super::model::GearModel;
+use crate::Vec3;
+use crate::geometry::{Flanks, Side};
+use crate::kinematics::Tooth;
+use gearbench_integrators::Coast;
+use gearbench_integrators::system::{At, Change, Coeffs, Singular};
+
+/// The flanks of a gear as grids of nodes.
+#[derive(Clone, Copy)]
+pub struct FlankSurface<'a> {
+    /// The grids.
+    pub flanks: &'a Flanks,
+    /// Where their nodes are.
+    pub nodes: &'a dyn FlankNodes,
+    /// Displacements of the nodes along their normals, on top of the rigid motion that [`Self::nodes`] then tells;
+    /// `None` for gears whose node positions are the deformed ones.
+    pub displacement: Option<&'a dyn FlankDisplacement>,
+}
+
+/// Positions of flank nodes.
+pub trait FlankNodes {
+    /// Positions in space [m] of some nodes. The search asks for a flank at a time, once per evaluation.
+    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]);
+}
+
+/// Teeth with a travel of their own.
+pub trait ToothCoordinates {
+    /// Angle of a tooth from its assembled position [rad] (travel [m] for a rack), pitch not included.
+    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64;
+
+    /// [`Self::travel`] of consecutive teeth from `first` on.
+    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        for (index, travel) in (first.index..).zip(out) {
+            *travel = self.travel(at, Tooth { index, ..first });
+        }
+    }
+
+    /// Its springs know the contact radius: [`Self::engage`] has to be told of contacts.
+    fn follows_contact(&self) -> bool {
+        false
+    }
+
+    /// A contact of a tooth opened or closed.
+    fn engage(&self, _discrete: &mut [f64], _tooth: Tooth, _side: Side, _closed: bool) -> Change {
+        Change::None
+    }
+
+    /// After an accepted step: hand teeth over. The slices are the gear's own.
+    fn commit(&self, _t: f64, _q: &mut [f64], _v: &mut [f64], _discrete: &mut [f64]) -> Change {
+        Change::None
+    }
+}
+
+/// Independent oscillators, `M^-1 f = -omega^2 q - 2 zeta omega v + remainder`, one entry per coordinate; zero for the
+/// motion of a hub.
+#[derive(Clone, Copy, Debug)]
+pub struct Oscillators<'a> {
+    /// Angular frequencies [rad/s].
+    pub omega: &'a [f64],
+    /// Damping ratios.
+    pub zeta: &'a [f64],
+}
+
+/// A gear whose motion is linear between contacts, so that it is known in closed form.
+pub trait LinearMotion {
+    /// The oscillators that its coordinates are, with a constant diagonal mass; `None` where they are coupled.
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        None
+    }
+
+    /// Adds what of the internal forces is not its [`Self::oscillators`]: the inertia of its own coordinates where the
+    /// hub's motion is prescribed.
+    fn add_inertia_force(&self, _t: f64, _f: &mut [f64]) {}
+
+    /// A method lets the [`Self::oscillators`] give less than `1/omega^2` to forces that last, by so much per unit of
+    /// acceleration [s^2]; gears with a residual compliance give the remainder by it. `None`: nothing is left out.
+    fn set_quasi_static_correction(&self, _missing: Option<&[f64]>) {}
+
+    /// Its free flight from a state under a steady `load` on a free hub; `None` where its motion is not known.
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight>;
+
+    /// Adds that motion to a coast, its coordinates from `first` on; called where there is a [`Self::free_flight`].
+    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast);
+
+    /// Cuts its vibrations off, about the deflection of a steady `load`; its momentum stays. The slices are its own.
+    /// False when they rested, up to rounding.
+    fn cut_off_vibrations(
+        &self,
+        _t: f64,
+        _load: f64,
+        _q: &mut [f64],
+        _v: &mut [f64],
+        _discrete: &mut [f64],
+    ) -> bool {
+        false
+    }
+
+    /// Work of a steady `load` on a free hub, or of a prescribed motion on the gear's own coordinates, between two
+    /// states of a flight [J].
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64;
+}
+
+/// Work of a steady `load` on the hub of any gear between two states [J].
+pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    if gear.hub().coordinates() == 0 || load == 0.0 {
+        return 0.0;
+    }
+    load * (gear.hub_state(to).travel - gear.hub_state(from).travel)
+}
+
+/// A gear with many coordinates of which a contact touches few: the scene then condenses the Newton correction to
+/// those.
+pub trait LargeGear {
+    /// Restriction of `A^-1` of [`GearModel::correct`] to some coordinates, `g[i * n + j] = A^-1[c_i, c_j]`,
+    /// symmetric; `g` holds `n * n` values.
+    fn condensed(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        coordinates: &[u32],
+        g: &mut [f64],
+    ) -> Result<(), Singular>;
+
+    /// `x += A^-1 E f`: the response of all coordinates to forces on some.
+    fn add_response(
+        &self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        touched: (&[u32], &[f64]),
+        x: &mut [f64],
+    ) -> Result<(), Singular>;
+
+    /// Factorisations that were needed so far.
+    fn factorisations(&self) -> u64;
+}
+
+/// [`LargeGear::condensed`] of any gear, one solve per coordinate.
+pub fn condensed(
+    gear: &mut dyn GearModel,
+    at: At<'_>,
+    c: Coeffs,
+    hub_damping: f64,
+    coordinates: &[u32],
+    g: &mut [f64],
+) -> Result<(), Singular> {
+    if let Some(large) = gear.large() {
+        return large.condensed(at, c, hub_damping, coordinates, g);
+    }
+    let mut x = vec![0.0; at.q.len()];
+    let n = coordinates.len();
+    for (j, &unit) in coordinates.iter().enumerate() {
+        x.fill(0.0);
+        x[unit as usize] = 1.0;
+        gear.correct(at, c, hub_damping, &mut x)?;
+        for (i, &coordinate) in coordinates.iter().enumerate() {
+            g[i * n + j] = x[coordinate as usize];
+        }
+    }
+    Ok(())
+}
+
+/// [`LargeGear::add_response`] of any gear, by one solve.
+pub fn add_response(
+    gear: &mut dyn GearModel,
+    at: At<'_>,
+    c: Coeffs,
+    hub_damping: f64,
+    touched: (&[u32], &[f64]),
+    x: &mut [f64],
+) -> Result<(), Singular> {
+    if let Some(large) = gear.large() {
+        return large.add_response(at, c, hub_damping, touched, x);
+    }
+    let mut y = vec![0.0; at.q.len()];
+    for (&i, f) in touched.0.iter().zip(touched.1) {
+        y[i as usize] += f;
+    }
+    gear.correct(at, c, hub_damping, &mut y)?;
+    for (x, y) in x.iter_mut().zip(&y) {
+        *x += y;
+    }
+    Ok(())
+}
+
+/// A mass matrix that is not constant and diagonal.
+pub trait CoupledMass {
+    /// `f <- M^-1 f`.
+    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]);
+
+    /// `y = M x`.
+    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]);
+}
+
+impl dyn GearModel + '_ {
+    /// The grids of its flanks, if it brings any.
+    #[must_use]
+    pub fn flanks(&self) -> Option<&Flanks> {
+        self.surface().map(|s| s.flanks)
+    }
+
+    /// Its flank displacement operator, if it has one.
+    #[inline]
+    #[must_use]
+    pub fn displacement(&self) -> Option<&dyn FlankDisplacement> {
+        self.surface()?.displacement
+    }
+
+    /// Angle or travel of a tooth from its assembled position.
+    #[must_use]
+    pub fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        match self.teeth() {
+            Some(teeth) => teeth.travel(at, tooth),
+            None => self.hub().travel_at(at),
+        }
+    }
+
+    /// Whether its springs know the contact radius.
+    #[must_use]
+    pub fn follows_contact(&self) -> bool {
+        self.teeth().is_some_and(ToothCoordinates::follows_contact)
+    }
+}

@@ -1,0 +1,196 @@
+//! What every gear says of its hub and body as plain data, and what follows from it for all of them.
+
+use super::model::{HubState, Magnitudes};
+use crate::Vec3;
+use crate::kinematics::{Hub, Row};
+use gearbench_integrators::Coast;
+use gearbench_integrators::system::At;
+
+/// The hub that carries a gear, with the data of a rigid body on it until a model says otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HubBody {
+    /// The hub.
+    pub hub: Hub,
+    /// Deflection on the line of action by unit coordinate of the hub: base radius [m], `cos(alpha)` of a rack.
+    pub effective_base_radius: f64,
+    /// Coordinates of the gear's own, after those of the hub.
+    pub own: usize,
+    /// Length of the gear's discrete state.
+    pub discrete: usize,
+    /// Mass that a contact feels at first, `1 / (w^T M^-1 w)` of its row [kg]; infinite for a gear that is held.
+    pub contact_mass: f64,
+    /// Shortest natural time of the gear's own coordinates, `1/omega` [s]; infinite without any.
+    pub characteristic_time: f64,
+    /// Deflection on the line of action by unit of each coordinate; those that are missing move as the hub does.
+    pub scales: Vec<f64>,
+    /// Diagonal of the mass matrix where it is constant and diagonal; those that are missing are the hub's inertia.
+    pub masses: Vec<f64>,
+    /// Turn (travel) of the hub by unit of each own coordinate; empty where they do not move it.
+    pub hub_shapes: Vec<f64>,
+    /// Share of the energy of the next impact below which vibrations are cut off in free flight; 0: never.
+    pub vibration_cut_off: f64,
+    /// Own coordinates neither lose power nor have any put in, but by a driven hub.
+    pub conservative: bool,
+}
+
+impl HubBody {
+    /// A rigid body on its hub.
+    #[must_use]
+    pub fn new(hub: Hub, effective_base_radius: f64) -> Self {
+        let contact_mass = if hub.coordinates() > 0 {
+            hub.inertia / effective_base_radius.powi(2)
+        } else {
+            f64::INFINITY
+        };
+        HubBody {
+            hub,
+            effective_base_radius,
+            own: 0,
+            discrete: 0,
+            contact_mass,
+            characteristic_time: f64::INFINITY,
+            scales: Vec::new(),
+            masses: Vec::new(),
+            hub_shapes: Vec::new(),
+            vibration_cut_off: 0.0,
+            conservative: false,
+        }
+    }
+
+    /// The hub's coordinates come first: index of the first own one.
+    #[inline]
+    #[must_use]
+    pub fn first(&self) -> usize {
+        self.hub.coordinates()
+    }
+
+    /// Number of all coordinates.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.hub.coordinates() + self.own
+    }
+
+    /// True when the gear has no coordinate at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Angle or travel of the hub.
+    #[inline]
+    #[must_use]
+    pub fn travel_at(&self, at: At<'_>) -> f64 {
+        self.hub.travel(at.t, at.q)
+    }
+
+    /// Speed of the hub's coordinate.
+    #[inline]
+    #[must_use]
+    pub fn speed_at(&self, at: At<'_>) -> f64 {
+        self.hub.speed(at.t, at.v)
+    }
+
+    /// Speed of the hub as loads see it: that of its coordinate and what own coordinates turn it by.
+    #[inline]
+    #[must_use]
+    pub fn load_speed(&self, at: At<'_>) -> f64 {
+        let speed = self.speed_at(at);
+        if self.hub_shapes.is_empty() {
+            return speed;
+        }
+        speed + self.over_shapes(at.v)
+    }
+
+    /// What own coordinates turn the hub by.
+    #[must_use]
+    pub fn over_shapes(&self, x: &[f64]) -> f64 {
+        let own = self.hub_shapes.iter().zip(&x[self.first()..]);
+        own.map(|(w, x)| w * x).sum()
+    }
+
+    /// Adds a load on a hub that is free to move [N m] or [N].
+    #[inline]
+    pub fn add_load(&self, load: f64, f: &mut [f64]) {
+        if self.first() > 0 {
+            f[0] += load;
+            for (f, h) in f[1..].iter_mut().zip(&self.hub_shapes) {
+                *f += h * load;
+            }
+        }
+    }
+
+    /// Appends `d(x . n)/dq` of a point that moves with the hub; returns the part of `d(x . n)/dt` [m/s] that a
+    /// motion prescribes.
+    #[inline]
+    pub fn row(&self, at: At<'_>, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
+        self.hub.point_row(at.t, x, n, row)
+    }
+
+    /// Typical magnitudes of the coordinates and their rates.
+    pub fn magnitudes(&self, m: Magnitudes, q: &mut [f64], v: &mut [f64]) {
+        let scales = self.scales.iter().copied();
+        let scales = scales.chain(std::iter::repeat(self.effective_base_radius));
+        for ((q, v), scale) in q.iter_mut().zip(v).zip(scales) {
+            *q = m.deflection / scale;
+            *v = m.speed / scale;
+        }
+    }
+
+    /// Diagonal of the mass matrix.
+    pub fn diagonal_mass(&self, out: &mut [f64]) {
+        let masses = self.masses.iter().copied();
+        let masses = masses.chain(std::iter::repeat(self.hub.inertia));
+        out.iter_mut().zip(masses).for_each(|(out, m)| *out = m);
+    }
+
+    /// Motion and momentum of a body that moves as its hub does.
+    #[must_use]
+    pub fn state(&self, at: At<'_>) -> HubState {
+        let speed = self.speed_at(at);
+        HubState {
+            travel: self.travel_at(at),
+            speed,
+            momentum: self.hub.inertia * speed,
+        }
+    }
+
+    /// Travel, speed and acceleration of a frame that moves as the hub does under a steady `load`.
+    #[must_use]
+    pub fn frame(&self, at: At<'_>, load: f64) -> [f64; 3] {
+        [
+            self.travel_at(at),
+            self.speed_at(at),
+            self.hub.acceleration(at.t, load),
+        ]
+    }
+
+    /// Adds the motion of the hub under a steady `load` to a coast, where it is free.
+    pub fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+        if self.first() > 0 {
+            let acceleration = self.hub.acceleration(at.t, load);
+            coast.swing(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
+            coast.moves(first, 1.0);
+        }
+    }
+
+    /// Whether power may be lost or put in.
+    #[must_use]
+    pub fn has_powers(&self) -> bool {
+        !self.conservative || self.hub.is_driven()
+    }
+}
+
+impl std::ops::Deref for HubBody {
+    type Target = Hub;
+
+    #[inline]
+    fn deref(&self) -> &Hub {
+        &self.hub
+    }
+}
+
+impl std::ops::DerefMut for HubBody {
+    fn deref_mut(&mut self) -> &mut Hub {
+        &mut self.hub
+    }
+}
