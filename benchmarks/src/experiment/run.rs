@@ -9,10 +9,12 @@ use gearbench_integrators::{
     Integrator, MethodError, NullSink, Resolution, Scheme, Sink, State, StepError, TimePlan, Work,
 };
 use gearbench_models::error::BuildError;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Body, Modelling, SceneSpec, Value, lever};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, lever};
+use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::TimeSeries;
@@ -243,8 +245,8 @@ fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
         if kept > 0 {
             found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
         }
-        if let Some(Value::Text(way)) = spec.parameters.get("choose") {
-            found.choose = Some(way.clone());
+        if let Some(way) = ElasticParameters::of(spec).and_then(|p| p.choose) {
+            found.choose = Some(way.id().into());
         }
     }
     found

@@ -3,6 +3,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`model`] | the trait [`GearModel`] |
+//! | [`parameters`] | parameters of models as structs that the models own |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 //! | [`free_flight`], [`normal_field`] | what some of them tell beyond the trait |
@@ -12,6 +13,7 @@ mod free_flight;
 mod model;
 pub mod movable_teeth;
 mod normal_field;
+pub mod parameters;
 pub mod rigid;
 pub mod table;
 
