@@ -454,12 +454,7 @@ fn damping(entry: &Entry<'_>) -> Result<Damping, SceneError> {
         },
         _ => {
             let e = entry.section("`damping`", RESTITUTION)?.number("e")?;
-            match law {
-                "hunt-crossley" => Damping::HuntCrossley { e },
-                "lankarani-nikravesh" => Damping::LankaraniNikravesh { e },
-                "gonthier" => Damping::Gonthier { e },
-                _ => Damping::Flores { e },
-            }
+            Damping::of_restitution(law, e).ok_or_else(|| entry.unknown_word(law, &Damping::IDS))?
         }
     })
 }
