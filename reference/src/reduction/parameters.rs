@@ -1,12 +1,14 @@
 //! Parameters of the model `elastic`, as its construction and studies read and change them.
 
 use super::choose::Criterion;
+use super::open;
 use super::table::{MODEL, PARAMETERS};
 use crate::mesh_source::MeshParameters;
 use gearbench_models::gear::elastic::SpinTerms;
 use gearbench_models::gear::parameters::{ModelParameters, number, whole};
 use gearbench_models::gear::table::ParameterInfo;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// The parameters; the table of models says what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -51,6 +53,22 @@ impl ElasticParameters {
         self.max_frequency_hz = None;
         self.target_error = None;
         self.modes = Some(n);
+    }
+
+    /// Most modes that are kept, by count; `None` where an error or a frequency decides, or where the stored reduction
+    /// cannot be read.
+    #[must_use]
+    pub fn most_modes(&self) -> Option<usize> {
+        match (self.modes, &self.reduction) {
+            _ if self.target_error.is_some() => None,
+            (Some(n), _) => Some(n),
+            _ if self.max_frequency_hz.is_some() => None,
+            (None, Some(path)) => {
+                let stored = open::open(Path::new(path)).ok()?;
+                Some(stored.basis.omega.len())
+            }
+            (None, None) => Some(Self::MODES),
+        }
     }
 
     /// Modes that are cut stay as static compliance.

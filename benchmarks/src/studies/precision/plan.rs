@@ -292,7 +292,9 @@ fn counted(choice: &ModelChoice) -> Option<usize> {
     let gears = choice.modelling.gears.iter();
     let elastic: Vec<_> = gears.filter_map(ElasticParameters::of).collect();
     let kept = elastic.iter().all(ElasticParameters::keeps_residual);
-    let modes = elastic.iter().filter_map(|p| p.modes).next_back();
+    let modes = (elastic.iter())
+        .filter_map(ElasticParameters::most_modes)
+        .next_back();
     (kept && !elastic.is_empty()).then(|| modes.unwrap_or(ElasticParameters::MODES))
 }
 

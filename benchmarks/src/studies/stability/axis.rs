@@ -15,8 +15,6 @@ use gearbench_reference::reduction::ElasticParameters;
 
 /// Points at which a computed stiffness is sampled before it is scaled.
 const SAMPLES: usize = 97;
-/// Modes of the elastic model when nobody says.
-const DEFAULT_MODES: usize = 100;
 
 /// A parameter of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -206,10 +204,12 @@ impl Axis {
             }
             Axis::Modes => match elastic {
                 None => without("it has no modes"),
-                Some(p) if p.target_error.is_some() => {
-                    without("its modes follow from `target_error`")
-                }
-                Some(p) => Ok(p.modes.unwrap_or(DEFAULT_MODES) as f64),
+                Some(p) => match p.most_modes() {
+                    Some(n) => Ok(n as f64),
+                    None => without(
+                        "its modes follow from `target_error` or `max_frequency_hz`, or its reduction cannot be read",
+                    ),
+                },
             },
             Axis::RhoInf => of_method(setup.method, "rho_inf"),
             Axis::HhtAlpha => of_method(setup.method, "alpha"),
