@@ -1,6 +1,7 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
+use super::parameters::parameters;
 use super::status::Witness;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
@@ -181,6 +182,7 @@ fn timed_in(
         Resolution::Tolerance(r) => (None, Some(r)),
     };
     Ok(Run {
+        parameters: parameters(job.scene, job.modelling),
         integrator: job.method.method.to_string(),
         implicit: info.implicit,
         exact_linear: info.linear_part,
