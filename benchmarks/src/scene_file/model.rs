@@ -10,7 +10,6 @@ use super::suggest;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
-use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -203,7 +202,7 @@ fn model(
     };
     let mut modelling = Modelling { gears, contacts };
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
-        apply(constants, row, &mut modelling);
+        constants.apply(row.id, &mut modelling);
     }
     let own_gap = s.get("gap_m").map(|e| e.number()).transpose()?;
     let integrators = s
@@ -439,22 +438,4 @@ fn calibration(
         label,
         constants,
     })
-}
-
-/// Puts fitted constants in place of what the scene gives; those values are where a fit starts.
-fn apply(constants: &Constants, row: &Model, modelling: &mut Modelling) {
-    if let Some(per_width) = constants.stiffness {
-        for contact in &mut modelling.contacts {
-            let of = match contact.stiffness {
-                PairStiffness::Constant { of, .. } | PairStiffness::Table { of, .. } => of,
-                _ => PairOrMesh::Pair,
-            };
-            contact.stiffness = PairStiffness::Constant { per_width, of };
-        }
-    }
-    for gear in modelling.gears.iter_mut().filter(|g| g.id == row.id) {
-        for (key, value) in &constants.parameters {
-            gear.parameters.insert(key.clone(), Value::Number(*value));
-        }
-    }
 }
