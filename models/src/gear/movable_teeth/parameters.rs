@@ -112,7 +112,7 @@ pub const PARAMETERS: &[ParameterInfo] = &[
     },
     ParameterInfo {
         key: "integrate",
-        meaning: "\"active\" (default): teeth near a mesh one by one, the rest in closed form; \"all\"",
+        meaning: "\"active\" or \"all\": teeth near a mesh one by one and the rest in closed form (default), or all one by one",
         required: false,
     },
     ParameterInfo {
