@@ -32,6 +32,7 @@ pub mod stored;
 #[cfg(test)]
 mod test_support;
 
+pub use mesh_source::MeshParameters;
 pub use stored::{ExternalReference, REFERENCES, reference};
 
 use gearbench_models::gear::table::Model;

@@ -3,8 +3,10 @@
 use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
 use crate::{deck, mesh};
 use gearbench_models::error::{BuildError, Reason};
+use gearbench_models::gear::parameters::whole;
 use gearbench_models::gear::table::{GearContext, ParameterInfo};
-use gearbench_models::spec::{Body as Toothing, Value};
+use gearbench_models::spec::Body as Toothing;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
@@ -76,70 +78,89 @@ pub struct Reader<'a> {
     pub context: &'a GearContext<'a>,
 }
 
-impl<'a> Reader<'a> {
+impl Reader<'_> {
     /// An error about a parameter.
     #[must_use]
     pub fn error(&self, key: &str, why: impl Into<Reason>) -> BuildError {
         BuildError::parameter(self.model, key, why)
     }
 
-    /// A word.
-    ///
-    /// # Errors
-    /// A value of another kind.
-    pub fn text(&self, key: &str) -> Result<Option<&'a str>, BuildError> {
-        match self.context.parameters.get(key) {
-            None => Ok(None),
-            Some(Value::Text(x)) => Ok(Some(x)),
-            Some(_) => Err(self.error(key, "expected a word in quotation marks")),
-        }
-    }
-
-    /// A whole number from `least` to `most`.
+    /// A number above 0, if one is given.
     ///
     /// # Errors
     /// Anything else.
-    pub fn count(&self, key: &str, least: usize, most: usize) -> Result<Option<usize>, BuildError> {
-        match self.context.parameters.get(key) {
-            None => Ok(None),
-            Some(Value::Number(x))
-                if *x >= least as f64 && *x <= most as f64 && x.fract() == 0.0 =>
-            {
-                Ok(Some(*x as usize))
+    pub fn positive(&self, key: &str, value: Option<f64>) -> Result<Option<f64>, BuildError> {
+        match value {
+            Some(x) if !(x.is_finite() && x > 0.0) => {
+                Err(self.error(key, "expected a number above 0"))
             }
-            Some(_) => Err(self.error(
+            value => Ok(value),
+        }
+    }
+
+    /// A number of 0 or more; 0 when none is given.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub fn not_negative(&self, key: &str, value: Option<f64>) -> Result<f64, BuildError> {
+        match value {
+            Some(x) if !(x.is_finite() && x >= 0.0) => {
+                Err(self.error(key, "expected a number of 0 or more"))
+            }
+            value => Ok(value.unwrap_or(0.0)),
+        }
+    }
+
+    /// A whole number from `least` to `most`, if one is given.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub fn count(
+        &self,
+        key: &str,
+        value: Option<usize>,
+        least: usize,
+        most: usize,
+    ) -> Result<Option<usize>, BuildError> {
+        match value {
+            Some(n) if !(least..=most).contains(&n) => Err(self.error(
                 key,
                 format!("expected a whole number from {least} to {most}"),
             )),
+            value => Ok(value),
         }
     }
+}
 
-    /// A number above 0 (`least`: or equal to it).
-    ///
-    /// # Errors
-    /// Anything else.
-    pub fn number(&self, key: &str, least: Option<f64>) -> Result<Option<f64>, BuildError> {
-        match (self.context.parameters.get(key), least) {
-            (None, _) => Ok(None),
-            (Some(Value::Number(x)), None) if x.is_finite() && *x > 0.0 => Ok(Some(*x)),
-            (Some(Value::Number(x)), Some(least)) if x.is_finite() && *x >= least => Ok(Some(*x)),
-            (Some(_), None) => Err(self.error(key, "expected a number above 0")),
-            (Some(_), Some(least)) => {
-                Err(self.error(key, format!("expected a number of {least} or more")))
-            }
-        }
-    }
+/// Parameters that say where a mesh comes from; [`PARAMETERS`] says what they mean.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]
+pub struct MeshParameters {
+    pub mesh: Option<String>,
+    pub element: Option<String>,
+    #[serde(deserialize_with = "whole")]
+    pub flank_elements: Option<usize>,
+    #[serde(deserialize_with = "whole")]
+    pub fillet_elements: Option<usize>,
+    #[serde(deserialize_with = "whole")]
+    pub across_elements: Option<usize>,
+    #[serde(deserialize_with = "whole")]
+    pub rim_elements: Option<usize>,
+    #[serde(deserialize_with = "whole")]
+    pub width_elements: Option<usize>,
+}
 
-    /// Yes or no.
-    ///
-    /// # Errors
-    /// A value of another kind.
-    pub fn flag(&self, key: &str) -> Result<Option<bool>, BuildError> {
-        match self.context.parameters.get(key) {
-            None => Ok(None),
-            Some(Value::Flag(x)) => Ok(Some(*x)),
-            Some(_) => Err(self.error(key, "expected true or false")),
-        }
+impl MeshParameters {
+    /// Numbers of elements of a generated mesh, by their keys.
+    fn counts(&self) -> [(&'static str, Option<usize>); 5] {
+        [
+            ("flank_elements", self.flank_elements),
+            ("fillet_elements", self.fillet_elements),
+            ("across_elements", self.across_elements),
+            ("rim_elements", self.rim_elements),
+            ("width_elements", self.width_elements),
+        ]
     }
 }
 
@@ -157,8 +178,8 @@ impl Source {
     ///
     /// # Errors
     /// What of the parameters is wrong, or of the deck.
-    pub fn read(reader: &Reader<'_>) -> Result<Source, BuildError> {
-        let element = match reader.text("element")? {
+    pub fn read(reader: &Reader<'_>, given: &MeshParameters) -> Result<Source, BuildError> {
+        let element = match &given.element {
             None => None,
             Some(name) => Some(ElementKind::from_name(name).ok_or_else(|| {
                 let known: Vec<&str> = ElementKind::ALL.iter().map(|k| k.name()).collect();
@@ -171,9 +192,9 @@ impl Source {
                 )
             })?),
         };
-        match reader.text("mesh")?.unwrap_or("generated") {
-            "generated" => generated(reader, element),
-            source => stored(reader, source, element).map(|m| Source::Deck(Box::new(m))),
+        match given.mesh.as_deref().unwrap_or("generated") {
+            "generated" => generated(reader, given, element),
+            source => stored(reader, given, source, element).map(|m| Source::Deck(Box::new(m))),
         }
     }
 
@@ -219,20 +240,25 @@ impl Source {
 }
 
 /// A generated mesh.
-fn generated(reader: &Reader<'_>, element: Option<ElementKind>) -> Result<Source, BuildError> {
+fn generated(
+    reader: &Reader<'_>,
+    given: &MeshParameters,
+    element: Option<ElementKind>,
+) -> Result<Source, BuildError> {
     let mut params = GearMeshParams::default();
     if let Some(kind) = element {
         params.kind = kind;
     }
     let tooth = &mut params.tooth;
-    for (key, value) in [
-        ("flank_elements", &mut tooth.flank),
-        ("fillet_elements", &mut tooth.fillet),
-        ("across_elements", &mut tooth.across),
-        ("rim_elements", &mut params.rim),
-        ("width_elements", &mut params.width),
-    ] {
-        if let Some(n) = reader.count(key, 1, 500)? {
+    let values = [
+        &mut tooth.flank,
+        &mut tooth.fillet,
+        &mut tooth.across,
+        &mut params.rim,
+        &mut params.width,
+    ];
+    for ((key, count), value) in given.counts().into_iter().zip(values) {
+        if let Some(n) = reader.count(key, count, 1, 500)? {
             *value = n;
         }
     }
@@ -242,26 +268,19 @@ fn generated(reader: &Reader<'_>, element: Option<ElementKind>) -> Result<Source
 /// The mesh of a gear in a deck: the toothed body with as many teeth whose centre is nearest.
 fn stored(
     reader: &Reader<'_>,
+    given: &MeshParameters,
     source: &str,
     element: Option<ElementKind>,
 ) -> Result<GearMesh, BuildError> {
     let context = reader.context;
-    for key in [
-        "flank_elements",
-        "fillet_elements",
-        "across_elements",
-        "rim_elements",
-        "width_elements",
-    ] {
-        if context.parameters.contains_key(key) {
-            return Err(reader.error(
-                key,
-                (
-                    format!("is for generated meshes, but the mesh is \"{source}\""),
-                    "leave it out",
-                ),
-            ));
-        }
+    if let Some((key, _)) = given.counts().iter().find(|(_, n)| n.is_some()) {
+        return Err(reader.error(
+            key,
+            (
+                format!("is for generated meshes, but the mesh is \"{source}\""),
+                "leave it out",
+            ),
+        ));
     }
     let stored = crate::REFERENCES.iter().find(|r| r.id == source);
     let deck = match stored {

@@ -11,6 +11,7 @@
 //! | [`machine`] | where and when a record was made |
 //! | [`parallel`] | pieces of work on several threads |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
+//! | [`parameters`] | parameters of a run for its record |
 //! | [`settings`] | what a reader must know of a scene |
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
 //! | [`thin`] | histories as records keep them |
@@ -23,6 +24,7 @@ pub mod history;
 pub mod journal;
 pub mod machine;
 pub mod parallel;
+pub mod parameters;
 pub mod run;
 pub mod settings;
 pub mod status;

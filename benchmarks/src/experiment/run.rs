@@ -1,6 +1,7 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
+use super::parameters::parameters;
 use super::status::Witness;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
@@ -9,10 +10,12 @@ use gearbench_integrators::{
     Integrator, MethodError, NullSink, Resolution, Scheme, Sink, State, StepError, TimePlan, Work,
 };
 use gearbench_models::error::BuildError;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Body, Modelling, SceneSpec, Value, lever};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, lever};
+use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::TimeSeries;
@@ -179,6 +182,7 @@ fn timed_in(
         Resolution::Tolerance(r) => (None, Some(r)),
     };
     Ok(Run {
+        parameters: parameters(job.scene, job.modelling),
         integrator: job.method.method.to_string(),
         implicit: info.implicit,
         exact_linear: info.linear_part,
@@ -243,8 +247,8 @@ fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
         if kept > 0 {
             found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
         }
-        if let Some(Value::Text(way)) = spec.parameters.get("choose") {
-            found.choose = Some(way.clone());
+        if let Some(way) = ElasticParameters::of(spec).and_then(|p| p.choose) {
+            found.choose = Some(way.id().into());
         }
     }
     found

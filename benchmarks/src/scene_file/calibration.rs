@@ -16,6 +16,8 @@
 
 use super::error::{SceneError, Source};
 use super::reader::in_order;
+use gearbench_models::spec::{Modelling, Value};
+use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use toml::de::DeTable;
@@ -32,6 +34,47 @@ pub struct Constants {
     pub gap: Option<f64>,
     /// Parameters of the gear model by key, in SI units.
     pub parameters: BTreeMap<String, f64>,
+}
+
+/// Key of [`Constants::stiffness`].
+pub const STIFFNESS: &str = "stiffness_n_per_m2";
+/// Key of [`Constants::gap`].
+pub const GAP: &str = "gap_m";
+
+impl Constants {
+    /// Constants by their keys.
+    pub fn of<'k>(values: impl IntoIterator<Item = (&'k str, f64)>) -> Self {
+        let mut constants = Constants::default();
+        for (key, x) in values {
+            match key {
+                STIFFNESS => constants.stiffness = Some(x),
+                GAP => constants.gap = Some(x),
+                other => {
+                    constants.parameters.insert(other.to_owned(), x);
+                }
+            }
+        }
+        constants
+    }
+
+    /// Puts them in place of what a scene gives its contacts and the gears that take a model; the gap is the scene's.
+    /// A stiffness stays that of a pair or of the mesh, as it was.
+    pub fn apply(&self, model: &str, modelling: &mut Modelling) {
+        if let Some(per_width) = self.stiffness {
+            for contact in &mut modelling.contacts {
+                let of = match contact.stiffness {
+                    PairStiffness::Constant { of, .. } | PairStiffness::Table { of, .. } => of,
+                    _ => PairOrMesh::Pair,
+                };
+                contact.stiffness = PairStiffness::Constant { per_width, of };
+            }
+        }
+        for gear in modelling.gears.iter_mut().filter(|g| g.id == model) {
+            for (key, value) in &self.parameters {
+                gear.parameters.insert(key.clone(), Value::Number(*value));
+            }
+        }
+    }
 }
 
 /// The content of a calibration file.
@@ -64,25 +107,19 @@ impl Calibration {
             }
             let mut labels = BTreeMap::new();
             for label in in_order(&source, set.raw_table()?) {
-                let mut constants = Constants::default();
+                let mut values = Vec::new();
                 for entry in in_order(&source, label.raw_table()?) {
                     let x = entry.number()?;
-                    if entry.name != "gap_m" && x <= 0.0 {
+                    if entry.name != GAP && x <= 0.0 {
                         return Err(entry.error(
                             format!("`{}` is {x}", entry.name),
                             "expected more than zero",
                             "write the file again with `gearbench identify SCENE --write`",
                         ));
                     }
-                    match entry.name {
-                        "stiffness_n_per_m2" => constants.stiffness = Some(x),
-                        "gap_m" => constants.gap = Some(x),
-                        other => {
-                            constants.parameters.insert(other.to_owned(), x);
-                        }
-                    }
+                    values.push((entry.name, x));
                 }
-                labels.insert(label.name.to_owned(), constants);
+                labels.insert(label.name.to_owned(), Constants::of(values));
             }
             calibration.sets.insert(set.name.to_owned(), labels);
         }
@@ -104,10 +141,7 @@ impl Calibration {
         for (name, labels) in &self.sets {
             for (label, constants) in labels {
                 let _ = writeln!(text, "\n[{}.{}]", key(name), key(label));
-                let own = [
-                    ("stiffness_n_per_m2", constants.stiffness),
-                    ("gap_m", constants.gap),
-                ];
+                let own = [(STIFFNESS, constants.stiffness), (GAP, constants.gap)];
                 for (name, x) in own.into_iter().filter_map(|(k, x)| x.map(|x| (k, x))) {
                     let _ = writeln!(text, "{name} = {x:e}");
                 }
@@ -122,22 +156,7 @@ impl Calibration {
 
 /// A TOML key, quoted where it has to be.
 fn key(name: &str) -> String {
-    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !name.is_empty() && name.chars().all(bare) {
-        return name.to_owned();
-    }
-    let mut quoted = String::from("\"");
-    for c in name.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(quoted, "\\u{:04X}", c as u32);
-            }
-            c => quoted.push(c),
-        }
-    }
-    quoted.push('"');
-    quoted
+    toml_edit::Key::new(name).display_repr().into_owned()
 }
 
 #[cfg(test)]

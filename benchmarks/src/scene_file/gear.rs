@@ -1,12 +1,11 @@
 //! `[gears.NAME]`: toothing, material, hub, mount, speed, loads.
 
 use super::error::SceneError;
+use super::geometry::geometry;
 use super::profile;
 use super::reader::{Entry, Key, Section, key};
-use gearbench_models::error::Reason;
 use gearbench_models::geometry::{
-    Gear, GearParams, GeometryError, Modifications, Quantity, Rack, RackParams, ReliefShape,
-    TipRelief,
+    Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
 use gearbench_models::spec::{Body, GearSpec, Mount};
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
@@ -375,59 +374,4 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
         }
     })?;
     Ok(material)
-}
-
-/// A refusal of the geometry at the key that causes it.
-fn geometry(s: &Section<'_>, place: &Place, e: &GeometryError) -> SceneError {
-    let Reason { cause, help } = e.reason();
-    let span = place.first(keys_of(e));
-    s.source.error(
-        span,
-        format!("{}: {cause}", s.place),
-        "this cannot be cut",
-        help,
-    )
-}
-
-/// The keys that can cause a geometry error, the likeliest first.
-pub(super) fn keys_of(e: &GeometryError) -> &'static [&'static str] {
-    use GeometryError as E;
-    use Quantity as Q;
-    match e {
-        E::Invalid { what, .. } => match what {
-            Q::Teeth | Q::RackTeeth => &["teeth"],
-            Q::ReliefAmount | Q::ReliefStart => &["tip_relief"],
-            Q::CentreDistance | Q::RackDistance => &["centre_distance_m"],
-            Q::ReferenceCircle | Q::TipCircle | Q::RootCircle => &["module_m"],
-            Q::Module => &["module_m"],
-            Q::PressureAngle => &["pressure_angle_deg"],
-            Q::HelixAngle => &["helix_angle_deg"],
-            Q::Addendum => &["addendum_factor"],
-            Q::Dedendum => &["dedendum_factor"],
-            Q::TipRadius => &["tip_radius_factor"],
-            Q::Thinning => &["thinning_m"],
-            Q::FaceWidth => &["face_width_m"],
-            Q::ProfileShift => &["profile_shift"],
-            Q::BoreRadius => &["bore_radius_m"],
-            Q::ProfileCrowning => &["profile_crowning_m"],
-            Q::LeadCrowning => &["lead_crowning_m"],
-            Q::BodyHeight => &["body_height_m"],
-            Q::Backlash => &["backlash_m"],
-        },
-        E::Undercut { .. } => &["profile_shift", "teeth"],
-        E::PointedTooth { .. } => &["addendum_factor", "profile_shift", "thinning_m", "teeth"],
-        E::NoToothLeft { .. } => &["thinning_m"],
-        E::TipRadius { .. } => &["tip_radius_factor", "dedendum_factor"],
-        E::PointedTool { .. } => &["dedendum_factor", "pressure_angle_deg"],
-        E::NoRoot { .. } => &["dedendum_factor", "profile_shift", "teeth"],
-        E::NoInvolute { .. } => &["addendum_factor", "tip_radius_factor", "profile_shift"],
-        E::FilletFolds => &["profile_shift", "tip_radius_factor", "dedendum_factor"],
-        E::BoreTooLarge { .. } => &["bore_radius_m"],
-        E::ReliefStart { .. } => &["tip_relief"],
-        E::ModificationTooDeep { .. } => &["tip_relief", "profile_crowning_m", "lead_crowning_m"],
-        E::UnequalModules { .. } => &["module_m"],
-        E::UnequalPressureAngles { .. } => &["pressure_angle_deg"],
-        E::HelixMismatch { .. } => &["helix_angle_deg"],
-        _ => &[],
-    }
 }

@@ -5,7 +5,8 @@
 //! of the first mesh stands at the origin unless it says otherwise.
 
 use super::error::{SceneError, Source};
-use super::gear::{GearDraft, Place, keys_of};
+use super::gear::{GearDraft, Place};
+use super::geometry::keys_of;
 use super::reader::{Entry, Key, Section, key};
 use super::suggest;
 use gearbench_models::error::Reason;

@@ -3,8 +3,10 @@
 //! | module | owns |
 //! |---|---|
 //! | `reader`, `suggest`, `error` | typed access with places, "did you mean", refusals with line and way out |
-//! | `gear`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
-//! | `model`, `contact`, [`calibration`] | `[[models]]`, `contact = { .. }`, fitted constants |
+//! | `load` | scenes by name or path |
+//! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
+//! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
+//! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
 //! | `study_plan`, `precision_plan` | `[study]`, `tolerance` |
 //! | [`stability`] | `[study] stability` |
 //! | `locate` | the line that an error of the assembly is about |
@@ -13,11 +15,14 @@
 //! Everything that can be wrong in a file is found when it is loaded, geometry, laws, stiffness and the
 //! models' own parameters included: every model of a scene is built once.
 
+mod calibrated;
 pub mod calibration;
 mod contact;
 mod contact_points;
 mod error;
 mod gear;
+mod geometry;
+mod load;
 mod locate;
 mod mesh;
 mod model;
@@ -26,14 +31,17 @@ mod profile;
 mod reader;
 pub mod shipped;
 pub mod stability;
+mod stiffness;
 mod study_plan;
 mod suggest;
 #[cfg(test)]
 mod tests;
 
+pub use calibrated::CalibrationUse;
 pub use calibration::Calibration;
 pub use error::SceneError;
-pub use model::{CalibrationUse, ModelChoice};
+pub use load::{Selection, load, load_for, load_unbuilt, load_uncalibrated};
+pub use model::ModelChoice;
 pub use precision_plan::Precision;
 pub use shipped::SHIPPED;
 pub use study_plan::{Study, Sweep};
@@ -47,7 +55,7 @@ use gearbench_reference::REFERENCES;
 use gearbench_reports::record::Tolerance;
 use model::ModelPlace;
 use reader::{Key, Section, in_order, key};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use toml::de::DeTable;
 
 /// The version of the format this program reads.
@@ -115,109 +123,6 @@ pub struct SceneFile {
     gears: Vec<Place>,
     meshes: Vec<mesh::MeshDraft>,
     model_places: Vec<ModelPlace>,
-}
-
-/// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
-///
-/// # Errors
-/// [`SceneError`] with file, line and a way out.
-pub fn load(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    load_for(path_or_name, Selection::All)
-}
-
-/// Which models of a scene are wanted: the others are read, but not built, which takes seconds where finite elements
-/// are to be reduced.
-#[derive(Clone, Copy, Debug)]
-pub enum Selection<'a> {
-    /// All.
-    All,
-    /// As [`SceneFile::select`] takes them.
-    Labels(Option<&'a str>),
-    /// None yet: who builds them later says what is wrong with them.
-    None,
-    /// As [`SceneFile::select_precision`] takes them.
-    Precision(Option<&'a str>),
-}
-
-/// As [`load`], but builds only the models that are wanted.
-///
-/// # Errors
-/// [`SceneError`] with file, line and a way out, also for labels that the scene does not have.
-pub fn load_for(path_or_name: &str, selection: Selection<'_>) -> Result<SceneFile, SceneError> {
-    load_with(path_or_name, selection, true)
-}
-
-fn load_with(
-    path_or_name: &str,
-    selection: Selection<'_>,
-    calibrated: bool,
-) -> Result<SceneFile, SceneError> {
-    let file = read(path_or_name, calibrated)?;
-    match selection {
-        Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
-        Selection::None => {}
-        Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
-        Selection::Precision(labels) => file.check(&file.select_precision(labels)?, calibrated)?,
-    }
-    Ok(file)
-}
-
-/// Loads a scene without applying calibrations: models keep the constants that the scene gives, which is
-/// where an identification starts.
-///
-/// # Errors
-/// [`SceneError`] with file, line and a way out.
-pub fn load_uncalibrated(
-    path_or_name: &str,
-    selection: Selection<'_>,
-) -> Result<SceneFile, SceneError> {
-    load_with(path_or_name, selection, false)
-}
-
-/// Loads a scene without calibrations and without building its models, for those who want its gears: what a model
-/// takes may not be there yet.
-///
-/// # Errors
-/// [`SceneError`] with file, line and a way out.
-pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    read(path_or_name, false)
-}
-
-fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
-    if let Some(s) = shipped::shipped(path_or_name) {
-        return SceneFile::unbuilt(
-            &format!("{}.toml", s.name),
-            s.text,
-            Origin::Shipped,
-            calibrated,
-        );
-    }
-    let path = Path::new(path_or_name);
-    let is_path = path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1;
-    if !is_path {
-        let names: Vec<&str> = SHIPPED.iter().map(|s| s.name).collect();
-        let near = suggest::nearest(path_or_name, &names)
-            .map_or(String::new(), |n| format!("did you mean `{n}`? "));
-        return Err(SceneError::plain(
-            format!("there is no scene `{path_or_name}`"),
-            format!(
-                "{near}shipped are {}; a scene of your own is a path that ends in .toml",
-                names.join(", ")
-            ),
-        ));
-    }
-    let text = std::fs::read_to_string(path).map_err(|e| {
-        SceneError::plain(
-            format!("{path_or_name}: {e}"),
-            "expected a readable TOML file in UTF-8; `gearbench list` names the shipped scenes",
-        )
-    })?;
-    SceneFile::unbuilt(
-        path_or_name,
-        &text,
-        Origin::File(path.to_owned()),
-        calibrated,
-    )
 }
 
 /// An error of the TOML syntax.
@@ -303,7 +208,7 @@ impl SceneFile {
         }
         let meshes = mesh::meshes(&s.need("meshes")?.list()?, &mut drafts)?;
 
-        let find = |scene: &str| find_calibration(scene, &scene_name, &origin);
+        let find = |scene: &str| load::find_calibration(scene, &scene_name, &origin);
         let context = model::Context {
             scene: &scene_name,
             gears: &drafts,
@@ -478,24 +383,4 @@ fn scene_name(s: &Section<'_>) -> Result<String, SceneError> {
         ));
     }
     Ok(name.to_owned())
-}
-
-/// Calibrations of a scene: of this file beside itself, else those that are embedded under the name.
-fn find_calibration(
-    scene: &str,
-    own: &str,
-    origin: &Origin,
-) -> Result<Option<Calibration>, SceneError> {
-    if let (Origin::File(path), true) = (origin, scene == own) {
-        let beside = path.with_extension("calibration.toml");
-        if let Ok(text) = std::fs::read_to_string(&beside) {
-            return Calibration::parse(&beside.to_string_lossy(), &text).map(Some);
-        }
-    }
-    match shipped::shipped(scene) {
-        Some(s) => {
-            Calibration::parse(&format!("calibrations/{}.toml", s.name), s.calibration).map(Some)
-        }
-        None => Ok(None),
-    }
 }

@@ -1,16 +1,14 @@
 //! `[[models]]`: the configurations that a study compares.
 
-use super::calibration::{Calibration, Constants, NAMES};
+use super::calibrated::{CalibrationUse, FindCalibration, calibration};
 use super::contact::contact;
 use super::error::SceneError;
 use super::gear::{GearDraft, Place};
 use super::reader::{Entry, Key, in_order, key};
 use super::study_plan::integrator;
-use super::suggest;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
-use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -60,28 +58,6 @@ pub(super) static OF_GEAR: &[Key] = &[
         "parameters of the gear model, SI units in their names",
     ),
 ];
-pub(super) static CALIBRATION: &[Key] = &[
-    key("name", "\"impact\" or \"static\""),
-    key(
-        "scene",
-        "scene whose calibration is taken, default this one",
-    ),
-    key("label", "label in that scene, default this model's"),
-];
-
-/// A calibration asked for by a model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CalibrationUse {
-    /// `impact` or `static`.
-    pub name: String,
-    /// Scene it was fitted in.
-    pub scene: String,
-    /// Label there.
-    pub label: String,
-    /// The constants that were applied; `None` when the scene was loaded without calibrations.
-    pub constants: Option<Constants>,
-}
-
 /// One configuration of a study.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
@@ -124,9 +100,6 @@ impl ModelPlace {
             .clone()
     }
 }
-
-/// Finds the calibrations of a scene by its name, if there are any.
-pub(super) type FindCalibration<'a> = dyn Fn(&str) -> Result<Option<Calibration>, SceneError> + 'a;
 
 /// What models are read against.
 pub(super) struct Context<'a> {
@@ -203,7 +176,7 @@ fn model(
     };
     let mut modelling = Modelling { gears, contacts };
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
-        apply(constants, row, &mut modelling);
+        constants.apply(row.id, &mut modelling);
     }
     let own_gap = s.get("gap_m").map(|e| e.number()).transpose()?;
     let integrators = s
@@ -375,86 +348,4 @@ fn contacts(
         ));
     }
     list.iter().map(|e| contact(e, calibrated)).collect()
-}
-
-fn calibration(
-    entry: &Entry<'_>,
-    context: &Context<'_>,
-    label: &str,
-) -> Result<CalibrationUse, SceneError> {
-    let names = NAMES.map(|n| (n, n));
-    let (name, scene, label) = if entry.is_table() {
-        let s = entry.section("`calibration`", CALIBRATION)?;
-        let text = |key: &str, default: &str| {
-            s.get(key)
-                .map_or(Ok(default.to_owned()), |e| e.text().map(str::to_owned))
-        };
-        (
-            s.need("name")?.word(&names)?,
-            text("scene", context.scene)?,
-            text("label", label)?,
-        )
-    } else {
-        (
-            entry.word(&names)?,
-            context.scene.to_owned(),
-            label.to_owned(),
-        )
-    };
-    let constants = match context.calibrations {
-        None => None,
-        Some(find) => {
-            let file = find(&scene)?;
-            let found = file.as_ref().and_then(|c| c.get(name, &label));
-            let mut found = found.cloned().ok_or_else(|| {
-                let labels = file
-                    .as_ref()
-                    .and_then(|c| c.sets.get(name))
-                    .map_or(Vec::new(), |labels| {
-                        labels.keys().map(String::as_str).collect()
-                    });
-                let there = if labels.is_empty() {
-                    String::new()
-                } else {
-                    format!("; there is one for {}", suggest::words(&labels))
-                };
-                entry.error(
-                    format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
-                    "not there",
-                    format!(
-                        "fit it with `gearbench identify {scene} --model {label} --write`{there}"
-                    ),
-                )
-            })?;
-            if scene != context.scene {
-                // Another scene's gap is that of its own start.
-                found.gap = None;
-            }
-            Some(found)
-        }
-    };
-    Ok(CalibrationUse {
-        name: name.to_owned(),
-        scene,
-        label,
-        constants,
-    })
-}
-
-/// Puts fitted constants in place of what the scene gives; those values are where a fit starts.
-fn apply(constants: &Constants, row: &Model, modelling: &mut Modelling) {
-    if let Some(per_width) = constants.stiffness {
-        for contact in &mut modelling.contacts {
-            let of = match contact.stiffness {
-                PairStiffness::Constant { of, .. } | PairStiffness::Table { of, .. } => of,
-                _ => PairOrMesh::Pair,
-            };
-            contact.stiffness = PairStiffness::Constant { per_width, of };
-        }
-    }
-    for gear in modelling.gears.iter_mut().filter(|g| g.id == row.id) {
-        for (key, value) in &constants.parameters {
-            gear.parameters.insert(key.clone(), Value::Number(*value));
-        }
-    }
 }

@@ -198,29 +198,7 @@ impl<'a> Entry<'a> {
         known: &[&str],
         meaning: &dyn Fn(&str) -> &'static str,
     ) -> SceneError {
-        let help = if let Some((name, factor)) = suggest::other_unit(self.name, known) {
-            // Multiplying 4 by 1e-3 leaves binary digits behind that nobody wrote.
-            let written = self.number().map_or(String::new(), |x| {
-                format!(
-                    " = {}",
-                    format!("{:.12e}", x * factor)
-                        .parse::<f64>()
-                        .unwrap_or(x * factor)
-                )
-            });
-            format!(
-                "the format takes SI units and degrees; write `{name}{written}`: {}",
-                meaning(name)
-            )
-        } else if let Some(name) = suggest::without_unit(self.name, known) {
-            format!("keys carry their unit; write `{name}`: {}", meaning(name))
-        } else if let Some(name) = suggest::nearest(self.name, known) {
-            format!("did you mean `{name}`: {}?", meaning(name))
-        } else if known.is_empty() {
-            "it takes no keys".to_owned()
-        } else {
-            format!("known are {}", known.join(", "))
-        };
+        let help = suggest::help_for(self.name, self.number().ok(), known, meaning);
         self.source
             .error(self.key_range(), message, "not known here", help)
     }

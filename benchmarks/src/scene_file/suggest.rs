@@ -62,35 +62,21 @@ pub(super) fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k s
     }
 }
 
+/// Words longer than any key are near to none.
+const LONGEST: usize = 64;
+
 /// The known word that is nearest to an unknown one, if any is near.
 pub(super) fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     known
         .iter()
-        .map(|&k| (distance(&unknown.to_lowercase(), &k.to_lowercase()), k))
+        .filter(|_| unknown.len() <= LONGEST)
+        .map(|&k| {
+            let typed = strsim::osa_distance(&unknown.to_lowercase(), &k.to_lowercase());
+            (typed, k)
+        })
         .filter(|(d, k)| *d <= (k.len().max(unknown.len()) / 3).max(1))
         .min_by_key(|(d, _)| *d)
         .map(|(_, k)| k)
-}
-
-/// Restricted Damerau-Levenshtein distance (F. J. Damerau, Comm. ACM 7 (1964) 171-176); words longer
-/// than any key count as far away.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) =
-        (a.chars().take(64).collect(), b.chars().take(64).collect());
-    let mut before: Vec<usize> = Vec::new();
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let change = usize::from(a[i - 1] != b[j - 1]);
-            row[j] = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + change);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(before[j - 2] + 1);
-            }
-        }
-        before = std::mem::replace(&mut last, row);
-    }
-    last[b.len()]
 }
 
 /// Words in a sentence: `a`, `b` or `c`.
@@ -105,17 +91,37 @@ pub(super) fn words(known: &[&str]) -> String {
     }
 }
 
+/// What to write in place of an unknown key with a value, if that is a number.
+pub(super) fn help_for(
+    unknown: &str,
+    value: Option<f64>,
+    known: &[&str],
+    meaning: &dyn Fn(&str) -> &'static str,
+) -> String {
+    if let Some((name, factor)) = other_unit(unknown, known) {
+        // Multiplying 4 by 1e-3 leaves binary digits behind that nobody wrote.
+        let written = value.map_or(String::new(), |x| {
+            let short = format!("{:.12e}", x * factor).parse::<f64>();
+            format!(" = {}", short.unwrap_or(x * factor))
+        });
+        format!(
+            "the format takes SI units and degrees; write `{name}{written}`: {}",
+            meaning(name)
+        )
+    } else if let Some(name) = without_unit(unknown, known) {
+        format!("keys carry their unit; write `{name}`: {}", meaning(name))
+    } else if let Some(name) = nearest(unknown, known) {
+        format!("did you mean `{name}`: {}?", meaning(name))
+    } else if known.is_empty() {
+        "it takes no keys".to_owned()
+    } else {
+        format!("known are {}", known.join(", "))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn distances() {
-        assert_eq!(distance("teeth", "teeth"), 0);
-        assert_eq!(distance("teht", "teeth"), 2);
-        assert_eq!(distance("mesh", "mehs"), 1);
-        assert_eq!(distance("", "abc"), 3);
-    }
 
     #[test]
     fn suggestions() {
@@ -137,6 +143,8 @@ mod tests {
         assert_eq!(without_unit("speed", &known), Some("speed_rad_s"));
         assert_eq!(nearest("tetth", &known), Some("teeth"));
         assert_eq!(nearest("colour", &known), None);
+        assert_eq!(nearest("eteth", &known), Some("teeth"));
+        assert_eq!(nearest(&"teeth".repeat(20), &known), None);
         assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
     }
 }

@@ -5,6 +5,7 @@
 //! | `model` | the trait [`GearModel`] |
 //! | `hub_body` | the data that every gear has: [`HubBody`] |
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
+//! | [`parameters`] | parameters of models as structs that the models own |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
@@ -15,6 +16,7 @@ mod free_flight;
 mod hub_body;
 mod model;
 pub mod movable_teeth;
+pub mod parameters;
 pub mod rigid;
 pub mod table;
 

@@ -1,10 +1,12 @@
 //! How the gears and contacts of a scene are modelled.
 
 use super::scene::ContactSpec;
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// A parameter value of a gear model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Value {
     /// A number.
     Number(f64),

@@ -7,6 +7,7 @@
 use super::{Assembly, Pattern};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use gearbench_models::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A motion that the hub may be free in, about or along axes through the origin of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +33,8 @@ impl HubMotion {
 }
 
 /// Which mass matrix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum MassKind {
     /// As the elements integrate it.
     Consistent,

@@ -19,3 +19,4 @@ pub(crate) mod table;
 mod tests;
 
 pub use gear::FullOrder;
+pub use table::FullOrderParameters;

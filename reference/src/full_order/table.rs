@@ -3,19 +3,37 @@
 use super::body::Body;
 use super::gear::FullOrder;
 use crate::assembly::tie::MassKind;
-use crate::mesh_source::{self, Reader, Source};
+use crate::mesh_source::{self, MeshParameters, Reader, Source};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
+use serde::{Deserialize, Serialize};
 
 const MODEL: &str = "fe";
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[ParameterInfo {
+const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[ParameterInfo {
     key: "mass",
     meaning: "\"consistent\" (default) or \"lumped\", which explicit methods want",
     required: false,
 }]);
+
+/// Its parameters as a struct; [`ROW`] says what they mean.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FullOrderParameters {
+    /// Mass matrix; `None` is the consistent one.
+    pub mass: Option<MassKind>,
+    /// Where the mesh comes from.
+    #[serde(flatten)]
+    pub mesh: MeshParameters,
+}
+
+impl ModelParameters for FullOrderParameters {
+    const MODEL: &'static str = MODEL;
+    const KEYS: &'static [ParameterInfo] = &PARAMETERS;
+}
 
 /// Its row.
 pub const ROW: Model = Model {
@@ -30,20 +48,9 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         model: MODEL,
         context,
     };
-    let mass = match reader.text("mass")? {
-        None | Some("consistent") => MassKind::Consistent,
-        Some("lumped") => MassKind::Lumped,
-        Some(other) => {
-            return Err(reader.error(
-                "mass",
-                (
-                    format!("\"{other}\" is not known"),
-                    "expected \"consistent\" or \"lumped\"",
-                ),
-            ));
-        }
-    };
-    let mesh = Source::read(&reader)?.whole(&reader)?;
+    let given = FullOrderParameters::read(context.parameters)?;
+    let mass = given.mass.unwrap_or(MassKind::Consistent);
+    let mesh = Source::read(&reader, &given.mesh)?.whole(&reader)?;
     if mesh.mesh.kind.nodes() != 8 {
         return Err(reader.error(
             "element",

@@ -18,17 +18,30 @@ use super::{Basis, Kept, ReductionError, without_modes};
 use gearbench_models::contact::points::reference_areas;
 use gearbench_models::gear::elastic::reduced::Reduced;
 use gearbench_models::spec::PointRule;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// By what modes are ranked.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Criterion {
     /// Lowest frequency first.
     Frequency,
     /// Largest flank compliance first.
     #[default]
     FlankCompliance,
+}
+
+impl Criterion {
+    /// Its name in scenes and records.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Criterion::Frequency => "frequency",
+            Criterion::FlankCompliance => "flank-compliance",
+        }
+    }
 }
 
 /// Which modes to keep.

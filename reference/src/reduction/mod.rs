@@ -38,6 +38,7 @@ mod integrals;
 mod mounting;
 mod of_gear;
 pub mod open;
+mod parameters;
 #[cfg(test)]
 mod reaction_tests;
 mod request;
@@ -51,6 +52,7 @@ pub use error::ReductionError;
 pub use geometry::Toothing;
 pub use mounting::Mounting;
 pub use of_gear::{OfGear, of_gear};
+pub use parameters::ElasticParameters;
 pub use request::Request;
 pub use surface::Surface;
 pub use truncation::{Kept, without_modes};

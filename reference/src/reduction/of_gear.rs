@@ -2,7 +2,7 @@
 
 use super::Mounting;
 use crate::mesh::GearMesh;
-use crate::mesh_source::{Reader, Source};
+use crate::mesh_source::{MeshParameters, Reader, Source};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::spec::Body;
@@ -22,9 +22,13 @@ pub struct OfGear {
 ///
 /// # Errors
 /// What of the parameters is wrong, or of the deck.
-pub fn of_gear(model: &'static str, context: &GearContext<'_>) -> Result<OfGear, BuildError> {
+pub fn of_gear(
+    model: &'static str,
+    context: &GearContext<'_>,
+    mesh: &MeshParameters,
+) -> Result<OfGear, BuildError> {
     let reader = Reader { model, context };
-    let source = Source::read(&reader)?;
+    let source = Source::read(&reader, mesh)?;
     let (mesh, sector) = match source.sector(&reader)? {
         Some(sector) => (sector, true),
         None => (source.whole(&reader)?, false),

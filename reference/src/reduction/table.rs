@@ -1,18 +1,20 @@
 //! The line of `elastic` in the table of gear models.
 
-use super::choose::{self, Choice, Criterion, ModalDamping};
+use super::choose::{self, Choice, ModalDamping};
 use super::estimate::Impacts;
+use super::parameters::ElasticParameters;
 use super::{Basis, Wanted, open, shared};
 use crate::mesh_source::{self, Reader};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
-use gearbench_models::gear::elastic::{Elastic, SpinTerms};
+use gearbench_models::gear::elastic::Elastic;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::spec::{Body as Toothing, Value};
+use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
 use std::sync::Arc;
 
-const MODEL: &str = "elastic";
+pub(super) const MODEL: &str = "elastic";
 
 const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
@@ -23,7 +25,7 @@ const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
 }
 
 /// Parameters of the model.
-static PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
+pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     optional(
         "reduction",
         "path of a stored reduction (.npz, made by `gearbench reduce`) in place of a mesh",
@@ -72,8 +74,6 @@ pub const ROW: Model = Model {
     build,
 };
 
-/// Modes kept by default.
-const MODES: usize = 100;
 /// Most modes that are asked for.
 const MOST_MODES: usize = 5000;
 /// Step that the modes shall bear by default [s].
@@ -81,21 +81,16 @@ const STEP: f64 = 1e-6;
 /// So many of the lowest modes are looked at, at least; twice as many as are kept.
 const LEAST_CANDIDATES: usize = 400;
 
-fn damping(reader: &Reader<'_>) -> Result<ModalDamping, BuildError> {
-    let (alpha, beta) = match reader.context.parameters.get("rayleigh") {
-        None => (0.0, 0.0),
-        Some(Value::List(x)) if x.len() == 2 && x.iter().all(|x| x.is_finite() && *x >= 0.0) => {
-            (x[0], x[1])
-        }
-        Some(_) => {
-            return Err(reader.error(
-                "rayleigh",
-                "expected two numbers of 0 or more: [alpha, beta]",
-            ));
-        }
-    };
+fn damping(reader: &Reader<'_>, given: &ElasticParameters) -> Result<ModalDamping, BuildError> {
+    let [alpha, beta] = given.rayleigh.unwrap_or_default();
+    if ![alpha, beta].iter().all(|x| x.is_finite() && *x >= 0.0) {
+        return Err(reader.error(
+            "rayleigh",
+            "expected two numbers of 0 or more: [alpha, beta]",
+        ));
+    }
     Ok(ModalDamping {
-        ratio: reader.number("damping_ratio", Some(0.0))?.unwrap_or(0.0),
+        ratio: reader.not_negative("damping_ratio", given.damping_ratio)?,
         alpha,
         beta,
     })
@@ -125,17 +120,21 @@ struct Asked {
 type Found = (Arc<Basis>, usize, usize);
 
 /// The basis of the mesh that the parameters name.
-fn computed(reader: &Reader<'_>, asked: &Asked) -> Result<Found, BuildError> {
+fn computed(
+    reader: &Reader<'_>,
+    given: &ElasticParameters,
+    asked: &Asked,
+) -> Result<Found, BuildError> {
     // A frequency alone keeps all modes below it; a target may take any number.
     let (count, wanted) = match (asked.count, asked.max_frequency) {
         (None, Some(f)) => (usize::MAX, Wanted::UpTo(f)),
         (None, None) if asked.target => (usize::MAX, Wanted::Count(LEAST_CANDIDATES)),
         (count, _) => {
-            let count = count.unwrap_or(MODES);
+            let count = count.unwrap_or(ElasticParameters::MODES);
             (count, Wanted::Count(LEAST_CANDIDATES.max(2 * count)))
         }
     };
-    let of = super::of_gear(MODEL, reader.context)?;
+    let of = super::of_gear(MODEL, reader.context, &given.mesh)?;
     let material = &reader.context.material;
     let basis = shared::basis_of(&of.mesh, of.sector, material, &of.mounting, wanted)
         .map_err(|e| reader.error("mesh", e.to_string()))?;
@@ -193,24 +192,12 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         model: MODEL,
         context,
     };
-    let count = reader.count("modes", 0, MOST_MODES)?;
-    let by = match reader.text("choose")? {
-        None | Some("flank-compliance") => Criterion::FlankCompliance,
-        Some("frequency") => Criterion::Frequency,
-        Some(other) => {
-            return Err(reader.error(
-                "choose",
-                (
-                    format!("\"{other}\" is not known"),
-                    "expected \"flank-compliance\" or \"frequency\"",
-                ),
-            ));
-        }
-    };
-    let residual = reader.flag("residual")?.unwrap_or(true);
-    let step = reader.number("step_s", None)?.unwrap_or(STEP);
-    let max_frequency = reader.number("max_frequency_hz", None)?;
-    let target = reader.number("target_error", None)?;
+    let given = ElasticParameters::read(context.parameters)?;
+    let count = reader.count("modes", given.modes, 0, MOST_MODES)?;
+    let residual = given.keeps_residual();
+    let step = reader.positive("step_s", given.step_s)?.unwrap_or(STEP);
+    let max_frequency = reader.positive("max_frequency_hz", given.max_frequency_hz)?;
+    let target = reader.positive("target_error", given.target_error)?;
     if target.is_some() && !residual {
         return Err(reader.error(
             "target_error",
@@ -220,36 +207,21 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             ),
         ));
     }
-    let damping = damping(&reader)?;
-    let sleep = reader.number("sleep", Some(0.0))?.unwrap_or(0.0);
-    let spin = match reader.text("spin_terms")? {
-        None | Some("auto") => SpinTerms::Auto,
-        Some("full") => SpinTerms::Full,
-        Some("none") => SpinTerms::None,
-        Some(other) => {
-            return Err(reader.error(
-                "spin_terms",
-                (
-                    format!("\"{other}\" is not known"),
-                    "expected \"auto\", \"full\" or \"none\"",
-                ),
-            ));
-        }
-    };
-
+    let damping = damping(&reader, &given)?;
+    let sleep = reader.not_negative("sleep", given.sleep)?;
     let asked = Asked {
         count,
         max_frequency,
         target: target.is_some(),
     };
-    let (basis, count, candidates) = match reader.text("reduction")? {
+    let (basis, count, candidates) = match &given.reduction {
         Some(path) => stored(&reader, path, &asked)?,
-        None => computed(&reader, &asked)?,
+        None => computed(&reader, &given, &asked)?,
     };
     let highest = choose::highest_for_step(step)
         .min(max_frequency.map_or(f64::INFINITY, |f| std::f64::consts::TAU * f));
     let choice = Choice {
-        by,
+        by: given.choose.unwrap_or_default(),
         count,
         highest,
         candidates,
@@ -270,7 +242,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         Arc::new(reduced),
     );
     let gear = gear.map_err(|e| reader.error("mesh", e))?;
-    let gear = gear.with_spin_terms(spin);
+    let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);
     let gear = gear.with_sleep(sleep);
@@ -283,7 +255,7 @@ mod tests {
     use gearbench_models::Vec3;
     use gearbench_models::geometry::{Gear, GearParams};
     use gearbench_models::kinematics::{Hub, Placement};
-    use gearbench_models::spec::{Mount, Parameters};
+    use gearbench_models::spec::{Mount, Parameters, Value};
     use gearbench_models::stiffness::Material;
 
     fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {
@@ -353,7 +325,7 @@ mod tests {
         .unwrap();
         assert!(0 < coarse && coarse < fine);
         for (parameters, message) in [
-            (vec![("choose", word("best"))], "\"best\" is not known"),
+            (vec![("choose", word("best"))], "unknown variant `best`"),
             (vec![("rayleigh", number(1.0))], "[alpha, beta]"),
             (
                 vec![("target_error", number(1e-9)), ("modes", number(20.0))],
@@ -368,7 +340,7 @@ mod tests {
             ),
             (vec![("damping_ratio", number(1.5))], "damp less"),
             (vec![("modes", number(1.5))], "whole number"),
-            (vec![("spin_terms", word("some"))], "expected \"auto\""),
+            (vec![("spin_terms", word("some"))], "expected one of `auto`"),
             (vec![("sleep", number(1.0))], "[0, 1)"),
         ] {
             let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();

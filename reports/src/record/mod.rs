@@ -16,6 +16,7 @@ use crate::studies::stability::Map;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
 pub use picture::{ContactPoint, ContactSnapshot, Outline};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The schema this crate writes, and the newest it reads.
 pub const SCHEMA: u32 = 1;
@@ -315,6 +316,9 @@ pub struct Run {
     /// there is the rest of a fit, not a prediction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fitted_to: Option<String>,
+    /// Parameters by gear (`contact A - B` for a mesh) and key, in SI units: numbers as numbers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
     /// Dynamic modes of the gear that has most of them (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,

@@ -170,6 +170,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         let gap = constants.gap.unwrap();
         apply(
             &[("stiffness_n_per_m2", factor * stored), ("gap_m", gap)],
+            &choice.model,
             &mut spec,
             &mut modelling,
         );

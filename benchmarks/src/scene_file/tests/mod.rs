@@ -1,7 +1,9 @@
 //! Tests of the scene format: what is read, what is refused and in which words, what never panics.
 
+mod contacts;
 mod precision;
 mod refusals;
+mod refused_gears;
 mod refused_models;
 mod robustness;
 mod shipped_scenes;
@@ -78,12 +80,12 @@ fn the_format_is_described() {
         super::mesh::START,
         super::model::MODEL,
         super::model::OF_GEAR,
-        super::model::CALIBRATION,
+        super::calibrated::CALIBRATION,
         super::contact::CONTACT,
-        super::contact::CONSTANT,
-        super::contact::ISO,
-        super::contact::COMPLIANCE,
-        super::contact::TABLE,
+        super::stiffness::CONSTANT,
+        super::stiffness::ISO,
+        super::stiffness::COMPLIANCE,
+        super::stiffness::TABLE,
         super::contact::KELVIN_VOIGT,
         super::contact::RATIO,
         super::contact::RESTITUTION,

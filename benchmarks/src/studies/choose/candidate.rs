@@ -11,7 +11,10 @@ use gearbench_integrators::table::{
     DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
 };
 use gearbench_integrators::{MethodSpec, Scheme};
-use gearbench_models::spec::{ModelSpec, Modelling, SceneSpec, Value};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
 use std::sync::Arc;
 
 /// Modes of the elastic rungs.
@@ -180,21 +183,17 @@ fn short(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Parameters of `elastic` that `fe` has not: damping of bodies and what only modes have.
-const OF_MODES: [&str; 4] = ["damping_ratio", "rayleigh", "spin_terms", "reduction"];
-
 /// Full finite elements on the meshes of the elastic gears of a situation, with their contact. Damping of modes is not
 /// in them.
 #[must_use]
 pub fn full(situation: &Situation) -> Modelling {
     let gears = (situation.flexible.gears.iter())
         .map(|p| {
-            let mut parameters = p.clone();
-            parameters.retain(|key, _| !OF_MODES.contains(&key.as_str()));
-            ModelSpec {
-                id: "fe".into(),
-                parameters,
+            FullOrderParameters {
+                mass: None,
+                mesh: p.mesh.clone(),
             }
+            .spec()
         })
         .collect();
     Modelling {
@@ -208,15 +207,12 @@ pub fn full(situation: &Situation) -> Modelling {
 pub fn elastic(situation: &Situation, modes: usize, step: Option<f64>) -> Modelling {
     let gears = (situation.flexible.gears.iter())
         .map(|p| {
-            let mut parameters = p.clone();
-            parameters.insert("modes".into(), Value::Number(modes as f64));
-            if let Some(h) = step {
-                parameters.insert("step_s".into(), Value::Number(h));
+            ElasticParameters {
+                modes: Some(modes),
+                step_s: step,
+                ..p.clone()
             }
-            ModelSpec {
-                id: "elastic".into(),
-                parameters,
-            }
+            .spec()
         })
         .collect();
     Modelling {

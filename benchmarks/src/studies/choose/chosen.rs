@@ -8,6 +8,7 @@ use gearbench_models::spec::{ContactSpec, Parameters, Passes, PointRule, Surface
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
 };
+use toml_edit::{DocumentMut, TomlError};
 
 /// Tables and keys that a choice replaces. The tolerance may refer to a model that is gone.
 const REPLACED: [&str; 3] = ["models", "study", "tolerance"];
@@ -25,7 +26,7 @@ pub fn text(
     for remark in remarks {
         out.push_str(&format!("# {}\n", remark.replace('\n', " ")));
     }
-    out.push_str(kept(file.text()).trim_end());
+    out.push_str(kept(file.text())?.trim_end());
     out.push_str("\n\n");
     out.push_str(&model(file, candidate));
     out.push_str(&study(file, candidate));
@@ -33,56 +34,16 @@ pub fn text(
     Ok(out)
 }
 
-/// The name in a line such as `[gears.pinion]`, `[[models]]` or `name = ..`: its first part.
-fn opens(line: &str) -> Option<(bool, &str)> {
-    let line = line.trim_start();
-    let table = line.starts_with('[');
-    let name = line.trim_start_matches('[').trim_start();
-    let end = name.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '-'))?;
-    let (name, rest) = name.split_at(end);
-    let fits = if table {
-        rest.starts_with(['.', ']', ' ']) && name.starts_with(|c: char| c.is_ascii_alphabetic())
-    } else {
-        rest.trim_start().starts_with('=')
-    };
-    (fits && !name.is_empty()).then_some((table, name))
-}
-
 /// A scene without what a choice replaces, and without the comments right above that.
-fn kept(text: &str) -> String {
-    let comment = |l: &str| l.trim_start().starts_with('#');
-    let mut lines: Vec<&str> = Vec::new();
-    // Comments at the end of a dropped part may belong to what comes next.
-    let mut pending: Vec<&str> = Vec::new();
-    let (mut in_table, mut dropping) = (false, false);
-    // Inside """ nothing opens.
-    let mut quoted = false;
-    for line in text.lines() {
-        let opened = if quoted { None } else { opens(line) };
-        if line.matches("\"\"\"").count() % 2 == 1 {
-            quoted = !quoted;
-        }
-        if let Some((table, name)) = opened
-            && (table || !in_table)
-        {
-            in_table |= table;
-            dropping = REPLACED.contains(&name);
-            if dropping {
-                let own = lines.iter().rposition(|l| !comment(l)).map_or(0, |i| i + 1);
-                lines.truncate(own);
-            } else {
-                lines.append(&mut pending);
-            }
-        }
-        if !dropping {
-            lines.push(line);
-        } else if comment(line) {
-            pending.push(line);
-        } else {
-            pending.clear();
-        }
+fn kept(text: &str) -> Result<String, SceneError> {
+    let mut document: DocumentMut = text.parse().map_err(|e: TomlError| {
+        let help = "a choice is written into a scene that is TOML";
+        SceneError::plain(e.to_string(), help)
+    })?;
+    for key in REPLACED {
+        document.remove(key);
     }
-    lines.join("\n")
+    Ok(document.to_string())
 }
 
 fn number(x: f64) -> String {
@@ -100,7 +61,7 @@ fn list(x: &[f64]) -> String {
 }
 
 fn quote(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+    toml_edit::Value::from(text).to_string()
 }
 
 fn model(file: &SceneFile, candidate: &Candidate) -> String {
@@ -324,6 +285,7 @@ mod tests {
                     # kept\n[[meshes]]\ngears = [\"a\"]\n[study]\nsamples = 3\n";
         assert_eq!(
             kept(text)
+                .unwrap()
                 .split('\n')
                 .filter(|l| !l.is_empty())
                 .collect::<Vec<_>>(),
@@ -337,7 +299,7 @@ mod tests {
             ]
         );
         let quoted = "description = \"\"\"\n[[models]]\nof words\"\"\"\n[gears.a]";
-        assert_eq!(kept(quoted), quoted);
+        assert_eq!(kept(quoted).unwrap().trim_end(), quoted);
     }
 
     #[test]

@@ -18,19 +18,19 @@
 
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{
-    Body, ContactSpec, Modelling, Parameters, PointContact, SceneSpec, Value, mesh_layout,
-};
+use gearbench_models::spec::{Body, ContactSpec, Modelling, PointContact, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
-
+use gearbench_reference::MeshParameters;
+use gearbench_reference::reduction::ElasticParameters;
 use std::f64::consts::TAU;
 
 /// Penalty of generated meshes [Pa/m].
 pub const PENALTY: f64 = 1e15;
 /// Elements of generated meshes along a flank and over the width.
-pub const ELEMENTS: [(&str, f64); 2] = [("flank_elements", 12.0), ("width_elements", 2.0)];
+pub const ELEMENTS: [(&str, usize); 2] = [("flank_elements", 12), ("width_elements", 2)];
 
 /// First frequency of a steel tooth times its module [Hz m].
 const TOOTH_SPEED: f64 = 244.0;
@@ -39,7 +39,7 @@ const TOOTH_SPEED: f64 = 244.0;
 #[derive(Clone, Debug)]
 pub struct Flexible {
     /// Parameters of `elastic` for each gear: mesh and damping, no modes and no step.
-    pub gears: Vec<Parameters>,
+    pub gears: Vec<ElasticParameters>,
     /// Contacts with flank points, one per mesh.
     pub contacts: Vec<ContactSpec>,
     /// Label of the model of the scene that it is; `None` where the scene has none.
@@ -78,16 +78,6 @@ pub struct Situation {
     pub models: &'static [Model],
 }
 
-/// Parameters of `elastic` that a rung sets itself.
-const SET_BY_RUNG: [&str; 6] = [
-    "modes",
-    "max_frequency_hz",
-    "target_error",
-    "choose",
-    "residual",
-    "step_s",
-];
-
 impl Situation {
     /// The situation of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
     /// models as further rungs.
@@ -108,10 +98,15 @@ impl Situation {
             || generated(&file.spec, own.first().map(|o| &o.modelling)),
             |m| Flexible {
                 gears: (m.modelling.gears.iter())
-                    .map(|g| {
-                        let mut p = g.parameters.clone();
-                        p.retain(|key, _| !SET_BY_RUNG.contains(&key.as_str()));
-                        p
+                    .filter_map(ElasticParameters::of)
+                    .map(|p| ElasticParameters {
+                        modes: None,
+                        max_frequency_hz: None,
+                        target_error: None,
+                        choose: None,
+                        residual: None,
+                        step_s: None,
+                        ..p
                     })
                     .collect(),
                 contacts: m.modelling.contacts.clone(),
@@ -134,10 +129,7 @@ impl Situation {
     #[must_use]
     pub fn relaxation(&self, mesh: usize, k: f64, force: f64) -> f64 {
         let ratio = (self.flexible.gears.iter())
-            .filter_map(|p| match p.get("damping_ratio") {
-                Some(Value::Number(zeta)) => Some(*zeta),
-                _ => None,
-            })
+            .filter_map(|p| p.damping_ratio)
             .fold(0.0, f64::max);
         let teeth = 2.0 * ratio / (TAU * self.tooth_frequency());
         let points = self.flexible.contacts.get(mesh).and_then(|c| c.points);
@@ -182,15 +174,20 @@ fn is_elastic(m: &ModelChoice) -> bool {
     m.modelling
         .gears
         .iter()
-        .all(|g| g.id == "elastic" && g.parameters.get("residual") != Some(&Value::Flag(false)))
+        .all(|g| ElasticParameters::of(g).is_some_and(|p| p.keeps_residual()))
 }
 
 /// Generated meshes; `rigid` tells the damping and the friction.
 fn generated(scene: &SceneSpec, rigid: Option<&Modelling>) -> Flexible {
-    let parameters: Parameters = ELEMENTS
-        .iter()
-        .map(|(key, n)| ((*key).to_string(), Value::Number(*n)))
-        .collect();
+    let [flank_elements, width_elements] = ELEMENTS.map(|(_, n)| Some(n));
+    let parameters = ElasticParameters {
+        mesh: MeshParameters {
+            flank_elements,
+            width_elements,
+            ..MeshParameters::default()
+        },
+        ..ElasticParameters::default()
+    };
     let contacts = (0..scene.meshes.len())
         .map(|mesh| {
             let given = rigid.and_then(|m| m.contacts.get(mesh));

@@ -10,12 +10,13 @@
 use super::situation::Situation;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
+use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, Value, lever,
-    mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, lever, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -302,16 +303,12 @@ pub fn movable_teeth(
     let mut modelling = rigid(scene, vec![contact(table(s, k), 1.0, damping)]);
     for (i, (gear, c)) in [a, b].into_iter().zip(teeth).enumerate() {
         let spring = spring(gear, c);
-        modelling.gears[scene.meshes[0].gears[i]] = ModelSpec {
-            id: "movable-teeth".into(),
-            parameters: [
-                ("tooth_stiffness_n_per_m", spring),
-                ("tooth_mass_kg", tooth_mass(gear)),
-            ]
-            .into_iter()
-            .map(|(key, x)| (key.to_string(), Value::Number(x)))
-            .collect(),
-        };
+        modelling.gears[scene.meshes[0].gears[i]] = MovableTeethParameters {
+            tooth_stiffness_n_per_m: Some(PerTooth::All(spring)),
+            tooth_mass_kg: Some(PerTooth::All(tooth_mass(gear))),
+            ..MovableTeethParameters::default()
+        }
+        .spec();
     }
     Ok(modelling)
 }

@@ -77,7 +77,7 @@ fn dampers_of_rigid_gears_follow_the_flanks() {
     let (k, force) = (8e7, 300.0);
     let both = s.relaxation(0, k, force);
     for p in &mut s.flexible.gears {
-        p.remove("damping_ratio");
+        p.damping_ratio = None;
     }
     let flanks = s.relaxation(0, k, force);
     assert!(flanks > 0.0 && flanks < lag && both > flanks);

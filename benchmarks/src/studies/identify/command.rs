@@ -134,16 +134,7 @@ fn write(
             r.force_l2,
             intervals.join(", ")
         ));
-        let mut constants = Constants::default();
-        for p in &r.parameters {
-            match p.key {
-                "stiffness_n_per_m2" => constants.stiffness = Some(p.value),
-                "gap_m" => constants.gap = Some(p.value),
-                key => {
-                    constants.parameters.insert(key.to_string(), p.value);
-                }
-            }
-        }
+        let constants = Constants::of(r.parameters.iter().map(|p| (p.key, p.value)));
         calibration
             .sets
             .entry(NAME.into())

@@ -14,13 +14,13 @@ pub mod command;
 pub mod levenberg_marquardt;
 
 use crate::experiment::run::force_on_grid;
+use crate::scene_file::calibration::{Constants, GAP, STIFFNESS};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Modelling, SceneSpec, Value};
-use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use levenberg_marquardt::{Fit, fit};
 
 /// Tolerance of the integration inside the fit: well below what the fit can tell apart.
@@ -72,39 +72,19 @@ pub enum IdentifyError {
 /// Keys of the parameters of a model in the order of the fit.
 pub fn keys(model: &str) -> Option<&'static [&'static str]> {
     match model {
-        "rigid" => Some(&["stiffness_n_per_m2", "gap_m"]),
-        "movable-teeth" => Some(&[
-            "stiffness_n_per_m2",
-            "tooth_stiffness_n_per_m",
-            "tooth_mass_kg",
-            "gap_m",
-        ]),
+        "rigid" => Some(&[STIFFNESS, GAP]),
+        "movable-teeth" => Some(&[STIFFNESS, "tooth_stiffness_n_per_m", "tooth_mass_kg", GAP]),
         _ => None,
     }
 }
 
-/// Puts identified values into a scene and its models.
-pub fn apply(values: &[(&str, f64)], spec: &mut SceneSpec, modelling: &mut Modelling) {
-    for &(key, value) in values {
-        match key {
-            "stiffness_n_per_m2" => {
-                for c in &mut modelling.contacts {
-                    c.stiffness = PairStiffness::Constant {
-                        per_width: value,
-                        of: PairOrMesh::Pair,
-                    };
-                }
-            }
-            "gap_m" => {
-                for m in &mut spec.meshes {
-                    m.start.gap = value;
-                }
-            }
-            _ => {
-                for g in &mut modelling.gears {
-                    g.parameters.insert(key.to_string(), Value::Number(value));
-                }
-            }
+/// Puts identified values into a scene and its models, as a calibration with them would be.
+pub fn apply(values: &[(&str, f64)], model: &str, spec: &mut SceneSpec, modelling: &mut Modelling) {
+    let constants = Constants::of(values.iter().copied());
+    constants.apply(model, modelling);
+    if let Some(gap) = constants.gap {
+        for m in &mut spec.meshes {
+            m.start.gap = gap;
         }
     }
 }
@@ -130,7 +110,7 @@ pub fn identify(
     let mut residuals = |x: &[f64]| -> Option<Vec<f64>> {
         let (mut spec, mut modelling) = (spec.clone(), modelling.clone());
         let values: Vec<(&str, f64)> = keys.iter().copied().zip(x.iter().copied()).collect();
-        apply(&values, &mut spec, &mut modelling);
+        apply(&values, model, &mut spec, &mut modelling);
         let built = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string());
         let run = built.and_then(|mut scene| {
             let mut dopri5 = DOPRI5.build();
@@ -214,7 +194,7 @@ fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
             all.push(
                 keys.iter()
                     .map(|k| match *k {
-                        "stiffness_n_per_m2" => contact,
+                        STIFFNESS => contact,
                         "tooth_stiffness_n_per_m" => tooth,
                         "tooth_mass_kg" => mass * tooth_mass,
                         _ => gap,
@@ -224,4 +204,33 @@ fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{Selection, load_for};
+    use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+
+    /// What is fitted is what a calibration with the same constants is: one spring of the mesh stays one.
+    #[test]
+    fn constants_mean_the_same_in_a_fit_and_in_a_calibration() {
+        let scene = load_for("spur_impact", Selection::None).unwrap();
+        let mut modelling = scene.model("rigid").unwrap().modelling.clone();
+        modelling.contacts[0].stiffness = PairStiffness::Constant {
+            per_width: 1e10,
+            of: PairOrMesh::Mesh,
+        };
+        let (mut fitted, mut spec) = (modelling.clone(), scene.spec.clone());
+        let values = [(STIFFNESS, 2e10), (GAP, 3e-6)];
+        apply(&values, "rigid", &mut spec, &mut fitted);
+        Constants::of(values).apply("rigid", &mut modelling);
+        let expected = PairStiffness::Constant {
+            per_width: 2e10,
+            of: PairOrMesh::Mesh,
+        };
+        assert_eq!(fitted.contacts[0].stiffness, expected);
+        assert_eq!(modelling.contacts[0].stiffness, expected);
+        assert_eq!(spec.meshes[0].start.gap, 3e-6);
+    }
 }

@@ -8,18 +8,18 @@ use crate::experiment::external::external;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::spec::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
-use gearbench_models::spec::Value;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_reference::ExternalReference;
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::Metric;
 use gearbench_reports::record::ReferenceSeries;
 use std::time::Duration;
 
 /// Numbers of modes that are tried when nobody says.
 pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
-/// Model whose modes are counted.
-const ELASTIC: &str = "elastic";
 /// Model that others are held against.
-pub(super) const FULL: &str = "fe";
+pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Steps of one integration at most: a timeout that does not depend on the machine.
 const MOST_STEPS: u64 = 20_000_000;
 
@@ -290,28 +290,16 @@ fn from_command_line(
 /// Modes that the scene gives an elastic model whose cut modes stay as residual compliance.
 fn counted(choice: &ModelChoice) -> Option<usize> {
     let gears = choice.modelling.gears.iter();
-    let mut elastic = gears.filter(|g| g.id == ELASTIC).peekable();
-    elastic.peek()?;
-    let mut modes = 100;
-    for gear in elastic {
-        let p = &gear.parameters;
-        if p.get("residual") == Some(&Value::Flag(false)) {
-            return None;
-        }
-        if let Some(Value::Number(n)) = p.get("modes") {
-            modes = *n as usize;
-        }
-    }
-    Some(modes)
+    let elastic: Vec<_> = gears.filter_map(ElasticParameters::of).collect();
+    let kept = elastic.iter().all(ElasticParameters::keeps_residual);
+    let modes = (elastic.iter())
+        .filter_map(ElasticParameters::most_modes)
+        .next_back();
+    (kept && !elastic.is_empty()).then(|| modes.unwrap_or(ElasticParameters::MODES))
 }
 
 fn set_modes(entry: &mut Configuration, n: usize) {
-    for gear in entry.modelling.gears.iter_mut().filter(|g| g.id == ELASTIC) {
-        let p = &mut gear.parameters;
-        p.remove("max_frequency_hz");
-        p.remove("target_error");
-        p.insert("modes".into(), Value::Number(n as f64));
-    }
+    ElasticParameters::change(&mut entry.modelling, |p| p.with_modes(n));
 }
 
 /// The reference to whose history the constants of a model were fitted, by its id in records.

@@ -6,7 +6,10 @@ use crate::experiment::configuration::Configuration;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::NEWMARK;
-use gearbench_models::spec::{PointContact, PointRule, Value};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::spec::{PointContact, PointRule};
+use gearbench_reference::assembly::tie::MassKind;
+use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reports::record::ReferenceSeries;
 
 /// Step of a full model that is a reference over that of the scene.
@@ -15,8 +18,8 @@ const FINER: f64 = 0.2;
 const FULL_STEP: f64 = 5e-7;
 
 fn is_lumped(choice: &ModelChoice) -> bool {
-    let lumped = Value::Text("lumped".into());
-    (choice.modelling.gears.iter()).any(|g| g.parameters.get("mass") == Some(&lumped))
+    let mut gears = (choice.modelling.gears.iter()).filter_map(FullOrderParameters::of);
+    gears.any(|p| p.mass == Some(MassKind::Lumped))
 }
 
 /// References that are computed: full models among those that run or asked for by label; failing all references, the

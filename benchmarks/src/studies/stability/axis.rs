@@ -3,25 +3,18 @@
 
 use gearbench_integrators::{METHODS, MethodSpec};
 use gearbench_models::error::{BuildError, MeshPart};
+use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    ContactSpec, GearSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Value, mesh_layout,
-    stiffness_curve,
+    ContactSpec, GearSpec, Modelling, Mount, Profile, SceneSpec, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
 
 /// Points at which a computed stiffness is sampled before it is scaled.
 const SAMPLES: usize = 97;
-/// Ids of the models with what an axis changes in them.
-const MOVABLE_TEETH: &str = "movable-teeth";
-const ELASTIC: &str = "elastic";
-const FULL: &str = "fe";
-/// Their parameters.
-const TOOTH_STIFFNESS: &str = "tooth_stiffness_n_per_m";
-const DAMPING_RATIO: &str = "damping_ratio";
-const MODES: &str = "modes";
-/// Modes of the elastic model when nobody says.
-const DEFAULT_MODES: f64 = 100.0;
 
 /// A parameter of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -162,7 +155,7 @@ impl Axis {
     /// [`AxisError::Without`] says why the parameter does not go with it.
     pub fn own(self, setup: &Setup) -> Result<f64, AxisError> {
         let gears = &setup.modelling.gears;
-        let of = |id: &str| gears.iter().find(|g| g.id == id);
+        let elastic = gears.iter().find_map(ElasticParameters::of);
         match self {
             Axis::Speed => {
                 let moves = |g: &GearSpec| g.speed != 0.0 || matches!(g.mount, Mount::Driven(_));
@@ -179,21 +172,20 @@ impl Axis {
                 }
                 Ok(1.0)
             }
-            Axis::ToothStiffness => {
-                match of(MOVABLE_TEETH).map(|g| g.parameters.get(TOOTH_STIFFNESS)) {
-                    Some(Some(Value::Number(k))) => Ok(*k),
-                    Some(_) => without("its teeth have stiffnesses of their own"),
-                    None => without("its teeth are no springs"),
-                }
-            }
-            Axis::Damping if of(ELASTIC).is_some() => match of(ELASTIC) {
-                Some(g) if g.parameters.contains_key("rayleigh") => {
+            Axis::ToothStiffness => match gears.iter().find_map(MovableTeethParameters::of) {
+                None => without("its teeth are no springs"),
+                Some(p) => match p.tooth_stiffness_n_per_m.and_then(|k| k.common()) {
+                    Some(k) => Ok(k),
+                    None => without("its teeth have stiffnesses of their own"),
+                },
+            },
+            Axis::Damping if elastic.is_some() => match elastic {
+                Some(p) if p.rayleigh.is_some() => {
                     without("its modes have Rayleigh damping, which is no ratio")
                 }
-                Some(g) => Ok(number(g, DAMPING_RATIO).unwrap_or(0.0)),
-                None => without("it has no modes"),
+                p => Ok(p.and_then(|p| p.damping_ratio).unwrap_or(0.0)),
             },
-            Axis::Damping if of(FULL).is_some() => {
+            Axis::Damping if gears.iter().any(|g| g.id == FullOrderParameters::MODEL) => {
                 without("full finite elements have no damping ratio")
             }
             Axis::Damping => {
@@ -210,12 +202,14 @@ impl Axis {
                     ),
                 }
             }
-            Axis::Modes => match of(ELASTIC) {
-                Some(g) if g.parameters.contains_key("target_error") => {
-                    without("its modes follow from `target_error`")
-                }
-                Some(g) => Ok(number(g, MODES).unwrap_or(DEFAULT_MODES)),
+            Axis::Modes => match elastic {
                 None => without("it has no modes"),
+                Some(p) => match p.most_modes() {
+                    Some(n) => Ok(n as f64),
+                    None => without(
+                        "its modes follow from `target_error` or `max_frequency_hz`, or its reduction cannot be read",
+                    ),
+                },
             },
             Axis::RhoInf => of_method(setup.method, "rho_inf"),
             Axis::HhtAlpha => of_method(setup.method, "alpha"),
@@ -235,17 +229,18 @@ impl Axis {
             modelling,
             method,
         } = setup;
-        let with_modes = modelling.gears.iter().any(|g| g.id == ELASTIC);
-        let mut every = |id: &str, key: &str| {
-            for gear in modelling.gears.iter_mut().filter(|g| g.id == id) {
-                gear.parameters.insert(key.into(), Value::Number(value));
-            }
-        };
+        let with_modes = (modelling.gears.iter()).any(|g| g.id == ElasticParameters::MODEL);
         match self {
             Axis::ContactStiffness => return stiffen(value, scene, modelling),
-            Axis::ToothStiffness => every(MOVABLE_TEETH, TOOTH_STIFFNESS),
-            Axis::Modes => every(ELASTIC, MODES),
-            Axis::Damping if with_modes => every(ELASTIC, DAMPING_RATIO),
+            Axis::ToothStiffness => MovableTeethParameters::change(modelling, |p| {
+                p.tooth_stiffness_n_per_m = Some(PerTooth::All(value));
+            }),
+            Axis::Modes => {
+                ElasticParameters::change(modelling, |p| p.modes = Some(value as usize));
+            }
+            Axis::Damping if with_modes => {
+                ElasticParameters::change(modelling, |p| p.damping_ratio = Some(value));
+            }
             Axis::Damping => {
                 for contact in &mut modelling.contacts {
                     contact.damping = if value == 0.0 {
@@ -280,13 +275,6 @@ pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
         i => from * ((to / from).ln() * i as f64 / last as f64).exp(),
     };
     (0..=last).map(at).collect()
-}
-
-fn number(gear: &ModelSpec, key: &str) -> Option<f64> {
-    match gear.parameters.get(key) {
-        Some(Value::Number(x)) => Some(*x),
-        _ => None,
-    }
 }
 
 /// Multiplies all contact stiffnesses and penalties.

@@ -11,6 +11,12 @@ use crate::experiment::journal::JOURNAL;
 use crate::scene_file::{Selection, load_for};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::table::{NEWMARK, VELOCITY_VERLET};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::spec::Body;
+use gearbench_models::stiffness::Material;
+use gearbench_reference::mesh::{self, GearMeshParams};
+use gearbench_reference::reduction::store::{Meta, write};
+use gearbench_reference::reduction::{ElasticParameters, Mounting, Request, Wanted};
 use gearbench_reports::record::{Results, Status};
 use gearbench_reports::stability::Columns;
 
@@ -143,4 +149,47 @@ fn another_plan_has_another_echo() {
     let mut other = plan(&[VELOCITY_VERLET]);
     other.entries[0].scene.gears[0].speed += 1e-9;
     assert_ne!(first.echo(), other.echo());
+}
+
+/// A stored reduction keeps all its modes unless it is asked for fewer: its own value is that number, and the cell of
+/// another number runs that.
+#[test]
+fn modes_of_a_stored_reduction_are_its_own() {
+    let scene = load_for("spur_impact", Selection::None).unwrap();
+    let Body::Gear(gear) = &scene.spec.gears[0].body else {
+        panic!("the pinion is a gear");
+    };
+    let mut params = GearMeshParams {
+        width: 1,
+        rim: 1,
+        ..GearMeshParams::default()
+    };
+    (params.tooth.flank, params.tooth.fillet, params.tooth.across) = (3, 2, 4);
+    let request = Request {
+        mesh: &mesh::sector(gear, &params).unwrap(),
+        sector: true,
+        material: Material::STEEL,
+        mounting: Mounting::gear(true, 0.0),
+        wanted: Wanted::Count(7),
+    };
+    let basis = request.compute().unwrap();
+    let stored = basis.omega.len();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pinion.npz");
+    write(&path, &basis, &Meta::new(&request, "a test")).unwrap();
+    let elastic = ElasticParameters {
+        reduction: Some(path.to_string_lossy().into_owned()),
+        ..ElasticParameters::default()
+    };
+    let mut modelling = scene.model("rigid").unwrap().modelling.clone();
+    modelling.gears.fill(elastic.spec());
+    let mut setup = Setup {
+        scene: scene.spec.clone(),
+        modelling,
+        method: VELOCITY_VERLET,
+    };
+    assert_eq!(Axis::Modes.own(&setup).unwrap(), stored as f64);
+    Axis::Modes.apply(100.0, &mut setup).unwrap();
+    let asked = ElasticParameters::of(&setup.modelling.gears[0]).unwrap();
+    assert_eq!(asked.modes, Some(100));
 }

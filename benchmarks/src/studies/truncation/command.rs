@@ -11,7 +11,9 @@ use crate::scene_file::{self, ModelChoice, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{NEWMARK, TRIGONOMETRIC, VELOCITY_VERLET};
 use gearbench_integrators::{MethodSpec, Scheme};
-use gearbench_models::spec::Value;
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::numbers::percent;
 use gearbench_reports::record::Results;
 use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
@@ -19,9 +21,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 /// Model whose modes are counted.
-const ELASTIC: &str = "elastic";
+const ELASTIC: &str = ElasticParameters::MODEL;
 /// Model it is held against.
-const FULL: &str = "fe";
+const FULL: &str = FullOrderParameters::MODEL;
 /// Step of the full model over that of the scene.
 const FINER: f64 = 0.2;
 /// Steps when the scene's model has no fixed one [s].
@@ -87,12 +89,8 @@ fn sides<'s>(
 }
 
 fn is_truncated(choice: &ModelChoice) -> bool {
-    let flag = |g: &gearbench_models::spec::ModelSpec| g.parameters.get("residual").cloned();
-    choice
-        .modelling
-        .gears
-        .iter()
-        .any(|g| flag(g) == Some(Value::Flag(false)))
+    let mut gears = choice.modelling.gears.iter();
+    gears.any(|g| ElasticParameters::of(g).is_some_and(|p| !p.keeps_residual()))
 }
 
 fn side(scene: &SceneFile, choice: &ModelChoice, method: Scheme) -> Side {

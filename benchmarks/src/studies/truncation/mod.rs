@@ -14,7 +14,10 @@ use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
-use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reference::reduction::choose::Criterion;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
 use gearbench_reports::truncation::{LIMITS, ways};
@@ -35,7 +38,7 @@ pub struct Way {
     /// Variant in the record.
     pub label: &'static str,
     /// Value of the parameter `choose`.
-    pub choose: &'static str,
+    pub choose: Criterion,
     /// Value of the parameter `residual`.
     pub residual: bool,
     /// Part of the step of the scene's integrator.
@@ -46,32 +49,32 @@ pub struct Way {
 pub const WAYS: [Way; 5] = [
     Way {
         label: "by flank compliance",
-        choose: "flank-compliance",
+        choose: Criterion::FlankCompliance,
         residual: true,
         step: 1.0,
     },
     // What the step costs beside what the cut modes cost.
     Way {
         label: "by flank compliance, a quarter of the step",
-        choose: "flank-compliance",
+        choose: Criterion::FlankCompliance,
         residual: true,
         step: 0.25,
     },
     Way {
         label: "by frequency",
-        choose: "frequency",
+        choose: Criterion::Frequency,
         residual: true,
         step: 1.0,
     },
     Way {
         label: "truncated, by flank compliance",
-        choose: "flank-compliance",
+        choose: Criterion::FlankCompliance,
         residual: false,
         step: 1.0,
     },
     Way {
         label: "truncated, by frequency",
-        choose: "frequency",
+        choose: Criterion::Frequency,
         residual: false,
         step: 1.0,
     },
@@ -140,7 +143,7 @@ impl Plan<'_> {
     fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();
         for way in WAYS {
-            let published = !way.residual && way.choose == "frequency";
+            let published = !way.residual && way.choose == Criterion::Frequency;
             for &modes in &self.counts {
                 cases.push(Case {
                     way,
@@ -178,22 +181,20 @@ impl Plan<'_> {
     /// The elastic model with the modes of a case.
     fn modelling(&self, case: &Case) -> Modelling {
         let mut modelling = self.elastic.modelling.clone();
-        for gear in (modelling.gears.iter_mut()).filter(|g| g.id == self.model) {
-            let p = &mut gear.parameters;
-            p.remove("modes");
-            p.remove("max_frequency_hz");
-            p.remove("target_error");
-            match case.modes {
-                Kept::Count(n) => p.insert("modes".into(), Value::Number(n as f64)),
-                Kept::Below(hz) => p.insert("max_frequency_hz".into(), Value::Number(hz)),
+        // Modes that the step cannot carry are cut.
+        let step = match self.method(case).resolution {
+            Resolution::Step(h) => Some(h / case.way.step),
+            Resolution::Tolerance(_) => None,
+        };
+        ElasticParameters::change(&mut modelling, |p| {
+            (p.modes, p.max_frequency_hz, p.target_error) = match case.modes {
+                Kept::Count(n) => (Some(n), None, None),
+                Kept::Below(hz) => (None, Some(hz), None),
             };
-            p.insert("choose".into(), Value::Text(case.way.choose.into()));
-            p.insert("residual".into(), Value::Flag(case.way.residual));
-            // Modes that the step cannot carry are cut.
-            if let Resolution::Step(h) = self.method(case).resolution {
-                p.insert("step_s".into(), Value::Number(h / case.way.step));
-            }
-        }
+            p.choose = Some(case.way.choose);
+            p.residual = Some(case.way.residual);
+            p.step_s = step.or(p.step_s);
+        });
         modelling
     }
 }
@@ -255,7 +256,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
         let mut row = run(&job)?;
         row.model.clone_from(&plan.model);
         row.variant = Some(case.way.label.into());
-        row.choose = Some(case.way.choose.into());
+        row.choose = Some(case.way.choose.id().into());
         row.residual = Some(case.way.residual);
         // The modes that were kept, as the model says; a model without any keeps none.
         row.modes = Some(row.modes.unwrap_or(0));

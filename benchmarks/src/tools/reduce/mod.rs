@@ -8,6 +8,7 @@ use crate::scene_file;
 use crate::tools::mesh::{chosen, is_deck, named};
 use arguments::Reduce as Arguments;
 use gearbench_models::Vec3;
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::spec::{Body, GearSpec, Parameters};
@@ -17,7 +18,7 @@ use gearbench_reference::mesh::GearMesh;
 use gearbench_reference::reduction::choose::{self, Choice, Criterion};
 use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
-    Basis, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
+    Basis, ElasticParameters, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
 };
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -153,10 +154,12 @@ fn material(args: &Arguments, of: Material) -> Result<Material, Refusal> {
 fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
     let scene = scene_file::load_unbuilt(input)?;
     // The configuration whose gears are elastic: it says where meshes come from.
-    let mut elastic = scene
-        .models
-        .iter()
-        .filter(|m| m.modelling.gears.iter().any(|g| g.id == "elastic"));
+    let mut elastic = scene.models.iter().filter(|m| {
+        m.modelling
+            .gears
+            .iter()
+            .any(|g| g.id == ElasticParameters::MODEL)
+    });
     let model = match &args.model {
         None => elastic.next(),
         Some(label) => Some(elastic.find(|m| m.label == *label).ok_or_else(|| {
@@ -173,7 +176,7 @@ fn from_scene(args: &Arguments, input: &str) -> Result<Vec<Job>, Refusal> {
         let own = model.map(|m| &m.modelling.gears[i]);
         // In a mixed configuration only the elastic gears have a mesh.
         let parameters = match own {
-            Some(spec) if spec.id != "elastic" => return None,
+            Some(spec) if spec.id != ElasticParameters::MODEL => return None,
             Some(spec) => &spec.parameters,
             None => &none,
         };
@@ -216,11 +219,14 @@ fn of_scene(
         speed: 0.0,
         parameters,
     };
-    let of = of_gear("elastic", &context)
+    let given = ElasticParameters::read(parameters).map(|p| p.mesh);
+    let of = given
+        .and_then(|mesh| Ok((of_gear(ElasticParameters::MODEL, &context, &mesh)?, mesh)))
         .map_err(|e| Refusal::Input(miette::miette!("scene `{scene}`, gear `{}`: {e}", g.name)))?;
-    let mesh = match parameters.get("mesh") {
-        Some(gearbench_models::spec::Value::Text(text)) => format!("mesh {text}"),
-        _ => "generated mesh".to_owned(),
+    let (of, given) = of;
+    let mesh = match given.mesh {
+        Some(text) => format!("mesh {text}"),
+        None => "generated mesh".to_owned(),
     };
     Ok(Job {
         name: g.name.clone(),

@@ -20,6 +20,8 @@
 //! the order `theta' / omega_1` and its square: [`AUTO_LIMIT`] is where they enter by themselves. What is left out
 //! beyond that is the stiffening by the tension of the centrifugal load, of the order of a strain.
 
+use serde::{Deserialize, Serialize};
+
 /// Inertia integrals of a body with its modes, own frame, without what is added at the hub.
 ///
 /// The blocks of the mass matrix at rest are `M_tt = mass`, `M_tr` from `mass centre`, `M_rr = tensor`,
@@ -128,7 +130,8 @@ fn product(a: &[f64], x: &[f64], y: &mut [f64]) {
 }
 
 /// Which inertia terms of a turning frame an elastic gear has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum SpinTerms {
     /// All, where the speed at the start of a run (the largest of a driven hub) is more than [`AUTO_LIMIT`] of the
     /// lowest frequency.

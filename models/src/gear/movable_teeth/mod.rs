@@ -34,7 +34,7 @@ mod parameters;
 mod reaction;
 mod springs;
 
-pub use parameters::{PARAMETERS, build};
+pub use parameters::{Integrate, MovableTeethParameters, PARAMETERS, PerTooth, build};
 
 use super::capabilities::{LinearMotion, ToothCoordinates};
 use super::free_flight::FreeFlight;

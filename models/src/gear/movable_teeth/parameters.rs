@@ -5,13 +5,82 @@ use super::{Integrated, MovableTeeth};
 use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
+use crate::gear::parameters::{ModelParameters, number};
 use crate::gear::table::{GearContext, ParameterInfo};
-use crate::spec::{Body, Value};
+use crate::spec::Body;
+use serde::{Deserialize, Serialize};
 
+/// Id of the model.
 const MODEL: &str = "movable-teeth";
 
+/// One number for all teeth, or one per tooth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number, or a list with one per tooth"
+)]
+pub enum PerTooth {
+    /// All teeth have it.
+    All(f64),
+    /// Each has its own.
+    Each(Vec<f64>),
+}
+
+impl PerTooth {
+    /// The number that all teeth have.
+    #[must_use]
+    pub fn common(&self) -> Option<f64> {
+        match self {
+            PerTooth::All(x) => Some(*x),
+            PerTooth::Each(_) => None,
+        }
+    }
+
+    /// The greatest of all teeth.
+    #[must_use]
+    pub fn greatest(&self) -> Option<f64> {
+        match self {
+            PerTooth::All(x) => Some(*x),
+            PerTooth::Each(x) => x.iter().copied().reduce(f64::max),
+        }
+    }
+}
+
+/// Which teeth are integrated one by one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Integrate {
+    /// Those near a mesh.
+    #[default]
+    Active,
+    /// All.
+    All,
+}
+
+/// Parameters of the model; [`PARAMETERS`] says what they mean.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+#[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]
+pub struct MovableTeethParameters {
+    pub tooth_stiffness_n_per_m: Option<PerTooth>,
+    pub tooth_mass_kg: Option<PerTooth>,
+    pub tooth_damping_ns_per_m: Option<PerTooth>,
+    #[serde(deserialize_with = "number")]
+    pub spring_radius_m: Option<f64>,
+    pub stiffness_radius_m: Option<Vec<f64>>,
+    pub stiffness_at_radius_n_per_m: Option<Vec<f64>>,
+    pub integrate: Option<Integrate>,
+    #[serde(deserialize_with = "number")]
+    pub sleep: Option<f64>,
+}
+
+impl ModelParameters for MovableTeethParameters {
+    const MODEL: &'static str = MODEL;
+    const KEYS: &'static [ParameterInfo] = PARAMETERS;
+}
+
 /// Parameters of the model.
-pub static PARAMETERS: &[ParameterInfo] = &[
+pub const PARAMETERS: &[ParameterInfo] = &[
     ParameterInfo {
         key: "tooth_stiffness_n_per_m",
         meaning: "tangential spring k of a tooth on the radius r_d; a list gives one per tooth",
@@ -44,12 +113,12 @@ pub static PARAMETERS: &[ParameterInfo] = &[
     },
     ParameterInfo {
         key: "integrate",
-        meaning: "\"active\" (default): teeth near a mesh one by one, the rest in closed form; \"all\"",
+        meaning: "\"active\" or \"all\": teeth near a mesh one by one and the rest in closed form (default), or all one by one",
         required: false,
     },
     ParameterInfo {
         key: "sleep",
-        meaning: "teeth are put to rest in flight below this share of the energy of the next impact; default 0: never",
+        meaning: "teeth are put to rest in flight below this share, at least 0 and less than 1, of the energy of the next impact; default 0: never",
         required: false,
     },
 ];
@@ -84,47 +153,22 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         Body::Gear(g) => g.teeth() as usize,
         Body::Rack(r) => r.teeth() as usize,
     };
-    let per_tooth = |key: &str| -> Result<Option<Vec<f64>>, BuildError> {
-        match context.parameters.get(key) {
-            None => Ok(None),
-            Some(Value::Number(x)) => Ok(Some(vec![*x])),
-            Some(Value::List(x)) if x.len() == teeth => Ok(Some(x.clone())),
-            Some(Value::List(x)) => Err(BuildError::parameter(
-                MODEL,
-                key,
-                (
-                    format!("{} values for {teeth} teeth", x.len()),
-                    "give one number or one per tooth",
-                ),
-            )),
-            Some(Value::Text(x)) => Err(BuildError::parameter(
-                MODEL,
-                key,
-                format!("expected a number, found \"{x}\""),
-            )),
-            Some(Value::Flag(x)) => Err(BuildError::parameter(
-                MODEL,
-                key,
-                format!("expected a number, found {x}"),
-            )),
-        }
-    };
-    let list = |key: &str| -> Result<Option<Vec<f64>>, BuildError> {
-        match context.parameters.get(key) {
-            None => Ok(None),
-            Some(Value::List(x)) => Ok(Some(x.clone())),
-            Some(_) => Err(BuildError::parameter(
-                MODEL,
-                key,
-                "expected a list of numbers",
-            )),
-        }
+    let given = MovableTeethParameters::read(context.parameters)?;
+    let per_tooth = |key: &str, value: Option<PerTooth>| match value {
+        None => Ok(None),
+        Some(PerTooth::All(x)) => Ok(Some(vec![x])),
+        Some(PerTooth::Each(x)) if x.len() == teeth => Ok(Some(x)),
+        Some(PerTooth::Each(x)) => Err(BuildError::parameter(
+            MODEL,
+            key,
+            (
+                format!("{} values for {teeth} teeth", x.len()),
+                "give one number or one per tooth",
+            ),
+        )),
     };
 
-    let radius = match (
-        list("stiffness_radius_m")?,
-        list("stiffness_at_radius_n_per_m")?,
-    ) {
+    let radius = match (given.stiffness_radius_m, given.stiffness_at_radius_n_per_m) {
         (None, None) => None,
         (Some(r), Some(k)) => {
             if r.len() != k.len()
@@ -150,7 +194,10 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             ));
         }
     };
-    let stiffness = match (per_tooth("tooth_stiffness_n_per_m")?, &radius) {
+    let stiffness = match (
+        per_tooth("tooth_stiffness_n_per_m", given.tooth_stiffness_n_per_m)?,
+        &radius,
+    ) {
         (Some(k), _) => k,
         (None, Some(table)) => vec![table.rest()],
         (None, None) => {
@@ -161,56 +208,34 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
             ));
         }
     };
-    let mass = per_tooth("tooth_mass_kg")?.ok_or_else(|| {
+    let mass = per_tooth("tooth_mass_kg", given.tooth_mass_kg)?.ok_or_else(|| {
         BuildError::missing(
             MODEL,
             "tooth_mass_kg",
             "`gearbench identify` finds it against a reference",
         )
     })?;
-    let damping = per_tooth("tooth_damping_ns_per_m")?.unwrap_or_else(|| vec![0.0]);
+    let damping = per_tooth("tooth_damping_ns_per_m", given.tooth_damping_ns_per_m)?
+        .unwrap_or_else(|| vec![0.0]);
     positive("tooth_stiffness_n_per_m", &stiffness, false)?;
     positive("tooth_mass_kg", &mass, false)?;
     positive("tooth_damping_ns_per_m", &damping, true)?;
 
-    let r_d = match (context.parameters.get("spring_radius_m"), context.body) {
-        (Some(Value::Number(r)), Body::Gear(_)) => *r,
-        (Some(_), Body::Gear(_)) => {
-            return Err(BuildError::parameter(
-                MODEL,
-                "spring_radius_m",
-                "expected a number in metres",
-            ));
-        }
+    let r_d = match (given.spring_radius_m, context.body) {
+        (Some(r), Body::Gear(_)) => r,
         (None, Body::Gear(g)) => g.r_root(),
         (_, Body::Rack(_)) => 1.0,
     };
     positive("spring_radius_m", &[r_d], false)?;
 
-    let all_wanted = match context.parameters.get("integrate") {
-        None => false,
-        Some(Value::Text(x)) if x == "active" => false,
-        Some(Value::Text(x)) if x == "all" => true,
-        Some(_) => {
-            return Err(BuildError::parameter(
-                MODEL,
-                "integrate",
-                "expected \"active\" or \"all\"",
-            ));
-        }
-    };
-
-    let sleep = match context.parameters.get("sleep") {
-        None => 0.0,
-        Some(Value::Number(x)) if (0.0..1.0).contains(x) => *x,
-        Some(_) => {
-            return Err(BuildError::parameter(
-                MODEL,
-                "sleep",
-                "expected a number of at least 0 and less than 1, for example 1e-12",
-            ));
-        }
-    };
+    let sleep = given.sleep.unwrap_or(0.0);
+    if !(0.0..1.0).contains(&sleep) {
+        return Err(BuildError::parameter(
+            MODEL,
+            "sleep",
+            "expected a number of at least 0 and less than 1, for example 1e-12",
+        ));
+    }
 
     let uniform = stiffness.len() == 1 && mass.len() == 1 && damping.len() == 1;
     let springs = if uniform {
@@ -264,7 +289,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
         teeth,
         body,
         springs,
-        all_wanted,
+        all_wanted: given.integrate == Some(Integrate::All),
         integrated: Integrated::All,
         views: context.meshes.to_vec(),
         slots: 0,

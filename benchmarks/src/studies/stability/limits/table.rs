@@ -6,9 +6,12 @@ use super::frozen::Frozen;
 use super::linear::Linear;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::MethodSpec;
+use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
+use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec, Value};
+use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, SceneSpec};
+use gearbench_reference::reduction::ElasticParameters;
 
 /// The damping that a model without any is given: ratio of its modes, of its contact, of its teeth.
 pub const RATIO: f64 = 0.02;
@@ -80,18 +83,13 @@ impl Case {
     }
 }
 
-fn number(gear: &ModelSpec, key: &str) -> Option<f64> {
-    match gear.parameters.get(key) {
-        Some(Value::Number(x)) => Some(*x),
-        Some(Value::List(x)) => x.iter().copied().reduce(f64::max),
-        _ => None,
-    }
-}
-
 fn damps(gear: &ModelSpec) -> bool {
-    ["tooth_damping_ns_per_m", "damping_ratio", "rayleigh"]
-        .iter()
-        .any(|key| number(gear, key).is_some_and(|x| x > 0.0))
+    let teeth = MovableTeethParameters::of(gear).and_then(|p| p.tooth_damping_ns_per_m?.greatest());
+    let modes = ElasticParameters::of(gear).map(|p| {
+        let [alpha, beta] = p.rayleigh.unwrap_or_default();
+        p.damping_ratio.unwrap_or(0.0).max(alpha).max(beta)
+    });
+    teeth.or(modes).is_some_and(|x| x > 0.0)
 }
 
 fn dissipates(contact: &ContactSpec) -> bool {
@@ -102,18 +100,17 @@ fn dissipates(contact: &ContactSpec) -> bool {
 }
 
 fn damp(gear: &mut ModelSpec) -> Option<&'static str> {
-    let (key, value, what) = match gear.id.as_str() {
-        "elastic" => ("damping_ratio", RATIO, "its modes"),
-        "movable-teeth" => {
-            let k = number(gear, "tooth_stiffness_n_per_m")?;
-            let m = number(gear, "tooth_mass_kg")?;
-            let c = 2.0 * RATIO * (k * m).sqrt();
-            ("tooth_damping_ns_per_m", c, "its teeth")
-        }
-        _ => return None,
-    };
-    gear.parameters.insert(key.into(), Value::Number(value));
-    Some(what)
+    if let Some(mut p) = ElasticParameters::of(gear) {
+        p.damping_ratio = Some(RATIO);
+        *gear = p.spec();
+        return Some("its modes");
+    }
+    let mut p = MovableTeethParameters::of(gear)?;
+    let k = p.tooth_stiffness_n_per_m.as_ref()?.greatest()?;
+    let m = p.tooth_mass_kg.as_ref()?.greatest()?;
+    p.tooth_damping_ns_per_m = Some(PerTooth::All(2.0 * RATIO * (k * m).sqrt()));
+    *gear = p.spec();
+    Some("its teeth")
 }
 
 fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {

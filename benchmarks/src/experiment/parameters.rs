@@ -1,0 +1,75 @@
+//! Parameters of a run for its record.
+
+use gearbench_models::spec::{ContactSpec, Modelling, PointRule, SceneSpec};
+use gearbench_models::stiffness::PairStiffness;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Parameters of all gears by their names, and of the contacts by those of their gears.
+pub fn parameters(
+    scene: &SceneSpec,
+    modelling: &Modelling,
+) -> BTreeMap<String, BTreeMap<String, Value>> {
+    let mut all: BTreeMap<String, BTreeMap<String, Value>> = (scene.gears.iter())
+        .zip(&modelling.gears)
+        .filter(|(_, model)| !model.parameters.is_empty())
+        .map(|(gear, model)| {
+            let values = model.parameters.iter();
+            let values = values.map(|(key, x)| (key.clone(), serde_json::json!(x)));
+            (gear.name.clone(), values.collect())
+        })
+        .collect();
+    for (mesh, contact) in scene.meshes.iter().zip(&modelling.contacts) {
+        let [a, b] = mesh.gears.map(|i| &scene.gears[i].name);
+        let values = numbers(contact, mesh.start.gap);
+        let values = values.map(|(key, x)| (key.to_owned(), Value::from(x)));
+        all.insert(format!("contact {a} - {b}"), values.collect());
+    }
+    all
+}
+
+/// What a contact has as numbers, under the keys of scenes.
+fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static str, f64)> {
+    let pair = match contact.stiffness {
+        PairStiffness::Constant { per_width, .. } if contact.points.is_none() => Some(per_width),
+        _ => None,
+    };
+    let penalty = contact.points.filter(|p| !p.hard);
+    let key = match penalty.map(|p| p.rule) {
+        Some(PointRule::EachNode) => "penalty_n_per_m",
+        _ => "penalty_pa_per_m",
+    };
+    [
+        ("gap_m", Some(gap)),
+        ("exponent", Some(contact.exponent)),
+        ("stiffness_n_per_m2", pair),
+        (key, penalty.map(|p| p.penalty)),
+        ("damping_ns_per_m3", contact.points.map(|p| p.damping)),
+    ]
+    .into_iter()
+    .filter_map(|(key, x)| Some((key, x?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{Selection, load_for};
+
+    /// Tooth stiffness and mass stand in the record with all their digits.
+    #[test]
+    fn constants_of_teeth_are_numbers() {
+        let scene = load_for("spur_impact", Selection::None).unwrap();
+        let choice = scene.model("movable-teeth").unwrap();
+        let spec = scene.spec_for(choice);
+        let all = parameters(&spec, &choice.modelling);
+        let fitted = choice.calibration.as_ref().unwrap();
+        let constants = fitted.constants.as_ref().unwrap();
+        assert!(!constants.parameters.is_empty());
+        for (key, x) in &constants.parameters {
+            assert_eq!(all[&spec.gears[0].name][key].as_f64(), Some(*x), "{key}");
+        }
+        let contact = &all["contact pinion - wheel"];
+        assert_eq!(contact["stiffness_n_per_m2"].as_f64(), constants.stiffness);
+        assert_eq!(contact["gap_m"].as_f64(), constants.gap);
+    }
+}
