@@ -299,8 +299,8 @@ fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
     let mut series = TimeSeries {
         time_s: history.time.clone(),
         contact_force_n: history.force(),
-        omega1_rad_s: of_gear(0, OfGear::Speed),
-        omega2_rad_s: of_gear(1, OfGear::Speed),
+        omega1_rad_s: turning(spec, 0, of_gear(0, OfGear::Speed)),
+        omega2_rad_s: turning(spec, 1, of_gear(1, OfGear::Speed)),
         columns: Vec::new(),
     };
     let mut put = |name: String, values: Vec<f64>| series.columns.push(Column { name, values });
@@ -339,6 +339,22 @@ fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
         }
     }
     series.finite_prefix()
+}
+
+/// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
+fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
+    let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
+        return speed;
+    };
+    let mate = scene.meshes.iter().find_map(|m| match m.gears {
+        [a, b] if a == gear => Some(b),
+        [a, b] if b == gear => Some(a),
+        _ => None,
+    });
+    if let Some(Body::Gear(mate)) = mate.map(|i| &scene.gears[i].body) {
+        speed.iter_mut().for_each(|v| *v /= mate.r_reference());
+    }
+    speed
 }
 
 /// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
