@@ -12,7 +12,7 @@ use gearbench_integrators::system::{Outputs, SecondOrderSystem};
 use gearbench_integrators::{
     AcceptedStep, Control, NullSink, Resolution, Sink, State, TimePlan, Work,
 };
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfMesh, Scene};
 use gearbench_models::spec;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -72,7 +72,7 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     let scene = &mut candidate.scene;
     let mut ledger = Ledger::default();
     let mut impulse = Impulse {
-        force: scene.channel("force:0").unwrap_or(0),
+        force: scene.channel(Channel::Mesh(0, OfMesh::Force)).unwrap(),
         ..Impulse::default()
     };
     let mut sinks = Tee(vec![&mut ledger, &mut impulse]);

@@ -12,6 +12,7 @@
 mod support;
 
 use gearbench_integrators::{METHODS, Resolution, Stepping};
+use gearbench_models::scene::{Channel, OfGear};
 use support::{Problem, record, sweep, time};
 
 struct Point {
@@ -43,7 +44,7 @@ fn gearbench(problem: Problem) -> Vec<Point> {
                 method.as_mut(),
                 resolution,
                 &grid,
-                "speed:pinion",
+                Channel::Gear(0, OfGear::Speed),
             ) else {
                 continue;
             };

@@ -7,7 +7,7 @@
 mod support;
 
 use gearbench_integrators::{METHODS, Resolution, Stepping};
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfMesh, Scene};
 use support::{record, spur_impact, sweep, time};
 
 const OWN_ERROR: f64 = 0.01;
@@ -31,7 +31,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
         tight.as_mut(),
         Resolution::Tolerance(1e-11),
         &grid,
-        "force:0",
+        Channel::Mesh(0, OfMesh::Force),
     )
     .ok()?;
     let size: f64 = converged.iter().map(|f| f * f).sum();
@@ -39,7 +39,13 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     for row in METHODS {
         for resolution in sweep(row.info.stepping != Stepping::Fixed, 3e-5) {
             let mut method = row.build();
-            let Ok(force) = record(scene, method.as_mut(), resolution, &grid, "force:0") else {
+            let Ok(force) = record(
+                scene,
+                method.as_mut(),
+                resolution,
+                &grid,
+                Channel::Mesh(0, OfMesh::Force),
+            ) else {
                 continue;
             };
             let error: f64 = force

@@ -16,7 +16,7 @@ use gearbench_models::gear::table::{MODELS, Model};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
 use gearbench_models::kinematics::Row;
 use gearbench_models::law::Damping;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
     Start, Value,
@@ -322,7 +322,9 @@ impl Sink for Forces {
         }
         sys.output(step.to.at(), &mut self.out);
         for m in 0..self.meshes {
-            self.normal_min = self.normal_min.min(self.out.channels[4 * m + 3]);
+            self.normal_min = self
+                .normal_min
+                .min(self.out.channels[OfMesh::ALL.len() * m + OfMesh::LeastNormal as usize]);
         }
         let force = self.out.channels[0];
         self.peak = self.peak.max(force);
@@ -388,9 +390,13 @@ pub fn run_from(scene: &mut Scene, mut state: State, id: &str, plan: &TimePlan<'
 pub fn channel(scene: &mut Scene, s: &State, name: &str) -> f64 {
     let mut out = Outputs::default();
     scene.output(s.at(), &mut out);
-    out.channels[scene
-        .channel(name)
-        .unwrap_or_else(|| panic!("there is no channel {name}"))]
+    out.channels[named(scene, name)]
+}
+
+/// Place of a channel by its name.
+pub fn named(scene: &Scene, name: &str) -> usize {
+    let found = scene.channels().iter().position(|c| c == name);
+    found.unwrap_or_else(|| panic!("there is no channel {name}"))
 }
 
 /// A resolution a method can run at: the step [s], or a tolerance where it takes no steps.

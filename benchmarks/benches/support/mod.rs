@@ -2,13 +2,12 @@
 #![allow(dead_code)]
 
 use gearbench::scene_file;
-use gearbench_integrators::Report;
 use gearbench_integrators::observers::recorder::Recorder;
 use gearbench_integrators::{Integrator, NullSink, Resolution, StepError, TimePlan, Work};
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::{Gear, GearParams, Pair, Side};
 use gearbench_models::law::Damping;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, Scene};
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
     Start,
@@ -212,9 +211,9 @@ pub fn record(
     method: &mut dyn Integrator,
     resolution: Resolution,
     grid: &[f64],
-    channel: &str,
+    channel: Channel,
 ) -> Result<Vec<f64>, StepError> {
-    let index = scene.channels().iter().position(|c| c == channel).unwrap();
+    let index = scene.channel(channel).unwrap();
     let mut recorder = Recorder::on(grid.to_vec());
     let mut s = scene.initial();
     let plan = TimePlan::new(*grid.last().unwrap(), resolution);

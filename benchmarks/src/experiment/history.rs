@@ -5,6 +5,7 @@
 
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
+use gearbench_models::scene::{Channel, OfMesh, Scene};
 
 /// Longest distance of samples in contact, in paces of the system.
 const SAMPLES_PER_PACE: f64 = 0.2;
@@ -18,8 +19,8 @@ const MOST_STEPS: usize = 100_000;
 pub struct History {
     grid: Vec<f64>,
     next: usize,
-    /// Channel of the contact force.
-    force: usize,
+    /// Channel of the contact force of the first mesh.
+    force: Option<usize>,
     /// Channels of the least normal forces.
     least: Vec<usize>,
     also_steps: bool,
@@ -41,21 +42,15 @@ pub struct History {
 }
 
 impl History {
-    /// Records on an ascending grid [s]; `also_steps` adds the accepted steps in contact.
-    pub fn new(grid: Vec<f64>, force: usize, least: usize, also_steps: bool) -> Self {
+    /// Records the channels of a scene on an ascending grid [s]; `also_steps` adds the accepted steps in contact.
+    pub fn new(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         History {
             grid,
-            force,
-            least: vec![least],
+            force: scene.channel(Channel::Mesh(0, OfMesh::Force)),
+            least: scene.channels_of_meshes(OfMesh::LeastNormal),
             also_steps,
             ..Default::default()
         }
-    }
-
-    /// The same with the channels of the least normal forces of several meshes.
-    pub fn with_least(mut self, least: Vec<usize>) -> Self {
-        self.least = least;
-        self
     }
 
     /// One channel over time.
@@ -63,9 +58,14 @@ impl History {
         self.rows.iter().map(|r| r[channel]).collect()
     }
 
+    /// The force of the first mesh over time; 0 where there is none.
+    pub fn force(&self) -> Vec<f64> {
+        (self.force).map_or_else(|| vec![0.0; self.rows.len()], |c| self.column(c))
+    }
+
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool) {
         sys.output(self.sample.at(), &mut self.out);
-        let force = self.out.channels[self.force].abs();
+        let force = self.force.map_or(0.0, |c| self.out.channels[c].abs());
         for &c in &self.least {
             self.least_normal = self.least_normal.min(self.out.channels[c]);
         }

@@ -13,12 +13,13 @@ use gearbench_models::error::BuildError;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{Body, Modelling, SceneSpec, lever};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
-use gearbench_reports::series::TimeSeries;
+use gearbench_reports::series::{Column, TimeSeries};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
@@ -262,11 +263,7 @@ pub fn force_on_grid(
     max_steps: u64,
     grid: &[f64],
 ) -> Result<Vec<f64>, StepError> {
-    let (force, least) = (
-        scene.channel("force:0").unwrap_or(0),
-        scene.channel("normal_min:0").unwrap_or(0),
-    );
-    let mut history = History::new(grid.to_vec(), force, least, false);
+    let mut history = History::new(scene, grid.to_vec(), false);
     let mut state = scene.initial();
     let end = grid.last().copied().unwrap_or(0.0);
     let plan = TimePlan {
@@ -275,7 +272,7 @@ pub fn force_on_grid(
     };
     let sink: &mut dyn Sink = &mut history;
     method.run(scene, &mut state, &plan, sink, &mut Work::default())?;
-    Ok(history.column(force))
+    Ok(history.force())
 }
 
 /// What a reader must know of modes that resonate with a fixed step of a method that is exact for them.
@@ -299,84 +296,79 @@ fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option
 }
 
 fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
-    let column = |name: String| {
-        scene
-            .channel(&name)
-            .map_or_else(Vec::new, |c| history.column(c))
-    };
-    let names: Vec<&str> = job.scene.gears.iter().map(|g| g.name.as_str()).collect();
+    let spec = job.scene;
+    let values =
+        |channel: Channel| (scene.channel(channel)).map_or_else(Vec::new, |c| history.column(c));
+    let of_gear = |g: usize, what: OfGear| values(Channel::Gear(g, what));
     let mut series = TimeSeries {
         time_s: history.time.clone(),
-        contact_force_n: column("force:0".into()),
-        omega1_rad_s: names
-            .first()
-            .map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
-        omega2_rad_s: names
-            .get(1)
-            .map_or_else(Vec::new, |n| column(format!("speed:{n}"))),
+        contact_force_n: history.force(),
+        omega1_rad_s: turning(spec, 0, of_gear(0, OfGear::Speed)),
+        omega2_rad_s: turning(spec, 1, of_gear(1, OfGear::Speed)),
         columns: Vec::new(),
     };
-    for g in &job.scene.gears {
-        let unit = if matches!(g.body, Body::Gear(_)) {
-            "rad"
-        } else {
-            "m"
-        };
-        series.columns.push(gearbench_reports::series::Column {
-            name: format!("travel_{}_{unit}", g.name),
-            values: column(format!("travel:{}", g.name)),
-        });
+    let mut put = |name: String, values: Vec<f64>| series.columns.push(Column { name, values });
+    let column = |channel: Channel| (channel.column(spec), values(channel));
+    let (gears, meshes) = (0..spec.gears.len(), 0..spec.meshes.len());
+    let mut add = |channel: Channel| {
+        let (name, values) = column(channel);
+        put(name, values);
+    };
+    gears
+        .clone()
+        .for_each(|g| add(Channel::Gear(g, OfGear::Travel)));
+    if let Some(values) = transmission_error(spec, |g| of_gear(g, OfGear::Travel)) {
+        put(TRANSMISSION_ERROR.into(), values);
     }
-    if let Some(values) = transmission_error(job.scene, &series) {
-        let name = TRANSMISSION_ERROR.into();
-        series
-            .columns
-            .push(gearbench_reports::Column { name, values });
-    }
-    let mut further = |channel: String, name: String| {
-        if let Some(c) = scene.channel(&channel) {
-            let values = history.column(c);
-            let column = gearbench_reports::Column { name, values };
-            series.columns.push(column);
-        }
+    let mut add = |channel: Channel| {
+        let (name, values) = column(channel);
+        put(name, values);
     };
     if job.forces {
-        for d in ["x", "y"] {
-            further(format!("force_{d}:0"), format!("force_{d}_n"));
-            for g in &job.scene.gears {
-                further(
-                    format!("bearing_{d}:{}", g.name),
-                    format!("bearing_{}_{d}_n", g.name),
-                );
-            }
+        for (force, bearing) in [(OfMesh::X, OfGear::BearingX), (OfMesh::Y, OfGear::BearingY)] {
+            meshes.clone().for_each(|m| add(Channel::Mesh(m, force)));
+            gears.clone().for_each(|g| add(Channel::Gear(g, bearing)));
+        }
+    }
+    for m in meshes {
+        if m > 0 {
+            add(Channel::Mesh(m, OfMesh::Force));
+        }
+        add(Channel::Mesh(m, OfMesh::Transverse));
+    }
+    // The first two gears have columns of their own, but in [rad/s].
+    for (g, gear) in spec.gears.iter().enumerate() {
+        if g > 1 || matches!(gear.body, Body::Rack(_)) {
+            add(Channel::Gear(g, OfGear::Speed));
         }
     }
     series.finite_prefix()
 }
 
+/// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
+fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
+    let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
+        return speed;
+    };
+    let mate = scene.meshes.iter().find_map(|m| match m.gears {
+        [a, b] if a == gear => Some(b),
+        [a, b] if b == gear => Some(a),
+        _ => None,
+    });
+    if let Some(Body::Gear(mate)) = mate.map(|i| &scene.gears[i].body) {
+        speed.iter_mut().for_each(|v| *v /= mate.r_reference());
+    }
+    speed
+}
+
 /// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
 /// rigid ones would have touched [m].
-fn transmission_error(scene: &SceneSpec, series: &TimeSeries) -> Option<Vec<f64>> {
+fn transmission_error(scene: &SceneSpec, travel: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
     let mesh = scene.meshes.first()?;
-    let [a, b] = mesh.gears.map(|i| &scene.gears[i]);
-    let travel = |name: &str| {
-        let prefix = format!("travel_{name}_");
-        (series.columns.iter())
-            .find(|c| {
-                c.name
-                    .strip_prefix(&prefix)
-                    .is_some_and(|unit| unit == "rad" || unit == "m")
-            })
-            .map(|c| c.values.as_slice())
-    };
-    let [x, y] = [travel(&a.name)?, travel(&b.name)?];
-    let approach = approach(mesh.start.side, [&a.body, &b.body]);
-    Some(
-        x.iter()
-            .zip(y)
-            .map(|(x, y)| approach(*x, *y) - mesh.start.gap)
-            .collect(),
-    )
+    let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
+    let [x, y] = mesh.gears.map(travel);
+    let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;
+    Some(x.iter().zip(&y).map(error).collect())
 }
 
 /// Approach of the flanks of one side by the travels of two gears [m].
@@ -407,10 +399,14 @@ fn ledger_record(
     series: &TimeSeries,
     momenta: Option<[Vec<f64>; 2]>,
 ) -> record::Ledger {
+    // Momenta lie along the lines of action in the transverse plane, and so does their exchange.
+    let name = Channel::Mesh(0, OfMesh::Transverse).column(job.scene);
+    let transverse = series.columns.iter().find(|c| c.name == name);
+    let transverse = transverse.map_or(&[][..], |c| &c.values);
     let impulse: f64 = series
         .time_s
         .windows(2)
-        .zip(series.contact_force_n.windows(2))
+        .zip(transverse.windows(2))
         .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
         .sum();
     // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as

@@ -1,9 +1,9 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
 use super::assembly_points::flank_points;
+use super::channels;
 use super::contacts::Workspace;
 use super::nodal::Nodal;
-use super::outputs::channel_names;
 use super::{Scene, SceneGear, SceneMesh};
 use crate::Vec3;
 use crate::contact::Search;
@@ -482,7 +482,7 @@ impl Scene {
             .iter()
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.pace, f64::min);
-        let channels = channel_names(&gears, meshes.len());
+        let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
         let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
         let condenses = gears.iter().any(|g| g.model.large().is_some());

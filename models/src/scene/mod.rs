@@ -12,6 +12,7 @@
 
 mod assembly;
 mod assembly_points;
+pub mod channels;
 mod condensed;
 mod contacts;
 mod free_flight;
@@ -21,6 +22,7 @@ mod nodal_tangent;
 mod outputs;
 mod system;
 
+pub use channels::{Channel, OfGear, OfMesh};
 pub use contacts::ContactForce;
 
 use crate::contact::{LineClearance, Party, Search};
@@ -236,11 +238,6 @@ impl Scene {
                 end: 1.0,
             });
         }
-    }
-
-    /// Index of a channel by name.
-    pub fn channel(&self, name: &str) -> Option<usize> {
-        self.channels.iter().position(|c| c == name)
     }
 
     /// Typical deflection and speed along the lines of action.

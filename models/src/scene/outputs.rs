@@ -1,49 +1,27 @@
-//! What a scene reports: energies, powers, and named channels.
-//!
-//! Channels, in order: per mesh `force:I` (magnitude of the vector sum over its contacts on the second gear),
-//! `force_x:I`, `force_y:I`, `normal_min:I` (least normal force of its contacts, 0 without any); per gear `speed:NAME` (momentum over inertia, the momentum mean),
-//! `hub_speed:NAME`, `travel:NAME`, `contact_torque:NAME` (torque of its contact forces about its axis, or
-//! force along its slide), `bearing_x:NAME`, `bearing_y:NAME` (what its mount exerts on it) and `mount_torque:NAME`
-//! (torque about the axis, or force along the slide, of a mount that is held or driven).
+//! What a scene reports: energies, powers, and the channels of [`Channel`](super::Channel).
 
+use super::Scene;
+use super::channels::{OfGear, OfMesh};
 use super::contacts::sliding_direction;
-use super::{Scene, SceneGear};
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
 
 /// Channels of a mesh.
-const PER_MESH: usize = 4;
-
-/// Places in [`OF_GEAR`].
-const TRAVEL: usize = 2;
-const CONTACT_TORQUE: usize = 3;
-
+const PER_MESH: usize = OfMesh::ALL.len();
 /// Channels of a gear.
-const OF_GEAR: [&str; 7] = [
-    "speed",
-    "hub_speed",
-    "travel",
-    "contact_torque",
-    "bearing_x",
-    "bearing_y",
-    "mount_torque",
-];
+const PER_GEAR: usize = OfGear::ALL.len();
+/// Places among the channels of a gear.
+const TRAVEL: usize = OfGear::Travel as usize;
+const CONTACT_TORQUE: usize = OfGear::ContactTorque as usize;
 
-/// Names of the channels of a scene.
-pub(super) fn channel_names(gears: &[SceneGear], meshes: usize) -> Vec<String> {
-    let mut names = Vec::new();
-    for m in 0..meshes {
-        for what in ["force", "force_x", "force_y", "normal_min"] {
-            names.push(format!("{what}:{m}"));
-        }
-    }
-    for g in gears {
-        for what in OF_GEAR {
-            names.push(format!("{what}:{}", g.name));
-        }
-    }
-    names
+/// Adds the force of a contact on the second gear.
+fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
+    of_mesh[OfMesh::X as usize] += force.x;
+    of_mesh[OfMesh::Y as usize] += force.y;
+    of_mesh[OfMesh::Z as usize] += force.z;
+    let least = &mut of_mesh[OfMesh::LeastNormal as usize];
+    *least = least.min(normal);
 }
 
 impl Scene {
@@ -68,7 +46,7 @@ impl Scene {
             if g.model.hub().coordinates() > 0 {
                 power.external += g.load(at.t, hub.speed) * hub.speed;
             }
-            let c = &mut out.channels[per_gear + OF_GEAR.len() * i..][..OF_GEAR.len()];
+            let c = &mut out.channels[per_gear + PER_GEAR * i..][..PER_GEAR];
             c[0] = hub.momentum / g.model.hub().inertia;
             c[1] = hub.speed;
             c[2] = hub.travel;
@@ -89,15 +67,13 @@ impl Scene {
                 force += a.friction.f * sliding_direction(&c.normal);
             }
             let of_mesh = &mut out.channels[PER_MESH * a.mesh..][..PER_MESH];
-            of_mesh[1] += force.x;
-            of_mesh[2] += force.y;
-            of_mesh[3] = of_mesh[3].min(a.force.n);
+            add_contact(of_mesh, force, a.force.n);
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 let i = mesh.gears[k];
                 let hub = self.gears[i].model.hub();
                 let lever = hub.lever(&c.points[k].x, &(sign * c.normal));
                 let along = hub.lever(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
-                out.channels[per_gear + OF_GEAR.len() * i + CONTACT_TORQUE] +=
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
                     a.force.n * c.scale[k] * lever + a.friction.f * along;
             }
         }
@@ -106,7 +82,10 @@ impl Scene {
         }
         for m in 0..self.meshes.len() {
             let of_mesh = &mut out.channels[PER_MESH * m..][..PER_MESH];
-            of_mesh[0] = of_mesh[1].hypot(of_mesh[2]);
+            let [x, y, z] = [OfMesh::X, OfMesh::Y, OfMesh::Z].map(|c| of_mesh[c as usize]);
+            let transverse = x.hypot(y);
+            of_mesh[OfMesh::Transverse as usize] = transverse;
+            of_mesh[OfMesh::Force as usize] = transverse.hypot(z);
         }
         self.fill_reactions(at, &mut out.channels);
         out.energy = energy;
@@ -142,9 +121,7 @@ impl Scene {
             let on_slave = a.force.n * a.direction;
             let on_second = if p.slave == 0 { -on_slave } else { on_slave };
             let of_mesh = &mut out.channels[PER_MESH * p.mesh as usize..][..PER_MESH];
-            of_mesh[1] += on_second.x;
-            of_mesh[2] += on_second.y;
-            of_mesh[3] = of_mesh[3].min(a.force.n);
+            add_contact(of_mesh, on_second, a.force.n);
             for (k, &i) in mesh.gears.iter().enumerate() {
                 let force = if k == p.sides()[0] {
                     on_slave
@@ -152,7 +129,7 @@ impl Scene {
                     -on_slave
                 };
                 let lever = self.gears[i].model.hub().lever(&p.x, &force);
-                out.channels[per_gear + OF_GEAR.len() * i + CONTACT_TORQUE] += lever;
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += lever;
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {
@@ -165,7 +142,7 @@ impl Scene {
                 field.hub_compliance(&[node], &mut r);
                 pressed += r[0] * force;
             }
-            out.channels[per_gear + OF_GEAR.len() * i + TRAVEL] +=
+            out.channels[per_gear + PER_GEAR * i + TRAVEL] +=
                 field.hub_residual_compliance() * nodes.load - pressed;
             if g.model.hub().coordinates() > 0 {
                 power.external += pressed * g.applied_rate(at.t);
@@ -187,7 +164,7 @@ impl Scene {
         }
         self.add_contact_forces(&mut forces);
         let (of_meshes, of_gears) = channels.split_at_mut(PER_MESH * self.meshes.len());
-        let of_gears = of_gears.chunks_exact_mut(OF_GEAR.len());
+        let of_gears = of_gears.chunks_exact_mut(PER_GEAR);
         for (i, (g, c)) in self.gears.iter().zip(of_gears).enumerate() {
             let mut contact = Wrench {
                 torque: c[CONTACT_TORQUE],
@@ -196,7 +173,8 @@ impl Scene {
             for (mesh, f) in self.meshes.iter().zip(of_meshes.chunks_exact(PER_MESH)) {
                 for (k, sign) in [(0, -1.0), (1, 1.0)] {
                     if mesh.gears[k] == i {
-                        contact.force += sign * Vec3::new(f[1], f[2], 0.0);
+                        contact.force +=
+                            sign * Vec3::new(f[OfMesh::X as usize], f[OfMesh::Y as usize], 0.0);
                     }
                 }
             }

@@ -100,7 +100,7 @@ fn a_coast_is_the_motion_and_nothing_touches_on_it() {
                 continue;
             }
             flights += 1;
-            let force = scene.channel("force:0").unwrap();
+            let force = gearbench_tests::named(&scene, "force:0");
             let (mut here, mut out) = (s.clone(), Outputs::default());
             for k in 0..=200 {
                 here.t = until * f64::from(k) / 200.0;

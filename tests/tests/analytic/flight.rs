@@ -166,7 +166,7 @@ pub struct Impacts {
 impl Impacts {
     pub fn of(scene: &Scene) -> Self {
         Impacts {
-            force: scene.channel("force:0").unwrap(),
+            force: gearbench_tests::named(scene, "force:0"),
             out: Outputs::default(),
             closed: false,
             number: 0,

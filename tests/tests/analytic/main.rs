@@ -12,6 +12,7 @@ mod kinematics;
 mod mounts;
 mod movable_teeth;
 mod nodal;
+mod records;
 mod refusals;
 mod rows;
 mod sleep;

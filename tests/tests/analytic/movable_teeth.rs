@@ -5,6 +5,7 @@ use gearbench_integrators::{
 };
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
+use gearbench_models::scene::OfMesh;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value,
@@ -65,7 +66,12 @@ impl Sink for Watch {
         sys.output(after.at(), &mut self.out);
         self.jump = self.jump.max((self.out.energy.total() / e - 1.0).abs());
         let names = sys.channels().iter();
-        for ((a, b), name) in momenta.iter().zip(&self.out.channels).zip(names).skip(4) {
+        for ((a, b), name) in momenta
+            .iter()
+            .zip(&self.out.channels)
+            .zip(names)
+            .skip(OfMesh::ALL.len())
+        {
             // Speeds, travels and torques of the gears. Mounts answer to tooth deflections, differences of angles
             // that grow with every turn: their rounding is larger.
             let answer = name.starts_with("bearing") || name.starts_with("mount");

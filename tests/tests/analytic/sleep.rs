@@ -16,7 +16,7 @@ const FACE: f64 = 0.01;
 
 /// Speed of approach along the line of action, of the momentum means.
 fn approach(scene: &Scene, out: &Outputs) -> f64 {
-    let speed = |name: &str| out.channels[scene.channel(name).unwrap()];
+    let speed = |name: &str| out.channels[gearbench_tests::named(scene, name)];
     let base = 20f64.to_radians().cos();
     base * (0.04 * speed("speed:pinion") + 0.06 * speed("speed:wheel"))
 }
@@ -65,7 +65,7 @@ fn hammered(models: &[ModelSpec; 2], contact: &ContactSpec, id: &str) -> (Vec<Bl
     let (mut scene, names) = (build(&spec, models, contact), build(&spec, models, contact));
     let mut blows = Blows {
         scene: &names,
-        force: names.channel("force:0").unwrap(),
+        force: gearbench_tests::named(&names, "force:0"),
         out: Outputs::default(),
         now: Blow::default(),
         all: Vec::new(),

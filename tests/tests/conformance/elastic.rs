@@ -80,7 +80,7 @@ impl Impulse {
     fn new(scene: &Scene) -> Self {
         Impulse {
             channels: ["pinion", "wheel"]
-                .map(|g| scene.channel(&format!("contact_torque:{g}")).unwrap()),
+                .map(|g| gearbench_tests::named(scene, &format!("contact_torque:{g}"))),
             last: None,
             sum: [0.0; 2],
             out: Outputs::default(),

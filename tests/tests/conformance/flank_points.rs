@@ -57,7 +57,7 @@ impl Impulse {
             "contact_torque:wheel",
         ];
         Impulse {
-            channels: names.map(|c| scene.channel(c).unwrap()),
+            channels: names.map(|c| gearbench_tests::named(scene, c)),
             inertia: [0, 1].map(|k| scene.gears()[k].model.hub().inertia),
             ..Impulse::default()
         }

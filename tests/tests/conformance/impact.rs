@@ -51,7 +51,7 @@ impl Invariant {
         Invariant {
             per_speed: [0, 1]
                 .map(|i| scene.gears()[i].model.hub().inertia / lever(&spec.gears[i].body)),
-            channels: ["speed:pinion", "speed:wheel"].map(|c| scene.channel(c).unwrap()),
+            channels: ["speed:pinion", "speed:wheel"].map(|c| gearbench_tests::named(scene, c)),
             start: None,
             drift: 0.0,
             impulse: 0.0,

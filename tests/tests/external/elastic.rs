@@ -146,7 +146,7 @@ impl Sink for Impulse {
 fn balance(scene: &mut Scene, h: f64, t_end: f64) -> (f64, [f64; 2]) {
     let mut state = scene.initial();
     let channels =
-        ["pinion", "wheel"].map(|g| scene.channel(&format!("contact_torque:{g}")).unwrap());
+        ["pinion", "wheel"].map(|g| gearbench_tests::named(scene, &format!("contact_torque:{g}")));
     let momenta = |scene: &Scene, s: &State| {
         [0, 1].map(|k: usize| {
             let g = &scene.gears()[k];

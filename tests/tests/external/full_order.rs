@@ -235,7 +235,7 @@ fn explicit_steps_keep_momentum_and_make_up_little_energy() {
         let mut state = built.initial();
         let torque = ["pinion", "wheel"]
             .iter()
-            .map(|g| built.channel(&format!("contact_torque:{g}")).unwrap())
+            .map(|g| gearbench_tests::named(&built, &format!("contact_torque:{g}")))
             .collect();
         let momenta = |scene: &Scene, s: &gearbench_integrators::State| -> Vec<f64> {
             let gears = scene.gears().iter();

@@ -129,9 +129,8 @@ impl Report for WrongScene {
         out.energy.contact += energy;
         if n < 0.0 {
             for (name, value) in [("force:0", -n), ("normal_min:0", n)] {
-                if let Some(c) = self.scene.channel(name) {
-                    out.channels[c] = value;
-                }
+                let c = gearbench_tests::named(&self.scene, name);
+                out.channels[c] = value;
             }
         }
     }

@@ -6,7 +6,7 @@ use gearbench::scene_file::SceneFile;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::table::DOPRI5;
 use gearbench_integrators::{AcceptedStep, Control, MethodSpec, Resolution, Sink, TimePlan, Work};
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfMesh, Scene};
 
 /// Label of the model.
 const RIGID: &str = "rigid";
@@ -64,8 +64,11 @@ pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 
     let mut integrator = method.build();
     let mut system = Scene::build(&scene.spec, &choice.modelling, models())?;
     let mut state = system.initial();
+    let Some(channel) = system.channel(Channel::Mesh(0, OfMesh::Force)) else {
+        return Ok((f64::NAN, Vec::new()));
+    };
     let mut seen = Contacts {
-        channel: system.channel("force:0").unwrap_or(0),
+        channel,
         apart: APART * contact_time,
         peak: 0.0,
         spells: Vec::new(),

@@ -22,7 +22,7 @@ mod tunnelling;
 use super::history::History;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State, StepError};
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::record::{Run, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
@@ -107,19 +107,11 @@ impl Witness {
     /// Watches a scene on an ascending grid of times [s]; `also_steps` records the accepted steps in contact as well.
     #[must_use]
     pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
-        let meshes = |name: &str| -> Vec<usize> {
-            (0..spec.meshes.len())
-                .filter_map(|m| scene.channel(&format!("{name}:{m}")))
-                .collect()
-        };
-        let (forces, least) = (meshes("force"), meshes("normal_min"));
-        let first = |x: &[usize]| x.first().copied().unwrap_or(0);
         Witness {
-            history: History::new(grid, first(&forces), first(&least), also_steps)
-                .with_least(least),
+            history: History::new(scene, grid, also_steps),
             ledger: Ledger::default(),
             passage: Passage::new(spec, scene),
-            forces,
+            forces: scene.channels_of_meshes(OfMesh::Force),
             growth: None,
             stopped: None,
         }

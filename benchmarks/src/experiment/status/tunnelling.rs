@@ -13,7 +13,7 @@ use super::super::run::approach;
 use super::Finding;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
 use gearbench_models::kinematics::Hub;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{Body, SceneSpec, mesh_layout};
 use gearbench_reports::record::Status;
 use std::ops::Range;
@@ -83,7 +83,7 @@ impl Passage {
                 return None;
             };
             let along = approach(mesh.start.side, [&a.body, &b.body]);
-            let travel = |i: usize| scene.channel(&format!("travel:{}", spec.gears[i].name));
+            let travel = |i: usize| scene.channel(Channel::Gear(i, OfGear::Travel));
             Some((
                 m,
                 Pair {
@@ -96,7 +96,7 @@ impl Passage {
                     backlash: layout.backlash,
                     module: gear.params().module,
                     travel: [travel(mesh.gears[0])?, travel(mesh.gears[1])?],
-                    force: scene.channel(&format!("force:{m}"))?,
+                    force: scene.channel(Channel::Mesh(m, OfMesh::Force))?,
                     free: None,
                 },
             ))

@@ -93,7 +93,7 @@ fn impacts_keep_the_energy_and_flight_is_free() {
         for seed in 0..6 {
             let (mut scene, mut s) = vibrating(0.0, seed, 0.0);
             let mut impacts = Impacts {
-                channel: scene.channel("force:0").unwrap(),
+                channel: gearbench_tests::named(&scene, "force:0"),
                 out: Outputs::default(),
                 closed: false,
                 number: 0,

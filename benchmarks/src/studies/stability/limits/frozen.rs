@@ -9,7 +9,7 @@ use gearbench_integrators::{
     Work,
 };
 use gearbench_models::gear::table::Model;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{Body, Modelling, SceneSpec};
 use nalgebra::DMatrix;
 
@@ -235,10 +235,8 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
         (DOPRI5, Resolution::Tolerance(TOLERANCE))
     };
     let mut watch = Watch {
-        force: (0..scene.meshes().len())
-            .filter_map(|m| scene.channel(&format!("force:{m}")))
-            .collect(),
-        travel: scene.channel(&format!("travel:{}", first.name))?,
+        force: scene.channels_of_meshes(OfMesh::Force),
+        travel: scene.channel(Channel::Gear(0, OfGear::Travel))?,
         pitch,
         start: None,
         touched: false,

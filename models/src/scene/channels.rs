@@ -1,0 +1,169 @@
+//! The named quantities that a scene reports, of every mesh and every gear: what they are, where they stand in
+//! [`Outputs::channels`](gearbench_integrators::Outputs), and in which unit.
+
+use super::Scene;
+use crate::spec::{Body, SceneSpec};
+
+/// A quantity of a mesh [N].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfMesh {
+    /// Magnitude of the vector sum over its contacts on the second gear.
+    Force,
+    /// Its part in the transverse plane.
+    Transverse,
+    /// Its component along x.
+    X,
+    /// Its component along y.
+    Y,
+    /// Its component along the axes.
+    Z,
+    /// The least normal force of its contacts, 0 without any.
+    LeastNormal,
+}
+
+/// A quantity of a gear; [rad] and [N m] are [m] and [N] of one that slides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfGear {
+    /// Momentum over inertia, the momentum mean [rad/s].
+    Speed,
+    /// Speed of the hub [rad/s].
+    HubSpeed,
+    /// How far the hub has turned [rad].
+    Travel,
+    /// Torque of its contact forces about its axis, or force along its slide [N m].
+    ContactTorque,
+    /// What its mount exerts on it along x [N].
+    BearingX,
+    /// And along y [N].
+    BearingY,
+    /// Torque about the axis of a mount that is held or driven [N m].
+    MountTorque,
+}
+
+/// A channel: a quantity of a mesh or of a gear, by its place in the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Of a mesh.
+    Mesh(usize, OfMesh),
+    /// Of a gear.
+    Gear(usize, OfGear),
+}
+
+impl OfMesh {
+    /// All, in the order of the channels of a mesh.
+    pub const ALL: [OfMesh; 6] = [
+        OfMesh::Force,
+        OfMesh::Transverse,
+        OfMesh::X,
+        OfMesh::Y,
+        OfMesh::Z,
+        OfMesh::LeastNormal,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            OfMesh::Force => "force",
+            OfMesh::Transverse => "force_transverse",
+            OfMesh::X => "force_x",
+            OfMesh::Y => "force_y",
+            OfMesh::Z => "force_z",
+            OfMesh::LeastNormal => "normal_min",
+        }
+    }
+}
+
+impl OfGear {
+    /// All, in the order of the channels of a gear.
+    pub const ALL: [OfGear; 7] = [
+        OfGear::Speed,
+        OfGear::HubSpeed,
+        OfGear::Travel,
+        OfGear::ContactTorque,
+        OfGear::BearingX,
+        OfGear::BearingY,
+        OfGear::MountTorque,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            OfGear::Speed => "speed",
+            OfGear::HubSpeed => "hub_speed",
+            OfGear::Travel => "travel",
+            OfGear::ContactTorque => "contact_torque",
+            OfGear::BearingX => "bearing_x",
+            OfGear::BearingY => "bearing_y",
+            OfGear::MountTorque => "mount_torque",
+        }
+    }
+
+    /// Unit of a gear that turns or slides, as names of columns end.
+    pub fn unit(self, slides: bool) -> &'static str {
+        match (self, slides) {
+            (OfGear::Speed | OfGear::HubSpeed, false) => "rad_s",
+            (OfGear::Speed | OfGear::HubSpeed, true) => "m_s",
+            (OfGear::Travel, false) => "rad",
+            (OfGear::Travel, true) => "m",
+            (OfGear::ContactTorque | OfGear::MountTorque, false) => "nm",
+            _ => "n",
+        }
+    }
+}
+
+impl Channel {
+    /// The name of its column in a record, with its unit: quantities of the first mesh stand alone, those of others
+    /// name their gears.
+    pub fn column(self, scene: &SceneSpec) -> String {
+        match self {
+            Channel::Mesh(m, what) => {
+                let quantity = match what {
+                    OfMesh::Force => "contact_force",
+                    OfMesh::Transverse => "contact_force_transverse",
+                    other => other.name(),
+                };
+                let of = match scene.meshes.get(m) {
+                    Some(mesh) if m > 0 => {
+                        let [a, b] = mesh.gears.map(|i| scene.gears[i].name.as_str());
+                        format!("_{a}_{b}")
+                    }
+                    _ => String::new(),
+                };
+                format!("{quantity}{of}_n")
+            }
+            Channel::Gear(g, what) => {
+                let gear = &scene.gears[g];
+                let unit = what.unit(matches!(gear.body, Body::Rack(_)));
+                let name = &gear.name;
+                match what {
+                    OfGear::BearingX => format!("bearing_{name}_x_{unit}"),
+                    OfGear::BearingY => format!("bearing_{name}_y_{unit}"),
+                    _ => format!("{}_{name}_{unit}", what.name()),
+                }
+            }
+        }
+    }
+}
+
+/// Names of all channels of a scene, in order: of its meshes by number, then of its gears by name.
+pub(super) fn names<'a>(meshes: usize, gears: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let of_meshes = (0..meshes).flat_map(|m| OfMesh::ALL.map(|c| format!("{}:{m}", c.name())));
+    let of_gears = gears.flat_map(|g| OfGear::ALL.map(|c| format!("{}:{g}", c.name())));
+    of_meshes.chain(of_gears).collect()
+}
+
+impl Scene {
+    /// Where a channel stands; `None` where the scene has no such mesh or gear.
+    pub fn channel(&self, channel: Channel) -> Option<usize> {
+        let meshes = self.meshes.len();
+        match channel {
+            Channel::Mesh(m, what) => (m < meshes).then_some(OfMesh::ALL.len() * m + what as usize),
+            Channel::Gear(g, what) => (g < self.gears.len())
+                .then_some(OfMesh::ALL.len() * meshes + OfGear::ALL.len() * g + what as usize),
+        }
+    }
+
+    /// Where a quantity of every mesh stands.
+    pub fn channels_of_meshes(&self, what: OfMesh) -> Vec<usize> {
+        let all = (0..self.meshes.len()).map(|m| Channel::Mesh(m, what));
+        all.filter_map(|c| self.channel(c)).collect()
+    }
+}
