@@ -145,26 +145,30 @@ fn add_difference<G: GearModel + ?Sized>(
     [dq, dv]: [&[f64]; 2],
     df: &mut [f64],
 ) {
-    let (mut q, mut v) = (at.q.to_vec(), at.v.to_vec());
     let norm = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let unit = norm(dq).max(norm(dv));
-    if unit == 0.0 {
-        return;
-    }
-    let h = STEP * norm(at.q).max(norm(at.v)).max(1.0) / unit;
+    let none = vec![0.0; df.len()];
+    let (mut q, mut v) = (at.q.to_vec(), at.v.to_vec());
     let mut f = vec![0.0; df.len()];
-    for (sign, weight) in [(h, 0.5 / h), (-h, -0.5 / h)] {
-        let moved = |x: &mut [f64], from: &[f64], by: &[f64]| {
-            for ((x, from), by) in x.iter_mut().zip(from).zip(by) {
-                *x = from + sign * by;
+    // Coordinates and velocities apart: they differ in size.
+    for (dq, dv, size) in [(dq, &none[..], norm(at.q)), (&none[..], dv, norm(at.v))] {
+        let unit = norm(dq).max(norm(dv));
+        if unit == 0.0 {
+            continue;
+        }
+        let h = STEP * size.max(1.0) / unit;
+        for (sign, weight) in [(h, 0.5 / h), (-h, -0.5 / h)] {
+            let moved = |x: &mut [f64], from: &[f64], by: &[f64]| {
+                for ((x, from), by) in x.iter_mut().zip(from).zip(by) {
+                    *x = from + sign * by;
+                }
+            };
+            moved(&mut q, at.q, dq);
+            moved(&mut v, at.v, dv);
+            f.fill(0.0);
+            gear.forces(At { q: &q, v: &v, ..at }, &mut f);
+            for (df, f) in df.iter_mut().zip(&f) {
+                *df += weight * f;
             }
-        };
-        moved(&mut q, at.q, dq);
-        moved(&mut v, at.v, dv);
-        f.fill(0.0);
-        gear.forces(At { q: &q, v: &v, ..at }, &mut f);
-        for (df, f) in df.iter_mut().zip(&f) {
-            *df += weight * f;
         }
     }
 }
