@@ -16,7 +16,7 @@ use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
 use gearbench_models::spec::{Modelling, SceneSpec, Value};
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
 
 /// Numbers of modes that are tried when nobody says.
@@ -244,7 +244,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
     let mut results = Results {
         references,
         runs: vec![reference],
-        ..plan.conditions.record(Study::Truncation)
+        ..plan.conditions.record(Part::Truncation)
     };
     let one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
         let what = format!("{}, {}", case.modes, case.way.label);
