@@ -19,11 +19,13 @@ pub use csv_table::CsvTable;
 pub use drawing::Chart;
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
-    ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, ReferenceSeries, Results,
-    Run, SCHEMA, Status, Study, Tolerance, finite,
+    ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, Part, ReferenceSeries,
+    Results, Run, SCHEMA, Status, Study, StudyHeader, Tolerance, finite,
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{ReportError, load_results, report_from, write_results};
-pub use studies::choose::{ChoiceRecord, RungRecord, TriedRecord};
+pub use studies::choose::{ChoiceRecord, ChooseRecord, RungRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
-pub use studies::{StudyReport, choice_check, precision, stability, truncation};
+pub use studies::{
+    StudyReport, choice_check, compare as comparison, precision, stability, sweep, truncation,
+};

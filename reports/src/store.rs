@@ -9,7 +9,7 @@ use crate::drawing::canvas::DrawError;
 use crate::markup::page;
 use crate::record::{Results, Run, SCHEMA, slug};
 use crate::series::TimeSeries;
-use crate::studies::report;
+use crate::studies::{Study, report};
 use serde::Serialize;
 use std::fs;
 use std::io;
@@ -107,6 +107,8 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
     #[derive(serde::Deserialize)]
     struct Version {
         schema: u32,
+        #[serde(default)]
+        study: Option<String>,
     }
     let refuse = |reason: String| ReportError::Record {
         path: path.to_owned(),
@@ -119,6 +121,9 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
             "the record has schema {}, this version reads schema {SCHEMA}",
             version.schema
         )));
+    }
+    if let Some(study) = &version.study {
+        study.parse::<Study>().map_err(refuse)?;
     }
     let results: Results = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
     results.validate().map_err(refuse)?;

@@ -56,7 +56,9 @@ impl<'a> View<'a> {
         let metric = match &results.tolerance {
             Some(t) => t.metric,
             // Reduced and full models share mesh and start: nothing is to be shifted.
-            None if [Study::Truncation, Study::Penalty].contains(&results.study) => Metric::ForceL2,
+            None if [Study::Truncation, Study::Penalty].contains(&results.study()) => {
+                Metric::ForceL2
+            }
             None => Metric::ForceL2Aligned,
         };
         Self {

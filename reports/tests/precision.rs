@@ -1,10 +1,10 @@
 //! The report of accuracy against cost, on made-up runs whose front is known.
 
-use gearbench_reports::precision::{Cost, Precision};
+use gearbench_reports::precision::{Cost, Precision, PrecisionRecord};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
-    Metric, Metrics, ReferenceSeries, Results, Run, Status, Study, TimeSeries, load_results,
-    write_results,
+    Metric, Metrics, Part, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries,
+    load_results, write_results,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -63,6 +63,12 @@ fn run(model: &str, integrator: &str, step: f64, wall_ms: f64, error: f64, own: 
         dofs: 2,
         metrics: vec![metrics("fe", error), metrics("self", own)],
         ..Run::default()
+    }
+}
+
+fn part() -> PrecisionRecord {
+    PrecisionRecord {
+        metrics: vec![Metric::ForceL2Aligned, Metric::PeakForceRel],
     }
 }
 
@@ -126,11 +132,13 @@ fn results() -> Results {
         runs.push(r);
     }
     Results {
-        scene: "made_up".into(),
-        title: "A made-up impact".into(),
-        study: Study::Precision,
-        command: "gearbench precision made_up".into(),
-        metrics: vec![Metric::ForceL2Aligned, Metric::PeakForceRel],
+        header: StudyHeader {
+            scene: "made_up".into(),
+            title: "A made-up impact".into(),
+            command: "gearbench precision made_up".into(),
+            ..StudyHeader::default()
+        },
+        part: Part::Precision(part()),
         references: vec![ReferenceSeries {
             id: "fe".into(),
             title: "full finite elements".into(),
@@ -277,7 +285,7 @@ fn numbers_that_are_none_reach_no_file() {
 fn bare_records_make_a_page() {
     let dir = Folder::new("bare");
     let bare = Results {
-        study: Study::Precision,
+        part: Part::Precision(part()),
         ..Results::default()
     };
     write_results(&dir.0, &bare).unwrap();

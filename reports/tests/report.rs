@@ -218,11 +218,11 @@ fn the_page_is_alone_and_nothing_in_it_runs() {
     let dir = Folder::new("alone");
     let mut results = support::impact_results();
     let hostile = "<script src=\"http://x\">&'\u{7}";
-    results.title = hostile.into();
-    results.command = hostile.into();
+    results.header.title = hostile.into();
+    results.header.command = hostile.into();
     results.settings.push((hostile.into(), hostile.into()));
     results.references[0].title = hostile.into();
-    results.machine.cpu = hostile.into();
+    results.header.machine.cpu = hostile.into();
     for run in &mut results.runs {
         run.variant = Some(hostile.into());
         run.message = Some(hostile.into());

@@ -18,8 +18,8 @@ use clap::Parser;
 use gearbench::cli::terminal::{self, FELL_SHORT, Refusal, progress_bar, say, write};
 use gearbench::experiment::machine;
 use gearbench_reference::reduction::cache::{self, Cache};
-use gearbench_reports::choice_check::{JudgedChoice, Outcome, share};
-use gearbench_reports::record::{Results, Study};
+use gearbench_reports::choice_check::{CheckRecord, JudgedChoice, Outcome, share};
+use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -96,14 +96,14 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
     for row in &mut choices {
         row.tried.clear();
     }
+    let redraws: u32 = choices.iter().map(|c| c.redraws).sum();
     let results = Results {
-        scene: name.into(),
-        title: format!("Model choice on random scenes: {name}"),
-        study: Study::ChoiceCheck,
-        command: command.into(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
+        header: machine::header(
+            name,
+            &format!("Model choice on random scenes: {name}"),
+            command,
+        ),
+        part: Part::ChoiceCheck(CheckRecord { choices }),
         settings: vec![
             ("seed".into(), set.seed.to_string()),
             ("scenes".into(), format!("{} to {}", scenes[0], scenes[1])),
@@ -112,12 +112,8 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
                 format!("the first {} scenes of one impact", set.full_order),
             ),
             ("judged at the same time".into(), args.threads.to_string()),
-            (
-                "drawn again, because not sound".into(),
-                choices.iter().map(|c| c.redraws).sum::<u32>().to_string(),
-            ),
+            ("drawn again, because not sound".into(), redraws.to_string()),
         ],
-        choices,
         ..Results::default()
     };
     write(&results, (&Some(out.clone()), name), summarise)?;
@@ -129,7 +125,7 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
 }
 
 fn verdict(results: &Results) -> ExitCode {
-    let all: Vec<&JudgedChoice> = results.choices.iter().collect();
+    let all: Vec<&JudgedChoice> = results.choices().iter().collect();
     let s = share("all", &all);
     let met = s.met as f64 >= ASKED.0 * s.scenes as f64;
     let cheap = s.cost_ratio[1].is_none_or(|r| r <= ASKED.1);
@@ -141,8 +137,8 @@ fn verdict(results: &Results) -> ExitCode {
 }
 
 fn summarise(results: &Results) {
-    let all: Vec<&JudgedChoice> = results.choices.iter().collect();
-    for s in gearbench_reports::choice_check::shares(&results.choices) {
+    let all: Vec<&JudgedChoice> = results.choices().iter().collect();
+    for s in gearbench_reports::choice_check::shares(results.choices()) {
         let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
         say(&format!(
             "{:24} {:3} scenes  met {:3} ({} rightly none)  cost ratio {} (90 % below {})  predicted/true error {}",

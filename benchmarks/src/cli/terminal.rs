@@ -81,7 +81,7 @@ pub fn write(
     (out, scene): (&Option<PathBuf>, &str),
     summarise: impl FnOnce(&Results),
 ) -> Result<(), Refusal> {
-    let study = results.study.as_str();
+    let study = results.study().as_str();
     let dir = (out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
     let page = gearbench_reports::write_results(&dir, results)
         .map_err(|e| Refusal::Files(e.to_string()))?;

@@ -7,7 +7,7 @@ use crate::scene_file::SceneFile;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reports::record::{ReferenceSeries, Results, Study};
+use gearbench_reports::record::{Part, ReferenceSeries, Results};
 use std::time::Duration;
 
 /// What all runs of a study share.
@@ -113,17 +113,12 @@ impl Conditions<'_> {
         }
     }
 
-    /// The record of a study, so far without what it found.
+    /// The record of a study with its own part, so far without what it found.
     #[must_use]
-    pub fn record(&self, study: Study) -> Results {
+    pub fn record(&self, part: Part) -> Results {
         Results {
-            scene: self.name.clone(),
-            title: self.title.clone(),
-            study,
-            command: self.command.clone(),
-            machine: machine::machine(),
-            commit: machine::COMMIT.into(),
-            created: machine::now(),
+            header: machine::header(&self.name, &self.title, &self.command),
+            part,
             settings: self.settings.clone(),
             ..Results::default()
         }

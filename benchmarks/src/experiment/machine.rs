@@ -1,9 +1,22 @@
 //! What a record says of where and when it was made.
 
-use gearbench_reports::record::Machine;
+use gearbench_reports::record::{Machine, StudyHeader};
 
 /// Commit of gearbench at build time; `+` marks a tree with changes.
 pub const COMMIT: &str = env!("GEARBENCH_COMMIT");
+
+/// What a record made here and now says of itself.
+pub fn header(scene: &str, title: &str, command: &str) -> StudyHeader {
+    StudyHeader {
+        scene: scene.into(),
+        title: title.into(),
+        command: command.into(),
+        machine: machine(),
+        commit: COMMIT.into(),
+        created: now(),
+        ..StudyHeader::default()
+    }
+}
 
 /// The computer.
 pub fn machine() -> Machine {

@@ -66,9 +66,9 @@ fn integrators_and_models_can_be_chosen() {
         ]
     );
     assert!(
-        record.command.contains("--models rigid"),
+        record.header.command.contains("--models rigid"),
         "{}",
-        record.command
+        record.header.command
     );
 }
 

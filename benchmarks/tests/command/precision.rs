@@ -1,7 +1,7 @@
 //! `gearbench precision`.
 
 use super::{Folder, gearbench, stderr};
-use gearbench_reports::{Metric, Study};
+use gearbench_reports::{Metric, Part, Study};
 
 #[test]
 fn precision_writes_its_table_and_takes_failures_as_data() {
@@ -22,11 +22,11 @@ fn precision_writes_its_table_and_takes_failures_as_data() {
     // A step that fails is a point of the study, not a failure of the command.
     assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
     let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
-    assert_eq!((record.study, record.runs.len()), (Study::Precision, 3));
-    assert_eq!(
-        record.metrics,
-        [Metric::ForceL2Aligned, Metric::PeakForceRel]
-    );
+    assert_eq!((record.study(), record.runs.len()), (Study::Precision, 3));
+    let Part::Precision(part) = &record.part else {
+        panic!("{}", record.study())
+    };
+    assert_eq!(part.metrics, [Metric::ForceL2Aligned, Metric::PeakForceRel]);
     assert!(
         record.runs[0].status.is_failure(),
         "{:?}",

@@ -44,15 +44,15 @@ pub fn failed_of(results: &Results) -> Option<String> {
 
 /// The page of a record with what its study says.
 pub fn page(results: &Results, report: &StudyReport) -> String {
-    let name = if results.title.is_empty() {
-        &results.scene
+    let name = if results.header.title.is_empty() {
+        &results.header.scene
     } else {
-        &results.title
+        &results.header.title
     };
     let stamp = [
-        results.created.clone(),
-        format!("commit {}", results.commit),
-        results.machine.cpu.clone(),
+        results.header.created.clone(),
+        format!("commit {}", results.header.commit),
+        results.header.machine.cpu.clone(),
     ];
     let said = |s: &&String| !s.is_empty() && *s != "commit ";
     let stamp: Vec<&str> = stamp.iter().filter(said).map(String::as_str).collect();
@@ -63,14 +63,14 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content="gearbench";
-                title { (name) ": " (results.study.as_str()) " - gearbench" }
+                title { (name) ": " (results.study().as_str()) " - gearbench" }
                 style { (PreEscaped(STYLE)) }
             }
             body {
                 main {
                     header {
                         p.kicker {
-                            "gearbench \u{b7} " (results.study.as_str()) " \u{b7} scene " b { (results.scene) }
+                            "gearbench \u{b7} " (results.study().as_str()) " \u{b7} scene " b { (results.header.scene) }
                         }
                         h1 { (name) }
                         p.stamp { (stamp.join(" \u{b7} ")) }
@@ -113,7 +113,7 @@ fn setting(view: &View<'_>) -> Markup {
             dl { @for (k, v) in pairs.iter().filter(|p| !p.1.is_empty()) { dt { (k) } dd { (v) } } }
         }
     };
-    let m = &r.machine;
+    let m = &r.header.machine;
     let cores = Some(m.cores.to_string()).filter(|_| m.cores > 0);
     let calibrations: Vec<String> = (view.groups.iter())
         .filter_map(|g| {
@@ -121,7 +121,7 @@ fn setting(view: &View<'_>) -> Markup {
             Some(format!("{}: {name}", g.label))
         })
         .collect();
-    let record = format!("results.json, schema {}", r.schema);
+    let record = format!("results.json, schema {}", r.header.schema);
     let or_none = |x: &'_ Option<String>| x.clone().unwrap_or_default();
     let settings: Vec<(&str, &str)> = (r.settings.iter())
         .map(|(k, v)| (k.as_str(), v.as_str()))
@@ -152,12 +152,12 @@ fn setting(view: &View<'_>) -> Markup {
                 ("architecture", &or_none(&m.arch)),
                 ("build profile", &or_none(&m.profile)),
                 ("remark", &or_none(&m.note)),
-                ("commit", &r.commit),
-                ("made", &r.created),
+                ("commit", &r.header.commit),
+                ("made", &r.header.created),
                 ("record", &record),
             ]))
             p { "Make it again with" }
-            pre { (r.command) }
+            pre { (r.header.command) }
         }
     }
 }

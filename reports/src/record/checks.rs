@@ -9,18 +9,14 @@ impl Results {
     /// # Errors
     /// A sentence that names the run or reference and the rule.
     pub fn validate(&self) -> Result<(), String> {
-        if self.schema != SCHEMA {
-            return Err(format!("schema is {}, must be {SCHEMA}", self.schema));
+        let schema = self.header.schema;
+        if schema != SCHEMA {
+            return Err(format!("schema is {schema}, must be {SCHEMA}"));
         }
-        if let Some(choice) = &self.choice {
-            choice.validate()?;
-        }
+        self.part.validate()?;
         for reference in &self.references {
             (reference.series.validate())
                 .map_err(|e| format!("reference {}: {e}", reference.id))?;
-        }
-        for map in &self.maps {
-            map.validate()?;
         }
         for (i, run) in self.runs.iter().enumerate() {
             let name = || format!("run {} ({}, {})", i + 1, run.model_label(), run.integrator);
@@ -48,16 +44,7 @@ impl Results {
         for reference in &mut clean.references {
             reference.series = ten_digits(&reference.series);
         }
-        clean.statics.retain(|s| {
-            let all = s.position.iter().chain(&s.error_m);
-            all.chain([
-                &s.force_n,
-                &s.error_mean_m,
-                &s.error_peak_to_peak_m,
-                &s.tangent_n_per_m,
-            ])
-            .all(|x| x.is_finite())
-        });
+        clean.part.keep_finite();
         for run in &mut clean.runs {
             run.steady = run.steady.take().filter(Steady::is_finite);
             run.wall_spread_s = (run.wall_spread_s).filter(|s| s.iter().all(|x| x.is_finite()));

@@ -10,10 +10,8 @@ mod picture;
 
 use crate::metrics::{Finished, Metric, Unfinished};
 use crate::series::TimeSeries;
-pub use crate::studies::Study;
-pub use crate::studies::choice_check::JudgedChoice;
-use crate::studies::stability::Map;
 pub use crate::studies::sweep::{Bearing, StaticCycle, Steady};
+pub use crate::studies::{Part, Study};
 pub use picture::{ContactPoint, ContactSnapshot, Outline};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -38,9 +36,9 @@ fn nan() -> f64 {
     f64::NAN
 }
 
-/// One study of one scene: the content of `results.json`.
+/// What every record says of itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Results {
+pub struct StudyHeader {
     /// Format version, [`SCHEMA`].
     pub schema: u32,
     /// Name of the scene.
@@ -48,8 +46,6 @@ pub struct Results {
     /// One line that tells a reader what is simulated.
     #[serde(default)]
     pub title: String,
-    /// Study that made the record, for example `compare`.
-    pub study: Study,
     /// Command line that makes the record again.
     pub command: String,
     /// Computer the times were measured on.
@@ -58,59 +54,48 @@ pub struct Results {
     pub commit: String,
     /// Time of the study (RFC 3339), as given by the caller.
     pub created: String,
+}
+
+impl Default for StudyHeader {
+    fn default() -> Self {
+        Self {
+            schema: SCHEMA,
+            scene: String::new(),
+            title: String::new(),
+            command: String::new(),
+            machine: Machine::default(),
+            commit: String::new(),
+            created: String::new(),
+        }
+    }
+}
+
+/// One study of one scene: the content of `results.json`, without levels between header, part and the rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// What every record says of itself.
+    #[serde(flatten)]
+    pub header: StudyHeader,
     /// Settings of the scene in the order to be shown: what, value with unit.
     #[serde(default, with = "ordered_map", skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<(String, String)>,
     /// What the scene calls accurate enough.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<Tolerance>,
-    /// Metrics that the study is about, the first one above all (accuracy against cost).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub metrics: Vec<Metric>,
     /// Independent references; the first is the one the charts show as the dark line.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub references: Vec<ReferenceSeries>,
-    /// Where times of other programs were published, for [`Run::published_s`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub published: Option<String>,
-    /// Static limits (loaded running).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub statics: Vec<StaticCycle>,
-    /// Maps of where methods fail (study of stability).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub maps: Vec<Map>,
-    /// Choices of a model judged on random scenes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub choices: Vec<JudgedChoice>,
-    /// The answer of a model choice.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub choice: Option<crate::studies::choose::ChoiceRecord>,
+    /// What the study alone has, under its name.
+    #[serde(flatten)]
+    pub part: Part,
     /// The runs, failed ones included, in the order to be shown.
     pub runs: Vec<Run>,
 }
 
-impl Default for Results {
-    fn default() -> Self {
-        Self {
-            schema: SCHEMA,
-            scene: String::new(),
-            title: String::new(),
-            study: Study::default(),
-            command: String::new(),
-            machine: Machine::default(),
-            commit: String::new(),
-            created: String::new(),
-            settings: Vec::new(),
-            tolerance: None,
-            metrics: Vec::new(),
-            references: Vec::new(),
-            published: None,
-            statics: Vec::new(),
-            maps: Vec::new(),
-            choices: Vec::new(),
-            choice: None,
-            runs: Vec::new(),
-        }
+impl Results {
+    /// The study that made the record.
+    pub fn study(&self) -> Study {
+        self.part.study()
     }
 }
 
@@ -343,7 +328,7 @@ pub struct Run {
     /// What it settles to (loaded running).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,
-    /// Time that others publish for such a model \[s\]; see [`Results::published`].
+    /// Time that others publish for such a model \[s\]; see [`crate::studies::compare::CompareRecord`].
     #[serde(default, skip_serializing_if = "not_a_number")]
     pub published_s: Option<f64>,
     /// What charts call this run where it stands out among others of its variant.

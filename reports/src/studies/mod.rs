@@ -1,6 +1,6 @@
 //! The studies that write a record, a room each: what the record holds, and what page, charts and CSV say of it.
 //!
-//! A new study is a room, a variant of [`Study`] and its line in [`STUDIES`].
+//! A new study is a room, and its lines in [`Study`], [`Part`] and [`report`] below.
 
 pub mod choice_check;
 pub mod choose;
@@ -18,7 +18,7 @@ use crate::drawing::canvas::DrawError;
 use crate::record::Results;
 use crate::view::View;
 use maud::Markup;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 /// A study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -42,20 +42,83 @@ pub enum Study {
     Sweep,
 }
 
-/// Writes what a study says of a record.
-type Writer = fn(&View<'_>) -> Result<StudyReport, DrawError>;
+/// What the record of each study has beside header, references and runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "study", rename_all = "kebab-case")]
+pub enum Part {
+    /// See [`Study::Compare`].
+    Compare(compare::CompareRecord),
+    /// See [`Study::Precision`].
+    Precision(precision::PrecisionRecord),
+    /// See [`Study::Stability`].
+    Stability(stability::StabilityRecord),
+    /// See [`Study::Choose`].
+    Choose(Box<choose::ChooseRecord>),
+    /// See [`Study::ChoiceCheck`].
+    ChoiceCheck(choice_check::CheckRecord),
+    /// See [`Study::Truncation`].
+    Truncation,
+    /// See [`Study::Penalty`].
+    Penalty,
+    /// See [`Study::Sweep`].
+    Sweep(sweep::SweepRecord),
+}
 
-/// The studies: the word of the format, of commands and of folders, and what writes their reports.
-const STUDIES: [(Study, &str, Writer); 8] = [
-    (Study::Compare, "compare", compare::report),
-    (Study::Precision, "precision", precision::report),
-    (Study::Stability, "stability", stability::report),
-    (Study::Choose, "choose", choose::report),
-    (Study::ChoiceCheck, "choice-check", choice_check::report),
-    (Study::Truncation, "truncation", truncation::report),
-    (Study::Penalty, "penalty", penalty::report),
-    (Study::Sweep, "sweep", sweep::report),
-];
+impl Default for Part {
+    fn default() -> Self {
+        Part::Compare(compare::CompareRecord::default())
+    }
+}
+
+impl Part {
+    /// The study.
+    pub fn study(&self) -> Study {
+        match self {
+            Part::Compare(_) => Study::Compare,
+            Part::Precision(_) => Study::Precision,
+            Part::Stability(_) => Study::Stability,
+            Part::Choose(_) => Study::Choose,
+            Part::ChoiceCheck(_) => Study::ChoiceCheck,
+            Part::Truncation => Study::Truncation,
+            Part::Penalty => Study::Penalty,
+            Part::Sweep(_) => Study::Sweep,
+        }
+    }
+
+    /// Checks the rules that the types do not enforce.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        match self {
+            Part::Choose(part) => part.choice.validate(),
+            Part::Stability(part) => part.maps.iter().try_for_each(stability::Map::validate),
+            _ => Ok(()),
+        }
+    }
+
+    /// Takes out what is not finite.
+    pub(crate) fn keep_finite(&mut self) {
+        if let Part::Sweep(part) = self {
+            part.statics.retain(sweep::StaticCycle::is_finite);
+        }
+    }
+}
+
+/// What the study of a record says: the one place that knows the rooms of all studies.
+///
+/// # Errors
+/// [`DrawError`] when the drawing backend refuses.
+pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
+    let view = &View::new(results);
+    match &results.part {
+        Part::Compare(part) => compare::report(view, part),
+        Part::Precision(_) => precision::report(view),
+        Part::Stability(part) => stability::report(part),
+        Part::Choose(part) => choose::report(&part.choice),
+        Part::ChoiceCheck(part) => choice_check::report(&part.choices),
+        Part::Truncation => truncation::report(view),
+        Part::Penalty => penalty::report(view),
+        Part::Sweep(part) => sweep::report(view, &part.statics),
+    }
+}
 
 /// What a study says of a record: all that the page, the charts and the tables in CSV are written from.
 #[derive(Clone, Debug, Default)]
@@ -72,29 +135,31 @@ pub struct StudyReport {
     pub csv: Vec<CsvTable>,
 }
 
-/// What the study of a record says.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
-pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
-    let (_, _, write) = results.study.entry();
-    write(&View::new(results))
-}
-
 impl Study {
-    fn entry(self) -> &'static (Study, &'static str, Writer) {
-        let found = STUDIES.iter().find(|s| s.0 == self);
-        found.unwrap_or(&STUDIES[0])
-    }
-
     /// All.
-    pub fn all() -> impl Iterator<Item = Self> {
-        STUDIES.iter().map(|s| s.0)
-    }
+    pub const ALL: [Self; 8] = [
+        Self::Compare,
+        Self::Precision,
+        Self::Stability,
+        Self::Choose,
+        Self::ChoiceCheck,
+        Self::Truncation,
+        Self::Penalty,
+        Self::Sweep,
+    ];
 
     /// The word of the format, of commands and of folders.
     pub fn as_str(self) -> &'static str {
-        self.entry().1
+        match self {
+            Self::Compare => "compare",
+            Self::Precision => "precision",
+            Self::Stability => "stability",
+            Self::Choose => "choose",
+            Self::ChoiceCheck => "choice-check",
+            Self::Truncation => "truncation",
+            Self::Penalty => "penalty",
+            Self::Sweep => "sweep",
+        }
     }
 }
 
@@ -111,7 +176,7 @@ impl std::str::FromStr for Study {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if let Some(study) = Self::all().find(|s| s.as_str() == text) {
+        if let Some(study) = Self::ALL.into_iter().find(|s| s.as_str() == text) {
             return Ok(study);
         }
         let new = Self::Truncation;
@@ -121,25 +186,9 @@ impl std::str::FromStr for Study {
                  write `{new}` into the record"
             )
         } else {
-            let all: Vec<&str> = STUDIES.iter().map(|s| s.1).collect();
-            format!(
-                "there is no study `{text}`; this version knows {}",
-                all.join(", ")
-            )
+            let all = Self::ALL.map(Self::as_str).join(", ");
+            format!("there is no study `{text}`; this version knows {all}")
         })
-    }
-}
-
-impl Serialize for Study {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.as_str())
-    }
-}
-
-impl<'de> Deserialize<'de> for Study {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map_err(serde::de::Error::custom)
     }
 }
 
@@ -149,12 +198,7 @@ mod tests {
 
     #[test]
     fn words_lead_back_and_the_former_name_is_refused_with_the_new_one() {
-        for s in [
-            Study::Compare,
-            Study::ChoiceCheck,
-            Study::Truncation,
-            Study::Sweep,
-        ] {
+        for s in Study::ALL {
             assert_eq!(s.as_str().parse(), Ok(s));
         }
         let old = "modes".parse::<Study>().unwrap_err();

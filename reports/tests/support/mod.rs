@@ -3,10 +3,10 @@
 //! The numbers look like a study and are none: the force of a run is a half-sine with the errors
 //! that are asked for, the outlines are involutes with straight roots.
 
-use gearbench_reports::record::{Bearing, StaticCycle, Steady};
+use gearbench_reports::sweep::{Bearing, StaticCycle, Steady, SweepRecord};
 use gearbench_reports::{
-    ContactPoint, ContactSnapshot, Finished, Ledger, Machine, Metric, Metrics, Outline,
-    ReferenceSeries, Results, Run, Status, Study, TimeSeries, Tolerance, compare,
+    ContactPoint, ContactSnapshot, Finished, Ledger, Machine, Metric, Metrics, Outline, Part,
+    ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
 
@@ -180,19 +180,22 @@ pub fn impact_results() -> Results {
     );
     runs[9].status = Status::Inaccurate;
     Results {
-        scene: "spur_impact".into(),
-        title: "Impact of two steel spur gears, z = 20/30, at 20 rad/s".into(),
-        command: "gearbench compare spur_impact --out out/spur_impact/compare".into(),
-        machine: Machine {
-            cpu: "made-up processor, 2 cores".into(),
-            cores: 2,
-            os: "Linux 6.1".into(),
-            arch: Some("x86_64".into()),
-            profile: Some("release".into()),
-            note: None,
+        header: StudyHeader {
+            scene: "spur_impact".into(),
+            title: "Impact of two steel spur gears, z = 20/30, at 20 rad/s".into(),
+            command: "gearbench compare spur_impact --out out/spur_impact/compare".into(),
+            machine: Machine {
+                cpu: "made-up processor, 2 cores".into(),
+                cores: 2,
+                os: "Linux 6.1".into(),
+                arch: Some("x86_64".into()),
+                profile: Some("release".into()),
+                note: None,
+            },
+            commit: "0123456789ab".into(),
+            created: "2026-01-01T00:00:00Z".into(),
+            ..StudyHeader::default()
         },
-        commit: "0123456789ab".into(),
-        created: "2026-01-01T00:00:00Z".into(),
         settings: vec![
             (
                 "gear 1".into(),
@@ -252,8 +255,8 @@ pub fn rotation_results() -> Results {
     let mut results = impact_results();
     results.references.clear();
     results.tolerance = None;
-    results.scene = "spur_rotation".into();
-    results.title = "Rotation with backlash at 100 rad/s and 10 N m".into();
+    results.header.scene = "spur_rotation".into();
+    results.header.title = "Rotation with backlash at 100 rad/s and 10 N m".into();
     let mut runs = Vec::new();
     for (model, variant, scale) in [
         ("rigid", None, 1.0),
@@ -390,8 +393,11 @@ pub fn mode_results() -> Results {
         }
     }
     Results {
-        study: Study::Truncation,
-        command: "gearbench modes spur_impact".into(),
+        header: StudyHeader {
+            command: "gearbench truncation spur_impact".into(),
+            ..base.header
+        },
+        part: Part::Truncation,
         tolerance: None,
         references: vec![
             ReferenceSeries {
@@ -486,12 +492,14 @@ pub fn sweep_results() -> Results {
         }
     }
     Results {
-        scene: "loaded_mesh".into(),
-        study: Study::Sweep,
-        command: "gearbench sweep loaded_mesh".into(),
+        header: StudyHeader {
+            scene: "loaded_mesh".into(),
+            command: "gearbench sweep loaded_mesh".into(),
+            ..base.header
+        },
+        part: Part::Sweep(SweepRecord { statics }),
         tolerance: None,
         references: Vec::new(),
-        statics,
         runs,
         ..base
     }
@@ -527,8 +535,11 @@ pub fn penalty_results() -> Results {
         runs.push(run);
     }
     Results {
-        study: Study::Penalty,
-        command: "gearbench penalty spur_impact".into(),
+        header: StudyHeader {
+            command: "gearbench penalty spur_impact".into(),
+            ..base.header
+        },
+        part: Part::Penalty,
         tolerance: None,
         references: vec![ReferenceSeries {
             id: "hard".into(),

@@ -13,7 +13,7 @@ use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, lever};
 use gearbench_reports::metrics::{Metric, compare};
-use gearbench_reports::record::{Results, Run, Status, Study, Tolerance};
+use gearbench_reports::record::{Results, Run, Status, StudyHeader, Tolerance};
 use gearbench_tests::*;
 use std::sync::LazyLock;
 use wrong_laws::{Wrong, WrongScene};
@@ -307,9 +307,11 @@ fn records_of_failures_hold_finite_numbers() {
         }
     }
     let results = Results {
-        scene: "failures".into(),
-        title: "failures".into(),
-        study: Study::Compare,
+        header: StudyHeader {
+            scene: "failures".into(),
+            title: "failures".into(),
+            ..StudyHeader::default()
+        },
         runs,
         ..Results::default()
     };

@@ -5,8 +5,8 @@ use super::situation::Situation;
 use super::wish::Wish;
 use crate::experiment::machine;
 use gearbench_integrators::Resolution;
-use gearbench_reports::record::{Results, Study, Tolerance, finite};
-use gearbench_reports::{ChoiceRecord, RungRecord, TriedRecord};
+use gearbench_reports::record::{Part, Results, Tolerance, finite};
+use gearbench_reports::{ChoiceRecord, ChooseRecord, RungRecord, TriedRecord};
 
 /// The record of a choice.
 #[must_use]
@@ -20,40 +20,35 @@ pub fn results(
         (choice.tried.iter())
             .position(|t| t.candidate.rung == c.rung && t.candidate.method == c.method)
     };
+    let answer = ChoiceRecord {
+        metric: wish.metric.name().into(),
+        metric_title: wish.metric.title().into(),
+        tolerance: wish.tolerance,
+        chosen: choice.candidate.as_ref().and_then(place),
+        predicted_error: finite(choice.predicted_error),
+        model_error: finite(choice.parts.model),
+        integration_error: finite(choice.parts.integration),
+        top_error: finite(choice.parts.top),
+        growth: finite(choice.parts.growth),
+        predicted_cost_s: finite(choice.predicted_cost_s),
+        setup_s: finite(choice.setup_s),
+        window: choice.window.describe(),
+        window_s: finite(choice.window.end),
+        reason: choice.reason.clone(),
+        outside: choice.outside.clone(),
+        rungs: (choice.rungs.iter())
+            .map(|r| rung(r, r.cheapest.as_ref().and_then(|(c, _)| place(c))))
+            .collect(),
+        tried: choice.tried.iter().map(tried).collect(),
+    };
     Results {
-        scene: situation.name.clone(),
-        title: title.to_string(),
-        study: Study::Choose,
-        command: command.to_string(),
-        machine: machine::machine(),
-        commit: machine::COMMIT.into(),
-        created: machine::now(),
+        header: machine::header(&situation.name, title, command),
+        part: Part::Choose(Box::new(ChooseRecord { choice: answer })),
         settings: settings(situation, choice),
         tolerance: wish.metric.key().map(|key| Tolerance {
             metric: key,
             limit: wish.tolerance,
             against: "top".into(),
-        }),
-        choice: Some(ChoiceRecord {
-            metric: wish.metric.name().into(),
-            metric_title: wish.metric.title().into(),
-            tolerance: wish.tolerance,
-            chosen: choice.candidate.as_ref().and_then(place),
-            predicted_error: finite(choice.predicted_error),
-            model_error: finite(choice.parts.model),
-            integration_error: finite(choice.parts.integration),
-            top_error: finite(choice.parts.top),
-            growth: finite(choice.parts.growth),
-            predicted_cost_s: finite(choice.predicted_cost_s),
-            setup_s: finite(choice.setup_s),
-            window: choice.window.describe(),
-            window_s: finite(choice.window.end),
-            reason: choice.reason.clone(),
-            outside: choice.outside.clone(),
-            rungs: (choice.rungs.iter())
-                .map(|r| rung(r, r.cheapest.as_ref().and_then(|(c, _)| place(c))))
-                .collect(),
-            tried: choice.tried.iter().map(tried).collect(),
         }),
         ..Results::default()
     }

@@ -7,8 +7,9 @@ use crate::experiment::converged::{EXACT_MODES, SMALL, converged, exact_for_mode
 use crate::experiment::run::{LEFT_OUT, RunError, run};
 use crate::experiment::status::{against_contact, against_tolerance};
 use crate::experiment::thin::thin;
+use gearbench_reports::comparison::CompareRecord;
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Study};
+use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run};
 use gearbench_reports::series::TimeSeries;
 
 /// Runs the comparison. `progress` is told the number of runs done and the name of the next.
@@ -99,9 +100,10 @@ pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunEr
         settings: [plan.conditions.settings.clone(), left_out].concat(),
         tolerance: plan.tolerance.clone(),
         references,
-        published: plan.published.clone(),
         runs,
-        ..plan.conditions.record(Study::Compare)
+        ..plan.conditions.record(Part::Compare(CompareRecord {
+            published: plan.published.clone(),
+        }))
     })
 }
 

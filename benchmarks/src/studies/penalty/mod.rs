@@ -14,7 +14,7 @@ use crate::experiment::thin::thin;
 use gearbench_integrators::Scheme;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 
 /// What to study.
 #[derive(Clone, Debug)]
@@ -143,6 +143,6 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, Penalty
     Ok(Results {
         references,
         runs,
-        ..plan.conditions.record(Study::Penalty)
+        ..plan.conditions.record(Part::Penalty)
     })
 }

@@ -27,7 +27,8 @@ use gearbench_integrators::Resolution;
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::{Finished, compare as measure};
-use gearbench_reports::record::{Metrics, ReferenceSeries, Results, Run, Status};
+use gearbench_reports::precision::PrecisionRecord;
+use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::series::{Column, TimeSeries};
 
 /// Tolerances tried for the converged solution of gears with modes and the steps each may take. A hundredth of the
@@ -126,10 +127,11 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
     let computed = computed.into_iter().map(|(r, _)| r);
     Ok(Results {
         settings: [plan.conditions.settings.clone(), notes].concat(),
-        metrics: plan.metrics.clone(),
         references: plan.external.iter().cloned().chain(computed).collect(),
         runs,
-        ..(plan.conditions).record(gearbench_reports::Study::Precision)
+        ..plan.conditions.record(Part::Precision(PrecisionRecord {
+            metrics: plan.metrics.clone(),
+        }))
     })
 }
 

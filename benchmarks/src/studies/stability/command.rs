@@ -331,9 +331,9 @@ fn map(
 
 /// How many cells of each label, and the largest stable steps.
 fn summarise(results: &Results) {
-    let total: usize = results.maps.iter().map(|m| m.cells.len()).sum();
+    let total: usize = results.maps().iter().map(|m| m.cells.len()).sum();
     let of = |s: Status| -> usize {
-        let all = results.maps.iter().flat_map(|m| &m.cells);
+        let all = results.maps().iter().flat_map(|m| &m.cells);
         all.filter(|c| c.status == s).count()
     };
     let counted: Vec<String> = (Status::ALL.into_iter())
@@ -345,11 +345,14 @@ fn summarise(results: &Results) {
         "{:<26} {:<32} {:>14} {:>10} {:>8}  failing with",
         "model", "integrator", "largest stable", "theory", "ratio"
     ));
-    for (i, map) in results.maps.iter().enumerate() {
+    for (i, map) in results.maps().iter().enumerate() {
         let same =
             |o: &Map| (o.model_label(), &o.integrator) == (map.model_label(), &map.integrator);
         // Sets of maps may share a pair of model and integrator.
-        let Some(limit) = map.limit().filter(|_| !results.maps[..i].iter().any(same)) else {
+        let Some(limit) = map
+            .limit()
+            .filter(|_| !results.maps()[..i].iter().any(same))
+        else {
             continue;
         };
         let step = match (limit.stable_s, limit.unstable_s) {

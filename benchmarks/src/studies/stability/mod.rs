@@ -34,8 +34,8 @@ use crate::experiment::run::RunError;
 use axis::AxisError;
 use cell::Reference;
 use gearbench_models::scene::Scene;
-use gearbench_reports::record::{Results, Study};
-use gearbench_reports::stability::{Columns, Map, MapAxis, MapLine};
+use gearbench_reports::record::{Part, Results};
+use gearbench_reports::stability::{Columns, Map, MapAxis, MapLine, StabilityRecord};
 use journal::{Journal, Line, Outcome};
 use plan::{MapPlan, Plan};
 use std::collections::HashMap;
@@ -158,8 +158,9 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
     Ok((
         Results {
             tolerance: Some(plan.tolerance.clone()),
-            maps,
-            ..plan.conditions.record(Study::Stability)
+            ..plan
+                .conditions
+                .record(Part::Stability(StabilityRecord { maps }))
         },
         timings,
     ))

@@ -69,7 +69,7 @@ fn run(plan: &Plan<'_>, threads: usize) -> Results {
         progress: &|_, _, _| {},
     };
     let (results, timings) = study(plan, means).unwrap();
-    let runs: usize = (results.maps.iter())
+    let runs: usize = (results.maps().iter())
         .map(|m| m.cells.len() + m.refined.len())
         .sum();
     assert_eq!(timings.len(), runs, "every run has its time");
@@ -82,8 +82,8 @@ fn every_cell_has_a_label_whatever_the_threads() {
     let plan = plan(&[VELOCITY_VERLET, NEWMARK]);
     let results = run(&plan, 1);
     results.validate().unwrap();
-    assert_eq!(results.maps, run(&plan, 3).maps);
-    for map in &results.maps {
+    assert_eq!(results.maps(), run(&plan, 3).maps());
+    for map in results.maps() {
         // The value next to the scene's own is the scene's own.
         assert_eq!(map.axes[0].values, [0.1, 1.0, 10.0]);
         assert_eq!(map.cells.len(), 24);
@@ -101,8 +101,8 @@ fn every_cell_has_a_label_whatever_the_threads() {
         assert_eq!(map.cells[0].status, Status::Timeout, "{:?}", map.cells[0]);
         assert!(map.counts()[0] > 3, "{:?}", map.counts());
     }
-    let [verlet, newmark] = results.maps.as_slice() else {
-        panic!("{} maps", results.maps.len())
+    let [verlet, newmark] = results.maps() else {
+        panic!("{} maps", results.maps().len())
     };
     // One spring and two masses: omega h = 2. The run is called lost before, where its energy swings by 2 %: from
     // about a sixth of the limit on.
@@ -121,7 +121,8 @@ fn every_cell_has_a_label_whatever_the_threads() {
 fn the_limit_goes_with_the_root_of_the_stiffness() {
     let mut plan = plan(&[VELOCITY_VERLET]);
     plan.refine = false;
-    let map = &run(&plan, 2).maps[0];
+    let results = run(&plan, 2);
+    let map = &results.maps()[0];
     let [soft, own, stiff] = [0, 1, 2].map(|row| map.theory(row).unwrap().0);
     assert!(
         (soft / own / 10_f64.sqrt() - 1.0).abs() < 1e-3,

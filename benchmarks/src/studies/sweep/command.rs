@@ -92,10 +92,10 @@ fn summarise(results: &Results) {
         "{:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
         "model", "TE at rest", "fn", "greatest TE", "at", "speeds", "wall"
     ));
-    let mut labels: Vec<String> = results.statics.iter().map(|s| s.label.clone()).collect();
+    let mut labels: Vec<String> = results.statics().iter().map(|s| s.label.clone()).collect();
     labels.dedup();
     for label in labels {
-        let statics = results.statics.iter().find(|s| s.label == label);
+        let statics = results.statics().iter().find(|s| s.label == label);
         let runs: Vec<_> = (results.runs.iter())
             .filter(|r| r.model_label() == label)
             .collect();

@@ -20,8 +20,10 @@ use gearbench_models::spec::{
     Body, Load, MeshLayout, Mount, Profile, SceneSpec, lever, mesh_layout,
 };
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle, StaticsError};
-use gearbench_reports::record::{self, Results, Run, StaticCycle, Status, Study};
+use gearbench_reports::Part;
+use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
 use gearbench_reports::series::TimeSeries;
+use gearbench_reports::sweep::SweepRecord;
 use std::f64::consts::TAU;
 use steady::{Histories, measure};
 
@@ -295,9 +297,8 @@ pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, SweepEr
     }
     progress(runs.len(), total, "report");
     Ok(Results {
-        statics,
         runs,
-        ..plan.conditions.record(Study::Sweep)
+        ..plan.conditions.record(Part::Sweep(SweepRecord { statics }))
     })
 }
 

@@ -101,7 +101,7 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
         let b = &s.bearings[0];
         assert!(!b.own_inertia && (b.mean_n / s.force_mean_n - 1.0).abs() < 1e-6);
     }
-    let still = &results.statics[0];
+    let still = &results.statics()[0];
     assert!((still.error_peak_to_peak_m / (2.0 * depth * deflection) - 1.0).abs() < 0.01);
 }
 
@@ -112,7 +112,7 @@ fn slow_running_comes_to_the_static_limit() {
     let plan = plan(&scene, vec![60.0], 1, 1e-3);
     let results = sweep(&plan, &silent).unwrap();
     let s = results.runs[0].steady.as_ref().unwrap();
-    let still = &results.statics[0];
+    let still = &results.statics()[0];
     assert!((s.error_peak_to_peak_m / still.error_peak_to_peak_m - 1.0).abs() < 0.02);
     // Both stand at the same positions.
     for (p, e) in still.position.iter().zip(&still.error_m) {

@@ -19,7 +19,7 @@ use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::reduction::choose::Criterion;
 use gearbench_reports::metrics::compare as measure;
-use gearbench_reports::record::{ReferenceSeries, Results, Run, Study};
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
 
 /// Numbers of modes that are tried when nobody says.
@@ -245,7 +245,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
     let mut results = Results {
         references,
         runs: vec![reference],
-        ..plan.conditions.record(Study::Truncation)
+        ..plan.conditions.record(Part::Truncation)
     };
     let one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
         let what = format!("{}, {}", case.modes, case.way.label);

@@ -7,7 +7,6 @@ use crate::drawing::curves::{Curve, CurvePanel, draw_curves};
 use crate::drawing::style::{Look, Marker, look};
 use crate::record::finite;
 use crate::studies::choice_check::{JudgedChoice, Outcome, quantile};
-use crate::view::View;
 
 /// Look of misses.
 const MISSED: Look = Look {
@@ -27,8 +26,8 @@ const DEAR: f64 = 2.0;
 const ERRORS: [f64; 2] = [1e-3, 1e2];
 
 /// Scenes at their places on the chart: by kind, within a kind by number.
-fn ordered<'a>(view: &View<'a>) -> Vec<(f64, &'a JudgedChoice)> {
-    let mut all: Vec<&JudgedChoice> = view.results.choices.iter().collect();
+fn ordered(choices: &[JudgedChoice]) -> Vec<(f64, &JudgedChoice)> {
+    let mut all: Vec<&JudgedChoice> = choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
     let placed = all.into_iter().enumerate();
     placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
@@ -49,8 +48,8 @@ fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn choice_check(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
-    let scenes = ordered(view);
+pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
+    let scenes = ordered(choices);
     if scenes.is_empty() {
         return Ok(Vec::new());
     }

@@ -10,8 +10,8 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
-use crate::studies::StudyReport;
-use crate::view::View;
+use crate::record::Results;
+use crate::studies::{Part, StudyReport};
 use serde::{Deserialize, Serialize};
 
 /// How a choice came out.
@@ -279,17 +279,35 @@ pub fn shares(scenes: &[JudgedChoice]) -> Vec<Share> {
     found
 }
 
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CheckRecord {
+    /// Choices of a model judged on random scenes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<JudgedChoice>,
+}
+
+impl Results {
+    /// Choices of a model judged on random scenes; none in records of other studies.
+    pub fn choices(&self) -> &[JudgedChoice] {
+        match &self.part {
+            Part::ChoiceCheck(part) => &part.choices,
+            _ => &[],
+        }
+    }
+}
+
 /// What the study says of a record.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
-pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+pub(super) fn report(choices: &[JudgedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: vec![tables::finding(view)],
-        tables: tables::tables(view),
-        charts: chart::choice_check(view)?,
-        details: tables::scenes(view),
-        csv: csv::tables(&view.results.choices),
+        finding: vec![tables::finding(choices)],
+        tables: tables::tables(choices),
+        charts: chart::choice_check(choices)?,
+        details: tables::scenes(choices),
+        csv: csv::tables(choices),
     })
 }
 

@@ -4,12 +4,11 @@ use super::{JudgedChoice, Outcome, Share, share, shares};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
 use crate::numbers::{percent, significant};
-use crate::view::View;
 use maud::{Markup, html};
 
 /// The finding.
-pub fn finding(view: &View<'_>) -> Markup {
-    let scenes = &view.results.choices;
+pub fn finding(choices: &[JudgedChoice]) -> Markup {
+    let scenes = choices;
     let all: Vec<&JudgedChoice> = scenes.iter().collect();
     let total = share("all", &all);
     let count = |o: Outcome| scenes.iter().filter(|s| s.outcome == o).count();
@@ -33,8 +32,8 @@ pub fn finding(view: &View<'_>) -> Markup {
 }
 
 /// Tables: figures by group, and the scenes that were missed.
-pub fn tables(view: &View<'_>) -> Markup {
-    let groups = shares(&view.results.choices);
+pub fn tables(choices: &[JudgedChoice]) -> Markup {
+    let groups = shares(choices);
     let sure = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| significant(x, 3));
     let part = |g: &Share| percent(g.met as f64 / g.scenes.max(1) as f64, 3);
     let table = Table::of(&groups)
@@ -52,9 +51,7 @@ pub fn tables(view: &View<'_>) -> Markup {
         "met: the tolerance is kept against the reference over the whole scene, or nothing that was tried keeps it and the \
          choice said so. Cost ratio: processor time over that of the cheapest adequate candidate.",
     );
-    let missed: Vec<&JudgedChoice> = (view.results.choices.iter())
-        .filter(|s| !s.outcome.is_met())
-        .collect();
+    let missed: Vec<&JudgedChoice> = (choices.iter()).filter(|s| !s.outcome.is_met()).collect();
     let misses = Table::of(&missed)
         .text("Scene", |s| s.scene.clone())
         .text("Kind", |s| s.kind.clone())
@@ -75,8 +72,8 @@ fn chosen(s: &JudgedChoice) -> String {
 }
 
 /// All scenes, one line each.
-pub fn scenes(view: &View<'_>) -> Markup {
-    let table = Table::of(&view.results.choices)
+pub fn scenes(choices: &[JudgedChoice]) -> Markup {
+    let table = Table::of(choices)
         .classed(|s| if s.outcome.is_met() { "" } else { "failed" })
         .text("Scene", |s| s.scene.clone())
         .text("Kind", |s| s.kind.clone())

@@ -9,7 +9,6 @@ use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
 use crate::drawing::style::{cross, look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::studies::choose::{ChoiceRecord, TriedRecord};
-use crate::view::View;
 
 /// Failed candidates that are named.
 const NAMED: usize = 6;
@@ -28,10 +27,7 @@ struct Point<'a> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn choose(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
-    let Some(choice) = &view.results.choice else {
-        return Ok(None);
-    };
+pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let families = choice.families();
     let style = |t: &TriedRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);
     let positive = |x: Option<f64>| x.filter(|x| x.is_finite() && *x > 0.0);

@@ -6,7 +6,6 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::studies::StudyReport;
-use crate::view::View;
 use maud::Markup;
 use serde::{Deserialize, Serialize};
 
@@ -173,16 +172,23 @@ impl ChoiceRecord {
     }
 }
 
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChooseRecord {
+    /// The answer, and how it was found.
+    pub choice: ChoiceRecord,
+}
+
 /// What the study says of a record.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
-pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: vec![tables::finding(view)],
-        tables: tables::tables(view),
-        charts: chart::choose(view)?.into_iter().collect(),
+        finding: vec![tables::finding(choice)],
+        tables: tables::tables(choice),
+        charts: chart::choose(choice)?.into_iter().collect(),
         details: Markup::default(),
-        csv: (view.results.choice.as_ref()).map_or(Vec::new(), csv::tables),
+        csv: csv::tables(choice),
     })
 }

@@ -4,7 +4,6 @@ use super::{ChoiceRecord, RungRecord};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
 use crate::numbers::{percent, quantity};
-use crate::view::View;
 use maud::{Markup, html};
 
 fn per_cent(x: f64) -> String {
@@ -12,10 +11,7 @@ fn per_cent(x: f64) -> String {
 }
 
 /// The answer.
-pub fn finding(view: &View<'_>) -> Markup {
-    let Some(choice) = &view.results.choice else {
-        return html! { "The record holds no choice." };
-    };
+pub fn finding(choice: &ChoiceRecord) -> Markup {
     let asked = format!(
         "{} within {}",
         choice.metric_title,
@@ -40,10 +36,7 @@ pub fn finding(view: &View<'_>) -> Markup {
 }
 
 /// Reason, warnings and the hierarchy.
-pub fn tables(view: &View<'_>) -> Markup {
-    let Some(choice) = &view.results.choice else {
-        return Markup::default();
-    };
+pub fn tables(choice: &ChoiceRecord) -> Markup {
     html! {
         (section("Reason", html! { @for sentence in &choice.reason { p { (sentence) } } }))
         @if !choice.outside.is_empty() {

@@ -12,12 +12,21 @@ use crate::markup::runs;
 use crate::studies::StudyReport;
 use crate::view::View;
 use maud::html;
+use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CompareRecord {
+    /// Where times of other programs were published, for [`crate::record::Run::published_s`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published: Option<String>,
+}
 
 /// What the study says of a record.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
-pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
     let charts = [
         histories::force(view)?,
         histories::speeds(view)?,
@@ -27,7 +36,7 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     ];
     Ok(StudyReport {
         finding: vec![finding::finding(view)],
-        tables: html! { (glance::glance(view)) (timing::timing(view)) },
+        tables: html! { (glance::glance(view)) (timing::timing(view, part)) },
         charts: charts.into_iter().flatten().collect(),
         details: runs::all(view),
         csv: Vec::new(),

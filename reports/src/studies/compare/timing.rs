@@ -1,5 +1,6 @@
 //! What the models cost beside each other and beside full finite elements, with times that others publish.
 
+use super::CompareRecord;
 use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::{quantity, significant};
@@ -16,7 +17,7 @@ fn is_full(run: &Run) -> bool {
 }
 
 /// Simulation time by model; nothing without a full model and another one.
-pub fn timing(view: &View<'_>) -> Markup {
+pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
     let best: Vec<(&str, &Run)> = (view.groups.iter())
         .filter_map(|g| {
             let (_, run) = view.best(g)?;
@@ -26,7 +27,8 @@ pub fn timing(view: &View<'_>) -> Markup {
     let full = (best.iter())
         .filter(|(_, r)| is_full(r))
         .min_by(|a, b| a.1.wall_s.total_cmp(&b.1.wall_s));
-    let (Some((_, full)), Some((first, base)), true) = (full, best.first(), best.len() > 1) else {
+    let (Some((label, full)), Some((first, base)), true) = (full, best.first(), best.len() > 1)
+    else {
         return Markup::default();
     };
     let ratio = |a: f64, b: f64| Some(significant(a / b, 3)).filter(|_| a > 0.0 && b > 0.0);
@@ -35,7 +37,7 @@ pub fn timing(view: &View<'_>) -> Markup {
         .filter(|(_, r)| is_full(r))
         .find_map(|(_, r)| r.published_s);
     let over = format!("over {first}");
-    let full_over = format!("{} over it", full.model);
+    let full_over = format!("{label} over it");
     let table = Table::of(&best)
         .text("Model", |(label, _)| (*label).to_string())
         .text("Integrator", |(_, r)| {
@@ -52,7 +54,7 @@ pub fn timing(view: &View<'_>) -> Markup {
         .written(&full_over, "", |(_, r)| {
             ratio(full_published?, r.published_s?)
         });
-    let source = match &view.results.published {
+    let source = match &part.published {
         Some(text) => format!(" Published: {text}."),
         None => String::new(),
     };

@@ -12,10 +12,11 @@ use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
 use crate::numbers::{quantity, short};
 use crate::record::{Results, Run, Status};
-use crate::studies::StudyReport;
 use crate::studies::precision::pareto::{Point, front, held, lead};
+use crate::studies::{Part, StudyReport};
 use crate::view::View;
 use crate::view::{NOTHING, resolution};
+use serde::{Deserialize, Serialize};
 
 /// Limits of the error at which families are compared.
 pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
@@ -23,6 +24,14 @@ pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 const NEWS: f64 = 0.95;
 /// Reference of integration errors.
 pub const SELF: &str = "self";
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PrecisionRecord {
+    /// Metrics that the study is about, the first one above all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<Metric>,
+}
 
 /// What a run is charged with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +136,10 @@ impl<'a> Precision<'a> {
             .map(|r| r.id.clone())
             .filter(|id| results.runs.iter().any(|r| r.against(id).is_some()))
             .collect();
-        let mut metrics = results.metrics.clone();
+        let mut metrics = match &results.part {
+            Part::Precision(part) => part.metrics.clone(),
+            _ => Vec::new(),
+        };
         if metrics.is_empty() {
             metrics.push(Metric::default());
         }

@@ -9,9 +9,8 @@ mod csv;
 mod tables;
 
 use crate::drawing::canvas::DrawError;
-use crate::record::Status;
-use crate::studies::StudyReport;
-use crate::view::View;
+use crate::record::{Results, Status};
+use crate::studies::{Part, StudyReport};
 use maud::Markup;
 use serde::{Deserialize, Serialize};
 
@@ -325,17 +324,35 @@ impl Map {
     }
 }
 
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StabilityRecord {
+    /// Maps of where methods fail.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<Map>,
+}
+
+impl Results {
+    /// Maps of where methods fail; none in records of other studies.
+    pub fn maps(&self) -> &[Map] {
+        match &self.part {
+            Part::Stability(part) => &part.maps,
+            _ => &[],
+        }
+    }
+}
+
 /// What the study says of a record.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.
-pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
+pub(super) fn report(part: &StabilityRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: vec![tables::finding(view)],
-        tables: tables::tables(view),
-        charts: charts::stability(view)?,
+        finding: vec![tables::finding(&part.maps)],
+        tables: tables::tables(&part.maps),
+        charts: charts::stability(&part.maps)?,
         details: Markup::default(),
-        csv: csv::tables(&view.results.maps),
+        csv: csv::tables(&part.maps),
     })
 }
 

@@ -5,7 +5,6 @@ use crate::markup::table::Table;
 use crate::markup::{glance, note, section, sentences};
 use crate::numbers::{count, percent, quantity, short};
 use crate::record::Status;
-use crate::view::View;
 use maud::{Markup, html};
 
 /// Labels of models in the order of appearance.
@@ -30,8 +29,7 @@ fn step(limit: &Limit) -> String {
 }
 
 /// The finding.
-pub fn finding(view: &View<'_>) -> Markup {
-    let maps = &view.results.maps;
+pub fn finding(maps: &[Map]) -> Markup {
     let total: usize = maps.iter().map(|m| m.cells.len()).sum();
     if total == 0 {
         return html! { "The record holds no map." };
@@ -141,8 +139,7 @@ fn beside(maps: &[Map]) -> Option<String> {
 }
 
 /// The largest stable steps and how often each label occurs.
-pub fn tables(view: &View<'_>) -> Markup {
-    let maps = &view.results.maps;
+pub fn tables(maps: &[Map]) -> Markup {
     html! { (limits(maps)) (labels(maps)) (references(maps)) }
 }
 

@@ -34,7 +34,7 @@ impl Swept<'_> {
 }
 
 /// The models of a sweep.
-pub fn swept<'a>(view: &View<'a>) -> Vec<Swept<'a>> {
+pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> {
     (view.groups.iter())
         .map(|g| {
             let steady = |ok: bool| {
@@ -50,7 +50,7 @@ pub fn swept<'a>(view: &View<'a>) -> Vec<Swept<'a>> {
                 style: g.style,
                 runs,
                 failed: steady(false).map(|(s, _)| s.mesh_frequency_hz).collect(),
-                statics: view.results.statics.iter().find(|s| s.label == g.label),
+                statics: statics.iter().find(|s| s.label == g.label),
             }
         })
         .filter(|s| !s.runs.is_empty() || !s.failed.is_empty())
@@ -111,8 +111,7 @@ fn legend(all: &[Swept<'_>]) -> Vec<(String, Look, bool)> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn sweep(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
-    let all = swept(view);
+pub fn sweep(all: &[Swept<'_>], statics: &[StaticCycle]) -> Result<Vec<Chart>, DrawError> {
     let frequencies = || {
         all.iter()
             .flat_map(|s| s.runs.iter().map(|r| r.0.mesh_frequency_hz))
@@ -125,10 +124,10 @@ pub fn sweep(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         return Ok(Vec::new());
     }
     let x = Axis::padded(KHZ * low, KHZ * high, 0.02);
-    let mut charts = vec![over_speed(&all, &x)?];
-    charts.extend(spectra(&all)?);
-    charts.extend(harmonics(&all, &x)?);
-    charts.extend(cycles(view, &all)?);
+    let mut charts = vec![over_speed(all, &x)?];
+    charts.extend(spectra(all)?);
+    charts.extend(harmonics(all, &x)?);
+    charts.extend(cycles(statics, all)?);
     Ok(charts)
 }
 
@@ -395,7 +394,7 @@ fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
 }
 
 /// Transmission error over two mesh cycles: at rest, slow, and where each resonance is.
-fn cycles(view: &View<'_>, all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
+fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     let Some(detailed) = all.iter().rev().find(|s| !s.runs.is_empty()) else {
         return Ok(None);
     };
@@ -427,7 +426,7 @@ fn cycles(view: &View<'_>, all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError
         points,
         failed: Vec::new(),
     };
-    let statics: Vec<Curve> = (view.results.statics.iter())
+    let statics: Vec<Curve> = (still.iter())
         .map(|s| {
             let style = all.iter().find(|a| a.label == s.label).map(|a| a.style);
             // A model that stands still only is the dark line.
@@ -459,7 +458,7 @@ fn cycles(view: &View<'_>, all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError
             Some("position of the reference pair from the pitch point / base pitch".into());
     }
     let mut names = legend(all);
-    for s in &view.results.statics {
+    for s in still {
         if all.iter().all(|a| a.label != s.label) {
             names.push((format!("{} (at rest)", s.label), STANDING, false));
         }

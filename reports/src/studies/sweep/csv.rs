@@ -7,7 +7,7 @@ use crate::record::{Results, Run};
 type Settled<'a> = (&'a Run, &'a Steady);
 
 /// The tables that a record has data for.
-pub fn tables(results: &Results) -> Vec<CsvTable> {
+pub fn tables(results: &Results, still: &[StaticCycle]) -> Vec<CsvTable> {
     let steady: Vec<Settled<'_>> = (results.runs.iter())
         .filter_map(|r| Some((r, r.steady.as_ref()?)))
         .collect();
@@ -15,8 +15,8 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
     if !steady.is_empty() {
         all.extend([speeds(&steady), cycles(&steady)]);
     }
-    if !results.statics.is_empty() {
-        all.push(statics(&results.statics));
+    if !still.is_empty() {
+        all.push(statics(still));
     }
     all
 }

@@ -5,7 +5,27 @@
 //! point over the base pitch, as the second gear has it. Harmonics are amplitudes (half of peak to peak) at one, two,
 //! ... times the mesh frequency.
 
+use crate::record::Results;
+use crate::studies::Part;
 use serde::{Deserialize, Serialize};
+
+/// What the record of this study has of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SweepRecord {
+    /// Static limits.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub statics: Vec<StaticCycle>,
+}
+
+impl Results {
+    /// Static limits; none in records of other studies.
+    pub fn statics(&self) -> &[StaticCycle] {
+        match &self.part {
+            Part::Sweep(part) => &part.statics,
+            _ => &[],
+        }
+    }
+}
 
 /// Steady running at one speed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -114,6 +134,18 @@ impl Steady {
 }
 
 impl StaticCycle {
+    /// Whether every number is one.
+    pub fn is_finite(&self) -> bool {
+        let single = [
+            self.force_n,
+            self.error_mean_m,
+            self.error_peak_to_peak_m,
+            self.tangent_n_per_m,
+        ];
+        let lists = self.position.iter().chain(&self.error_m);
+        lists.chain(&single).all(|x| x.is_finite())
+    }
+
     /// Root mean square of the error about its mean \[m\].
     pub fn rms(&self) -> f64 {
         let n = self.error_m.len().max(1) as f64;

@@ -1,7 +1,7 @@
 //! Finding and tables of a speed sweep under load.
 
 use super::Steady;
-use super::charts::{Swept, resonance, swept};
+use super::charts::{Swept, resonance};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, glance, note, section, sentences};
 use crate::numbers::{quantity, short, significant};
@@ -11,8 +11,7 @@ use maud::{Markup, html};
 const UM: f64 = 1e6;
 
 /// The finding.
-pub fn finding(view: &View<'_>) -> Markup {
-    let all = swept(view);
+pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
     if all.iter().all(|s| s.runs.is_empty()) {
         return html! { "No run reached steady running." };
     }
@@ -31,7 +30,7 @@ pub fn finding(view: &View<'_>) -> Markup {
         @for (i, peak) in peaks.iter().enumerate() { @if i > 0 { ", " } (peak) }
         "."
     }];
-    if let Some(f) = resonance(&all) {
+    if let Some(f) = resonance(all) {
         let f = quantity(f, "Hz", 3);
         told.push(
             html! { "The mean tangent stiffness of the mesh puts that resonance at " (f) "." },
@@ -72,14 +71,13 @@ pub fn finding(view: &View<'_>) -> Markup {
 }
 
 /// Peaks and static values per model.
-pub fn tables(view: &View<'_>) -> Markup {
-    let all = swept(view);
+pub fn tables(all: &[Swept<'_>]) -> Markup {
     if all.is_empty() {
         return Markup::default();
     }
     let um = |x: f64| Some(significant(UM * x, 3));
     let khz = |f: f64| Some(significant(1e-3 * f, 3));
-    let table = Table::<Swept<'_>>::of(&all)
+    let table = Table::of(all)
         .text("Model", |s| s.label.clone())
         .written("TE at rest, p-p", "\u{b5}m", |s| {
             um(s.statics?.error_peak_to_peak_m)
@@ -109,8 +107,7 @@ pub fn tables(view: &View<'_>) -> Markup {
 }
 
 /// Every speed of every model.
-pub fn speeds(view: &View<'_>) -> Markup {
-    let all = swept(view);
+pub fn speeds(all: &[Swept<'_>]) -> Markup {
     let rows: Vec<(&Swept<'_>, &Steady)> = (all.iter())
         .flat_map(|s| s.runs.iter().map(move |(r, _)| (s, *r)))
         .collect();

@@ -11,7 +11,6 @@ use crate::drawing::lines::{RIGHT, WIDTH};
 use crate::numbers::{quantity, short};
 use crate::record::Status;
 use crate::studies::stability::{LineKind, Map};
-use crate::view::View;
 use look::{Entry, KINDS, legend, legend_height};
 use panel::{Panel, labels};
 
@@ -47,8 +46,7 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn stability(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
-    let maps = &view.results.maps;
+pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
     if let Some(svg) = overview::overview(maps)? {
         charts.push(Chart {
@@ -219,8 +217,10 @@ fn paint(maps: &[&Map]) -> Result<String, DrawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{Results, Study};
-    use crate::studies::stability::{Cell, Columns, MapAxis, MapLine, SelfReference};
+    use crate::record::{Part, Results, StudyHeader};
+    use crate::studies::stability::{
+        Cell, Columns, MapAxis, MapLine, SelfReference, StabilityRecord,
+    };
 
     /// A map with every label in its own row.
     fn map(set: usize, integrator: &str, seconds: usize) -> Map {
@@ -274,9 +274,11 @@ mod tests {
 
     fn results(maps: Vec<Map>) -> Results {
         Results {
-            scene: "made up".into(),
-            study: Study::Stability,
-            maps,
+            header: StudyHeader {
+                scene: "made up".into(),
+                ..StudyHeader::default()
+            },
+            part: Part::Stability(StabilityRecord { maps }),
             ..Results::default()
         }
     }
@@ -284,10 +286,9 @@ mod tests {
     #[test]
     fn every_label_has_its_letter_and_nothing_is_not_a_number() {
         let maps = vec![map(0, "rk4", 0), map(0, "bdf", 0), map(1, "rk4", 4)];
-        let record = results(maps);
+        let record = results(maps.clone());
         record.validate().unwrap();
-        let view = View::new(&record);
-        let charts = stability(&view).unwrap();
+        let charts = stability(&maps).unwrap();
         assert_eq!(charts.len(), 3, "an overview and one figure per set");
         for chart in &charts {
             assert!(!chart.svg.contains("NaN") && !chart.svg.contains("<b>"));
@@ -310,8 +311,8 @@ mod tests {
 
     #[test]
     fn more_figures_than_there_is_room_for_are_told_of() {
-        let record = results((0..40).map(|set| map(set, "rk4", 0)).collect());
-        let charts = stability(&View::new(&record)).unwrap();
+        let maps: Vec<Map> = (0..40).map(|set| map(set, "rk4", 0)).collect();
+        let charts = stability(&maps).unwrap();
         assert_eq!(charts.len(), DRAWN + 1);
         let last = charts.last().map(|c| c.caption.as_str()).unwrap_or("");
         assert!(last.contains("16 further figures"), "{last}");
