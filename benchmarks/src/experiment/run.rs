@@ -16,7 +16,6 @@ use gearbench_models::spec::{Body, Modelling, SceneSpec, Value, lever};
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::{Column, TimeSeries};
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
