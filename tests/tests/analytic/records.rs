@@ -29,7 +29,6 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         repeats: 0,
         timeout: Duration::from_secs(600),
         max_steps: 10_000,
-        cancel: None,
     };
     run(&job).unwrap().series.unwrap()
 }
