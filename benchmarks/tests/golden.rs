@@ -19,14 +19,12 @@ const HEADER: &str = "# Golden runs of scene spur_impact, made by:\n\
     force_l2_aligned,peak_force_n,impulse_ns,omega1_end,omega2_end\n";
 
 fn runs() -> Vec<Run> {
-    let scene = scene_file::load("spur_impact").unwrap_or_else(|e| panic!("{e:?}"));
-    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
     // Models with integrators of their own are finite elements: other tests hold those.
-    let choices: Vec<_> = scene
-        .models
-        .iter()
-        .filter(|c| c.integrators.is_none())
-        .collect();
+    let labels = Some("rigid,movable-teeth,rigid-iso6336");
+    let scene = scene_file::load_for("spur_impact", scene_file::Selection::Labels(labels));
+    let scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
+    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
+    let choices = scene.select(labels).unwrap();
     let plan = Plan {
         conditions: Conditions {
             samples: 200,

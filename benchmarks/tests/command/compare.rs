@@ -2,10 +2,10 @@
 
 use super::{Folder, gearbench, is_empty, stderr};
 
-#[test]
-fn the_bare_command_writes_the_default_report() {
+/// Writes a report, quietly.
+fn reports(arguments: &[&str]) {
     let folder = Folder::new();
-    let out = gearbench(folder.path(), &[]);
+    let out = gearbench(folder.path(), arguments);
     assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
     let dir = folder.at("out/spur_impact/compare");
     let page = std::fs::read_to_string(dir.join("index.html")).unwrap();
@@ -31,6 +31,17 @@ fn the_bare_command_writes_the_default_report() {
         page,
         std::fs::read_to_string(dir.join("index.html")).unwrap()
     );
+}
+
+#[test]
+fn a_comparison_writes_its_report() {
+    reports(&["compare", "spur_impact", "--models", "rigid,movable-teeth"]);
+}
+
+#[test]
+#[ignore = "a quarter of a minute of finite elements: cargo test --release -p gearbench --test command -- --ignored"]
+fn the_bare_command_writes_the_default_report() {
+    reports(&[]);
 }
 
 #[test]
@@ -124,15 +135,32 @@ fn bad_input_is_refused_and_nothing_is_written() {
             &["no model `rigd`", "rigid"],
         ),
         (
-            &["compare", "spur_impact", "--integrators", "rk5"],
+            &[
+                "compare",
+                "spur_impact",
+                "--models",
+                "rigid",
+                "--integrators",
+                "rk5",
+            ],
             &["no integrator `rk5`", "rk4"],
         ),
         (
-            &["compare", "spur_impact", "--integrators", "newmark(beta=7)"],
+            &[
+                "compare",
+                "spur_impact",
+                "--models",
+                "rigid",
+                "--integrators",
+                "newmark(beta=7)",
+            ],
             &["beta = 7 lies outside"],
         ),
         (&["compare", "nowhere.toml"], &["nowhere.toml"]),
-        (&["identify", "hammer"], &["no reference"]),
+        (
+            &["identify", "hammer", "--model", "rigid"],
+            &["no reference"],
+        ),
         (&["report", "nowhere"], &["nowhere"]),
     ];
     for (arguments, expected) in cases {

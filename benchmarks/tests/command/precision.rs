@@ -41,18 +41,20 @@ fn precision_writes_its_table_and_takes_failures_as_data() {
     assert!(said.contains("Pareto front against calculix"), "{said}");
 
     for (wrong, expected) in [
-        (["--metric", "farce"], "there is no metric `farce`"),
-        (["--against", "abaqus"], "`abaqus` is no reference"),
-        (["--integrators", "bdf@1us"], "chooses its steps"),
-        (["--models", "rigd"], "did you mean `rigid`"),
+        (["rigid", "--metric", "farce"], "there is no metric `farce`"),
+        (["rigid", "--against", "abaqus"], "`abaqus` is no reference"),
+        (["rigid", "--integrators", "bdf@1us"], "chooses its steps"),
+        (["rigd", "--metric", "peak"], "did you mean `rigid`"),
     ] {
         let all = [
             "precision",
             "spur_impact",
             "--out",
             "there",
+            "--models",
             wrong[0],
             wrong[1],
+            wrong[2],
         ];
         let out = gearbench(folder.path(), &all);
         assert_eq!(out.status.code(), Some(2), "{wrong:?}");

@@ -27,13 +27,11 @@ fn stored(scene: &scene_file::SceneFile) -> ExternalReference {
 
 /// Metrics of each model of a scene against its reference, by label, under a tight adaptive method.
 fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) {
-    let scene = scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"));
+    let labels = Some("rigid,movable-teeth");
+    let scene = scene_file::load_for(name, scene_file::Selection::Labels(labels));
+    let scene = scene.unwrap_or_else(|e| panic!("{e:?}"));
     let external = stored(&scene);
-    let choices: Vec<_> = scene
-        .models
-        .iter()
-        .filter(|c| c.integrators.is_none())
-        .collect();
+    let choices = scene.select(labels).unwrap();
     let labels: Vec<String> = choices.iter().map(|m| m.label.clone()).collect();
     let plan = Plan {
         conditions: Conditions {
@@ -129,8 +127,8 @@ fn case_c_in_force_impulse_and_rebound() {
 #[test]
 fn identification_finds_the_stored_rigid_calibration_again() {
     let name = "spur_impact";
-    let scene = scene_file::load_uncalibrated(name, scene_file::Selection::All)
-        .unwrap_or_else(|e| panic!("{e:?}"));
+    let wanted = scene_file::Selection::Labels(Some("rigid"));
+    let scene = scene_file::load_uncalibrated(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
     let external = stored(&scene);
     let choice = scene.model("rigid").unwrap();
     let found = identify(
@@ -141,7 +139,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         |_, _| {},
     )
     .unwrap();
-    let calibrated = scene_file::load(name).unwrap_or_else(|e| panic!("{e:?}"));
+    let calibrated = scene_file::load_for(name, wanted).unwrap_or_else(|e| panic!("{e:?}"));
     let constants = calibrated
         .model("rigid")
         .unwrap()
