@@ -48,7 +48,7 @@ fn a_choice_is_written_and_runs() {
     assert!(said.contains("predicted error"), "{said}");
     let read = |name: &str| std::fs::read_to_string(folder.at("o").join(name)).unwrap();
     let page = read("index.html");
-    assert!(page.contains("The ladder") && page.contains("<svg"));
+    assert!(page.contains("The hierarchy of models") && page.contains("<svg"));
     assert!(
         read("choose.csv")
             .lines()

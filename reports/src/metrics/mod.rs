@@ -59,7 +59,20 @@ impl<'a> Finished<'a> {
     /// [`Unfinished`] when the histories end before.
     pub fn new(series: &'a TimeSeries, ledger: &'a Ledger, end_s: f64) -> Result<Self, Unfinished> {
         let reached_s = series.time_s.last().copied().unwrap_or(f64::NEG_INFINITY);
-        if reached_s >= end_s - 1e-9 * end_s.abs() {
+        Self::reached(series, ledger, [reached_s, end_s])
+    }
+
+    /// The same of a run that says itself which time it reached: its history may end before, where only spells of
+    /// contact are recorded.
+    ///
+    /// # Errors
+    /// [`Unfinished`] when it did not reach its end, or has no history.
+    pub fn reached(
+        series: &'a TimeSeries,
+        ledger: &'a Ledger,
+        [reached_s, end_s]: [f64; 2],
+    ) -> Result<Self, Unfinished> {
+        if !series.is_empty() && reached_s >= end_s - 1e-9 * end_s.abs() {
             Ok(Self { series, ledger })
         } else {
             Err(Unfinished { reached_s, end_s })

@@ -61,8 +61,8 @@ pub struct Observed {
     pub series: TimeSeries,
     /// Its energy.
     pub ledger: Ledger,
-    /// Time that it was to reach [s].
-    pub end_s: f64,
+    /// Time that it reached and time that it was to reach [s].
+    pub times_s: [f64; 2],
     /// How it ended.
     pub status: Status,
     /// Why.
@@ -75,7 +75,7 @@ impl Observed {
         if self.status.is_failure() || reference.status.is_failure() {
             return None;
         }
-        let run = Finished::new(&self.series, &self.ledger, self.end_s).ok()?;
+        let run = Finished::reached(&self.series, &self.ledger, self.times_s).ok()?;
         let error = metric.error(run, (&reference.series, &reference.ledger));
         error.filter(|e| e.is_finite())
     }
@@ -137,7 +137,7 @@ impl<'a> Ready<'a> {
         Ok(Observed {
             series: row.series.take().unwrap_or_default(),
             ledger: row.ledger,
-            end_s: job.t_end,
+            times_s: [row.simulated_s, job.t_end],
             status: row.status,
             message: row.message,
         })

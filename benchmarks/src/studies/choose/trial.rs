@@ -53,9 +53,10 @@ impl Outcome {
     /// Error against another run; infinite where there is none to be had.
     #[must_use]
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
-        let end = self.row.end_s.unwrap_or(self.row.simulated_s);
+        let reached = self.row.simulated_s;
+        let times = [reached, self.row.end_s.unwrap_or(reached)];
         (self.usable().then_some(()))
-            .and_then(|()| Finished::new(&self.series, &self.ledger, end).ok())
+            .and_then(|()| Finished::reached(&self.series, &self.ledger, times).ok())
             .and_then(|run| metric.error(run, (&reference.series, &reference.ledger)))
             .unwrap_or(f64::INFINITY)
     }
