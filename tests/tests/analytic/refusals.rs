@@ -203,7 +203,7 @@ fn models_and_their_parameters() {
         &spec,
         &set("tooth_mass_kg", Value::Text("light".into())),
         &c,
-        &["expected a number", "light"],
+        &["expected a number", "tooth_mass_kg"],
     );
     refused(
         &spec,

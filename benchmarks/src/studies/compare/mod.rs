@@ -9,6 +9,7 @@ pub mod arguments;
 pub mod command;
 mod plan;
 mod run;
+mod summary;
 
 pub use plan::Plan;
 pub use run::compare;

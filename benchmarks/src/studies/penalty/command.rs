@@ -1,17 +1,15 @@
 //! `gearbench penalty SCENE`: results over the penalty of the contact.
 
 use super::arguments::Penalty;
+use super::summary::summarise;
 use super::{PenaltyError, Plan, study};
-use crate::cli::terminal::{
-    Refusal, exit_code, refuse_run, refuse_statics, say, with_progress, write,
-};
+use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::mesh_layout;
-use gearbench_reports::record::Results;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -85,28 +83,4 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
     })?;
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))
-}
-
-/// One line per penalty.
-fn summarise(results: &Results) {
-    say(&format!(
-        "{:>10} {:>12} {:>13} {:>13}  {}",
-        "Pa/m", "peak force", "impulse", "static TE", "status"
-    ));
-    for r in &results.runs {
-        let name = r
-            .penalty_pa_per_m
-            .map_or("hard".into(), |p| format!("{p:.1e}"));
-        let m = r.metrics.first();
-        let text = |x: Option<f64>, unit: &str, scale: f64| {
-            x.map_or(String::new(), |x| format!("{:.5} {unit}", scale * x))
-        };
-        say(&format!(
-            "{name:>10} {:>12} {:>13} {:>13}  {}",
-            text(m.and_then(|m| m.peak_force_n), "kN", 1e-3),
-            text(m.and_then(|m| m.impulse_ns), "N s", 1.0),
-            text(r.static_error_m, "um", 1e6),
-            r.status
-        ));
-    }
 }

@@ -1,14 +1,13 @@
 //! `gearbench precision SCENE`: accuracy against cost.
 
 use super::arguments::Precision;
+use super::summary::summarise;
 use super::{Asked, Plan, metrics_of, study};
-use crate::cli::terminal::{Refusal, refuse_run, say, stored_reference, with_progress, write};
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
-use gearbench_reports::numbers::{percent, quantity, short};
-use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, rung};
-use gearbench_reports::record::Results;
+use gearbench_reports::numbers::short;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -62,59 +61,4 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
 
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The front against every reference, and who leads.
-fn summarise(results: &Results) {
-    let told = Told::of(results);
-    for id in &told.references {
-        let cloud = told.cloud(id, told.headline(), Cost::Wall);
-        if cloud.shown.is_empty() {
-            continue;
-        }
-        say(&format!("Pareto front against {id}, {}", told.headline()));
-        for i in cloud.front(|_| true) {
-            let s = &cloud.shown[i];
-            let fitted = if s.is_fitted() { ", fitted to it" } else { "" };
-            say(&format!(
-                "  {:>10} %  {:>9}  {} ({}){fitted}",
-                percent(s.point.error, 3),
-                quantity(s.run.wall_s, "s", 3),
-                family(s.run),
-                rung(s.run)
-            ));
-        }
-        for fitted_too in [false, true] {
-            if fitted_too && !cloud.has_fitted() {
-                continue;
-            }
-            let which = match (cloud.has_fitted(), fitted_too) {
-                (false, _) => "cheapest within a limit",
-                (true, false) => "cheapest within a limit, nothing fitted",
-                (true, true) => "cheapest within a limit, fitted models included",
-            };
-            let lines: Vec<String> = (LEVELS.iter())
-                .filter_map(|l| cloud.standing(*l, fitted_too))
-                .map(|s| {
-                    format!(
-                        "{} {}: {}; {}",
-                        s.level(),
-                        s.own(),
-                        s.beside_next(),
-                        s.beside_other()
-                    )
-                })
-                .collect();
-            if !lines.is_empty() {
-                say(&format!("{which}:\n  {}", lines.join("\n  ")));
-            }
-        }
-    }
-    let failed = (results.runs.iter())
-        .filter(|r| r.status.is_failure())
-        .count();
-    say(&format!(
-        "{} runs, {failed} of them failed and recorded as such",
-        results.runs.len()
-    ));
 }

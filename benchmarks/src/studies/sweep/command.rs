@@ -1,16 +1,14 @@
 //! `gearbench sweep SCENE`: loaded running over the speed.
 
 use super::arguments::Sweep;
+use super::summary::summarise;
 use super::{Plan, SweepError, mesh_resonance, sweep};
-use crate::cli::terminal::{
-    Refusal, exit_code, refuse_run, refuse_statics, say, with_progress, write,
-};
+use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
-use gearbench_reports::record::Results;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -84,50 +82,4 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
         with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
     write(&results, (&args.out, &scene.name), summarise)?;
     Ok(exit_code(&results))
-}
-
-/// One line per model, and the failures.
-fn summarise(results: &Results) {
-    say(&format!(
-        "{:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
-        "model", "TE at rest", "fn", "greatest TE", "at", "speeds", "wall"
-    ));
-    let mut labels: Vec<String> = results.statics().iter().map(|s| s.label.clone()).collect();
-    labels.dedup();
-    for label in labels {
-        let statics = results.statics().iter().find(|s| s.label == label);
-        let runs: Vec<_> = (results.runs.iter())
-            .filter(|r| r.model_label() == label)
-            .collect();
-        let peak = (runs.iter().filter(|r| !r.status.is_failure()))
-            .filter_map(|r| r.steady.as_ref())
-            .max_by(|a, b| a.error_rms_m.total_cmp(&b.error_rms_m));
-        let um = |x: f64| format!("{:.3} um", 1e6 * x);
-        say(&format!(
-            "{label:<28} {:>11} {:>9} {:>13} {:>13} {:>8} {:>9}",
-            statics.map_or(String::new(), |s| um(s.error_peak_to_peak_m)),
-            statics
-                .and_then(|s| s.resonance_hz)
-                .map_or(String::new(), |f| format!("{:.0} Hz", f)),
-            peak.map_or(String::new(), |p| format!("{} rms", um(p.error_rms_m))),
-            peak.map_or(String::new(), |p| format!("{:.0} Hz", p.mesh_frequency_hz)),
-            runs.len(),
-            match runs.len() {
-                0 => String::new(),
-                _ => format!("{:.1} s", runs.iter().map(|r| r.wall_s).sum::<f64>()),
-            }
-        ));
-    }
-    let failed: Vec<_> = (results.runs.iter())
-        .filter(|r| r.status.is_failure())
-        .collect();
-    if let Some(first) = failed.first() {
-        say(&format!(
-            "{} of {} runs failed; the first: {}: {}",
-            failed.len(),
-            results.runs.len(),
-            first.status,
-            first.message.as_deref().unwrap_or("no reason given")
-        ));
-    }
 }

@@ -1,14 +1,14 @@
 //! The study as a whole, on rigid gears: labels, threads, limits.
 
-use super::axis::{Axis, Setup};
-use super::cell::tolerance;
-use super::journal::Journal;
-use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::{Means, study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
 use crate::scene_file::{Selection, load_for};
+use crate::studies::stability::axis::{Axis, Setup};
+use crate::studies::stability::cell::tolerance;
+use crate::studies::stability::journal::Journal;
+use crate::studies::stability::plan::{MapPlan, Plan, PlannedAxis};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::table::{NEWMARK, VELOCITY_VERLET};
 use gearbench_models::gear::parameters::ModelParameters;
@@ -37,7 +37,7 @@ fn plan(methods: &[MethodSpec]) -> Plan<'static> {
             method,
             implicit: method.info().implicit,
             columns: Columns::Step,
-            at: super::axis::spaced(5e-7, 1.5e-4, 8),
+            at: crate::studies::stability::axis::spaced(5e-7, 1.5e-4, 8),
             axes: vec![
                 PlannedAxis::new(Axis::ContactStiffness, &[0.1, 0.99, 10.0], &setup).unwrap(),
             ],

@@ -3,6 +3,7 @@
 use super::*;
 use crate::experiment::conditions::silent;
 use crate::scene_file::{Selection, load_for};
+use crate::studies::precision::{Asked, COUNTS};
 use gearbench_reports::{Ledger, Metric};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,7 +1,7 @@
 //! Sweeps with known answers.
 
 use super::*;
-use crate::experiment::conditions::silent;
+use crate::experiment::conditions::{Conditions, silent};
 use crate::scene_file::{Origin, SceneFile};
 
 /// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.

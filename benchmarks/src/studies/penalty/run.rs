@@ -1,0 +1,108 @@
+//! Runs over the penalty.
+
+use super::plan::{PenaltyError, Plan};
+use crate::experiment::conditions::Progress;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::run;
+use crate::experiment::thin::thin;
+use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
+use gearbench_reports::metrics::compare as measure;
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
+
+/// The entry with another penalty in all its meshes.
+fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, PenaltyError> {
+    let mut entry = entry.clone();
+    let mut any = false;
+    for contact in &mut entry.modelling.contacts {
+        if let Some(points) = &mut contact.points {
+            points.penalty = penalty;
+            any = true;
+        }
+    }
+    if any {
+        Ok(entry)
+    } else {
+        Err(PenaltyError::NoPenalty(entry.label))
+    }
+}
+
+/// Mean static transmission error over one base pitch [m].
+fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, PenaltyError> {
+    let Some(force) = plan.load else {
+        return Ok(None);
+    };
+    let fail = |e| PenaltyError::Statics(entry.label.clone(), e);
+    let mut pair =
+        LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
+    let cycle = MeshCycle::solve(&mut pair, Load::Force(force), plan.positions, |_| {});
+    Ok(Some(cycle.map_err(fail)?.mean_error()))
+}
+
+/// Runs the study. `progress` is told the runs done and the name of the next.
+///
+/// # Errors
+/// [`PenaltyError`]; runs that fail are rows.
+pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, PenaltyError> {
+    let grid = plan.conditions.grid();
+    let total = plan.penalties.len() + usize::from(plan.hard.is_some());
+    let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, PenaltyError> {
+        progress(done, total, what);
+        let method = (entry.methods.as_ref())
+            .and_then(|m| m.first())
+            .unwrap_or(&plan.method);
+        let mut row = run(&plan
+            .conditions
+            .job((&entry.scene, &entry.modelling), method, &grid))?;
+        // One name for soft and hard contact: they are one model.
+        row.model.clone_from(&plan.entry.model);
+        row.variant = plan.entry.variant();
+        row.contacts = None;
+        row.static_error_m = static_error(plan, entry)?;
+        Ok(row)
+    };
+    let mut references = Vec::new();
+    let mut last = None;
+    if let Some(hard) = &plan.hard {
+        let mut row = one(hard, 0, "hard contact")?;
+        row.hard = Some(true);
+        if let Some(series) = row.series.as_ref().filter(|_| !row.status.is_failure()) {
+            let metrics = row.finished().map(|run| measure(run, series, "hard"));
+            references.push(ReferenceSeries {
+                id: "hard".into(),
+                title: "hard contact".into(),
+                source: format!("the last run of this record: {}", hard.label),
+                series: series.clone(),
+                ..ReferenceSeries::default()
+            });
+            row.metrics.extend(metrics);
+        }
+        last = Some(row);
+    }
+    let mut runs = Vec::new();
+    for &penalty in &plan.penalties {
+        let entry = with_penalty(&plan.entry, penalty)?;
+        let what = format!("{}, {penalty:.1e} Pa/m", entry.label);
+        let mut row = one(&entry, runs.len() + usize::from(last.is_some()), &what)?;
+        row.penalty_pa_per_m = Some(penalty);
+        if let (Ok(run), Some(series)) = (row.finished(), &row.series) {
+            // Without a limit to refer to, the outputs alone.
+            let (target, id) = match references.first() {
+                Some(r) => (&r.series, "hard"),
+                None => (series, "self"),
+            };
+            let metrics = measure(run, target, id);
+            row.metrics.push(metrics);
+        }
+        runs.push(row);
+    }
+    runs.extend(last);
+    for row in &mut runs {
+        row.series = row.series.take().map(|s| thin(&s));
+    }
+    progress(runs.len(), total, "report");
+    Ok(Results {
+        references,
+        runs,
+        ..plan.conditions.record(Part::Penalty)
+    })
+}

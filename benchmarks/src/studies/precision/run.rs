@@ -1,0 +1,362 @@
+//! Runs of accuracy against cost.
+
+use super::plan::{Full, Plan, Variant};
+use crate::experiment::conditions::Progress;
+use crate::experiment::converged::{SMALL, converged, exact_for_modes, tight};
+use crate::experiment::run::{Job, LEFT_OUT, RunError, run, run_timed};
+use crate::experiment::thin::thin;
+use gearbench_integrators::Resolution;
+use gearbench_integrators::{MethodSpec, Scheme};
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::metrics::{Finished, compare as measure};
+use gearbench_reports::precision::PrecisionRecord;
+use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, Status};
+use gearbench_reports::series::{Column, TimeSeries};
+
+#[cfg(test)]
+mod tests;
+
+/// Tolerances tried for the converged solution of gears with modes and the steps each may take. A hundredth of the
+/// finest tolerance of a ladder, where that is affordable.
+const EXACT_MODES: [(f64, u64); 3] = [(1e-6, 1_000_000), (1e-4, 2_500_000), (1e-3, 2_500_000)];
+/// Step of the converged solution of a full model that is no reference over the finest of its ladder.
+const FINER: f64 = 0.5;
+/// So many times longer than others a reference may take.
+const PATIENCE: u32 = 10;
+
+/// The setting that says which rungs were left out.
+const TOO_FINE: &str = "left out: finer than a run that took too long";
+
+/// Runs the study. `progress` is told the runs done and the name of the next.
+///
+/// # Errors
+/// [`RunError`] when a model cannot be built, a reference does not reach the end, or the user interrupts.
+pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
+    let study = Study {
+        plan,
+        grid: plan.conditions.grid_with(plan.external.as_ref()),
+    };
+    let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
+    for full in &plan.fulls {
+        progress(
+            computed.len(),
+            plan.len(),
+            &format!("reference {}", full.id),
+        );
+        computed.push(study.reference(full)?);
+    }
+    let mut references: Vec<(&str, Held)> = Vec::new();
+    // A stored history has times of its own, and every run records those.
+    references.extend((plan.external.iter()).map(|e| {
+        let held = Held::new(e.series.clone(), &[]);
+        (e.id.as_str(), held)
+    }));
+    references
+        .extend((computed.iter()).map(|(r, s)| (r.id.as_str(), Held::new(s.clone(), &study.grid))));
+
+    let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
+    let mut notes: Vec<(String, String)> = Vec::new();
+    let mut done = plan.fulls.len();
+    for variant in &plan.variants {
+        let mut own: Option<Option<Held>> = None;
+        // Integrators that cannot run this model, or whose steps have become too many.
+        let mut closed: Vec<MethodSpec> = Vec::new();
+        for method in &variant.methods {
+            done += 1;
+            if closed.contains(&method.method) {
+                continue;
+            }
+            let label = variant.label();
+            progress(done - 1, plan.len(), &format!("{label}, {}", method.method));
+            let job = study.job((&variant.entry.scene, &variant.entry.modelling), method);
+            let mut row = match run_timed(&job, plan.timed) {
+                Err(RunError::NoLinearPart(id)) => {
+                    note(
+                        &mut notes,
+                        LEFT_OUT,
+                        format!("{} under {id}", variant.entry.label),
+                    );
+                    closed.push(method.method);
+                    continue;
+                }
+                other => other?,
+            };
+            let own = match &mut own {
+                Some(own) => own,
+                none => {
+                    progress(
+                        done - 1,
+                        plan.len(),
+                        &format!("{label}, converged solution"),
+                    );
+                    let found = study.own_solution(variant, &row, &references)?;
+                    none.insert(found.map(|s| Held::new(s, &study.grid)))
+                }
+            };
+            let steps = matches!(method.resolution, Resolution::Step(_));
+            if row.status == Status::Timeout && !finest(variant, method) {
+                let kind = if steps { "steps" } else { "tolerances" };
+                note(
+                    &mut notes,
+                    TOO_FINE,
+                    format!("{label} under {}, finer {kind}", method.method),
+                );
+                closed.push(method.method);
+            }
+            fill(&mut row, variant);
+            measure_against(&mut row, variant, &references, own.as_ref());
+            runs.push(row);
+        }
+    }
+    progress(done, plan.len(), "report");
+    let computed = computed.into_iter().map(|(r, _)| r);
+    Ok(Results {
+        settings: [plan.conditions.settings.clone(), notes].concat(),
+        references: plan.external.iter().cloned().chain(computed).collect(),
+        runs,
+        ..plan.conditions.record(Part::Precision(PrecisionRecord {
+            metrics: plan.metrics.clone(),
+        }))
+    })
+}
+
+/// Adds a setting, or to the one of its name.
+fn note(notes: &mut Vec<(String, String)>, what: &str, text: String) {
+    match notes.iter_mut().find(|(w, _)| w == what) {
+        Some((_, told)) if told.contains(&text) => {}
+        Some((_, told)) => {
+            told.push_str("; ");
+            told.push_str(&text);
+        }
+        None => notes.push((what.to_owned(), text)),
+    }
+}
+
+/// Whether a method is the last of its ladder.
+fn finest(variant: &Variant, method: &Scheme) -> bool {
+    let last = variant.methods.iter().rfind(|m| m.method == method.method);
+    last == Some(method)
+}
+
+/// What the caller of a run knows of it. Histories and pictures of hundreds of runs are nobody's business.
+fn fill(row: &mut Run, variant: &Variant) {
+    let entry = &variant.entry;
+    entry.sign(row);
+    row.published_s = entry.published;
+    row.fitted_to.clone_from(&variant.fitted_to);
+    // The modes that were kept, as the model says.
+    row.modes = row.modes.or(variant.modes);
+    row.contacts = None;
+}
+
+/// A history that runs are held against: as it was recorded, and at the times that every run records.
+struct Held {
+    whole: TimeSeries,
+    even: TimeSeries,
+}
+
+impl Held {
+    fn new(whole: TimeSeries, grid: &[f64]) -> Self {
+        let even = at_times(&whole, grid);
+        Held { whole, even }
+    }
+
+    /// Errors of a run. Peaks and impulses take all samples; pointwise errors only those at common times: between
+    /// samples of its own a run is interpolated, and where a force jumps that shows as an error it does not have.
+    fn errors(&self, run: Finished<'_>, id: &str) -> Metrics {
+        let whole = measure(run, &self.whole, id);
+        if self.even.len() < 3 {
+            return whole;
+        }
+        let even = measure(run, &self.even, id);
+        Metrics {
+            force_l2: even.force_l2,
+            force_l2_aligned: even.force_l2_aligned,
+            time_shift_s: even.time_shift_s,
+            transmission_error_l2: even.transmission_error_l2,
+            ..whole
+        }
+    }
+}
+
+/// The samples of a history at some ascending times; of several at one time the first.
+fn at_times(series: &TimeSeries, times: &[f64]) -> TimeSeries {
+    let near = 1e-12 * times.last().copied().unwrap_or(0.0).abs();
+    let mut kept: Vec<usize> = Vec::with_capacity(times.len());
+    let mut next = 0;
+    for t in times {
+        while next < series.time_s.len() && series.time_s[next] < t - near {
+            next += 1;
+        }
+        if next < series.time_s.len()
+            && series.time_s[next] <= t + near
+            && kept.last() != Some(&next)
+        {
+            kept.push(next);
+        }
+    }
+    let of = |column: &[f64]| {
+        kept.iter()
+            .filter_map(|&i| column.get(i).copied())
+            .collect()
+    };
+    TimeSeries {
+        time_s: of(&series.time_s),
+        contact_force_n: of(&series.contact_force_n),
+        omega1_rad_s: of(&series.omega1_rad_s),
+        omega2_rad_s: of(&series.omega2_rad_s),
+        columns: (series.columns.iter())
+            .map(|c| Column {
+                name: c.name.clone(),
+                values: of(&c.values),
+            })
+            .collect(),
+    }
+}
+
+fn measure_against(
+    row: &mut Run,
+    variant: &Variant,
+    references: &[(&str, Held)],
+    own: Option<&Held>,
+) {
+    let mut metrics = Vec::new();
+    if let Ok(run) = row.finished() {
+        let held = (references.iter()).filter(|(id, _)| variant.against.iter().any(|a| a == id));
+        metrics.extend(held.map(|(id, reference)| reference.errors(run, id)));
+        metrics.extend(own.map(|own| own.errors(run, "self")));
+    }
+    row.metrics.extend(metrics);
+    row.series = None;
+}
+
+/// What all runs share.
+struct Study<'a> {
+    plan: &'a Plan<'a>,
+    grid: Vec<f64>,
+}
+
+impl Study<'_> {
+    fn job<'j>(&'j self, of: (&'j SceneSpec, &'j Modelling), method: &'j Scheme) -> Job<'j> {
+        self.plan.conditions.job(of, method, &self.grid)
+    }
+
+    /// A reference as the record keeps it, and its whole history.
+    fn reference(&self, full: &Full) -> Result<(ReferenceSeries, TimeSeries), RunError> {
+        let entry = &full.entry;
+        let (series, method, dofs) = match &full.method {
+            Some(method) => {
+                let row = run(&Job {
+                    repeats: 0,
+                    timeout: PATIENCE * self.plan.conditions.timeout,
+                    max_steps: u64::MAX,
+                    events: true,
+                    ..self.job((&entry.scene, &entry.modelling), method)
+                })?;
+                if row.status.is_failure() {
+                    return Err(RunError::Reference(format!(
+                        "{} under {} did not reach the end: {}",
+                        full.id,
+                        method.method,
+                        row.message.as_deref().unwrap_or("no reason given")
+                    )));
+                }
+                (row.series, *method, row.dofs)
+            }
+            None => {
+                let (method, series) = self.exact(&entry.scene, &entry.modelling)?.unzip();
+                (
+                    series,
+                    method.unwrap_or_else(|| exact_for_modes(EXACT_MODES[0].0)),
+                    0,
+                )
+            }
+        };
+        let Some(series) = series else {
+            return Err(RunError::Reference(format!(
+                "{} has no converged solution within its time; shorten the scene, or name another reference",
+                full.id
+            )));
+        };
+        let resolution = match method.resolution {
+            Resolution::Step(h) => format!("step {h:.1e} s"),
+            Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
+        };
+        let coordinates = if dofs > 0 {
+            format!("{dofs} coordinates ")
+        } else {
+            String::new()
+        };
+        let record = ReferenceSeries {
+            id: full.id.clone(),
+            title: full.title.clone(),
+            source: format!(
+                "computed for this record: {coordinates}under {}, {resolution}",
+                method.method
+            ),
+            series: thin(&series),
+            ..ReferenceSeries::default()
+        };
+        Ok((record, series))
+    }
+
+    /// The converged solution of gears with modes, by the finest tolerance that its time allows.
+    fn exact(
+        &self,
+        scene: &SceneSpec,
+        modelling: &Modelling,
+    ) -> Result<Option<(Scheme, TimeSeries)>, RunError> {
+        for (rtol, steps) in EXACT_MODES {
+            let tries = [(exact_for_modes(rtol), steps)];
+            let job = |method| self.job((scene, modelling), method);
+            if let Some(series) = converged(&job, 1, &tries)? {
+                let [(method, _)] = tries;
+                return Ok(Some((method, series)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The model's own converged solution; `row` says how large the model is.
+    fn own_solution(
+        &self,
+        variant: &Variant,
+        row: &Run,
+        references: &[(&str, Held)],
+    ) -> Result<Option<TimeSeries>, RunError> {
+        let entry = &variant.entry;
+        // A model that is a reference has its converged solution already.
+        let reference = self.plan.fulls.iter().find(|f| {
+            f.entry.label == entry.label
+                && (f.method.is_some() || f.entry.modelling.gears == entry.modelling.gears)
+        });
+        if let Some(full) = reference {
+            let found = references.iter().find(|(id, _)| *id == full.id);
+            return Ok(found.map(|(_, held)| held.whole.clone()));
+        }
+        if row.modes.is_some() {
+            let found = self.exact(&entry.scene, &entry.modelling)?;
+            return Ok(found.map(|(_, series)| series));
+        }
+        let job = |method| Job {
+            timeout: PATIENCE * self.plan.conditions.timeout,
+            ..self.job((&entry.scene, &entry.modelling), method)
+        };
+        if row.dofs <= SMALL {
+            return converged(&job, row.dofs, &tight());
+        }
+        // A full model: its own integrator on half the finest step.
+        let steps = variant.methods.iter().filter_map(|m| match m.resolution {
+            Resolution::Step(h) => Some((h, m)),
+            Resolution::Tolerance(_) => None,
+        });
+        let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return Ok(None);
+        };
+        let finer = Scheme {
+            method: method.method,
+            resolution: Resolution::Step(FINER * h),
+        };
+        converged(&job, 1, &[(finer, u64::MAX)])
+    }
+}
