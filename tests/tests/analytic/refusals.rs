@@ -203,7 +203,7 @@ fn models_and_their_parameters() {
         &spec,
         &set("tooth_mass_kg", Value::Text("light".into())),
         &c,
-        &["expected a number", "tooth_mass_kg"],
+        &["expected a number", "light"],
     );
     refused(
         &spec,

@@ -8,22 +8,52 @@ use crate::gear::model::GearModel;
 use crate::gear::parameters::{ModelParameters, number};
 use crate::gear::table::{GearContext, ParameterInfo};
 use crate::spec::Body;
-use serde::{Deserialize, Serialize};
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 
 /// Id of the model.
 const MODEL: &str = "movable-teeth";
 
 /// One number for all teeth, or one per tooth.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a number, or a list with one per tooth"
-)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum PerTooth {
     /// All teeth have it.
     All(f64),
     /// Each has its own.
     Each(Vec<f64>),
+}
+
+// By hand, because an untagged enum does not say what was found in place of a number.
+impl<'de> Deserialize<'de> for PerTooth {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct Numbers;
+        impl<'de> Visitor<'de> for Numbers {
+            type Value = PerTooth;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or a list with one per tooth")
+            }
+
+            fn visit_f64<E>(self, x: f64) -> Result<PerTooth, E> {
+                Ok(PerTooth::All(x))
+            }
+
+            fn visit_u64<E>(self, x: u64) -> Result<PerTooth, E> {
+                Ok(PerTooth::All(x as f64))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut all: A) -> Result<PerTooth, A::Error> {
+                let mut each = Vec::new();
+                while let Some(x) = all.next_element()? {
+                    each.push(x);
+                }
+                Ok(PerTooth::Each(each))
+            }
+        }
+        d.deserialize_any(Numbers)
+    }
 }
 
 impl PerTooth {
