@@ -43,7 +43,7 @@ fn column<'s>(series: &'s TimeSeries, name: &str) -> &'s [f64] {
 fn speeds_of_racks_are_angular_where_the_record_says_so() {
     let mut spec = pair_of(
         gear("pinion", spur(20), 0.0, 20.0),
-        rack("rack", 40, 0.0401, 0.0),
+        rack("rack", 40, 0.0401, 0.3),
         start(Side::Left, 3e-6),
     );
     spec.gears[1].inertia = Some(0.4);
