@@ -1,7 +1,8 @@
 //! Scenes, models and runs shared by the tests across crates.
 //!
 //! The kinds of evidence stand in separate test binaries: `analytic` (exact solutions, difference checks,
-//! refusals) and `conformance` (one law over all models and methods, fitted orders).
+//! refusals), `conformance` (one law over all models and methods, fitted orders) and `golden` (what every study
+//! computes on small scenes, by its [`fingerprint`], against what is stored).
 
 use gearbench_integrators::observers::{Tee, ledger::Ledger};
 use gearbench_integrators::{
@@ -26,6 +27,7 @@ use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 #[path = "../../models/examples/elastic_test_gear.rs"]
 pub mod elastic_test_gear;
 pub mod elastic_toy;
+pub mod fingerprint;
 pub mod flank_test_gears;
 
 /// All models: the table of the crate and the example.
