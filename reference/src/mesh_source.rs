@@ -132,7 +132,7 @@ impl Reader<'_> {
     }
 }
 
-/// Parameters that say where a mesh comes from; [`PARAMETERS`] says what they mean.
+/// Parameters that say where a mesh comes from; the table of parameters below says what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 #[expect(missing_docs, reason = "the keys of scenes, described in PARAMETERS")]

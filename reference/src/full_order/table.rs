@@ -19,7 +19,7 @@ const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[ParameterInfo {
     required: false,
 }]);
 
-/// Its parameters as a struct; [`ROW`] says what they mean.
+/// Its parameters as a struct; the row of its table says what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FullOrderParameters {

@@ -57,7 +57,7 @@ impl Request<'_> {
         h
     }
 
-    /// Hash of everything that the basis depends on: format, [`ALGORITHM`], mesh and parameters.
+    /// Hash of everything that the basis depends on: format, version of the algorithm, mesh and parameters.
     #[must_use]
     pub fn key(&self) -> Hash {
         let mut h = Hash::START;

@@ -1,6 +1,6 @@
 //! A drawing surface over the SVG backend of plotters.
 //!
-//! The backend rounds to whole units, so everything is drawn at [`SCALE`] times the size and
+//! The backend rounds to whole units, so everything is drawn at `SCALE` times the size and
 //! brought back by the view box. Dash patterns and a title, which the backend does not know, are
 //! added to its text. Coordinates that are not finite never reach the file.
 
