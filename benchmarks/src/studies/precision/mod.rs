@@ -14,6 +14,7 @@ mod metric;
 mod plan;
 mod references;
 mod run;
+pub mod scene;
 mod summary;
 
 pub use metric::metrics_of;

@@ -1,8 +1,8 @@
 //! Arguments of `stability`.
 
 use crate::cli::values::{DEFAULT_TIMEOUT, positive, positive_load};
-use crate::scene_file::stability::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use crate::studies::stability::axis::{Axis, spaced};
+use crate::studies::stability::scene::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -22,6 +22,7 @@ pub mod journal;
 pub mod limits;
 pub mod plan;
 mod run;
+pub mod scene;
 mod summary;
 pub mod theory;
 

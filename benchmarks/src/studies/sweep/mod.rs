@@ -8,6 +8,7 @@ pub mod arguments;
 pub mod command;
 mod plan;
 mod run;
+pub mod scene;
 pub mod steady;
 mod summary;
 
