@@ -11,7 +11,9 @@ use gearbench_integrators::table::{
     DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
 };
 use gearbench_integrators::{MethodSpec, Scheme};
+use gearbench_models::gear::movable_teeth::MovableTeethParameters;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::rigid;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
@@ -79,10 +81,10 @@ impl Rung {
     #[must_use]
     pub fn family(&self) -> &'static str {
         match self {
-            Rung::Rigid(_) => "rigid",
-            Rung::MovableTeeth(_) => "movable-teeth",
+            Rung::Rigid(_) => rigid::MODEL,
+            Rung::MovableTeeth(_) => MovableTeethParameters::MODEL,
             Rung::QuasiStatic => "quasi-static",
-            Rung::Elastic { .. } => "elastic",
+            Rung::Elastic { .. } => ElasticParameters::MODEL,
         }
     }
 
@@ -283,8 +285,8 @@ impl Prepared {
             scene: Arc::new(o.scene.clone()),
             modelling: Arc::new(o.modelling.clone()),
         };
-        let of = |id: &'static str| situation.own.iter().filter(move |o| o.model == id);
-        all.extend(of("rigid").map(|o| own(o, Rung::Rigid(Stiffness::Own(o.label.clone())))));
+        let of = |rigid: bool| situation.own.iter().filter(move |o| o.rigid == rigid);
+        all.extend(of(true).map(|o| own(o, Rung::Rigid(Stiffness::Own(o.label.clone())))));
         if situation.scene.meshes.len() == 1 {
             let tau = relaxation(0, force);
             let damping = match &statics {
@@ -301,7 +303,7 @@ impl Prepared {
                 });
             }
         }
-        all.extend(of("movable-teeth").map(|o| own(o, Rung::MovableTeeth(Some(o.label.clone())))));
+        all.extend(of(false).map(|o| own(o, Rung::MovableTeeth(Some(o.label.clone())))));
         Ok(Prepared {
             swing,
             fixed: all,

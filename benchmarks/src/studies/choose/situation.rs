@@ -19,7 +19,7 @@
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::gear::table::Model;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, ContactSpec, Modelling, PointContact, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
@@ -51,8 +51,8 @@ pub struct Flexible {
 pub struct Own {
     /// Its label.
     pub label: String,
-    /// Id of its gears.
-    pub model: String,
+    /// Its gears are rigid.
+    pub rigid: bool,
     /// The scene, with the gap of this model.
     pub scene: SceneSpec,
     /// Its models.
@@ -85,11 +85,11 @@ impl Situation {
     pub fn of(file: &SceneFile) -> Situation {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<Own> = (file.models.iter())
-            .filter(|m| ["rigid", "movable-teeth"].contains(&m.model.as_str()))
+            .filter(|m| properties_of(models(), &m.model).fit.is_some())
             .filter(|m| m.modelling.gears.iter().all(|g| g.id == m.model))
             .map(|m| Own {
                 label: m.label.clone(),
-                model: m.model.clone(),
+                rigid: properties_of(models(), &m.model).rigid,
                 scene: file.spec_for(m),
                 modelling: m.modelling.clone(),
             })

@@ -12,11 +12,12 @@ use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, lever, mesh_layout,
+    Body, ContactSpec, GearSpec, Modelling, SceneSpec, lever, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -63,12 +64,8 @@ pub fn analytic() -> PairStiffness {
 /// Rigid gears with a contact for all meshes.
 #[must_use]
 pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
-    let gear = ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::new(),
-    };
     Modelling {
-        gears: vec![gear; scene.gears.len()],
+        gears: vec![rigid::spec(); scene.gears.len()],
         contacts,
     }
 }

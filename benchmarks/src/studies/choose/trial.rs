@@ -8,6 +8,7 @@ use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, run_in};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
+use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_reports::metrics::Finished;
@@ -78,7 +79,7 @@ impl<'a> Trial<'a> {
             spec,
             modelling,
             situation,
-            rigid: modelling.gears.iter().all(|g| g.id == "rigid"),
+            rigid: (modelling.gears.iter()).all(|g| properties_of(situation.models, &g.id).rigid),
             scene,
             setup: begin.elapsed(),
         })

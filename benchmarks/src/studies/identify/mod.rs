@@ -18,13 +18,16 @@ use crate::scene_file::calibration::{Constants, GAP, STIFFNESS};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
 use gearbench_models::error::BuildError;
-use gearbench_models::gear::table::Model;
+use gearbench_models::gear::properties;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
 use levenberg_marquardt::{Fit, fit};
 
 /// Tolerance of the integration inside the fit: well below what the fit can tell apart.
 const RTOL: f64 = 1e-6;
+/// Stiffness of a tooth pair that fits start from [N/m per m].
+const PAIR: f64 = 1.5e10;
 /// Steps after which a trial is given up: parameters that need more are far from any tooth.
 const MAX_STEPS: u64 = 20_000;
 
@@ -57,25 +60,14 @@ pub enum IdentifyError {
     #[error(transparent)]
     Build(#[from] BuildError),
     /// There is no recipe for the model.
-    #[error(
-        "there is nothing to identify for the model `{0}`; rigid and movable-teeth have stiffness to fit"
-    )]
-    Model(String),
+    #[error("there is nothing to identify for the model `{0}`; {known} have stiffness to fit", known = .1.join(" and "))]
+    Model(String, Vec<&'static str>),
     /// The reference has no force.
     #[error("the reference has no contact force to fit to")]
     NoForce,
     /// No start led to a fit.
     #[error("the fit failed from every start: {0}")]
     Failed(String),
-}
-
-/// Keys of the parameters of a model in the order of the fit.
-pub fn keys(model: &str) -> Option<&'static [&'static str]> {
-    match model {
-        "rigid" => Some(&[STIFFNESS, GAP]),
-        "movable-teeth" => Some(&[STIFFNESS, "tooth_stiffness_n_per_m", "tooth_mass_kg", GAP]),
-        _ => None,
-    }
 }
 
 /// Puts identified values into a scene and its models, as a calibration with them would be.
@@ -103,7 +95,11 @@ pub fn identify(
         return Err(IdentifyError::NoForce);
     }
     let model = modelling.gears.first().map_or("", |g| g.id.as_str());
-    let keys = keys(model).ok_or_else(|| IdentifyError::Model(model.into()))?;
+    let fit_of = properties_of(models, model).fit.ok_or_else(|| {
+        let known = models.iter().filter(|m| m.properties.fit.is_some());
+        IdentifyError::Model(model.into(), known.map(|m| m.id).collect())
+    })?;
+    let keys: Vec<&'static str> = [&[STIFFNESS], fit_of.parameters, &[GAP]].concat();
 
     let mut count = 0;
     let mut why = String::new();
@@ -139,7 +135,7 @@ pub fn identify(
     };
 
     let mut best: Option<Fit> = None;
-    for start in starts(spec, model, keys) {
+    for start in starts(spec, &fit_of) {
         if let Some(f) = fit(&mut residuals, &start)
             && best.as_ref().is_none_or(|b| f.sum < b.sum)
         {
@@ -165,45 +161,16 @@ pub fn identify(
     })
 }
 
-/// Starting points: one pair of steel teeth has about 14 N/(um mm) whatever the module; several splits of
-/// that compliance between contact and tooth, because the sum of squares has more than one valley.
-fn starts(spec: &SceneSpec, model: &str, keys: &[&str]) -> Vec<Vec<f64>> {
+/// Starting points in the order of the keys: one pair of steel teeth has about 14 N/(um mm) whatever the module.
+fn starts(spec: &SceneSpec, fit: &properties::Fit) -> Vec<Vec<f64>> {
     let gap = spec.meshes.first().map_or(1e-6, |m| m.start.gap.max(1e-7));
-    let (width, tooth_mass) = spec.gears.first().map_or((0.01, 5e-3), |g| match &g.body {
-        gearbench_models::spec::Body::Gear(gear) => {
-            let m = gear.params().module;
-            // A tooth is roughly a bar of half a pitch by 2.25 modules.
-            let area = 0.5 * std::f64::consts::PI * m * 2.25 * m;
-            (
-                gear.face_width(),
-                g.material.density * area * gear.face_width(),
-            )
-        }
-        gearbench_models::spec::Body::Rack(rack) => (rack.face_width(), 5e-3),
-    });
-    let pair = 1.5e10;
-    if model == "rigid" {
-        return vec![vec![pair, gap]];
-    }
-    let mut all = Vec::new();
-    for share in [0.35, 0.6] {
-        for mass in [0.7, 1.4] {
-            // 1/pair = 1/contact + 2/tooth; the share is the contact's part of the compliance.
-            let contact = pair / share;
-            let tooth = 2.0 * pair / (1.0 - share) * width;
-            all.push(
-                keys.iter()
-                    .map(|k| match *k {
-                        STIFFNESS => contact,
-                        "tooth_stiffness_n_per_m" => tooth,
-                        "tooth_mass_kg" => mass * tooth_mass,
-                        _ => gap,
-                    })
-                    .collect(),
-            );
-        }
-    }
-    all
+    let Some(gear) = spec.gears.first() else {
+        return Vec::new();
+    };
+    (fit.starts)(PAIR, gear)
+        .iter()
+        .map(|s| [&[s.contact], &s.parameters[..], &[gap]].concat())
+        .collect()
 }
 
 #[cfg(test)]

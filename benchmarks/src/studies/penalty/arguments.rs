@@ -23,7 +23,7 @@ pub struct Penalty {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
-    /// The model by label [default: the first with a hard twin LABEL-hard, else `elastic`]
+    /// The model by label [default: the first with a hard twin LABEL-hard, else the first that touches with flank points]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,
     /// The same model with hard contact by label [default: LABEL-hard, if the scene has it]

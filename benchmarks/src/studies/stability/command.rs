@@ -21,6 +21,7 @@ use gearbench_integrators::table::{
     DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4, TRIGONOMETRIC, VELOCITY_VERLET,
 };
 use gearbench_integrators::{MethodSpec, Scheme, Stepping};
+use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
@@ -43,8 +44,6 @@ const STEPS: [f64; 2] = [0.05, 20.0];
 const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// Samples of the histories that errors are taken from.
 const SAMPLES: usize = 500;
-/// Models whose maps take too long unless they are named.
-const SLOW: &str = "fe";
 /// Wall times of the runs.
 const TIMINGS: &str = "timings.csv";
 
@@ -168,13 +167,15 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
     Ok(sets)
 }
 
-/// Labels of a set: those it names, else those of the study that do not take too long.
+/// Labels of a set: those it names, else those of the study, but for full finite elements, whose maps take too long.
 fn choices<'s>(scene: &'s SceneFile, set: &StabilitySet) -> Result<Vec<&'s ModelChoice>, Refusal> {
     Ok(match &set.models {
         Some(labels) => scene.select(Some(&labels.join(",")))?,
         None => {
             let all = scene.select(None)?;
-            all.into_iter().filter(|c| c.model != SLOW).collect()
+            (all.into_iter()
+                .filter(|c| !properties_of(models(), &c.model).full_order))
+            .collect()
         }
     })
 }

@@ -22,7 +22,7 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
         .iter()
         .map(|c| Entry {
             label: c.label.clone(),
-            includes: includes(&c.modelling),
+            includes: includes(&c.modelling, models()),
             spec: scene.spec_for(c),
             modelling: c.modelling.clone(),
         })

@@ -7,8 +7,9 @@ pub mod arguments;
 pub mod command;
 
 use gearbench_models::error::BuildError;
-use gearbench_models::gear::table::Model;
-use gearbench_models::spec::{ModelSpec, Modelling, Parameters, SceneSpec};
+use gearbench_models::gear::rigid;
+use gearbench_models::gear::table::{Model, properties_of};
+use gearbench_models::spec::{Modelling, SceneSpec};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel,
 };
@@ -49,12 +50,9 @@ pub struct Entry {
 /// place of a model of the same gears.
 #[must_use]
 pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
-    let rigid = |label: &str, includes: &str, stiffness: PairStiffness| {
+    let with = |label: &str, includes: &str, stiffness: PairStiffness| {
         let mut modelling = modelling.clone();
-        modelling.gears.fill(ModelSpec {
-            id: "rigid".into(),
-            parameters: Parameters::new(),
-        });
+        modelling.gears.fill(rigid::spec());
         for contact in &mut modelling.contacts {
             contact.stiffness = stiffness.clone();
             contact.exponent = 1.0;
@@ -68,14 +66,14 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
         }
     };
     [
-        rigid(
+        with(
             "ISO 6336-1",
             "c' of the norm with its 0.8, CR = 1, parabola with the norm's mean; for 100 N/mm and more",
             PairStiffness::Iso6336 {
                 variation: IsoVariation::IsoMean,
             },
         ),
-        rigid(
+        with(
             "analytic",
             "Weber-Banaschek tooth, Sainsot-Velex body, linear Hertz contact, in series",
             PairStiffness::Compliance {
@@ -89,17 +87,18 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
 
 /// What the stiffness of a modelling includes, in words.
 #[must_use]
-pub fn includes(modelling: &Modelling) -> String {
-    let models: Vec<&str> = modelling.gears.iter().map(|g| g.id.as_str()).collect();
+pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
+    let mut gears = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
+    let all_rigid = gears.clone().all(|p| p.rigid);
     let contact = modelling.contacts.first();
-    if models.contains(&"fe") {
+    if gears.any(|p| p.full_order) {
         let penalty = contact.and_then(|c| c.points).map_or(String::new(), |p| {
             format!(", penalty {:.1e} Pa/m", p.penalty)
         });
         return format!("teeth, body to the rigid bore, contact over the mesh{penalty}");
     }
     let law = contact.map_or(String::new(), |c| c.stiffness.describe());
-    if models.iter().all(|m| *m == "rigid") {
+    if all_rigid {
         law
     } else {
         format!("the model's own springs in series with {law}")

@@ -7,8 +7,10 @@ use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
+use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
+use gearbench_models::gear::table::properties_of;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -20,7 +22,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
-    let full = |m: &ModelChoice| m.model == "fe";
+    let full = |m: &ModelChoice| properties_of(models(), &m.model).full_order;
     let mut standing: Vec<&ModelChoice> = choices.iter().copied().filter(|m| full(m)).collect();
     if args.models.is_none() {
         let more = scene.models.iter().filter(|m| full(m));

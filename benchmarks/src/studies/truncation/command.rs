@@ -149,7 +149,7 @@ fn summarise(results: &Results) {
     for n in counts(&all) {
         let cell = |w: &Way<'_>| {
             let text = w.with(n).map_or(String::new(), |r| {
-                let error = r.against("fe").and_then(|m| m.force_l2);
+                let error = r.against(FULL).and_then(|m| m.force_l2);
                 match error {
                     _ if r.status.is_failure() => r.status.as_str().to_string(),
                     Some(e) => percent(e, 3),
@@ -164,7 +164,7 @@ fn summarise(results: &Results) {
     for limit in LIMITS {
         let found: Vec<String> = (all.iter().filter(|w| w.residual))
             .map(|w| {
-                let modes = w.fewest("fe", limit).and_then(|r| r.modes);
+                let modes = w.fewest(FULL, limit).and_then(|r| r.modes);
                 let modes = modes.map_or("none tried".into(), |n| n.to_string());
                 format!("{modes} {}", w.label)
             })

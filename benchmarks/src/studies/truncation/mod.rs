@@ -16,12 +16,15 @@ use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reference::reduction::choose::Criterion;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
 
+/// Id of the full model in the record, as a model and as a reference.
+const REFERENCE: &str = FullOrderParameters::MODEL;
 /// Numbers of modes that are tried when nobody says.
 pub const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
 /// Frequency bound of the published truncation [Hz]: "modes up to 80 kHz" (GTM, SIMPACK User Meeting 2014; rack and
@@ -214,7 +217,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
         timeout: PATIENCE * plan.conditions.timeout,
         ..(plan.conditions).job((&full.scene, &full.modelling), &full.method, &grid)
     })?;
-    reference.model = "fe".into();
+    reference.model = REFERENCE.into();
     let Some(series) = reference
         .series
         .clone()
@@ -231,7 +234,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
         reference.metrics.extend(metrics);
     }
     let mut references = vec![ReferenceSeries {
-        id: "fe".into(),
+        id: REFERENCE.into(),
         title: "full finite elements on the same mesh".into(),
         source: format!(
             "the first run of this record: {} coordinates under {}",
@@ -314,7 +317,7 @@ fn counts(results: &Results, label: &str) -> Vec<usize> {
 fn between(results: &Results, label: &str, limit: f64) -> Option<usize> {
     let ways = ways(results);
     let way = ways.iter().find(|w| w.label == label)?;
-    let fewest = way.fewest("fe", limit)?.modes?;
+    let fewest = way.fewest(REFERENCE, limit)?.modes?;
     let below = (counts(results, label).into_iter())
         .filter(|n| *n < fewest)
         .max()?;
@@ -327,11 +330,11 @@ fn keep_histories(results: &mut Results) {
     let mut keep = vec![0];
     for way in ways(results) {
         let least = (way
-            .errors("fe", gearbench_reports::Metric::ForceL2)
+            .errors(REFERENCE, gearbench_reports::Metric::ForceL2)
             .into_iter())
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(_, _, r)| r.clone());
-        let middle = way.fewest("fe", LIMITS[1]).cloned();
+        let middle = way.fewest(REFERENCE, LIMITS[1]).cloned();
         for (i, r) in &way.runs {
             let is = |o: &Option<Run>| o.as_ref().is_some_and(|o| o.modes == r.modes);
             if r.mark.is_some() || is(&least) || is(&middle) {
