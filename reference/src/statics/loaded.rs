@@ -64,6 +64,12 @@ pub enum StaticsError {
         /// Force there [N].
         reached: f64,
     },
+    /// No tooth pair carries a force.
+    #[error("no tooth pair presses on the path of contact at an approach of {approach:.4e} m")]
+    NoContact {
+        /// Approach [m].
+        approach: f64,
+    },
     /// A position, approach or force that is no usable number.
     #[error("{what} is {value}; it must be finite{and}")]
     Value {

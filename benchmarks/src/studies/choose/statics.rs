@@ -210,7 +210,7 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
 /// Solves the elastic gears of a situation without modes at an approach of the flanks that the scene will see [m].
 ///
 /// # Errors
-/// [`StaticsError`]: more than one mesh, or no equilibrium.
+/// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
 pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, StaticsError> {
     let modelling = super::candidate::elastic(situation, 0, None);
     let mut pair = LoadedPair::new(&situation.scene, &modelling, situation.models)?;
@@ -236,6 +236,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
                 forces.push((at, p.force));
             }
         }
+    }
+    if forces.is_empty() {
+        return Err(StaticsError::NoContact { approach: high });
     }
     forces.sort_by(|a, b| a.0.total_cmp(&b.0));
     forces.dedup_by(|b, a| b.0 - a.0 < 1e-9 * base);

@@ -1,10 +1,12 @@
 //! Static calibration, candidates and domain on a coarse pair that reduces in a fraction of a second.
 
 use super::candidate::{Prepared, Rung, Stiffness, elastic};
+use super::statics::calibrate;
 use super::{Situation, candidates, domain};
 use crate::scene_file::{Origin, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_reference::statics::LoadedPair;
+use gearbench_models::spec::SurfaceKind;
+use gearbench_reference::statics::{LoadedPair, StaticsError};
 use std::collections::BTreeSet;
 
 const SCENE: &str = r#"
@@ -66,6 +68,20 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     let [single @ .., two_pairs] = found;
     assert!(single.iter().all(|r| (r - 1.0).abs() < 0.12), "{found:?}");
     assert!((1.05..1.3).contains(&two_pairs), "{found:?}");
+}
+
+/// Facets of coarse flanks lie below the involute: at a small approach none of them touches, and there is no stiffness.
+#[test]
+fn gears_that_do_not_touch_have_no_static_stiffness() {
+    let mut s = situation();
+    for c in &mut s.flexible.contacts {
+        c.points.as_mut().expect("points").surface = SurfaceKind::Faceted;
+    }
+    let found = calibrate(&s, 1e-9);
+    assert!(
+        matches!(found, Err(StaticsError::NoContact { .. })),
+        "{found:?}"
+    );
 }
 
 /// The damper of rigid gears: of a lag that sits in the patch of contact alone a stiff pair sees a part, and modal
