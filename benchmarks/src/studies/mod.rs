@@ -20,4 +20,6 @@ pub mod precision;
 pub mod stability;
 pub mod stiffness;
 pub mod sweep;
+#[cfg(test)]
+mod test_scene;
 pub mod truncation;

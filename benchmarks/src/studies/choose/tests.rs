@@ -3,44 +3,14 @@
 use super::candidate::{Prepared, Rung, Stiffness, elastic};
 use super::statics::calibrate;
 use super::{Situation, candidates, domain};
-use crate::scene_file::{Origin, SceneFile};
+use crate::studies::test_scene::coarse;
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::SurfaceKind;
 use gearbench_reference::statics::{LoadedPair, StaticsError};
 use std::collections::BTreeSet;
 
-const SCENE: &str = r#"
-schema = 1
-name = "coarse"
-duration_s = 1.2e-4
-
-[gears.a]
-teeth = 18
-module_m = 0.002
-face_width_m = 0.006
-bore_radius_m = 0.007
-speed_rad_s = 20.0
-
-[gears.b]
-teeth = 24
-module_m = 0.002
-face_width_m = 0.006
-bore_radius_m = 0.01
-
-[[meshes]]
-gears = ["a", "b"]
-backlash_m = 80e-6
-start = { flank = "left", gap_m = 1e-6 }
-
-[[models]]
-model = "elastic"
-parameters = { flank_elements = 4, fillet_elements = 2, across_elements = 6, rim_elements = 2, width_elements = 1, modes = 30, damping_ratio = 0.01 }
-contact = { penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9 }
-"#;
-
 fn situation() -> Situation {
-    let file = SceneFile::unbuilt("coarse.toml", SCENE, Origin::Shipped, false);
-    Situation::of(&file.expect("a scene"))
+    Situation::of(&coarse("modes = 30, damping_ratio = 0.01"))
 }
 
 /// Rigid gears with the stiffness of static solves carry what the elastic ones without modes carry, at positions and

@@ -335,8 +335,11 @@ impl Study<'_> {
             return Ok(found.map(|(_, held)| held.whole.clone()));
         }
         if row.modes.is_some() {
-            let found = self.exact(&entry.scene, &entry.modelling)?;
-            return Ok(found.map(|(_, series)| series));
+            match self.exact(&entry.scene, &entry.modelling) {
+                // Terms of rotation couple the modes.
+                Err(RunError::NoLinearPart(_)) => {}
+                found => return Ok(found?.map(|(_, series)| series)),
+            }
         }
         let job = |method| Job {
             timeout: PATIENCE * self.plan.conditions.timeout,
