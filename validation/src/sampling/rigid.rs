@@ -1,4 +1,4 @@
-//! Rigid gears run through a drawn scene: when their teeth touch, and how hard.
+//! Rigid gears run through a sampled scene: when their teeth touch, and how hard.
 
 use super::SampleError;
 use gearbench::models::models;

@@ -7,7 +7,7 @@
 //! on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in contact is the
 //! mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
-use super::situation::Situation;
+use super::problem::Problem;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
@@ -207,13 +207,13 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
     }
 }
 
-/// Solves the elastic gears of a situation without modes at an approach of the flanks that the scene will see [m].
+/// Solves the elastic gears of a problem without modes at an approach of the flanks that the scene will see [m].
 ///
 /// # Errors
 /// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
-pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, StaticsError> {
-    let modelling = super::candidate::elastic(situation, 0, None);
-    let mut pair = LoadedPair::new(&situation.scene, &modelling, situation.models)?;
+pub fn calibrate(problem: &Problem, approach: f64) -> Result<Calibrated, StaticsError> {
+    let modelling = super::plan::elastic(problem, 0, None);
+    let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
     let (pitch, base, path) = {
         let l = pair.layout();
         (l.pitch_point, l.base_pitch, l.path)

@@ -1,6 +1,7 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's reference, printed and, on request, written.
 
 use super::arguments::Identify;
+use super::summary::summarise;
 use super::{Identification, IdentifyError, identify};
 use crate::cli::terminal::{Refusal, progress_bar, say};
 use crate::experiment::machine;
@@ -68,7 +69,7 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
             IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
             other => Refusal::Failed(other.to_string()),
         })?;
-        print(&choice.label, id, &result);
+        summarise(&choice.label, id, &result);
         found.push((choice.label.clone(), result));
     }
     if args.write {
@@ -84,27 +85,6 @@ fn calibrated(choice: &scene_file::ModelChoice) -> bool {
         .calibration
         .as_ref()
         .is_some_and(|c| c.name == NAME && c.label == choice.label)
-}
-
-fn print(label: &str, reference: &str, r: &Identification) {
-    say(&format!(
-        "{label}: force history within {:.3} % (relative L2) of {reference}, {} integrations",
-        100.0 * r.force_l2,
-        r.evaluations
-    ));
-    for p in &r.parameters {
-        say(&format!(
-            "  {:<26} {:>12.5e}  +- {:.1} % (95 %)",
-            p.key,
-            p.value,
-            100.0 * p.relative_95
-        ));
-        if p.relative_95 > 0.5 {
-            say(
-                "    hardly identifiable: the force history does not tell this value apart from its neighbours",
-            );
-        }
-    }
 }
 
 fn write(

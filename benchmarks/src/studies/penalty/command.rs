@@ -11,7 +11,6 @@ use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::mesh_layout;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
@@ -70,7 +69,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             command: command.to_string(),
             settings: told,
             events: true,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(&scene)
         },
         entry: Configuration::of(&scene, choice),
@@ -96,7 +95,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             }
         },
     )?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(&results, (args.run.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
 }
 

@@ -7,7 +7,7 @@ use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::summary::summarise;
 use super::{Means, StabilityError, Timings, study};
-use crate::cli::terminal::{Refusal, refuse_run, say, with_progress, write};
+use crate::cli::terminal::{Refusal, folder, refuse_run, say, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
@@ -23,11 +23,11 @@ use gearbench_integrators::table::{
 use gearbench_integrators::{MethodSpec, Scheme, Stepping};
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
+use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
 const USUAL: [MethodSpec; 6] = [
@@ -51,8 +51,8 @@ const TIMINGS: &str = "timings.csv";
 pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
-    let folder =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("stability"));
+    let out = args.run.out();
+    let folder = folder(out, &scene.name, Study::Stability.as_str());
     let journal = Journal::open(&folder.join(JOURNAL), &plan.echo(), args.fresh)
         .map_err(|e| Refusal::Files(e.to_string()))?;
     if !journal.is_empty() {
@@ -72,7 +72,7 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
         study(&plan, means)
     });
     let (results, timings) = made.map_err(refuse)?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(&results, (out, &scene.name), summarise)?;
     write_timings(&folder, &timings)?;
     Ok(ExitCode::SUCCESS)
 }
@@ -243,7 +243,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
             command: command.to_string(),
             settings: told,
             samples: SAMPLES,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(scene)
         },
         entries,

@@ -12,7 +12,6 @@ use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::gear::table::properties_of;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Speeds around the mesh resonance when nobody says.
 const AROUND: [f64; 2] = [0.06, 1.5];
@@ -39,7 +38,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
             settings: settings(&scene, &shown, false),
             events: true,
             repeats: 0,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(&scene)
         },
         entries: running.iter().map(entry).collect(),
@@ -82,6 +81,6 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
 
     let results =
         with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(&results, (args.run.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
 }

@@ -61,7 +61,7 @@ pub struct Own {
 
 /// A scene to choose for.
 #[derive(Clone, Debug)]
-pub struct Situation {
+pub struct Problem {
     /// Name.
     pub name: String,
     /// Gears and meshes, with the gap of the elastic model.
@@ -78,11 +78,11 @@ pub struct Situation {
     pub models: &'static [Model],
 }
 
-impl Situation {
-    /// The situation of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
-    /// models as further rungs.
+impl Problem {
+    /// The problem of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
+    /// models as further levels.
     #[must_use]
-    pub fn of(file: &SceneFile) -> Situation {
+    pub fn of(file: &SceneFile) -> Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<Own> = (file.models.iter())
             .filter(|m| properties_of(models(), &m.model).fit.is_some())
@@ -113,7 +113,7 @@ impl Situation {
                 label: Some(m.label.clone()),
             },
         );
-        Situation {
+        Problem {
             name: file.name.clone(),
             scene: elastic.map_or_else(|| file.spec.clone(), |m| file.spec_for(m)),
             duration: file.duration,
