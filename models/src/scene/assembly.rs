@@ -15,8 +15,8 @@ use crate::geometry::{Gear, Side};
 use crate::kinematics::{Hub, MeshView, Placement};
 use crate::law::{Damping, Law, LawError};
 use crate::spec::{
-    Body, ContactSpec, GearSpec, Load, MeshLayout, MeshSpec, Modelling, Mount, SceneSpec, lever,
-    mesh_layout, stiffness_curve,
+    Body, ContactSpec, GearSpec, Load, MeshLayout, MeshSpec, Modelling, Mount, SceneSpec,
+    effective_radius, mesh_layout, stiffness_curve,
 };
 use crate::stiffness::PairOrMesh;
 use gearbench_integrators::system::State;
@@ -31,7 +31,7 @@ const DEVIATION_SAMPLES: usize = 257;
 const FLANK_MARGIN: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 
-/// How gear a and gear b are seen by a mesh, given their phases (angle or travel of tooth 0).
+/// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
 fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
     let gear_view = |g: &Gear, direction: f64, path: [f64; 2], assembled: f64| MeshView {
         base_radius: Some(g.r_base()),
@@ -62,7 +62,7 @@ fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshVi
     [first, second]
 }
 
-/// Angle (or travel) that puts a flank of tooth 0 at a path coordinate of its own.
+/// Angle (or displacement) that puts a flank of tooth 0 at a path coordinate of its own.
 fn phase_at(view: &MeshView, sign: f64, s: f64) -> f64 {
     match view.base_radius {
         Some(rb) => {
@@ -348,7 +348,7 @@ impl Scene {
                 hub: &hub,
                 added_inertia: g.added_inertia,
                 placement: Placement::new(&hub, phases[gears.len()]),
-                lever: lever(&g.body),
+                effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
                 speed: initial_speed(g),
                 parameters: &model.parameters,
@@ -360,7 +360,7 @@ impl Scene {
                 loads: g.loads.clone(),
                 offset: 0,
                 n: 0,
-                memory: (0, 0),
+                discrete: (0, 0),
                 internal: true,
             });
         }
@@ -422,8 +422,8 @@ impl Scene {
                 nodal: mesh.gears.iter().any(has_field),
                 clearances,
                 margin: (if with_flanks { FLANK_MARGIN } else { ROUNDING }) * l.base_pitch,
-                memory: 0,
-                guards: 0,
+                discrete: 0,
+                event_functions: 0,
                 cells: 0,
                 slots: 0,
                 zones: 0,
@@ -441,33 +441,33 @@ impl Scene {
         scales: &Scales,
         phases: Vec<f64>,
     ) -> Scene {
-        let (mut n, mut memory, mut guards) = (0, 1, 0);
+        let (mut n, mut discrete, mut event_functions) = (0, 1, 0);
         for g in &mut gears {
             let hub = g.model.hub();
             (g.offset, g.n) = (n, hub.len());
-            g.memory = (memory, hub.discrete);
+            g.discrete = (discrete, hub.discrete);
             g.internal = hub.own > 0;
             n += hub.len();
-            memory += hub.discrete;
+            discrete += hub.discrete;
         }
         for m in &mut meshes {
-            (m.memory, m.guards) = (memory, guards);
+            (m.discrete, m.event_functions) = (discrete, event_functions);
             if let Some(pairs) = m.search.pairs() {
                 (m.cells, m.slots, m.zones) =
-                    (pairs.discrete(), pairs.slots(), pairs.guard_count());
+                    (pairs.discrete(), pairs.slots(), pairs.event_count());
             }
-            memory += m.cells + 2 * m.slots;
-            guards += m.zones + m.slots;
+            discrete += m.cells + 2 * m.slots;
+            event_functions += m.zones + m.slots;
         }
         let locates = meshes.iter().all(|m| m.search.pairs().is_some());
         if !locates {
-            guards = 0;
+            event_functions = 0;
         }
         let mut initial = State {
             t: 0.0,
             q: vec![0.0; n],
             v: vec![0.0; n],
-            memory: vec![0.0; memory],
+            discrete: vec![0.0; discrete],
         };
         for (g, s) in gears.iter_mut().zip(&spec.gears) {
             let range = g.range();
@@ -475,13 +475,13 @@ impl Scene {
                 initial_speed(s),
                 &mut initial.q[range.clone()],
                 &mut initial.v[range],
-                &mut initial.memory[g.memory.0..][..g.memory.1],
+                &mut initial.discrete[g.discrete.0..][..g.discrete.1],
             );
         }
-        let pace = gears
+        let characteristic_time = gears
             .iter()
             .map(|g| g.model.hub().characteristic_time)
-            .fold(scales.pace, f64::min);
+            .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
         let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
@@ -500,19 +500,19 @@ impl Scene {
                 .is_some()
         };
         let oscillators = gears.iter().all(linear);
-        let sleeps = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
+        let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         Scene {
             gears,
             meshes,
             oscillators,
-            sleeps,
+            cuts_vibration,
             flights: Vec::new(),
             channels,
             magnitudes: scales.magnitudes(),
-            pace,
+            characteristic_time,
             n,
-            memory,
-            guards,
+            discrete,
+            event_functions,
             fields,
             condenses,
             locates,
@@ -566,7 +566,7 @@ fn refuse_two_laws(
 struct Scales {
     deflection: f64,
     speed: f64,
-    pace: f64,
+    characteristic_time: f64,
 }
 
 impl Default for Scales {
@@ -574,7 +574,7 @@ impl Default for Scales {
         Scales {
             deflection: 0.0,
             speed: 0.0,
-            pace: f64::INFINITY,
+            characteristic_time: f64::INFINITY,
         }
     }
 }
@@ -586,8 +586,9 @@ impl Scales {
         let own = reduced_mass(sides.map(|(_, g)| g.model.hub().contact_mass));
         let along = sides.map(|(s, g)| {
             let speed = initial_speed(s);
-            let force = s.loads.iter().map(|l| g.load_bound(l)).sum::<f64>() / lever(&s.body);
-            (speed * lever(&s.body), force)
+            let force =
+                s.loads.iter().map(|l| g.load_bound(l)).sum::<f64>() / effective_radius(&s.body);
+            (speed * effective_radius(&s.body), force)
         });
         let fastest = along[0].0.abs().max(along[1].0.abs());
         // Gears mesh with opposite turning; a rack goes along with its gear.
@@ -604,7 +605,7 @@ impl Scales {
         self.speed = self.speed.max(speed);
         self.deflection = self.deflection.max(speed * (m / k).sqrt());
         let light = if own.is_finite() { own.min(m) } else { m };
-        self.pace = self.pace.min((light / k).sqrt());
+        self.characteristic_time = self.characteristic_time.min((light / k).sqrt());
     }
 
     fn magnitudes(&self) -> Magnitudes {
@@ -649,7 +650,7 @@ fn hub_mass(spec: &GearSpec, hub: &Hub) -> f64 {
     if hub.coordinates() == 0 {
         f64::INFINITY
     } else {
-        hub.inertia / lever(&spec.body).powi(2)
+        hub.inertia / effective_radius(&spec.body).powi(2)
     }
 }
 

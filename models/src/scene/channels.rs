@@ -29,7 +29,7 @@ pub enum OfGear {
     /// Speed of the hub [rad/s].
     HubSpeed,
     /// How far the hub has turned [rad].
-    Travel,
+    Displacement,
     /// Torque of its contact forces about its axis, or force along its slide [N m].
     ContactTorque,
     /// What its mount exerts on it along x [N].
@@ -77,7 +77,7 @@ impl OfGear {
     pub const ALL: [OfGear; 7] = [
         OfGear::Speed,
         OfGear::HubSpeed,
-        OfGear::Travel,
+        OfGear::Displacement,
         OfGear::ContactTorque,
         OfGear::BearingX,
         OfGear::BearingY,
@@ -88,7 +88,7 @@ impl OfGear {
         match self {
             OfGear::Speed => "speed",
             OfGear::HubSpeed => "hub_speed",
-            OfGear::Travel => "travel",
+            OfGear::Displacement => "travel",
             OfGear::ContactTorque => "contact_torque",
             OfGear::BearingX => "bearing_x",
             OfGear::BearingY => "bearing_y",
@@ -101,8 +101,8 @@ impl OfGear {
         match (self, slides) {
             (OfGear::Speed | OfGear::HubSpeed, false) => "rad_s",
             (OfGear::Speed | OfGear::HubSpeed, true) => "m_s",
-            (OfGear::Travel, false) => "rad",
-            (OfGear::Travel, true) => "m",
+            (OfGear::Displacement, false) => "rad",
+            (OfGear::Displacement, true) => "m",
             (OfGear::ContactTorque | OfGear::MountTorque, false) => "nm",
             _ => "n",
         }

@@ -5,10 +5,10 @@
 //! (Woodbury), so a gear brings whatever structure its coordinates have. Where a gear has many coordinates of which
 //! contacts touch few, both are condensed to these.
 //!
-//! Contacts of flank points have no guards: a scene with such a mesh reports none and is never located.
+//! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
 //!
-//! Memory layout: `[located, gears..., meshes...]`; a mesh holds its search's memory and then per contact
-//! slot `(mode, impact speed)`, mode 1 closed and 0 open.
+//! Discrete state layout: `[located, gears..., meshes...]`; a mesh holds its search's discrete state and then per
+//! contact slot `(mode, impact speed)`, mode 1 closed and 0 open.
 
 mod assembly;
 mod assembly_points;
@@ -45,7 +45,7 @@ pub struct SceneGear {
     /// Its coordinates are `q[offset.0 .. offset.0 + n]`.
     offset: usize,
     n: usize,
-    memory: (usize, usize),
+    discrete: (usize, usize),
     /// It has forces of its own.
     internal: bool,
 }
@@ -54,12 +54,15 @@ impl SceneGear {
     /// The gear's own slice of a state.
     #[inline(always)]
     pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
-        let (own, cells) = (self.range(), self.memory.0..self.memory.0 + self.memory.1);
+        let (own, cells) = (
+            self.range(),
+            self.discrete.0..self.discrete.0 + self.discrete.1,
+        );
         At {
             t: at.t,
             q: &at.q[own.clone()],
             v: &at.v[own],
-            memory: &at.memory[cells],
+            discrete: &at.discrete[cells],
         }
     }
 
@@ -119,10 +122,10 @@ pub struct SceneMesh {
     clearances: Vec<LineClearance>,
     /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
     margin: f64,
-    /// Offset of its memory, and of its guards.
-    memory: usize,
-    guards: usize,
-    /// What the search says of itself: cells of memory, contact slots, guards.
+    /// Offset of its discrete state, and of its event functions.
+    discrete: usize,
+    event_functions: usize,
+    /// What the search says of itself: cells of discrete state, contact slots, event functions.
     cells: usize,
     slots: usize,
     zones: usize,
@@ -130,8 +133,8 @@ pub struct SceneMesh {
 
 impl SceneMesh {
     #[inline]
-    fn search_memory(&self) -> std::ops::Range<usize> {
-        self.memory..self.memory + self.cells
+    fn search_discrete(&self) -> std::ops::Range<usize> {
+        self.discrete..self.discrete + self.cells
     }
 
     /// Modes and impact speeds of its slots.
@@ -142,9 +145,9 @@ impl SceneMesh {
 
     /// Speed stored at the first touch of a contact [m/s]; 0 where none is, as with a search without slots.
     #[inline]
-    fn impact_speed(&self, memory: &[f64], slot: usize) -> f64 {
+    fn impact_speed(&self, discrete: &[f64], slot: usize) -> f64 {
         if slot < self.slots {
-            memory[self.slot(slot) + 1]
+            discrete[self.slot(slot) + 1]
         } else {
             0.0
         }
@@ -152,7 +155,7 @@ impl SceneMesh {
 
     #[inline]
     fn slot(&self, slot: usize) -> usize {
-        self.memory + self.cells + 2 * slot
+        self.discrete + self.cells + 2 * slot
     }
 }
 
@@ -162,15 +165,15 @@ pub struct Scene {
     meshes: Vec<SceneMesh>,
     channels: Vec<String>,
     magnitudes: Magnitudes,
-    pace: f64,
+    characteristic_time: f64,
     n: usize,
-    memory: usize,
-    guards: usize,
+    discrete: usize,
+    event_functions: usize,
     /// A gear has a displacement field.
     fields: bool,
     /// A gear asks for the condensed Newton correction.
     condenses: bool,
-    /// All searches have guards; else forces are clipped and nothing is located.
+    /// All searches have event functions; else forces are clipped and nothing is located.
     locates: bool,
     /// Without event location: somebody needs impact speeds or engaged teeth to be followed.
     tracks: bool,
@@ -181,7 +184,7 @@ pub struct Scene {
     /// All gears are oscillators.
     oscillators: bool,
     /// A gear may be put to rest in flight.
-    sleeps: bool,
+    cuts_vibration: bool,
     /// Buffer of [`Self::flight_until`].
     flights: Vec<FreeFlight>,
     initial: State,
@@ -204,7 +207,7 @@ impl Scene {
         self.initial.clone()
     }
 
-    /// Angle [rad] (travel [m] of a rack) of each gear's tooth 0 at the assembled position.
+    /// Angle [rad] (displacement [m] of a rack) of each gear's tooth 0 at the assembled position.
     pub fn phases(&self) -> &[f64] {
         &self.phases
     }
@@ -226,13 +229,13 @@ impl Scene {
         self.gears[gear].loads = loads;
     }
 
-    /// Puts a fixed or driven gear where it has moved by `travel` [rad] or [m] from the assembled position and rests:
-    /// from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
-    pub fn hold(&mut self, gear: usize, travel: f64) {
+    /// Puts a fixed or driven gear where it has moved by `displacement` [rad] or [m] from the assembled position and
+    /// rests: from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
+    pub fn hold(&mut self, gear: usize, displacement: f64) {
         let hub = self.gears[gear].model.hub_mut();
         if hub.coordinates() == 0 {
             hub.mount = Mount::Driven(Profile::Ramp {
-                from: 2.0 * travel,
+                from: 2.0 * displacement,
                 to: 0.0,
                 start: 0.0,
                 end: 1.0,

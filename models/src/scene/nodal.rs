@@ -21,7 +21,7 @@ pub(super) struct NodalActive {
     /// Direction of the force on the slave; not quite of unit length.
     pub direction: Vec3,
     /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
-    pub levers: [f64; 2],
+    pub effective_radii: [f64; 2],
     /// Gap with residual compliance [m].
     pub gap: f64,
     /// Rate of the gap before it [m/s]; 0 where no damper asks.
@@ -258,7 +258,7 @@ impl Nodal {
             self.active.extend(near.map(|(point, p)| NodalActive {
                 point,
                 direction: p.normal,
-                levers: [0.0; 2],
+                effective_radii: [0.0; 2],
                 gap: p.gap0,
                 rate: 0.0,
                 force: LawForce::default(),
@@ -343,7 +343,7 @@ impl Nodal {
                     self.active.push(NodalActive {
                         point: i,
                         direction: p.normal,
-                        levers: [0.0; 2],
+                        effective_radii: [0.0; 2],
                         gap: p.gap0,
                         rate: 0.0,
                         force: LawForce::default(),
@@ -501,19 +501,19 @@ impl Nodal {
                 &p.slots[master],
             );
             a.direction = p.direction(of_master);
-            (a.levers, a.rate) = rows_of(gears, mesh, a, &self.found, at, &mut row);
+            (a.effective_radii, a.rate) = rows_of(gears, mesh, a, &self.found, at, &mut row);
             a.rate += row.dot(at.v);
             for k in 0..2 {
                 let hub = gears[mesh.gears[k]].model.hub();
                 let own = gears[mesh.gears[k]].at(at);
-                a.rate += a.levers[k] * hub.speed(own.t, own.v);
+                a.rate += a.effective_radii[k] * hub.speed(own.t, own.v);
                 let v = GearNodes::at(&self.velocities[mesh.gears[k]], &p.slots[k]);
                 a.rate -= weighted(&p.weights[k], &v);
             }
         }
     }
 
-    /// Forces on nodes, directions, levers and rows of the active points from `start` on.
+    /// Forces on nodes, directions, effective base radii and rows of the active points from `start` on.
     fn distribute(&mut self, start: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
         for a in &self.active[start..] {
             if a.force.n == 0.0 {
@@ -547,9 +547,9 @@ impl Nodal {
                 let energy = mesh.law.potential(a.elastic.0, p.stiffness);
                 a.direction -= energy / a.force.n * p.fading * p.answer[0];
             }
-            (a.levers, _) = rows_of(gears, mesh, a, &self.found, at, row);
+            (a.effective_radii, _) = rows_of(gears, mesh, a, &self.found, at, row);
             for k in 0..2 {
-                self.torque[mesh.gears[k]] += a.levers[k] * a.force.n;
+                self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n;
             }
         }
     }
@@ -573,8 +573,8 @@ impl Nodal {
     }
 }
 
-/// Levers of hubs of gears with a field, and, in `row`, the entries of the others, whose prescribed part of the gap
-/// rate is returned.
+/// Effective base radii of hubs of gears with a field, and, in `row`, the entries of the others, whose prescribed part
+/// of the gap rate is returned.
 fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
@@ -584,7 +584,7 @@ fn rows_of(
     row: &mut Row,
 ) -> ([f64; 2], f64) {
     let p = &found.points[a.point];
-    let (mut levers, mut drift) = ([0.0; 2], 0.0);
+    let (mut effective_radii, mut drift) = ([0.0; 2], 0.0);
     row.clear();
     let [slave, _] = p.sides();
     for k in 0..2 {
@@ -596,10 +596,10 @@ fn rows_of(
                 row.target(g.offset, sign);
                 drift += sign * g.model.row(own, point, &a.direction, row);
             }
-            _ => levers[k] = sign * g.model.hub().lever(&p.x, &a.direction),
+            _ => effective_radii[k] = sign * g.model.hub().effective_radius(&p.x, &a.direction),
         }
     }
-    (levers, drift)
+    (effective_radii, drift)
 }
 
 impl Scene {
@@ -627,7 +627,7 @@ impl Scene {
     pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
-        let (levers, mut drift) = rows_of(
+        let (effective_radii, mut drift) = rows_of(
             &self.gears,
             mesh,
             a,
@@ -635,10 +635,10 @@ impl Scene {
             at,
             &mut Row::default(),
         );
-        for (lever, &g) in levers.iter().zip(&mesh.gears) {
+        for (effective_radius, &g) in effective_radii.iter().zip(&mesh.gears) {
             let hub = self.gears[g].model.hub();
             if hub.coordinates() == 0 {
-                drift += lever * hub.speed(at.t, &[]);
+                drift += effective_radius * hub.speed(at.t, &[]);
             }
         }
         drift

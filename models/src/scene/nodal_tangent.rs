@@ -133,8 +133,9 @@ impl Reduced {
                 row.for_each(|i, value| self.entries.push((self.mark[i], value)));
                 let p = &nodal.found.points[a.point];
                 for (k, &g) in scene_meshes[p.mesh as usize].gears.iter().enumerate() {
-                    if a.levers[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
-                        self.entries.push((self.mark[gears[g].offset], a.levers[k]));
+                    if a.effective_radii[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
+                        self.entries
+                            .push((self.mark[gears[g].offset], a.effective_radii[k]));
                     }
                     if p.slots[k][0] == UNUSED {
                         continue;

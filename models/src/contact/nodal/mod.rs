@@ -1,8 +1,8 @@
-//! Contact of gears whose flank nodes stand off the rigid flank: gap, forces on nodes, levers.
+//! Contact of gears whose flank nodes stand off the rigid flank: gap, forces on nodes, effective base radii.
 //!
-//! The flanks of a gear with a [`FlankDisplacement`] move rigidly with its frame; outward displacements `a` of their nodes
-//! reduce the gap of a point, with the bilinear weights `W` of the faces that it lies on (slave) and is projected to
-//! (master):
+//! The flanks of a gear with a [`FlankDisplacement`] move rigidly with its frame; outward displacements `a` of their
+//! nodes reduce the gap of a point, with the bilinear weights `W` of the faces that it lies on (slave) and is projected
+//! to (master):
 //!
 //! ```text
 //! g = g_rigid - W_s a_s - W_m a_m,      a = B q + r T + u,      u = -R F,      F = sum_p W_p N_p

@@ -123,7 +123,7 @@ pub(super) fn proud(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> 
     most + BETWEEN_SAMPLES * (most - least)
 }
 
-/// Path coordinate [m] of a flank at zero travel and its tooth, from its [`outermost`] place.
+/// Path coordinate [m] of a flank at zero displacement and its tooth, from its [`outermost`] place.
 pub(super) fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
     let (sign, v) = (side.sign(), &o.view);
     let tooth = |centre: f64| (centre / v.pitch).round() as i64;

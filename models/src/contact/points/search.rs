@@ -29,8 +29,8 @@ pub(super) const MOST_PAST: f64 = 0.5;
 
 /// Flank points of one gear against the flank surfaces of the other.
 ///
-/// The search has no memory, no slots and no guards: points open and close all the time, so the force is
-/// clipped and runs with it do not locate events.
+/// The search has no discrete state, no slots and no event functions: points open and close all the time, so the force
+/// is clipped and runs with it do not locate events.
 #[derive(Debug)]
 pub struct FlankPoints {
     pub(super) gears: [Flanked; 2],
@@ -149,23 +149,23 @@ impl FlankPoints {
 
     /// First and second step: flanks about the line of centres, and the flanks they face.
     fn find_pairs(&self, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
-        let travel = parties.map(|p| p.gear.hub().travel(p.at.t, p.at.q));
+        let displacement = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
         scratch.pairs.clear();
         for k in 0..2 {
             scratch.active[k].clear();
             scratch.positions[k].clear();
         }
-        if !travel.iter().all(|t| t.is_finite()) {
+        if !displacement.iter().all(|t| t.is_finite()) {
             return;
         }
         let mut coarse = std::mem::take(&mut scratch.coarse);
         coarse.pairs.clear();
         for side in Side::BOTH {
-            self.coarse.pairs(self, side, travel, &mut coarse);
+            self.coarse.pairs(self, side, displacement, &mut coarse);
         }
         for [near, other] in &coarse.pairs {
-            let a = self.activate(0, *near, parties[0], travel[0], scratch);
-            let b = self.activate(1, *other, parties[1], travel[1], scratch);
+            let a = self.activate(0, *near, parties[0], displacement[0], scratch);
+            let b = self.activate(1, *other, parties[1], displacement[1], scratch);
             scratch.pairs.push([a, b]);
         }
         scratch.coarse = coarse;
@@ -182,7 +182,7 @@ impl FlankPoints {
         k: usize,
         near: Near,
         party: &Party<'_>,
-        travel: f64,
+        displacement: f64,
         scratch: &mut Scratch,
     ) -> usize {
         let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
@@ -197,10 +197,12 @@ impl FlankPoints {
             surface
                 .nodes
                 .positions(party.at, &shape.nodes, &mut positions[start..]);
-            g.placement.pose(travel)
+            g.placement.pose(displacement)
         } else {
             let tooth = self.tooth(k, &near);
-            let pose = g.placement.pose(party.gear.tooth_travel(party.at, tooth));
+            let pose = g
+                .placement
+                .pose(party.gear.tooth_displacement(party.at, tooth));
             let undeformed = &g.grids.grids()[near.shape].positions;
             for (x, u) in positions[start..].iter_mut().zip(undeformed) {
                 *x = pose.point(u);
@@ -525,17 +527,17 @@ impl FlankPoints {
     /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
     /// otherwise or the search does not know.
     #[must_use]
-    pub fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
+    pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let mut gaps = [0.0; 2];
         for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
-            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, travels[k]));
+            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, displacements[k]));
             let along = self.length - a? - b?;
             let nearest = along - self.base_pitch * (along / self.base_pitch).round();
             *gap = nearest * self.helix_cos;
         }
         Some(Clearance {
             gaps,
-            per_travel: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_travel()),
+            per_displacement: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_displacement()),
         })
     }
 
@@ -547,12 +549,12 @@ impl FlankPoints {
         margin: &mut Margin,
         out: &mut NodalPoints,
     ) {
-        let travels = [0, 1].map(|k| {
+        let displacements = [0, 1].map(|k| {
             let p = &sides[k].party;
-            p.gear.hub().travel(p.at.t, p.at.q)
+            p.gear.hub().displacement(p.at.t, p.at.q)
         });
         let apart = self
-            .clearance(travels)
+            .clearance(displacements)
             .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]));
         if apart > self.reach {
             self.scratch.borrow_mut().work = SearchWork::default();
@@ -569,7 +571,7 @@ impl FlankPoints {
             margin.least = f64::INFINITY;
         }
         if let Some(spur) = &self.spur {
-            spur.points(self, sides, travels, limit, margin, out);
+            spur.points(self, sides, displacements, limit, margin, out);
             return;
         }
         let [a, b] = sides;

@@ -104,7 +104,7 @@ impl Spur {
         &self,
         of: &FlankPoints,
         mut sides: [NodalParty<'_>; 2],
-        travels: [f64; 2],
+        displacements: [f64; 2],
         limit: f64,
         margin: &mut Margin,
         out: &mut NodalPoints,
@@ -113,9 +113,9 @@ impl Spur {
         let mut first = std::mem::take(&mut scratch.first);
         let mut buffers = std::mem::take(&mut scratch.spur);
         let mut work = SearchWork::default();
-        self.find_pairs(of, travels, limit, &mut first, &mut buffers.pairs);
+        self.find_pairs(of, displacements, limit, &mut first, &mut buffers.pairs);
         if !buffers.pairs.is_empty() {
-            let poses = [0, 1].map(|k| of.gears[k].placement.pose(travels[k]));
+            let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
             let turns = [
                 Turn::between(&poses[0], &poses[1]),
                 Turn::between(&poses[1], &poses[0]),
@@ -147,7 +147,7 @@ impl Spur {
     fn find_pairs(
         &self,
         of: &FlankPoints,
-        travels: [f64; 2],
+        displacements: [f64; 2],
         limit: f64,
         first: &mut Vec<Near>,
         pairs: &mut Vec<(f64, Near, Near, Side)>,
@@ -156,11 +156,11 @@ impl Spur {
         let limit = limit + of.gears[0].proud + of.gears[1].proud;
         for side in Side::BOTH {
             first.clear();
-            of.gears[0].each_near(side, travels[0], of.zone, |near| first.push(near));
+            of.gears[0].each_near(side, displacements[0], of.zone, |near| first.push(near));
             for near in first.iter() {
                 let facing = of.length - near.s;
                 let range = [facing - limit, facing + 0.5 * of.base_pitch];
-                of.gears[1].each_near(side, travels[1], range, |other| {
+                of.gears[1].each_near(side, displacements[1], range, |other| {
                     pairs.push((facing - other.s, *near, other, side));
                 });
             }

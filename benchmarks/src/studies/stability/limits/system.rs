@@ -66,7 +66,7 @@ impl SecondOrderSystem for Vibrations {
         v.fill(self.highest);
     }
 
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         1.0 / self.highest
     }
 
@@ -177,7 +177,7 @@ impl ModalSplit for Kicked {
         zeta.fill(0.0);
     }
 
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         let mut out = DVector::zeros(a.len());
         let q = DVectorView::from_slice(at.q, at.q.len());
         out.gemv(-1.0, &self.rest, &q, 0.0);
