@@ -1,6 +1,6 @@
 //! The motion of a system on which nothing but steady loads acts, in closed form.
 //!
-//! Coordinates are sums of *oscillators*, independent oscillators under constant loads:
+//! Coordinates are sums of independent *oscillators* under constant loads:
 //!
 //! ```text
 //! q_i(t) = sum_j w_ij x_j(t - t0),    x'' + 2 zeta omega x' + omega^2 x = g
@@ -8,14 +8,14 @@
 //!
 //! with the solution of [`propagator`](crate::modal::propagator); `omega = 0` is the quadratic motion of a body. A
 //! system that knows its motion so fills a [`FlightPath`] ([`SecondOrderSystem::flight_path`]), and the loop of any
-//! method goes along it in one step ([`Integrator::flight_path`](crate::Integrator::flight_path)). It is exact up to
+//! method goes along it in one step ([`Integrator::free_flight`](crate::Integrator::free_flight)). It is exact up to
 //! rounding, at both ends and inside.
 
 use crate::method::Dense;
 use crate::modal::propagator::coefficients;
 use crate::system::{SecondOrderSystem, State};
 
-/// Attempts to free flight that are left out after vain ones, at most.
+/// Questions for a free flight that are left out after vain ones, at most.
 const PATIENCE: u32 = 8;
 
 /// One oscillator under a constant load and what it moves.
@@ -170,7 +170,7 @@ mod tests {
         let total: f64 = m[0] + m[1];
         let reduced = m[0] * m[1] / total;
         let (q0, v0) = ([0.1, 0.4], [1.0, -0.5]);
-        let mut free_flight = FlightPath::default();
+        let mut path = FlightPath::default();
         path.begin(2.0);
         let centre = |x: [f64; 2]| (m[0] * x[0] + m[1] * x[1]) / total;
         path.oscillator(0.0, 0.0, [centre(q0), centre(v0)], pull / total);
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn what_rests_under_its_load_stays_to_the_last_bit() {
-        let mut free_flight = FlightPath::default();
+        let mut path = FlightPath::default();
         path.begin(0.0);
         let (omega, load) = (3e5_f64, 17.0);
         let q0 = load / (omega * omega);

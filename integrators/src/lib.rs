@@ -114,11 +114,11 @@ pub mod system;
 pub mod table;
 
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
+pub use free_flight::FlightPath;
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
     Sink, StepError, Stepping, TimePlan, Work,
 };
-pub use path::FlightPath;
 pub use spec::{MethodError, MethodSpec, Scheme};
 pub use stepped::Stepped;
 pub use system::{

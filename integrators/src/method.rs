@@ -282,7 +282,7 @@ pub trait Integrator {
 
     /// Crosses flights in one step of the system's own closed form ([`SecondOrderSystem::flight_path`]), or steps
     /// through them; false where the method cannot do what is asked.
-    fn flight_path(&mut self, on: bool) -> bool {
+    fn free_flight(&mut self, on: bool) -> bool {
         !on
     }
 

@@ -3,7 +3,7 @@
 
 use crate::linear_stability::Stability;
 use crate::method::{Integrator, MethodInfo, Resolution, Stepping};
-use crate::table::{COAST, METHODS, Method};
+use crate::table::{FREE_FLIGHT, METHODS, Method};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -18,8 +18,8 @@ pub struct MethodSpec {
     row: &'static Method,
     /// Given values of its own parameters, in declared order.
     given: [Option<f64>; MOST_PARAMETERS],
-    /// Given value of [`COAST`].
-    path: Option<bool>,
+    /// Given value of [`FREE_FLIGHT`].
+    free_flight: Option<bool>,
 }
 
 /// What is wrong with a method, a step or a tolerance that somebody asked for.
@@ -50,7 +50,7 @@ impl MethodSpec {
         Self {
             row,
             given: [None; MOST_PARAMETERS],
-            path: None,
+            free_flight: None,
         }
     }
 
@@ -65,16 +65,16 @@ impl MethodSpec {
         self
     }
 
-    /// The same method with a parameter at another value: one of its own, or [`COAST`].
+    /// The same method with a parameter at another value: one of its own, or [`FREE_FLIGHT`].
     pub fn with(mut self, name: &str, value: f64) -> Result<Self, MethodError> {
         let info = self.row.info;
         let wrong = |why: String| Err(MethodError::Parameter(why));
-        if name == COAST.name {
+        if name == FREE_FLIGHT.name {
             if value != 0.0 && value != 1.0 {
                 return wrong(format!("{} {name} = {value} is neither 0 nor 1", info.id));
             }
             let on = value == 1.0;
-            if !self.build().flight_path(on) {
+            if !self.build().free_flight(on) {
                 let what = if on {
                     "steps through flights"
                 } else {
@@ -90,11 +90,11 @@ impl MethodSpec {
             return wrong(if known.is_empty() {
                 format!(
                     "{} has no parameters of its own, but `{name}` was given; all methods take `{}`",
-                    info.id, COAST.name
+                    info.id, FREE_FLIGHT.name
                 )
             } else {
                 let known = known.join(", ");
-                let (id, all) = (info.id, COAST.name);
+                let (id, all) = (info.id, FREE_FLIGHT.name);
                 format!("{id} has no parameter `{name}`; it has {known} and {all}")
             });
         };
@@ -134,8 +134,8 @@ impl MethodSpec {
     /// The method, ready to run.
     pub fn build(&self) -> Box<dyn Integrator> {
         let mut built = (self.row.make)(&self.values());
-        if let Some(on) = self.path {
-            built.flight_path(on);
+        if let Some(on) = self.free_flight {
+            built.free_flight(on);
         }
         built
     }
@@ -164,7 +164,7 @@ impl MethodSpec {
 
 impl PartialEq for MethodSpec {
     fn eq(&self, other: &Self) -> bool {
-        (self.id(), self.given, self.path) == (other.id(), other.given, other.path)
+        (self.id(), self.given, self.free_flight) == (other.id(), other.given, other.free_flight)
     }
 }
 
@@ -174,7 +174,7 @@ impl fmt::Display for MethodSpec {
         let mut given: Vec<String> = own
             .filter_map(|(p, value)| Some(format!("{}={}", p.name, value?)))
             .collect();
-        given.extend((self.path).map(|on| format!("{}={}", COAST.name, u8::from(on))));
+        given.extend((self.free_flight).map(|on| format!("{}={}", FREE_FLIGHT.name, u8::from(on))));
         // Padding is for the whole.
         f.pad(&match given.is_empty() {
             true => self.id().to_owned(),

@@ -6,12 +6,11 @@
 //!   function of time inside the system, not a coordinate.
 //! - [`SecondOrderSystem::force`] is pure in [`At`]: the same arguments give the same bits.
 //! - **Event functions**: the system's current branch (which contacts are closed, which tooth pairs lie on the
-//! path of contact) is held in the discrete state. Event function `i` is positive while its part of the branch is
-//! valid;
-//!   an integrator that locates events stops where an event function falls through zero and calls
-//!   [`Events::transition`]. Without event location the system uses its clipped,
-//!   discrete state-free force instead ([`Events::begin`] says which).
-//! - Only `begin`, `transition` and `commit` change a state's discrete state, and only between steps.
+//!   path of contact) is held in the discrete state. Event function `i` is positive while its part of the branch is
+//!   valid; an integrator that locates events stops where an event function falls through zero and calls
+//!   [`Events::transition`]. Without event location the system uses its clipped force instead, without discrete
+//!   state ([`Events::begin`] says which).
+//! - Only `begin`, `transition` and `commit` change the discrete state, and only between steps.
 
 use crate::free_flight::FlightPath;
 
@@ -258,7 +257,7 @@ pub trait Events {
 
 /// Motion while nothing touches and all loads are steady.
 pub trait FreeFlight {
-    /// The motion from `s` on in closed form: the time until which it surely holds, with the motion in `free_flight`
+    /// The motion from `s` on in closed form: the time until which it surely holds, with the motion in `path`
     /// where the time is `later` than a time; `s.t` where something touches or nothing is known.
     fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64;
 

@@ -23,7 +23,7 @@ pub struct Method {
 }
 
 /// The parameter that all methods take beside their own.
-pub static COAST: Parameter = Parameter {
+pub static FREE_FLIGHT: Parameter = Parameter {
     name: "free_flight",
     default: 0.0,
     range: (0.0, 1.0),

@@ -131,7 +131,7 @@ impl Integrator for Diffsol {
         self.info
     }
 
-    fn flight_path(&mut self, on: bool) -> bool {
+    fn free_flight(&mut self, on: bool) -> bool {
         self.free_flights = on;
         true
     }

@@ -98,7 +98,7 @@ impl<M: OneStep> Stepped<M> {
             s.t = aim.stop;
         } else if aim.free_flights {
             let (from, to) = (s.t, aim.t_new);
-            let free_flight = &self.flight.path;
+            let path = &self.flight.path;
             r.end.t = to;
             path.at(to, &mut r.end.q, &mut r.end.v);
             check_finite(&r.end)?;

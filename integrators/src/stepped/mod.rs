@@ -17,7 +17,7 @@
 //! ([`OneStep::reach`]) goes there in one step, to the last point of the grid before it; that step says nothing about
 //! the next, and event functions that fall in it (which pairs of teeth face each other) are set afresh at its end.
 //!
-//! **Coasts.** Told to ([`Integrator::flight_path`]), the loop does the same for every other method along the closed
+//! **Free flights.** Told to ([`Integrator::free_flight`]), the loop does the same for every other method along the closed
 //! form that the system itself knows ([`SecondOrderSystem::flight_path`]): no error but rounding, at a cost that does
 //! not grow with the length of the flight. What a method would make of the flight, its drift of energy and phase among
 //! it, is then not seen, so crosses free flights are off unless asked for: a comparison of methods shows what the
@@ -191,7 +191,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
         self.method.info()
     }
 
-    fn flight_path(&mut self, on: bool) -> bool {
+    fn free_flight(&mut self, on: bool) -> bool {
         // A method that is exact for oscillators has flights of its own.
         let of_its_own = self.method.info().linear_part;
         self.flight.on = on && !of_its_own;

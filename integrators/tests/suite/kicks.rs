@@ -126,7 +126,7 @@ impl SecondOrderSystem for Pressed {
         v.fill(1.0);
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        self.rest(at, f);
+        self.remainder(at, f);
         for i in 0..f.len() {
             f[i] -= self.omega[i] * self.omega[i] * at.q[i];
         }

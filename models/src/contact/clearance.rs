@@ -1,7 +1,7 @@
 //! Lower bounds of gaps, linear in the displacements of the hubs.
 
 /// What facing flanks of two gears whose teeth move with their hubs are apart at least, by the displacements of the
-/// hubs: `assembled + per_travel . displacement`. An involute that turns moves parallel to itself, so this holds for
+/// hubs: `assembled + per_displacement . displacement`. An involute that turns moves parallel to itself, so this holds for
 /// all points of the flanks, not only on the line of action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineClearance {
@@ -12,7 +12,7 @@ pub struct LineClearance {
 }
 
 /// A lower bound of the gaps between rigid flanks, linear in the displacements of both hubs for as long as it is
-/// positive: no point has a smaller gap at any travels on the way.
+/// positive: no point has a smaller gap at any displacements on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
     /// Of left and of right flanks [m]; they touch, or may, where it is not positive.
@@ -23,7 +23,7 @@ pub struct Clearance {
 }
 
 impl Clearance {
-    /// The smaller of both sides after further travels [m].
+    /// The smaller of both sides after further displacements [m].
     #[must_use]
     pub fn after(&self, displacements: [f64; 2]) -> f64 {
         let change = self.per_displacement[0] * displacements[0]
@@ -31,7 +31,7 @@ impl Clearance {
         (self.gaps[0] + change).min(self.gaps[1] - change)
     }
 
-    /// The gap of each side as a linear function of further travels.
+    /// The gap of each side as a linear function of further displacements.
     #[must_use]
     pub fn lines(&self) -> [LineClearance; 2] {
         [1.0, -1.0].map(|sign| LineClearance {

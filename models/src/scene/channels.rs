@@ -88,7 +88,7 @@ impl OfGear {
         match self {
             OfGear::Speed => "speed",
             OfGear::HubSpeed => "hub_speed",
-            OfGear::Displacement => "travel",
+            OfGear::Displacement => "hub_angle",
             OfGear::ContactTorque => "contact_torque",
             OfGear::BearingX => "bearing_x",
             OfGear::BearingY => "bearing_y",
@@ -131,11 +131,13 @@ impl Channel {
             }
             Channel::Gear(g, what) => {
                 let gear = &scene.gears[g];
-                let unit = what.unit(matches!(gear.body, Body::Rack(_)));
+                let slides = matches!(gear.body, Body::Rack(_));
+                let unit = what.unit(slides);
                 let name = &gear.name;
                 match what {
                     OfGear::BearingX => format!("bearing_{name}_x_{unit}"),
                     OfGear::BearingY => format!("bearing_{name}_y_{unit}"),
+                    OfGear::Displacement if slides => format!("hub_displacement_{name}_{unit}"),
                     _ => format!("{}_{name}_{unit}", what.name()),
                 }
             }

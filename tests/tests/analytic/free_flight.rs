@@ -94,7 +94,7 @@ fn a_free_flight_is_the_motion_and_nothing_touches_on_it() {
         let (mut flights, mut worst) = (0, 0.0_f64);
         for seed in 0..40 {
             let (mut scene, s) = flying(&models, &contact, 1e-6, seed);
-            let mut free_flight = FlightPath::default();
+            let mut path = FlightPath::default();
             let until = scene.flight_path(&s, 0.0, &mut path).min(0.02);
             if until == 0.0 {
                 continue;

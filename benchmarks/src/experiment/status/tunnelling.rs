@@ -1,14 +1,13 @@
 //! Contacts that a run missed.
 //!
-//! The travels of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
+//! The displacements of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
 //! action: the approach less the gap they started with, or, on the other flank, less the rest of the backlash. Elastic
 //! teeth give way by their deflection, no more. So a contact was missed where
 //!
 //! - the overlap is larger than any deflection, a tenth of the module: teeth passed through each other;
 //! - it is clearly larger than the deflection, and no force acts: teeth stand in each other unseen;
 //! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return,
-//! but
-//!   the speeds changed as they would have without: the step went over it.
+//!   but the speeds changed as they would have without: the step went over it.
 
 use super::super::run::approach;
 use super::Finding;
@@ -73,7 +72,7 @@ pub struct Passage {
 }
 
 impl Passage {
-    /// The meshes of a scene; those whose geometry rigid travels do not tell are left out.
+    /// The meshes of a scene; those whose geometry rigid displacements do not tell are left out.
     #[must_use]
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let pair = |m: usize| {
@@ -143,11 +142,11 @@ impl Passage {
                 continue;
             }
             self.inside.copy_from(step.from);
-            let State { t, q, v, memory } = &mut self.inside;
+            let State { t, q, v, discrete } = &mut self.inside;
             *t = step.from.t + theta * h;
             step.dense.eval(theta, q, v);
             // The force of a scene without located events, whatever the branch.
-            memory[0] = 0.0;
+            discrete[0] = 0.0;
             sys.output(self.inside.at(), &mut self.out);
             if self.out.channels[pair.force] > 0.0 {
                 self.grazed = Some((*m, self.inside.t, overlap));

@@ -153,7 +153,7 @@ impl Pair {
             let found = series.columns.iter().find(|c| c.name == name);
             found.map(|c| c.values.as_slice())
         };
-        let displacement = |k: usize| column(format!("travel_{}_rad", gears[k].0));
+        let displacement = |k: usize| column(format!("hub_angle_{}_rad", gears[k].0));
         let (first, second) = (displacement(0)?, displacement(1)?);
         let [ra, rb] = self.effective_radii;
         let error: Vec<f64> = (first.iter().zip(second))

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! `T` is what loads apply to the hub; a viscous load is left out of `r T`, or gaps would know speeds. All of this
-//! derives from one potential of travels and modal coordinates,
+//! derives from one potential of displacements and modal coordinates,
 //!
 //! ```text
 //! Pi = min_u  u^T R^-1 u / 2 + sum_p phi(g_p)

@@ -91,12 +91,12 @@ struct Line {
     transverse: Vec3,
     /// Tangent point on gear a in the slice's plane.
     origin: Vec3,
-    /// `s = at_zero + per_travel * displacement + per_pair * pair` for both gears, helix included.
+    /// `s = at_zero + per_displacement * displacement + per_pair * pair` for both gears, helix included.
     map: [PathMap; 2],
     /// Whether the teeth count up with the pairs, for both gears.
     ascending: [bool; 2],
     /// Neither flank is modified, so teeth that move as one have one gap:
-    /// `helix_cos (slack - per_travel_a travel_a - per_travel_b travel_b)`.
+    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`.
     plain: bool,
     slack: f64,
 }

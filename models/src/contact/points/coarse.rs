@@ -7,8 +7,7 @@
 //! - [`ToothIndices`] looks up sorted path coordinates. It asks that flanks follow the involutes of the toothing that
 //!   the scene names, so that one number tells where they are.
 //! - [`FlankBoxes`] asks nothing of tooth numbers, of the shape of flanks, or of the poses of the gears: every flank
-//! has a
-//!   box in its own frame, and two trees of boxes are held against each other in the relative pose (parry). Flanks move
+//!   has a box in its own frame, and two trees of boxes are held against each other in the relative pose (parry). Flanks move
 //!   as their gears do, so that no tree is ever refitted. It serves what the indices cannot: flanks of meshes of any
 //!   origin, later crossed axes.
 //!
@@ -41,7 +40,7 @@ pub(super) struct CoarseScratch {
 
 /// Finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
-    /// The pairs of a side at finite travels of both hubs, appended to `scratch.pairs`.
+    /// The pairs of a side at finite displacements of both hubs, appended to `scratch.pairs`.
     fn pairs(
         &self,
         of: &FlankPoints,

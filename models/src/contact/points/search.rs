@@ -524,7 +524,7 @@ impl FlankPoints {
         });
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
     /// otherwise or the search does not know.
     #[must_use]
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {

@@ -311,7 +311,7 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     let hub = HubBody {
         contact_mass: lightest * springs.radius_squared / context.effective_radius.powi(2),
         characteristic_time: springs.shortest_time(),
-        vibration_cut_off: vibration_cut_off,
+        vibration_cut_off,
         ..HubBody::new(context.hub.clone(), context.effective_radius)
     };
     let mut gear = MovableTeeth {

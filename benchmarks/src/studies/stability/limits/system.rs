@@ -141,7 +141,7 @@ impl SecondOrderSystem for Kicked {
     }
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        self.rest(at, f);
+        self.remainder(at, f);
         for (f, (w, q)) in f.iter_mut().zip(self.omega.iter().zip(at.q)) {
             *f -= w * w * q;
         }
