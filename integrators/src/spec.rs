@@ -85,6 +85,9 @@ impl MethodSpec {
             self.free_flight = Some(on);
             return Ok(self);
         }
+        if name == "coast" {
+            return wrong(format!("`coast` is called `{}`", FREE_FLIGHT.name));
+        }
         let Some(i) = info.parameters.iter().position(|p| p.name == name) else {
             let known: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
             return wrong(if known.is_empty() {
@@ -421,6 +424,7 @@ mod tests {
             ("rk5", "semi-implicit-euler"),
             ("rk4(h=1)", "no parameters"),
             ("rk4(free_flight=0.5)", "neither 0 nor 1"),
+            ("rk4(coast=1)", "is called `free_flight`"),
             ("trigonometric(free_flight=0)", "always crosses"),
             ("newmark(gamma=0.5)", "it has beta"),
             ("newmark(beta=2)", "outside [0, 0.5]"),
