@@ -135,12 +135,12 @@ impl FlightProbe {
     }
 
     /// The next question is asked at once.
-    pub(crate) fn hope(&mut self) {
+    pub(crate) fn ask_next(&mut self) {
         (self.skip, self.patience) = (0, 1);
     }
 
     /// A time until which [`Self::flight_path`] holds from `s` on, if it is later than a time; `s.t` where it is not.
-    pub(crate) fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
+    pub(crate) fn end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
         if !self.on {
             return s.t;
         }
@@ -150,7 +150,7 @@ impl FlightProbe {
         }
         let until = sys.flight_path(s, later, &mut self.path);
         if until > later {
-            self.hope();
+            self.ask_next();
             return until;
         }
         self.skip = self.patience;

@@ -329,7 +329,7 @@ pub trait OneStep {
 
     /// A time up to which the method goes from `s` in one step, whatever step `h` is asked for, because nothing
     /// touches until then; at most `s.t + h` where it does not.
-    fn reach(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
+    fn free_flight_end(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
         s.t
     }
 

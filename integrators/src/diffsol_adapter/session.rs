@@ -107,7 +107,7 @@ impl<'x, 'a> Session<'x, 'a> {
             // diffsol takes a stop time within a hundred units of rounding for reached.
             let least = 200.0 * f64::EPSILON * (self.s.t.abs() + h);
             let mut last = h;
-            self.flight.hope();
+            self.flight.ask_next();
             if let Some(next) = self.flight_path(h, stop)? {
                 if matches!(next, Next::End) {
                     return Ok(());
@@ -160,7 +160,7 @@ impl<'x, 'a> Session<'x, 'a> {
         }
         let until = {
             let mut sys = shared.sys.borrow_mut();
-            self.flight.reach(&mut **sys, self.s, later).min(stop)
+            self.flight.end(&mut **sys, self.s, later).min(stop)
         };
         if until <= later {
             return Ok(None);

@@ -260,7 +260,7 @@ impl OneStep for Trigonometric {
         self.evaluate(split, s.at(), 0, None, work);
     }
 
-    fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
+    fn free_flight_end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
         if self.ends[0].acts {
             return s.t;
         }
@@ -273,14 +273,14 @@ impl OneStep for Trigonometric {
         }
         let Some(split) = sys.modal() else { return s.t };
         self.free_until = split.free_until(s);
-        let reach = self.free_until.min(self.steady_until);
-        if reach > s.t + h {
+        let end = self.free_until.min(self.steady_until);
+        if end > s.t + h {
             self.patience = 1;
         } else {
             self.skip = self.patience;
             self.patience = (2 * self.patience).min(PATIENCE);
         }
-        reach
+        end
     }
 
     fn preferred_step(&self, h: f64) -> f64 {

@@ -55,19 +55,19 @@ impl<M: OneStep> Stepped<M> {
             r.h_next = self.method.preferred_step(r.h_next);
             s.t + r.h_next
         };
-        let mut reach = self.method.reach(sys, s, r.h_next);
+        let mut end = self.method.free_flight_end(sys, s, r.h_next);
         if self.flight.on {
-            reach = self.flight.reach(sys, s, t_new);
+            end = self.flight.end(sys, s, t_new);
         }
-        reach = reach.min(stop);
-        if r.fixed && reach < stop {
-            reach = r.t_begin + ((reach - r.t_begin) / r.h_next).floor() * r.h_next;
+        end = end.min(stop);
+        if r.fixed && end < stop {
+            end = r.t_begin + ((end - r.t_begin) / r.h_next).floor() * r.h_next;
         }
-        let leaps = reach > t_new + 1e-9 * r.h_next;
+        let leaps = end > t_new + 1e-9 * r.h_next;
         if leaps {
-            t_new = reach;
+            t_new = end;
             if r.fixed {
-                r.on_grid = ((reach - r.t_begin) / r.h_next) as u64 - 1;
+                r.on_grid = ((end - r.t_begin) / r.h_next) as u64 - 1;
             }
         } else if t_new >= stop - 1e-9 * r.h_next {
             t_new = stop;

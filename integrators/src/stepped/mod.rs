@@ -14,7 +14,7 @@
 //!
 //! **Fixed steps** lie on the grid `t0 + i h`. A breakpoint or an event cuts a step short and the next one ends on
 //! the grid again, whatever the rounding of sums. A method that knows how far nothing happens
-//! ([`OneStep::reach`]) goes there in one step, to the last point of the grid before it; that step says nothing about
+//! ([`OneStep::free_flight_end`]) goes there in one step, to the last point of the grid before it; that step says nothing about
 //! the next, and event functions that fall in it (which pairs of teeth face each other) are set afresh at its end.
 //!
 //! **Free flights.** Told to ([`Integrator::free_flight`]), the loop does the same for every other method along the closed
@@ -216,7 +216,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
             return Ok(());
         }
         self.method.begin(sys, plan.resolution)?;
-        self.flight.hope();
+        self.flight.ask_next();
         self.method.restart(sys, s, work);
         let mut watch = Watch::new(layout.event_functions);
         let events = plan.events && layout.event_functions > 0;

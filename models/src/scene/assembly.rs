@@ -28,7 +28,7 @@ const DEVIATION_SAMPLES: usize = 257;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
 /// rounding leaves.
-const FLANK_MARGIN: f64 = 1e-6;
+const FLANK_BOUND: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 
 /// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
@@ -421,7 +421,7 @@ impl Scene {
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal: mesh.gears.iter().any(has_field),
                 clearances,
-                margin: (if with_flanks { FLANK_MARGIN } else { ROUNDING }) * l.base_pitch,
+                gap_bound: (if with_flanks { FLANK_BOUND } else { ROUNDING }) * l.base_pitch,
                 discrete: 0,
                 event_functions: 0,
                 cells: 0,

@@ -118,7 +118,7 @@ impl Scene {
                 let beside: f64 = (line.per_displacement.iter().zip(frames))
                     .map(|(p, f)| p.abs() * f.displacement)
                     .sum();
-                let gap = gap - outward - beside - mesh.margin;
+                let gap = gap - outward - beside - mesh.gap_bound;
                 if gap <= 0.0 {
                     return 0.0;
                 }

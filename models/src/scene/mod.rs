@@ -121,7 +121,7 @@ pub struct SceneMesh {
     /// What facing flanks are apart at least, were the gears rigid.
     clearances: Vec<LineClearance>,
     /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
-    margin: f64,
+    gap_bound: f64,
     /// Offset of its discrete state, and of its event functions.
     discrete: usize,
     event_functions: usize,

@@ -5,7 +5,7 @@
 use super::{Scene, SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::nodal::{
-    Block, GearNodes, HardSolve, Margin, NodalParty, NodalPoints, NodalSolve, Share, Spring,
+    Block, GapBound, GearNodes, HardSolve, NodalParty, NodalPoints, NodalSolve, Share, Spring,
     UNUSED, weighted,
 };
 use crate::kinematics::Row;
@@ -202,7 +202,7 @@ impl Nodal {
     fn find(
         &mut self,
         island: usize,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
         at: At<'_>,
@@ -221,7 +221,7 @@ impl Nodal {
             };
             let sides = [side(a, of_a, 0), side(b, of_b, 1)];
             if let Some(points) = mesh.search.points() {
-                points.nodal_points(sides, margin, &mut self.found);
+                points.nodal_points(sides, gap_bound, &mut self.found);
             }
             for p in &mut self.found.points[first..] {
                 p.mesh = m as u32;
@@ -236,15 +236,15 @@ impl Nodal {
         solved.blocks.clear();
         let start = self.active.len();
         let begin = self.found.points.len();
-        let mut margin = Margin {
+        let mut gap_bound = GapBound {
             depth: 0.0,
             least: 0.0,
         };
         loop {
             self.active.truncate(start);
             self.found.points.truncate(begin);
-            self.find(island, &mut margin, gears, meshes, at);
-            if margin.depth <= 0.0 {
+            self.find(island, &mut gap_bound, gears, meshes, at);
+            if gap_bound.depth <= 0.0 {
                 break;
             }
             if let Some(mut hard) = solved.hard.take() {
@@ -252,7 +252,7 @@ impl Nodal {
                 solved.hard = Some(hard);
                 break;
             }
-            let beside = margin.gap();
+            let beside = gap_bound.gap();
             let found = self.found.points.iter().enumerate().skip(begin);
             let near = found.filter(|(_, p)| p.gap0 <= beside);
             self.active.extend(near.map(|(point, p)| NodalActive {
@@ -268,7 +268,7 @@ impl Nodal {
             if rise <= beside || self.failed {
                 break;
             }
-            margin.least = 2.0 * rise;
+            gap_bound.least = 2.0 * rise;
         }
         self.solved[island] = solved;
     }
@@ -311,13 +311,13 @@ impl Nodal {
         let average = |n: &(usize, u32, f64, f64)| n.3 / n.2;
         let depth = b.nodes.iter().fold(0.0_f64, |d, n| d.max(-average(n)));
         let start = self.active.len();
-        let mut margin = Margin { depth, least: 0.0 };
+        let mut gap_bound = GapBound { depth, least: 0.0 };
         loop {
             if depth <= 0.0 {
                 break;
             }
             self.active.truncate(start);
-            let beside = margin.gap();
+            let beside = gap_bound.gap();
             b.number.clear();
             b.closed.clear();
             for n in &b.nodes {
@@ -358,7 +358,7 @@ impl Nodal {
             if rise <= beside || self.failed || b.closed.len() == b.nodes.len() {
                 break;
             }
-            margin.least = 2.0 * rise;
+            gap_bound.least = 2.0 * rise;
         }
         self.averages = b;
     }
@@ -543,9 +543,9 @@ impl Nodal {
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master);
-            if p.fading != 0.0 && !mesh.hard {
+            if p.weight_derivative != 0.0 && !mesh.hard {
                 let energy = mesh.law.potential(a.elastic.0, p.stiffness);
-                a.direction -= energy / a.force.n * p.fading * p.answer[0];
+                a.direction -= energy / a.force.n * p.weight_derivative * p.sensitivity[0];
             }
             (a.effective_radii, _) = rows_of(gears, mesh, a, &self.found, at, row);
             for k in 0..2 {

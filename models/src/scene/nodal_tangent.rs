@@ -46,7 +46,7 @@ pub(super) struct Reduced {
     entries: Vec<Entry>,
     begins: Vec<usize>,
     /// `T`, row-major.
-    answer: Vec<f64>,
+    response: Vec<f64>,
     /// `G` of one gear.
     block: Vec<f64>,
     /// `A0^-1 E^T` of gears with a field, one column after the other.
@@ -157,14 +157,14 @@ impl Reduced {
     }
 
     /// `T` of the nodal points and of other contacts.
-    fn answers(&mut self, nodal: &mut Nodal, c: Coeffs) -> Result<(), Singular> {
+    fn respond(&mut self, nodal: &mut Nodal, c: Coeffs) -> Result<(), Singular> {
         let size = self.size;
-        let mut answer = std::mem::take(&mut self.answer);
-        answer.clear();
-        answer.resize(size * size, 0.0);
+        let mut response = std::mem::take(&mut self.response);
+        response.clear();
+        response.resize(size * size, 0.0);
         for (i, a) in nodal.active.iter().enumerate() {
             let weight = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
-            add_outer(&mut answer, size, self.row(i), self.row(i), weight);
+            add_outer(&mut response, size, self.row(i), self.row(i), weight);
         }
         for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
             if let Some(hard) = &mut s.hard {
@@ -183,7 +183,7 @@ impl Reduced {
                     hard.tangent(&mut self.column)?;
                     for (i, dn) in s.points.clone().zip(&self.column) {
                         for &(k, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
-                            answer[k as usize * size + j] += value * dn;
+                            response[k as usize * size + j] += value * dn;
                         }
                     }
                 }
@@ -212,15 +212,15 @@ impl Reduced {
                 if column.iter().all(|x| *x == 0.0) {
                     continue;
                 }
-                s.solve.give_way(column);
+                s.solve.apply_compliance(column);
                 for i in 0..size {
                     let of_i = &self.elastic[i * n..][..n];
-                    answer[i * size + j] +=
+                    response[i * size + j] +=
                         of_i.iter().zip(&*column).map(|(x, y)| x * y).sum::<f64>();
                 }
             }
         }
-        self.answer = answer;
+        self.response = response;
         Ok(())
     }
 
@@ -232,7 +232,7 @@ impl Reduced {
         rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
         let per_gap = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
         let per_path = c.k * a.force.dn_dk * along_path;
-        let (t, n) = (&mut self.answer, self.size);
+        let (t, n) = (&mut self.response, self.size);
         for (row, factor) in [(&normal, 1.0), (&sliding, a.friction.df_dn)] {
             add_outer(t, n, row, &normal, factor * per_gap);
             add_outer(t, n, row, &first, factor * per_path);
@@ -283,7 +283,7 @@ impl Scene {
         let contacts = work.active.len();
         b.collect(gears, &work.nodal, &work.rows[..contacts], x.len());
         b.rows(gears, meshes, &work.nodal);
-        b.answers(&mut work.nodal, c)?;
+        b.respond(&mut work.nodal, c)?;
         for (a, rows) in work.active.iter().zip(&work.rows) {
             let candidate = &work.candidates[a.candidate];
             let along_path = -candidate.stiffness_s / candidate.scale[0];
@@ -348,7 +348,7 @@ impl Scene {
             for (k, line) in b.block.chunks_exact(n).enumerate() {
                 let out = &mut b.matrix[(start + k) * size..][..size];
                 for (j, g) in line.iter().enumerate() {
-                    let of_j = &b.answer[(start + j) * size..][..size];
+                    let of_j = &b.response[(start + j) * size..][..size];
                     for (out, t) in out.iter_mut().zip(of_j) {
                         *out -= g * t;
                     }
@@ -360,7 +360,7 @@ impl Scene {
         }
         solve_in_place(&mut b.matrix, &mut b.y)?;
         b.forces.clear();
-        for line in b.answer.chunks_exact(size) {
+        for line in b.response.chunks_exact(size) {
             b.forces
                 .push(line.iter().zip(&b.y).map(|(t, y)| t * y).sum());
         }
@@ -437,7 +437,7 @@ impl Scene {
             for (spring, h) in s.springs.iter().zip(&*points) {
                 spring.add(*h, &mut z);
             }
-            s.solve.give_way(&mut z);
+            s.solve.apply_compliance(&mut z);
             for (spring, h) in s.springs.iter().zip(points) {
                 *h += spring.force.dn_dg * spring.along(&z);
             }

@@ -36,5 +36,5 @@ mod solve;
 
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
-pub use points::{Margin, NodalParty, NodalPoint, NodalPoints};
+pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};
 pub use solve::{Block, NodalSolve, Spring, UNUSED};

@@ -132,7 +132,7 @@ impl FlankBoxes {
 /// How far the surface of a flank and its continuation beyond the tip may leave the box of its nodes [m].
 fn beyond_the_nodes(shape: &Shape) -> f64 {
     let most = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(*x));
-    most(&shape.stray) + most(&shape.lengths)
+    most(&shape.chord_bound) + most(&shape.lengths)
 }
 
 impl Flank {

@@ -5,7 +5,7 @@
 //! through its outermost node, which is linear in the gear's displacement, so both steps look up sorted lists.
 
 use super::generated;
-use super::involute::{off_involute, outermost, path_at_zero, proud};
+use super::involute::{deviation_bound, off_involute, outermost, path_at_zero};
 use super::search::MOST_PAST;
 use super::surface::{Rule, Shape};
 use crate::error::Reason;
@@ -68,7 +68,7 @@ pub(super) struct Flanked {
     /// The flanks follow their involutes, near enough to be found by path coordinates.
     pub involute: bool,
     /// How far a flank stands outward of its involute at most, on the path coordinate [m]; for such flanks.
-    pub proud: f64,
+    pub deviation_bound: f64,
     /// Base radius [m]; `None` for a rack.
     pub base_radius: Option<f64>,
 }
@@ -128,7 +128,7 @@ impl Flanked {
             pitch
         };
         // The first flank of a side stands for all, with what others stand before their place by its pitch.
-        let mut most_proud = 0.0_f64;
+        let mut largest = 0.0_f64;
         let mut foremost: [Option<(f64, f64)>; 2] = [None; 2];
         let mut involute = true;
         let mut sorted = [vec![], vec![]];
@@ -137,8 +137,8 @@ impl Flanked {
             let (s, tooth) = path_at_zero(&o, g.side, outermost);
             involute &= off_involute(&o, g) <= OFF_INVOLUTE * pitch;
             if moves_as_one {
-                let stands = proud(&o, &shapes[shape], outermost, MOST_PAST);
-                most_proud = most_proud.max(stands);
+                let stands = deviation_bound(&o, &shapes[shape], outermost, MOST_PAST);
+                largest = largest.max(stands);
                 let s = s + stands;
                 let of_side = &mut foremost[side_index(g.side)];
                 let (first, ahead) = of_side.get_or_insert((s, 0.0));
@@ -171,7 +171,7 @@ impl Flanked {
             sorted,
             rigid: moves_as_one,
             involute,
-            proud: most_proud,
+            deviation_bound: largest,
             base_radius: o.view.base_radius,
             foremost: match foremost {
                 [Some(left), Some(right)] if involute => Some([left.0 + left.1, right.0 + right.1]),

@@ -86,7 +86,7 @@ fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
 
 /// How far the surface of a flank, continued beyond the tip by `past` of its last face, stands outward of the
 /// involute through its outermost node, on the path coordinate [m].
-pub(super) fn proud(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
+pub(super) fn deviation_bound(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
     let sign = shape.side.sign();
     let per_place = match o.view.base_radius {
         Some(rb) => sign * rb,

@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::clearance::Clearance;
 use crate::contact::nodal::{
-    GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::contact::pairs::MeshGeometry;
 use crate::contact::party::{Party, SearchWork, Wanted};
@@ -88,7 +88,7 @@ pub(super) struct Found<'a> {
     pub x: Vec3,
     pub hit: Hit,
     /// `A' / A` of that area by the place along the master's face.
-    pub fading: f64,
+    pub weight_derivative: f64,
 }
 
 impl FlankPoints {
@@ -279,7 +279,12 @@ impl FlankPoints {
         let master = self.deformed(m, scratch, pair[m]);
         let active = [&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]];
         heights.clear();
-        heights.extend(slave.x.iter().map(|x| self.stands_off(m, &master, x).1));
+        heights.extend(
+            slave
+                .x
+                .iter()
+                .map(|x| self.clearance_bound(m, &master, x).1),
+        );
         let columns = slave.shape.columns;
         let keep = |row: usize, column: usize| {
             let i = row * columns + column;
@@ -287,7 +292,7 @@ impl FlankPoints {
                 .min(heights[i + 1])
                 .min(heights[i + columns])
                 .min(heights[i + columns + 1]);
-            least <= limit + slave.shape.stray[row]
+            least <= limit + slave.shape.chord_bound[row]
         };
         let tip = master.shape.lengths[master.shape.lengths.len() - 1];
         slave.shape.points(&self.rule, keep, |p| {
@@ -296,7 +301,7 @@ impl FlankPoints {
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let (begin, clearance) = self.stands_off(m, &master, &x);
+            let (begin, clearance) = self.clearance_bound(m, &master, &x);
             if clearance > limit {
                 return;
             }
@@ -330,7 +335,7 @@ impl FlankPoints {
                 point,
                 x,
                 hit,
-                fading: slope / on,
+                weight_derivative: slope / on,
             });
         });
     }
@@ -338,7 +343,7 @@ impl FlankPoints {
     /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
     /// than a face beyond root, tip or sides.
     #[inline]
-    fn stands_off(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+    fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
         let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
         let (column, b) = master.shape.column_at(x.z);
         let begin = Begin {
@@ -352,7 +357,7 @@ impl FlankPoints {
         }
         let face = master.shape.face(master.x, master.pose, row, column);
         let over = face.height_over(master.shape.side, x);
-        (begin, over - master.shape.stray[row])
+        (begin, over - master.shape.chord_bound[row])
     }
 
     /// The points on both gears.
@@ -446,7 +451,7 @@ impl FlankPoints {
         found: &Found<'_>,
         parties: &[Party<'_>; 2],
         nodes: &mut [(Option<&dyn FlankDisplacement>, &mut GearNodes); 2],
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let Found {
@@ -455,7 +460,7 @@ impl FlankPoints {
             point: p,
             x,
             hit,
-            fading,
+            weight_derivative,
             ..
         } = found;
         let (k, m) = (*k, 1 - k);
@@ -475,7 +480,7 @@ impl FlankPoints {
                 gap0 -= weighted(&weights[gear], &a);
             }
         }
-        if !margin.takes(gap0) {
+        if !gap_bound.takes(gap0) {
             return;
         }
         let points = self.points(found);
@@ -492,14 +497,14 @@ impl FlankPoints {
             teeth: points.map(|p| p.tooth),
             x: *x,
             normal: hit.normal,
-            answer: master.answer(x, hit),
+            sensitivity: master.sensitivity(x, hit),
             place: [hit.a, hit.b],
             slots,
             weights,
             gap0,
             stiffness: self.penalty[k] * p.area,
             share: p.area * self.penalty[k] / (self.penalty[0] + self.penalty[1]),
-            fading: *fading,
+            weight_derivative: *weight_derivative,
         });
     }
 }
@@ -542,11 +547,11 @@ impl FlankPoints {
     }
 
     /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), of a
-    /// gap within the margin before residual compliance, and the nodes that they lie on.
+    /// gap within the gap_bound before residual compliance, and the nodes that they lie on.
     pub fn nodal_points(
         &self,
         mut sides: [NodalParty<'_>; 2],
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let displacements = [0, 1].map(|k| {
@@ -568,17 +573,17 @@ impl FlankPoints {
         }
         if self.hard {
             limit = self.reach;
-            margin.least = f64::INFINITY;
+            gap_bound.least = f64::INFINITY;
         }
         if let Some(spur) = &self.spur {
-            spur.points(self, sides, displacements, limit, margin, out);
+            spur.points(self, sides, displacements, limit, gap_bound, out);
             return;
         }
         let [a, b] = sides;
         let parties = [a.party, b.party];
         let mut nodes = [(a.field, a.nodes), (b.field, b.nodes)];
         self.each_point(parties.each_ref(), limit, |found| {
-            self.nodal_point(found, &parties, &mut nodes, margin, out);
+            self.nodal_point(found, &parties, &mut nodes, gap_bound, out);
         });
     }
 

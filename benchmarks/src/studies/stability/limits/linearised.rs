@@ -27,13 +27,13 @@ const KEPT: usize = 128;
 const KRYLOV: usize = 120;
 
 /// A scene and a state of it with closed contacts.
-pub struct Frozen {
+pub struct Linearised {
     scene: Scene,
     closed: Option<State>,
     start: State,
 }
 
-impl Frozen {
+impl Linearised {
     /// Assembles a scene and runs it through its first contact.
     ///
     /// # Errors
@@ -42,11 +42,11 @@ impl Frozen {
         spec: &SceneSpec,
         modelling: &Modelling,
         models: &[Model],
-    ) -> Result<Frozen, LimitError> {
+    ) -> Result<Linearised, LimitError> {
         let mut scene = Scene::build(spec, modelling, models)?;
         let start = scene.initial();
         let closed = closed_state(&mut scene, spec);
-        Ok(Frozen {
+        Ok(Linearised {
             scene,
             closed,
             start,
