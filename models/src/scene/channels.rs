@@ -1,7 +1,7 @@
 //! The named quantities that a scene reports, of every mesh and every gear: what they are, where they stand in
 //! [`Outputs::channels`](gearbench_integrators::Outputs), and in which unit.
 
-use super::Scene;
+use super::assembled::Scene;
 use crate::spec::{Body, SceneSpec};
 
 /// A quantity of a mesh [N].

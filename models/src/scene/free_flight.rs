@@ -30,31 +30,12 @@
 //!
 //! for the force, over that of an impact on the contact's spring alone, and for the speed of rebound. Impacts add up.
 
-use super::{Scene, SceneGear};
+use super::assembled::Scene;
 use crate::contact::LineClearance;
 use crate::gear::FreeFlight;
 use crate::gear::capabilities::work_on_hub;
-use crate::spec::Load;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Events, State};
-
-impl SceneGear {
-    /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free.
-    pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
-        if self.model.hub().coordinates() == 0 {
-            return Some(0.0);
-        }
-        let mut sum = 0.0;
-        for load in &self.loads {
-            sum += match load {
-                Load::Applied(p) if p.slope(t) == 0.0 => p.value(t),
-                Load::Viscous(0.0) => 0.0,
-                _ => return None,
-            };
-        }
-        Some(sum)
-    }
-}
 
 /// The first positive zero of `c + b t + a t^2 / 2` for `c > 0`, infinite where there is none.
 fn first_zero(c: f64, b: f64, a: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! The scene as independent oscillators and a rest, for methods that are exact for the linear part.
 
-use super::Scene;
+use super::assembled::Scene;
 use crate::gear::LinearMotion;
 use gearbench_integrators::system::{At, Events, ModalSplit, SecondOrderSystem, State};
 

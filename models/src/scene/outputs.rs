@@ -1,8 +1,8 @@
 //! What a scene reports: energies, powers, and the channels of [`Channel`](super::Channel).
 
-use super::Scene;
+use super::active::sliding_direction;
+use super::assembled::Scene;
 use super::channels::{OfGear, OfMesh};
-use super::contacts::sliding_direction;
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
