@@ -89,7 +89,7 @@ impl<'a> Trial<'a> {
     /// # Errors
     /// A method that the model does not take.
     pub fn run(&mut self, method: &Scheme, window: &Window) -> Result<Outcome, RunError> {
-        // The pace of modes and of movable teeth is far finer than any jump of a dashpot asks for.
+        // The characteristic time of modes and of movable teeth is far finer than any jump of a dashpot asks for.
         self.observe(method, (window.end, &window.grid), self.rigid, PATIENCE)
     }
 
