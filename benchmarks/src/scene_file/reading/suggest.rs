@@ -1,7 +1,7 @@
 //! "Did you mean": nearest known word, and keys whose unit is not the one of the scene format.
 
 /// Keys of earlier versions and what they are called now, for the tables that have the new key.
-const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cutoff")];
+const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cut_off")];
 
 /// Units that people write, what the format takes instead, and the factor between them.
 const UNITS: &[(&str, &str, f64)] = &[
@@ -165,8 +165,8 @@ mod tests {
         assert_eq!(nearest("eteth", &known), Some("teeth"));
         assert_eq!(nearest(&"teeth".repeat(20), &known), None);
         assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
-        let help = help_for("sleep", Some(0.1), &["vibration_cutoff"], &|_| "a share");
-        assert_eq!(help, "`sleep` is called `vibration_cutoff` now: a share");
+        let help = help_for("sleep", Some(0.1), &["vibration_cut_off"], &|_| "a share");
+        assert_eq!(help, "`sleep` is called `vibration_cut_off` now: a share");
         assert_eq!(
             help_for("sleep", None, &["teeth"], &|_| ""),
             "known are teeth"
