@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`mesh`] | structured hexahedral meshes of gears and racks, their quality, VTU |
 //! | [`deck`] | Abaqus and CalculiX decks: reading, checking, writing |
-//! | [`element`], [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
+//! | `element`, [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
 //! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
 //! | [`reduction`] | modes, static compliance and their reduction to the data of the elastic gear |
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
@@ -19,7 +19,7 @@
 
 pub mod assembly;
 pub mod deck;
-pub mod element;
+mod element;
 pub mod full_order;
 pub mod hash;
 pub mod mesh;

@@ -1,6 +1,6 @@
 //! Bodies, meshes and numbers that several tests share.
 
-use crate::mesh::{ElementKind, GearMeshParams, RackMeshParams, Tooth};
+use crate::mesh::{ElementKind, GearMeshParams, Tooth};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
 
 /// A gear of the default toothing, changed where a test needs it.
@@ -39,7 +39,7 @@ pub(crate) fn stub(teeth: u32, helix_angle: f64) -> Gear {
 }
 
 /// Few elements, for what does not depend on how many.
-pub(crate) fn coarse_gear(rim: usize, width: usize) -> GearMeshParams {
+pub(crate) fn coarse(rim: usize, width: usize) -> GearMeshParams {
     GearMeshParams {
         kind: ElementKind::C3D8,
         tooth: Tooth::coarse(),
@@ -47,18 +47,6 @@ pub(crate) fn coarse_gear(rim: usize, width: usize) -> GearMeshParams {
         rim,
         width,
         ..GearMeshParams::default()
-    }
-}
-
-/// Few elements for a rack.
-pub(crate) fn coarse_rack(body: usize) -> RackMeshParams {
-    RackMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        body,
-        width: 1,
-        ..RackMeshParams::default()
     }
 }
 

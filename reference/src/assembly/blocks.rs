@@ -15,7 +15,6 @@ pub struct Pattern {
 
 impl Pattern {
     /// The pattern of a mesh.
-    #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let nodes = mesh.nodes.len();
         // Elements of each node, then its neighbours from them.
@@ -53,13 +52,11 @@ impl Pattern {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// Number of stored entries.
-    #[must_use]
     pub fn entries(&self) -> usize {
         self.columns.len()
     }
@@ -78,7 +75,6 @@ impl Pattern {
     }
 
     /// The diagonal alone.
-    #[must_use]
     pub fn diagonal(nodes: usize) -> Self {
         Pattern {
             starts: (0..=nodes as u32).collect(),
@@ -111,26 +107,22 @@ pub struct BlockMatrix {
 
 impl BlockMatrix {
     /// All zero.
-    #[must_use]
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let blocks = vec![[0.0; 9]; pattern.entries()];
         BlockMatrix { pattern, blocks }
     }
 
     /// Where the blocks stand.
-    #[must_use]
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
     /// The stored blocks, in the order of the pattern.
-    #[must_use]
     pub fn blocks(&self) -> &[[f64; 9]] {
         &self.blocks
     }
 
     /// Bytes that a product streams: blocks and columns.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         self.blocks.len() * (9 * 8 + 4) + self.pattern.starts.len() * 4
     }
@@ -199,20 +191,17 @@ pub struct ScalarMatrix {
 
 impl ScalarMatrix {
     /// All zero.
-    #[must_use]
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.entries()];
         ScalarMatrix { pattern, values }
     }
 
     /// Where the entries stand.
-    #[must_use]
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
     /// The stored entries, in the order of the pattern.
-    #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }

@@ -28,25 +28,21 @@ impl Labels {
     }
 
     /// Dense number of a label.
-    #[must_use]
     pub fn find(&self, label: u32) -> Option<u32> {
         self.index.get(&label).copied()
     }
 
     /// Label of a dense number.
-    #[must_use]
     pub fn label(&self, dense: u32) -> u32 {
         self.labels[dense as usize]
     }
 
     /// How many there are.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.labels.len()
     }
 
     /// True when there are none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.labels.is_empty()
     }
@@ -254,20 +250,17 @@ pub struct Deck {
 
 impl Deck {
     /// Number of elements.
-    #[must_use]
     pub fn element_count(&self) -> usize {
         self.element_labels.len()
     }
 
     /// Block of an element.
-    #[must_use]
     pub fn block(&self, element: u32) -> &ElementBlock {
         let i = self.blocks.partition_point(|b| b.first <= element);
         &self.blocks[i - 1]
     }
 
     /// Nodes of an element, counted through all blocks.
-    #[must_use]
     pub fn element(&self, element: u32) -> &[u32] {
         let block = self.block(element);
         let n = block.kind.nodes();
@@ -275,7 +268,6 @@ impl Deck {
     }
 
     /// Nodes of a target.
-    #[must_use]
     pub fn target<'a>(&'a self, target: &'a Target) -> &'a [u32] {
         match target {
             Target::Node(node) => std::slice::from_ref(node),
@@ -284,7 +276,6 @@ impl Deck {
     }
 
     /// Name of the material of each element: that of the last section whose set has it.
-    #[must_use]
     pub fn section_materials(&self) -> Vec<Option<&str>> {
         let mut material = vec![None; self.element_count()];
         for section in &self.sections {
@@ -296,7 +287,6 @@ impl Deck {
     }
 
     /// A material with all its values.
-    #[must_use]
     pub fn material(&self, name: &str) -> Option<Material> {
         let m = self.materials.get(name)?;
         let (young, poisson) = m.elastic?;

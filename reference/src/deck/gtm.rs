@@ -37,7 +37,6 @@ pub enum GtmRequirement {
 
 impl GtmRequirement {
     /// The requirement in words.
-    #[must_use]
     pub fn text(self) -> &'static str {
         match self {
             Self::OneGear => "one gear per deck",
@@ -77,7 +76,6 @@ impl fmt::Display for Finding {
 }
 
 /// Checks a deck against the requirements of the GTM preprocessing; a deck without findings meets them all.
-#[must_use]
 pub fn check_gtm(deck: &Deck) -> Vec<Finding> {
     let mut check = Check {
         deck,

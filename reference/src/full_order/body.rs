@@ -53,9 +53,6 @@ impl Body {
     ///
     /// Where the hub is driven the mass between held and free nodes is lumped: the power of the drive then
     /// follows from the state alone, without the accelerations that contact makes.
-    ///
-    /// # Errors
-    /// An element that is turned inside out.
     pub fn new(
         mesh: GearMesh,
         material: &Material,

@@ -47,7 +47,6 @@ pub struct Correction {
 
 impl Correction {
     /// Prepares for a gear with `own` hub coordinates.
-    #[must_use]
     pub fn new(reduced: &Reduced, own: usize) -> Self {
         let (matrix, entries) = union(&reduced.stiffness, &reduced.mass);
         Correction {
@@ -64,7 +63,6 @@ impl Correction {
     }
 
     /// Factorisations so far.
-    #[must_use]
     pub fn factorisations(&self) -> u64 {
         self.count
     }

@@ -54,7 +54,6 @@ pub struct FullOrder {
 impl FullOrder {
     /// A body on its hub with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia becomes
     /// that of the mesh with what is added.
-    #[must_use]
     pub fn new(mut hub: Hub, effective_base_radius: f64, body: Body) -> Self {
         hub.inertia = body.inertia;
         let n = 3 * body.position.len();
@@ -93,7 +92,6 @@ impl FullOrder {
     }
 
     /// The finite elements.
-    #[must_use]
     pub fn body(&self) -> &Body {
         &self.body
     }

@@ -21,9 +21,6 @@ pub struct Symmetric<T> {
 
 impl<T: Scalar> Symmetric<T> {
     /// Takes over a lower triangle.
-    ///
-    /// # Errors
-    /// A number that is not finite, an entry above the diagonal, or a matrix that is not square.
     pub fn new(a: SparseColMatRef<'_, usize, T>) -> Result<Self, ModesError> {
         if a.nrows() != a.ncols() {
             return Err(ModesError::Matrix(
@@ -74,7 +71,6 @@ impl<T: Scalar> Symmetric<T> {
     }
 
     /// Rows and columns.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.start.len() - 1
     }
@@ -93,7 +89,6 @@ impl<T: Scalar> Symmetric<T> {
     }
 
     /// `A - sigma B` on the union of both patterns, stored zeros included.
-    #[must_use]
     pub fn minus(&self, sigma: f64, b: &Self) -> SparseColMat<usize, T> {
         let n = self.size();
         let (full_a, full_b) = (self.with_zeros(), b.with_zeros());

@@ -64,9 +64,6 @@ struct Shape {
 }
 
 /// Modes of a gear by its whole mesh.
-///
-/// # Errors
-/// [`ReductionError`]: no flanks, bad elements, modes that cannot be found.
 pub fn of_mesh(
     mesh: &GearMesh,
     material: &Material,
@@ -141,9 +138,6 @@ pub fn of_mesh(
 }
 
 /// Modes of a gear of equal teeth by the sector of tooth 0, with node sets `cut_low` and `cut_high`.
-///
-/// # Errors
-/// As [`of_mesh`]; a sector whose cuts do not match.
 pub fn of_sector(
     sector: &GearMesh,
     material: &Material,

@@ -6,7 +6,7 @@ use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, GearMesh};
 use crate::modes::{self, Options};
-use crate::test_support::{coarse_gear, coarse_rack, noise, rack, stub};
+use crate::test_support::{coarse, noise, rack, stub};
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
@@ -20,8 +20,8 @@ use std::sync::Arc;
 fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
     let gear = stub(6, 0.0);
     let rack = rack(2, 4e-3, |p| p.body_height = 8e-3);
-    let wheel = || mesh::gear(&gear, &coarse_gear(1, 1)).unwrap();
-    let bar = || mesh::rack(&rack, &coarse_rack(1)).unwrap();
+    let wheel = || mesh::gear(&gear, &coarse(1, 1)).unwrap();
+    let bar = || mesh::rack(&rack, &coarse(1, 1)).unwrap();
     let slide = Some(Vec3::new(-0.6, 0.8, 0.0));
     [
         (wheel(), Mounting::gear(true, 1e-5), Mount::Revolute, None),

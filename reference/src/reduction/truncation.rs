@@ -27,10 +27,6 @@ pub struct Kept<'a> {
 }
 
 /// The static compliance without what the kept modes carry.
-///
-/// # Errors
-/// Lengths that do not fit; a mode without frequency; modes of a cyclic gear that leave its teeth unlike, because one
-/// of a pair of equal frequency was kept without the other.
 pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, ReductionError> {
     let (nodes, modes) = (total.hub.len(), kept.omega.len());
     if kept.shapes.len() != nodes * modes || kept.hub.len() != modes {

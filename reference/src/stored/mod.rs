@@ -1,6 +1,6 @@
 //! A reference computed by another program: parameters, histories and where they come from.
 //!
-//! [`table`] owns the list of stored references, embedded in the program: one line each in [`REFERENCES`].
+//! `table` owns the list of stored references, embedded in the program: one line each in [`REFERENCES`].
 //!
 //! Owns the reading of the stored files: a CSV whose header carries SI units, and two JSON files, what the
 //! deck was made from (`params.json`) and figures computed from the results (`summary.json`).
@@ -8,7 +8,7 @@
 mod format;
 mod history;
 mod parameters;
-pub mod table;
+mod table;
 
 pub use history::{History, trapezoid};
 pub use parameters::{GearData, ImpactParameters, RackData, Summary};
@@ -18,23 +18,14 @@ use format::RawParameters;
 
 /// Why stored data cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum ReferenceError {
-    /// There is no such reference.
     #[error("there is no reference `{id}`; there are {known}")]
-    Unknown {
-        /// The id asked for.
-        id: String,
-        /// The ids there are.
-        known: String,
-    },
-    /// A stored file is damaged.
+    Unknown { id: String, known: String },
     #[error("reference `{id}`, {file}: {message}")]
     Damaged {
-        /// Id of the reference.
         id: String,
-        /// File.
         file: &'static str,
-        /// What is wrong.
         message: String,
     },
 }
@@ -64,9 +55,6 @@ pub struct ExternalReference {
 
 impl ExternalReference {
     /// Reads the stored texts of a reference.
-    ///
-    /// # Errors
-    /// [`ReferenceError::Damaged`] names the file and what is wrong.
     pub(crate) fn read(stored: &StoredReference) -> Result<Self, ReferenceError> {
         let damaged = |file: &'static str, message: String| ReferenceError::Damaged {
             id: stored.id.into(),

@@ -66,18 +66,12 @@ pub static REFERENCES: &[StoredReference] = &[
 
 impl StoredReference {
     /// Reads the embedded files.
-    ///
-    /// # Errors
-    /// [`ReferenceError::Damaged`] names the file and what is wrong.
     pub fn load(&self) -> Result<ExternalReference, ReferenceError> {
         ExternalReference::read(self)
     }
 }
 
 /// Finds a stored reference by its id and reads it.
-///
-/// # Errors
-/// [`ReferenceError::Unknown`] lists the ids there are.
 pub fn reference(id: &str) -> Result<ExternalReference, ReferenceError> {
     match REFERENCES.iter().find(|r| r.id == id) {
         Some(stored) => stored.load(),

@@ -1,5 +1,4 @@
 mod calculix;
-mod highest;
 mod patch;
 mod support;
 mod waves;

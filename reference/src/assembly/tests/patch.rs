@@ -2,7 +2,7 @@
 
 use super::support::{brick, largest};
 use crate::assembly::assemble;
-use crate::element::matrices;
+use crate::element::Integrator;
 use crate::mesh::{EDGES, ElementKind, Mesh};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -88,7 +88,9 @@ fn null_spaces_are_those_of_the_integration_rules() {
             .iter()
             .map(|&i| mesh.nodes[i as usize])
             .collect();
-        matrices(kind, 0, &order, &Material::STEEL, &mut k, &mut m).unwrap();
+        Integrator::new(kind)
+            .matrices(0, &order, &Material::STEEL, &mut k, &mut m)
+            .unwrap();
         let size = largest(&k);
         let k = DMatrix::from_row_slice(3 * n, 3 * n, &k) / size;
         let values = k.symmetric_eigenvalues();

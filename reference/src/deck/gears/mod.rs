@@ -64,7 +64,6 @@ pub struct DeckGear {
 
 impl DeckGear {
     /// Where a point of the own frame stands in the deck [m].
-    #[must_use]
     pub fn to_deck(&self, x: Vec3) -> Vec3 {
         placed(self.shape, self.centre, self.phase, x)
     }
@@ -128,17 +127,11 @@ pub(super) fn bore_axis(deck: &Deck, set: &str) -> Option<char> {
 }
 
 /// Splits a deck into its toothed bodies, in the order of their first elements.
-///
-/// # Errors
-/// [`DeckError`] names the set or element that a gear cannot be made of.
 pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
     gears_with(deck, None)
 }
 
 /// As [`gears`]; what the deck does not say of a material is taken from `other`.
-///
-/// # Errors
-/// As [`gears`].
 pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>, DeckError> {
     let bodies = bodies::split(deck, other)?;
     if bodies.is_empty() {

@@ -9,9 +9,6 @@ use gearbench_models::geometry::Side;
 
 impl<'a> Impact<'a> {
     /// The impact of a deck with two gears, their contact pairs and one implicit dynamic step.
-    ///
-    /// # Errors
-    /// [`DeckError`] says what is missing or of another kind.
     pub fn of(deck: &Deck, gears: &'a [DeckGear]) -> Result<Self, DeckError> {
         let decline = |expected: &str, found: String, help: &str| DeckError {
             kind: DeckErrorKind::Gear,

@@ -183,7 +183,7 @@ fn numbers_fit_into_twenty_characters() {
 /// preprocessing.
 #[test]
 fn generated_meshes_come_back_bit_for_bit() {
-    use crate::mesh::{ElementKind, GearMeshParams, RackMeshParams, gear, rack};
+    use crate::mesh::{ElementKind, GearMeshParams, gear, rack};
     use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
     let mut meshes = Vec::new();
     for (teeth, helix, kind) in [
@@ -213,7 +213,7 @@ fn generated_meshes_come_back_bit_for_bit() {
             module: 2e-3,
             ..RackParams::default()
         };
-        let rack = rack(&Rack::new(spec).unwrap(), &RackMeshParams::default()).unwrap();
+        let rack = rack(&Rack::new(spec).unwrap(), &GearMeshParams::default()).unwrap();
         meshes.push((format!("rack of {teeth}"), rack));
     }
     for (name, mesh) in &meshes {

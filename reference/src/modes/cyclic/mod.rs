@@ -107,7 +107,6 @@ impl CyclicModes {
     }
 
     /// Frequencies [Hz].
-    #[must_use]
     pub fn frequencies(&self) -> Vec<f64> {
         let to_hz = |m: &CyclicMode| m.omega2.max(0.0).sqrt() / std::f64::consts::TAU;
         self.modes.iter().map(to_hz).collect()
@@ -125,13 +124,11 @@ pub struct Hub {
 
 impl Hub {
     /// Held in every direction.
-    #[must_use]
     pub fn fixed() -> Self {
         Self::default()
     }
 
     /// Free to turn about z, with added inertia [kg m²].
-    #[must_use]
     pub fn turning(added_inertia: f64) -> Self {
         Self {
             motions: vec![HubMotion::Turn],
@@ -144,10 +141,6 @@ impl Hub {
 const KEEP_BELOW: usize = 800_000_000;
 
 /// The lowest `count` modes of the gear whose sector is given (one more if the last is half of a pair).
-///
-/// # Errors
-/// A sector whose cuts do not match, hub motions that break the symmetry, elements that cannot be integrated,
-/// and what [`super::lowest`] declines.
 pub fn lowest(
     sector: &GearMesh,
     material: &Material,
@@ -160,9 +153,6 @@ pub fn lowest(
 
 impl Sector {
     /// The lowest `count` modes of the whole gear (one more if the last is half of a pair).
-    ///
-    /// # Errors
-    /// As [`lowest`].
     pub fn lowest(&self, count: usize, options: &Options) -> Result<CyclicModes, ModesError> {
         let unknowns = self.unknowns() * self.teeth() as usize;
         if count > unknowns {
@@ -175,9 +165,6 @@ impl Sector {
     }
 
     /// All modes of the whole gear with `omega^2` up to a bound [rad²/s²].
-    ///
-    /// # Errors
-    /// As [`lowest`].
     pub fn up_to(&self, omega2: f64, options: &Options) -> Result<CyclicModes, ModesError> {
         self.search(Target::Above(omega2), options)
     }

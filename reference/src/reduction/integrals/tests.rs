@@ -5,7 +5,7 @@ use crate::assembly::assemble;
 use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh};
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Basis, Mounting, Wanted, basis};
-use crate::test_support::{self, coarse_gear};
+use crate::test_support::{self, coarse};
 use gearbench_integrators::system::At;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
@@ -24,7 +24,7 @@ fn gear() -> (Gear, GearMeshParams) {
         p.face_width = 8e-3;
         p.bore_radius = 5e-3;
     });
-    (gear, coarse_gear(2, 1))
+    (gear, coarse(2, 1))
 }
 
 fn noise(n: usize, seed: f64) -> Vec<f64> {

@@ -86,7 +86,6 @@ pub struct Meta {
 impl Meta {
     /// What a file says of a basis that was computed from this request; `source` tells in words where the mesh is
     /// from.
-    #[must_use]
     pub fn new(request: &Request<'_>, source: &str) -> Self {
         let mesh = &request.mesh.mesh;
         Meta {
@@ -118,9 +117,6 @@ pub struct Stored {
 }
 
 /// Writes a basis to a file, which is whole or not there; returns its size in bytes.
-///
-/// # Errors
-/// [`StoreError`] when the file cannot be written, or the basis does not fit together.
 pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError> {
     let name = path.to_string_lossy();
     if let Some(problem) = checks::problem(basis, meta) {
@@ -150,9 +146,6 @@ fn part_of(path: &Path) -> PathBuf {
 }
 
 /// Reads a basis from a file.
-///
-/// # Errors
-/// [`StoreError`] says what is wrong with the file.
 pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let name = path.to_string_lossy();
     let fail = |found: String| {
@@ -170,9 +163,6 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
 }
 
 /// Reads a basis from the bytes of a file; `name` stands in refusals.
-///
-/// # Errors
-/// [`StoreError`] says what is wrong.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Stored, StoreError> {
     Reader::new(bytes)
         .and_then(|reader| fields::read(&reader))
@@ -180,9 +170,6 @@ pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Stored, StoreError> {
 }
 
 /// The bytes of a file; for tests and for writing elsewhere than to a file.
-///
-/// # Errors
-/// [`StoreError`] when the basis does not fit together.
 pub fn to_bytes(basis: &Basis, meta: &Meta) -> Result<Vec<u8>, StoreError> {
     if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem);

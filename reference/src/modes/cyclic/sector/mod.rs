@@ -9,7 +9,6 @@ use super::{Hub, turned};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::ModesError;
-use crate::solve::ordering::Ordering;
 use crate::solve::{Scalar, SolveError, Symbolic};
 use faer::c64;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
@@ -69,9 +68,6 @@ fn transposed(a: &Block) -> Block {
 
 impl Sector {
     /// Assembles a sector with node sets `cut_low` and `cut_high`; its bore is held by the hub.
-    ///
-    /// # Errors
-    /// Cuts that do not match, hub motions that break the symmetry, elements that cannot be integrated.
     pub fn new(gear: &GearMesh, material: &Material, hub: &Hub) -> Result<Self, ModesError> {
         let mesh = &gear.mesh;
         let teeth = gear.teeth;
@@ -144,13 +140,11 @@ impl Sector {
     }
 
     /// Teeth of the whole gear.
-    #[must_use]
     pub fn teeth(&self) -> u32 {
         self.teeth
     }
 
     /// Unknowns of one harmonic, hub motions apart.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         3 * self.free
     }
@@ -237,7 +231,7 @@ impl Sector {
         let (start, rows) = self.pattern(&[]);
         let n = self.unknowns();
         let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
-        Symbolic::new(pattern.as_ref(), Ordering::Best)
+        Symbolic::new(pattern.as_ref())
     }
 
     /// Column starts and rows, `hub` rows appended to the columns where they have an entry.
