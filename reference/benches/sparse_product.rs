@@ -12,7 +12,6 @@ use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::{Assembly, assemble};
 use gearbench_reference::deck::{gears, read};
 use gearbench_reference::mesh::{ElementKind, Mesh};
-use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -42,13 +41,7 @@ fn brick(cells: [u32; 3]) -> Mesh {
             }
         }
     }
-    Mesh {
-        nodes,
-        kind: ElementKind::C3D8,
-        connectivity,
-        node_sets: BTreeMap::new(),
-        face_sets: BTreeMap::new(),
-    }
+    Mesh::new(ElementKind::C3D8, nodes, connectivity)
 }
 
 /// One pass over an array.

@@ -11,6 +11,7 @@
 //! | `mesh_source` | where a model of finite elements takes its mesh from: its parameters |
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
 //! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
+//! | `vector` | sums and turns of vectors that several modules need |
 //! | [`hash`] | the hash that names stored results |
 //!
 //! The data lie beside the sources in `reference/calculix/`, each case with its deck, results, parameters
@@ -31,6 +32,7 @@ pub mod statics;
 pub mod stored;
 #[cfg(test)]
 mod test_support;
+mod vector;
 
 pub use mesh_source::MeshParameters;
 pub use stored::{ExternalReference, REFERENCES, reference};

@@ -9,7 +9,8 @@ use gearbench_models::spec::Body as Toothing;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
+/// A parameter that may be left out.
+pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
         key,
         meaning,

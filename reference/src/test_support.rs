@@ -1,6 +1,8 @@
 //! Bodies, meshes and numbers that several tests share.
 
-use crate::mesh::{ElementKind, GearMeshParams, Tooth};
+use crate::element::natural_corner;
+use crate::mesh::{ElementKind, GearMeshParams, Mesh, Tooth};
+use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
 
 /// A gear of the default toothing, changed where a test needs it.
@@ -48,6 +50,38 @@ pub(crate) fn coarse(rim: usize, width: usize) -> GearMeshParams {
         width,
         ..GearMeshParams::default()
     }
+}
+
+/// A box from the origin, cut into equal cells; nodes ascend along z first, x last.
+pub(crate) fn brick(kind: ElementKind, cells: [usize; 3], size: [f64; 3]) -> Mesh {
+    let points = cells.map(|c| 2 * c + 1);
+    let at = |i: [usize; 3]| (i[0] * points[1] + i[1]) * points[2] + i[2];
+    let mut number = vec![u32::MAX; points.iter().product()];
+    let mut nodes = Vec::new();
+    for x in 0..points[0] {
+        for y in 0..points[1] {
+            for z in 0..points[2] {
+                let odd = x % 2 + y % 2 + z % 2;
+                if odd == 0 || (odd == 1 && kind.nodes() == 20) {
+                    number[at([x, y, z])] = nodes.len() as u32;
+                    let part = |i: usize, k: usize| size[k] * i as f64 / (points[k] - 1) as f64;
+                    nodes.push(Vec3::new(part(x, 0), part(y, 1), part(z, 2)));
+                }
+            }
+        }
+    }
+    let mut connectivity = Vec::new();
+    for x in 0..cells[0] {
+        for y in 0..cells[1] {
+            for z in 0..cells[2] {
+                connectivity.extend((0..kind.nodes()).map(|a| {
+                    let n = natural_corner(a).map(|c| (c + 1.0) as usize);
+                    number[at([2 * x + n[0], 2 * y + n[1], 2 * z + n[2]])]
+                }));
+            }
+        }
+    }
+    Mesh::new(kind, nodes, connectivity)
 }
 
 /// Numbers that look random and repeat.

@@ -39,13 +39,11 @@ fn table(name: &str, column: &str) -> Vec<f64> {
 fn modes_of(name: &str, kind: Option<ElementKind>, count: usize) -> Modes {
     let deck: Deck = deck::read(folder().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
     let block = &deck.blocks[0];
-    let mesh = Mesh {
-        nodes: deck.nodes.clone(),
-        kind: kind.unwrap_or(block.kind),
-        connectivity: block.connectivity.clone(),
-        node_sets: Default::default(),
-        face_sets: Default::default(),
-    };
+    let mesh = Mesh::new(
+        kind.unwrap_or(block.kind),
+        deck.nodes.clone(),
+        block.connectivity.clone(),
+    );
     let mut held: Vec<u32> = Vec::new();
     for b in &deck.boundaries {
         assert_eq!(b.directions, [1, 3], "{name}: clamped nodes expected");

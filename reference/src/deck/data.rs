@@ -4,49 +4,10 @@ use super::error::Place;
 use crate::mesh::{ElementKind, Face};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
-/// Labels of a deck and their dense numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Labels {
-    labels: Vec<u32>,
-    index: HashMap<u32, u32>,
-}
-
-impl Labels {
-    /// Dense number of a new label; `None` if it is there already.
-    pub(crate) fn push(&mut self, label: u32) -> Option<u32> {
-        let dense = self.labels.len() as u32;
-        match self.index.entry(label) {
-            std::collections::hash_map::Entry::Occupied(_) => None,
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                entry.insert(dense);
-                self.labels.push(label);
-                Some(dense)
-            }
-        }
-    }
-
-    /// Dense number of a label.
-    pub fn find(&self, label: u32) -> Option<u32> {
-        self.index.get(&label).copied()
-    }
-
-    /// Label of a dense number.
-    pub fn label(&self, dense: u32) -> u32 {
-        self.labels[dense as usize]
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.labels.len()
-    }
-
-    /// True when there are none.
-    pub fn is_empty(&self) -> bool {
-        self.labels.is_empty()
-    }
-}
+/// Labels of a deck; their place is their dense number.
+pub type Labels = indexmap::IndexSet<u32>;
 
 /// Elements of one `*ELEMENT` block.
 #[derive(Clone, Debug, PartialEq)]

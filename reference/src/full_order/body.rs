@@ -6,6 +6,7 @@ use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
 use crate::mesh::GearMesh;
+use crate::vector::dot;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Flanks;
 use gearbench_models::kinematics::Placement;
@@ -114,7 +115,6 @@ impl Body {
             }
             y
         };
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let of_free = |y: &[f64]| {
             let mut out = Vec::new();
             for (k, &node) in free.iter().enumerate() {

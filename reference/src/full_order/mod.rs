@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `frame` | the frame on the hub: where undeformed points are |
 //! | [`body`] | mesh, stiffness and mass, prepared |
-//! | `gear`, `kinematics` | the gear model: coordinates, forces, energy; where its nodes are and how they move |
+//! | `gear`, `kinematics`, `large` | the gear model: coordinates, forces, energy; where its nodes are and how they move; coupled masses |
 //! | `correction` | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
 //! | `table` | the line in the table of models |
 
@@ -13,6 +13,7 @@ mod correction;
 mod frame;
 mod gear;
 mod kinematics;
+mod large;
 pub(crate) mod table;
 
 #[cfg(test)]

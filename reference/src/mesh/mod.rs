@@ -130,6 +130,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// A mesh without sets.
+    pub fn new(kind: ElementKind, nodes: Vec<Vec3>, connectivity: Vec<u32>) -> Self {
+        Mesh {
+            nodes,
+            kind,
+            connectivity,
+            node_sets: BTreeMap::new(),
+            face_sets: BTreeMap::new(),
+        }
+    }
+
     /// Number of elements.
     pub fn element_count(&self) -> usize {
         self.connectivity.len() / self.kind.nodes()

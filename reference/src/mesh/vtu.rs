@@ -321,13 +321,7 @@ mod tests {
 
     #[test]
     fn fields_of_another_length_are_refused() {
-        let mesh = Mesh {
-            nodes: vec![],
-            kind: ElementKind::C3D8,
-            connectivity: vec![],
-            node_sets: Default::default(),
-            face_sets: Default::default(),
-        };
+        let mesh = Mesh::new(ElementKind::C3D8, vec![], vec![]);
         let mut out = Vec::new();
         let field = Field {
             name: "u",

@@ -4,8 +4,8 @@ use super::*;
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Reduced, Tie};
 use crate::mesh::{ElementKind, Mesh};
+use crate::test_support::brick;
 use faer::sparse::{SparseColMat, Triplet};
-use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 
 /// Kronecker sum of chains between walls on an n x n x n grid: eigenvalues are sums of 4 sin^2, many multiple.
@@ -80,39 +80,6 @@ fn multiple_eigenvalues_are_complete() {
     }
 }
 
-/// A brick of C3D8 elements.
-fn brick(n: [usize; 3], size: [f64; 3]) -> Mesh {
-    let index = |x: usize, y: usize, z: usize| ((x * (n[1] + 1) + y) * (n[2] + 1) + z) as u32;
-    let mut nodes = Vec::new();
-    for x in 0..=n[0] {
-        for y in 0..=n[1] {
-            for z in 0..=n[2] {
-                let at = |i: usize, k: usize| size[k] * i as f64 / n[k] as f64;
-                nodes.push(Vec3::new(at(x, 0), at(y, 1), at(z, 2)));
-            }
-        }
-    }
-    let mut connectivity = Vec::new();
-    for x in 0..n[0] {
-        for y in 0..n[1] {
-            for z in 0..n[2] {
-                for dz in 0..2 {
-                    for (dx, dy) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
-                        connectivity.push(index(x + dx, y + dy, z + dz));
-                    }
-                }
-            }
-        }
-    }
-    Mesh {
-        nodes,
-        kind: ElementKind::C3D8,
-        connectivity,
-        node_sets: Default::default(),
-        face_sets: Default::default(),
-    }
-}
-
 fn reduced(mesh: &Mesh, held: &[u32]) -> Reduced {
     let assembly = assemble(mesh, &Material::STEEL).unwrap();
     Tie::new(&mesh.nodes, held, &[]).reduce(&assembly, &[], MassKind::Consistent)
@@ -120,7 +87,7 @@ fn reduced(mesh: &Mesh, held: &[u32]) -> Reduced {
 
 #[test]
 fn free_body_has_six_rigid_modes() {
-    let mesh = brick([6, 4, 4], [0.06, 0.04, 0.03]);
+    let mesh = brick(ElementKind::C3D8, [6, 4, 4], [0.06, 0.04, 0.03]);
     let r = reduced(&mesh, &[]);
     let modes = lowest(
         r.stiffness.as_ref(),
@@ -146,7 +113,7 @@ fn free_body_has_six_rigid_modes() {
 
 #[test]
 fn iteration_agrees_with_the_full_decomposition() {
-    let mesh = brick([7, 4, 4], [0.05, 0.02, 0.02]);
+    let mesh = brick(ElementKind::C3D8, [7, 4, 4], [0.05, 0.02, 0.02]);
     let held: Vec<u32> = (0..25).collect();
     let r = reduced(&mesh, &held);
     let (k, m) = (

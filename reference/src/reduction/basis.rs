@@ -21,6 +21,7 @@ use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
 use crate::modes::{self, Options};
+use crate::vector::dot;
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::Residual;
 use gearbench_models::stiffness::Material;
@@ -45,10 +46,6 @@ impl Wanted {
 
 fn omega2(frequency: f64) -> f64 {
     (std::f64::consts::TAU * frequency).powi(2)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// What one mode leaves behind.

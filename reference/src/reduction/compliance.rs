@@ -36,6 +36,7 @@ use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::solve::Cholesky;
+use crate::vector::dot;
 use faer::{Mat, Par};
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -152,7 +153,7 @@ pub fn of_assembly(
     let unit = mounting.rigid(nodes);
     let mut image = vec![0.0; unit.len()];
     assembly.mass.apply3(&unit, &mut image);
-    let inertia = unit.iter().zip(&image).map(|(x, y)| x * y).sum();
+    let inertia = dot(&unit, &image);
     let mut load = vec![0.0; tie.coordinates()];
     tie.gather(&image, &mut load);
     let mut answer = Mat::from_fn(load.len(), 1, |i, _| load[i]);

@@ -4,7 +4,7 @@ use super::choose::{self, Choice, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::{Basis, Wanted, open, shared};
-use crate::mesh_source::{self, Reader};
+use crate::mesh_source::{self, Reader, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
@@ -15,14 +15,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(super) const MODEL: &str = "elastic";
-
-const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning,
-        required: false,
-    }
-}
 
 /// Parameters of the model.
 pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[

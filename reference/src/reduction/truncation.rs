@@ -8,6 +8,7 @@
 //! into the teeth, which is the same matrix as outward by outward; `a` outward displacements by unit torque.
 
 use super::error::ReductionError;
+use crate::vector::dot;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -55,7 +56,6 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
         .map(|(h, w)| h / w)
         .collect();
     let at = |node: usize| &s[node * modes..][..modes];
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut rest = total.clone();
     for (k, r) in rest.hub.iter_mut().enumerate() {
         *r -= dot(at(k), &h);

@@ -7,7 +7,6 @@ use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::deck::read;
 use crate::mesh::{ElementKind, Mesh};
 use gearbench_models::stiffness::Material;
-use std::collections::BTreeMap;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/calculix/modal");
 
@@ -15,13 +14,11 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/calculix/modal");
 fn stored(kind: ElementKind, name: &str) -> (Mesh, Vec<u32>, Material) {
     let deck = read(format!("{FOLDER}/{name}_{}.inp.gz", kind.name())).unwrap();
     assert_eq!((deck.blocks.len(), deck.blocks[0].kind), (1, kind));
-    let mesh = Mesh {
-        nodes: deck.nodes.clone(),
+    let mesh = Mesh::new(
         kind,
-        connectivity: deck.blocks[0].connectivity.clone(),
-        node_sets: BTreeMap::new(),
-        face_sets: BTreeMap::new(),
-    };
+        deck.nodes.clone(),
+        deck.blocks[0].connectivity.clone(),
+    );
     let clamp = &deck.boundaries[0];
     assert_eq!(clamp.directions, [1, 3]);
     let held = deck.target(&clamp.target).to_vec();

@@ -6,9 +6,9 @@ mod waves;
 use super::tie::{HubMotion, MassKind, Tie};
 use super::{Assembly, assemble};
 use crate::mesh::{ElementKind, Mesh};
+use crate::test_support::brick;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
-use std::collections::BTreeMap;
 use support::largest;
 
 /// A bar of `n` bricks along x, slightly distorted inside.
@@ -30,13 +30,7 @@ fn bar(n: usize) -> Mesh {
             [a, a + 4, a + 5, a + 1, a + 3, a + 7, a + 6, a + 2]
         })
         .collect();
-    Mesh {
-        nodes,
-        kind: ElementKind::C3D8,
-        connectivity,
-        node_sets: BTreeMap::new(),
-        face_sets: BTreeMap::new(),
-    }
+    Mesh::new(ElementKind::C3D8, nodes, connectivity)
 }
 
 fn assembled(n: usize) -> (Mesh, Assembly) {
@@ -69,7 +63,7 @@ fn consistent_and_lumped_mass_are_that_of_the_body() {
     let size = [5e-2, 1e-2, 8e-3];
     let expected = Material::STEEL.density * size.iter().product::<f64>();
     for kind in ElementKind::ALL {
-        let a = assemble(&support::brick(kind, [3, 2, 2], size), &Material::STEEL).unwrap();
+        let a = assemble(&brick(kind, [3, 2, 2], size), &Material::STEEL).unwrap();
         let mut y = vec![0.0; 3 * a.lumped.len()];
         a.mass.apply3(&vec![1.0; y.len()], &mut y);
         assert!((y.iter().sum::<f64>() / 3.0 / expected - 1.0).abs() < 1e-12);

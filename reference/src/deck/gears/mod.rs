@@ -21,6 +21,7 @@ mod spur;
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
+use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
@@ -144,15 +145,6 @@ pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>,
         ));
     }
     bodies.into_iter().map(|b| b.into_gear(deck)).collect()
-}
-
-/// Turned about z; no turn leaves every bit.
-fn turned(x: Vec3, angle: f64) -> Vec3 {
-    if angle == 0.0 {
-        return x;
-    }
-    let (s, c) = angle.sin_cos();
-    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
 }
 
 /// An angle in (-pi, pi].

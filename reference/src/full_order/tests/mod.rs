@@ -13,7 +13,6 @@ use gearbench_models::gear::{CoupledMass, FlankNodes, GearModel, LargeGear};
 use gearbench_models::kinematics::{Hub, Placement};
 use gearbench_models::spec::{Mount, Profile};
 use gearbench_models::stiffness::Material;
-use std::collections::BTreeMap;
 
 /// A ring without teeth: `around` elements, two across, one over the width.
 /// `f <- M^-1 f`.
@@ -46,13 +45,7 @@ fn ring(around: usize) -> GearMesh {
     }
     let bore = (0..2 * around as u32).map(|k| 3 * k).collect();
     GearMesh {
-        mesh: Mesh {
-            nodes,
-            kind: ElementKind::C3D8,
-            connectivity,
-            node_sets: BTreeMap::new(),
-            face_sets: BTreeMap::new(),
-        },
+        mesh: Mesh::new(ElementKind::C3D8, nodes, connectivity),
         teeth: around as u32,
         bore,
         flanks: Vec::new(),

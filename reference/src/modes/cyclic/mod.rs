@@ -25,7 +25,6 @@ use crate::assembly::tie::HubMotion;
 use crate::mesh::GearMesh;
 use crate::solve::Symbolic;
 use faer::{Mat, c64};
-use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use harmonic::Harmonic;
 use rayon::prelude::*;
@@ -272,9 +271,3 @@ fn last_wanted(states: &[Harmonic], count: usize, otherwise: f64) -> f64 {
 
 /// Analysis shared by the harmonics; kept here so that the parts need not know each other.
 type Shared = Arc<Symbolic>;
-
-/// Turns a vector about z.
-fn turned(x: Vec3, angle: f64) -> Vec3 {
-    let (s, c) = angle.sin_cos();
-    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
-}

@@ -5,6 +5,8 @@ use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{ElementKind, Mesh};
 use crate::modes::{self, Symmetric};
+use crate::vector::turned;
+use gearbench_models::Vec3;
 
 /// A ring of hexahedra with one tooth per pitch: radial bands, the outer one on the first half of the pitch only.
 /// `pitches` of `teeth` are meshed; a whole gear closes on itself.
@@ -14,13 +16,7 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
     let steps = per_pitch * pitches as usize;
     let columns = if closed { steps } else { steps + 1 };
     let (inner, band, width) = (0.02, 0.006, 0.01);
-    let mut mesh = Mesh {
-        nodes: Vec::new(),
-        kind,
-        connectivity: Vec::new(),
-        node_sets: Default::default(),
-        face_sets: Default::default(),
-    };
+    let mut mesh = Mesh::new(kind, Vec::new(), Vec::new());
     let pitch = std::f64::consts::TAU / f64::from(teeth);
     let index = |column: usize, row: usize, layer: usize| {
         (((column % columns) * (bands + 2) + row) * (layers + 1) + layer) as u32

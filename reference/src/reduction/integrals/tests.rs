@@ -6,6 +6,7 @@ use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh};
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Basis, Mounting, Wanted, basis};
 use crate::test_support::{self, coarse};
+use crate::vector::dot;
 use gearbench_integrators::system::At;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
@@ -31,10 +32,6 @@ fn noise(n: usize, seed: f64) -> Vec<f64> {
     (0..n)
         .map(|i| ((i as f64 * 12.9898 + seed).sin() * 43_758.545_3).fract())
         .collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Any fields will do for shapes: the kinetic energy of the nodes is that of the integrals.

@@ -3,7 +3,8 @@
 use super::{HELD, Sector, sector_error};
 use crate::assembly::tie::HubMotion;
 use crate::modes::ModesError;
-use crate::modes::cyclic::{Hub, turned};
+use crate::modes::cyclic::Hub;
+use crate::vector::turned;
 use faer::c64;
 use gearbench_models::Vec3;
 

@@ -5,11 +5,12 @@
 
 mod hub;
 
-use super::{Hub, turned};
+use super::Hub;
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::ModesError;
 use crate::solve::{Scalar, SolveError, Symbolic};
+use crate::vector::turned;
 use faer::c64;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use gearbench_models::stiffness::Material;
