@@ -94,7 +94,7 @@ fn report(name: &str, mesh: &Mesh) {
         product.push(seconds(|| {
             stiffness.apply(black_box(&x), black_box(&mut y))
         }));
-        of_mass.push(seconds(|| mass.apply3(black_box(&x), black_box(&mut y))));
+        of_mass.push(seconds(|| mass.apply(black_box(&x), black_box(&mut y))));
     }
     let (pass, product, of_mass) = (median(pass), median(product), median(of_mass));
     println!(
@@ -106,7 +106,7 @@ fn report(name: &str, mesh: &Mesh) {
         1e6 * product,
         product / pass,
         stiffness.bytes() as f64 / product / 1e9,
-        1e9 * product / stiffness.blocks().len() as f64,
+        1e9 * product / stiffness.entries().len() as f64,
         1e6 * of_mass,
     );
 }

@@ -16,7 +16,7 @@ mod tests;
 
 use crate::element::{ElementError, Integrator};
 use crate::mesh::Mesh;
-pub use blocks::{BlockMatrix, Pattern, ScalarMatrix};
+pub use blocks::{BlockMatrix, NodalMatrix, Pattern, ScalarMatrix};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 

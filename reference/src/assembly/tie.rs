@@ -144,7 +144,7 @@ impl Tie {
     pub fn reduce(&self, a: &Assembly, added_inertia: &[f64], mass: MassKind) -> Reduced {
         let stiffness = self.reduced(
             a.stiffness.pattern(),
-            |place| a.stiffness.blocks()[place],
+            |place| a.stiffness.entries()[place],
             |x, y| a.stiffness.apply(x, y),
             &vec![0.0; self.motions],
         );
@@ -152,8 +152,8 @@ impl Tie {
         let mass = match mass {
             MassKind::Consistent => self.reduced(
                 a.mass.pattern(),
-                |place| scalar(a.mass.values()[place]),
-                |x, y| a.mass.apply3(x, y),
+                |place| scalar(a.mass.entries()[place]),
+                |x, y| a.mass.apply(x, y),
                 added_inertia,
             ),
             MassKind::Lumped => {

@@ -104,7 +104,7 @@ impl Body {
         let times_mass = |x: &[f64]| {
             let mut y = vec![0.0; x.len()];
             match mass {
-                MassKind::Consistent => assembly.mass.apply3(x, &mut y),
+                MassKind::Consistent => assembly.mass.apply(x, &mut y),
                 MassKind::Lumped => {
                     for (node, m) in assembly.lumped.iter().enumerate() {
                         for axis in 3 * node..3 * node + 3 {
@@ -163,7 +163,7 @@ impl Body {
     /// `y = M x` over all nodes, three components each.
     pub fn apply_nodal_mass(&self, x: &[f64], y: &mut [f64]) {
         match self.mass {
-            MassKind::Consistent => self.assembly.mass.apply3(x, y),
+            MassKind::Consistent => self.assembly.mass.apply(x, y),
             MassKind::Lumped => {
                 for ((y, x), m) in y
                     .chunks_exact_mut(3)
@@ -182,7 +182,7 @@ impl Body {
 /// [`Body::grip`].
 fn grip(assembly: &Assembly, place: &[u32], free: usize) -> Vec<(u32, [f64; 9])> {
     let mut sums = vec![[0.0; 9]; free];
-    let blocks = assembly.stiffness.blocks();
+    let blocks = assembly.stiffness.entries();
     for (row, column, at) in assembly.stiffness.pattern().iter() {
         // Stored once: the block of (row, column), its transposed of (column, row).
         let (to, transposed) = match (place[row], place[column]) {

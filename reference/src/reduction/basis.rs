@@ -75,7 +75,7 @@ pub fn of_mesh(
     let reduced = tie.reduce(&assembly, &added[..motions.len()], MassKind::Consistent);
     let rigid = mounting.rigid(&mesh.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
-    assembly.mass.apply3(&rigid, &mut pull);
+    assembly.mass.apply(&rigid, &mut pull);
     let inertia = mounting.added_inertia + dot(&rigid, &pull);
     let residual = compliance::of_assembly(mesh, &assembly, &nodes, mounting)?;
     let masses = nodal_masses(&assembly);
@@ -146,7 +146,7 @@ pub fn of_sector(
     let rigid = mounting.rigid(&sector.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
     let assembly = assemble(&sector.mesh, material)?;
-    assembly.mass.apply3(&rigid, &mut pull);
+    assembly.mass.apply(&rigid, &mut pull);
     let masses = nodal_masses(&assembly);
     let mass = assembly.mass;
     let inertia = mounting.added_inertia + teeth * dot(&rigid, &pull);
@@ -194,7 +194,7 @@ struct Body {
 fn nodal_masses(assembly: &Assembly) -> Vec<f64> {
     let n = assembly.lumped.len();
     let mut image = vec![0.0; 3 * n];
-    assembly.mass.apply3(&vec![1.0; 3 * n], &mut image);
+    assembly.mass.apply(&vec![1.0; 3 * n], &mut image);
     image.iter().step_by(3).copied().collect()
 }
 

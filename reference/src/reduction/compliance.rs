@@ -152,7 +152,7 @@ pub fn of_assembly(
 
     let unit = mounting.rigid(nodes);
     let mut image = vec![0.0; unit.len()];
-    assembly.mass.apply3(&unit, &mut image);
+    assembly.mass.apply(&unit, &mut image);
     let inertia = dot(&unit, &image);
     let mut load = vec![0.0; tie.coordinates()];
     tie.gather(&image, &mut load);

@@ -41,9 +41,9 @@ impl Moments {
             .collect();
         let (mut ones, mut image) = (vec![0.0; places.len()], vec![0.0; places.len()]);
         ones.iter_mut().step_by(3).for_each(|x| *x = 1.0);
-        mass.apply3(&ones, &mut image);
+        mass.apply(&ones, &mut image);
         let total = image.iter().step_by(3).sum();
-        mass.apply3(&places, &mut image);
+        mass.apply(&places, &mut image);
         let mut first = Vec3::zeros();
         let mut second = [0.0; 9];
         for (x, m) in places.chunks_exact(3).zip(image.chunks_exact(3)) {
@@ -138,7 +138,7 @@ pub(super) fn of_mesh(
         let mut images = Mat::<f64>::zeros(2 * n, count);
         for column in 0..count {
             shape(first + column, &mut u);
-            mass.apply3(&u, &mut v);
+            mass.apply(&u, &mut v);
             let (sum, moment, radial) = sums(nodes, &v);
             out.translation.extend(sum.iter());
             out.rotation.extend(moment.iter());
@@ -199,7 +199,7 @@ pub(super) fn of_sector(
                             .map(|u| if part == 0 { u.re } else { u.im })
                             .collect();
                         let mut v = vec![0.0; u.len()];
-                        mass.apply3(&u, &mut v);
+                        mass.apply(&u, &mut v);
                         v
                     })
                 })

@@ -116,7 +116,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             }
         }
         assembly.stiffness.apply(&u, &mut ku);
-        assembly.mass.apply3(&a, &mut ma);
+        assembly.mass.apply(&a, &mut ma);
         let (mut force, mut torque) = (Vec3::zeros(), 0.0);
         for &node in &mesh.bore {
             let f = |x: &[f64]| Vec3::from_column_slice(&x[3 * node as usize..][..3]);

@@ -19,11 +19,13 @@ mod sweep;
 mod symbolic;
 #[cfg(test)]
 mod tests;
+mod union;
 
 pub use cholesky::Cholesky;
 pub use inertia::negative_eigenvalues;
 pub use scalar::Scalar;
 pub use symbolic::Symbolic;
+pub(crate) use union::union;
 
 /// A system that cannot be factorised.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -100,14 +100,14 @@ fn gears_have_the_stored_mass_and_inertia_and_turn_without_force() {
             .flat_map(|x| HubMotion::Turn.of(x).data.0[0])
             .collect();
         let mut image = vec![0.0; turned.len()];
-        a.mass.apply3(&turned, &mut image);
+        a.mass.apply(&turned, &mut image);
         let found: f64 = turned.iter().zip(&image).map(|(u, p)| u * p).sum();
         assert!(
             (found / inertia - 1.0).abs() < 2e-7,
             "{name}: {found} kg m^2"
         );
         a.stiffness.apply(&turned, &mut image);
-        let stiffest = a.stiffness.blocks().iter().flatten();
+        let stiffest = a.stiffness.entries().iter().flatten();
         let size = stiffest.fold(0.0_f64, |m, k| m.max(k.abs())) * largest(&turned);
         assert!(largest(&image) < 1e-13 * size);
     }

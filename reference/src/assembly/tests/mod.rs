@@ -65,7 +65,7 @@ fn consistent_and_lumped_mass_are_that_of_the_body() {
     for kind in ElementKind::ALL {
         let a = assemble(&brick(kind, [3, 2, 2], size), &Material::STEEL).unwrap();
         let mut y = vec![0.0; 3 * a.lumped.len()];
-        a.mass.apply3(&vec![1.0; y.len()], &mut y);
+        a.mass.apply(&vec![1.0; y.len()], &mut y);
         assert!((y.iter().sum::<f64>() / 3.0 / expected - 1.0).abs() < 1e-12);
         assert!((a.lumped.iter().sum::<f64>() / expected - 1.0).abs() < 1e-12);
         assert!(a.lumped.iter().all(|m| *m > 0.0), "{kind:?}");
@@ -100,7 +100,7 @@ fn reduced_matrices_are_those_of_the_tied_mesh() {
                 assert!((found - expected[i]).abs() < 1e-12 * size, "{i} {j}");
             }
             match kind {
-                MassKind::Consistent => a.mass.apply3(&u, &mut f),
+                MassKind::Consistent => a.mass.apply(&u, &mut f),
                 MassKind::Lumped => {
                     for i in 0..full {
                         f[i] = a.lumped[i / 3] * u[i];

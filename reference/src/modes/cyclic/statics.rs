@@ -61,7 +61,7 @@ impl Sector {
             }
         })?;
         let mut image = vec![0.0; e.len()];
-        self.assembly.mass.apply3(e, &mut image);
+        self.assembly.mass.apply(e, &mut image);
         let inertia = vector::dot(e, &image);
         // The high cut is the low cut of the next sector.
         let pitch = std::f64::consts::TAU / f64::from(teeth);

@@ -63,7 +63,7 @@ fn kinetic_energy_is_that_of_the_nodes() {
     }
     let mut image = vec![0.0; n];
     let mut twice = |v: &[f64]| {
-        mass.apply3(v, &mut image);
+        mass.apply(v, &mut image);
         dot(v, &image)
     };
     let exact = twice(&velocity);
@@ -78,7 +78,7 @@ fn kinetic_energy_is_that_of_the_nodes() {
     // A slide along x: M_te is its momentum.
     let mut along: Vec<f64> = vec![0.0; n];
     along.iter_mut().step_by(3).for_each(|x| *x = 1.0);
-    mass.apply3(&along, &mut image);
+    mass.apply(&along, &mut image);
     for k in 0..3 {
         assert!((i.translation[3 * k] - dot(&fields[k], &image)).abs() < 1e-12);
     }

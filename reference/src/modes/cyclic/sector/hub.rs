@@ -36,7 +36,7 @@ impl Sector {
                         let mut y = vec![0.0; size];
                         match which {
                             0 => self.assembly.stiffness.apply(&motion.parts[part], &mut y),
-                            _ => self.assembly.mass.apply3(&motion.parts[part], &mut y),
+                            _ => self.assembly.mass.apply(&motion.parts[part], &mut y),
                         }
                         y
                     });

@@ -175,13 +175,13 @@ impl Sector {
         let rotation: Block = [c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0];
         // Contributions as (column, row, phase, transposed, place).
         let mut parts: Vec<(u32, u32, usize, Block, Block)> = Vec::new();
-        let masses = self.assembly.mass.values();
+        let masses = self.assembly.mass.entries();
         for ((a, b, at), block) in self
             .assembly
             .stiffness
             .pattern()
             .iter()
-            .zip(self.assembly.stiffness.blocks())
+            .zip(self.assembly.stiffness.entries())
         {
             let ((pa, high_a), (pb, high_b)) = (self.place[a], self.place[b]);
             if pa == HELD || pb == HELD {
