@@ -57,13 +57,7 @@ fn modes_of(name: &str, kind: Option<ElementKind>, count: usize) -> Modes {
         .expect("material");
     let assembly = assemble(&mesh, &material).unwrap();
     let r = Tie::new(&mesh.nodes, &held, &[]).reduce(&assembly, &[], MassKind::Consistent);
-    let modes = lowest(
-        r.stiffness.as_ref(),
-        r.mass.as_ref(),
-        count,
-        &Options::default(),
-    )
-    .unwrap();
+    let modes = lowest(&r, count, &Options::default()).unwrap();
     let worst = modes.residuals.iter().copied().fold(0.0, f64::max);
     assert!(worst < 1e-7, "{name}: residual {worst:e}");
     modes

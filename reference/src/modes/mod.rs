@@ -20,8 +20,8 @@ mod tests;
 pub use lanczos::{Report, Target};
 pub use symmetric::Symmetric;
 
+use crate::assembly::tie::Reduced;
 use crate::solve::{Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
-use faer::sparse::SparseColMatRef;
 use faer::{Mat, Par};
 use std::sync::Arc;
 
@@ -126,51 +126,34 @@ pub(crate) fn default_shift<T: Scalar>(k: &Symmetric<T>, m: &Symmetric<T>) -> f6
     }
 }
 
-/// The lowest modes of `K phi = omega^2 M phi`; `k` and `m` are lower triangles.
+/// The lowest modes of `K phi = omega^2 M phi`.
 ///
 /// ```
 /// use faer::sparse::{SparseColMat, Triplet};
+/// use gearbench_reference::assembly::tie::Reduced;
 /// use gearbench_reference::modes::{Options, lowest};
 ///
 /// // Ten unit masses in a row between two walls, unit springs: omega_i = 2 sin(i pi / 22).
 /// let n = 10;
 /// let spring = |i: usize| [(i, i, 2.0), ((i + 1).min(n - 1), i, if i + 1 < n { -1.0 } else { 0.0 })];
 /// let k: Vec<_> = (0..n).flat_map(spring).map(|(i, j, v)| Triplet::new(i, j, v)).collect();
-/// let k = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &k).unwrap();
+/// let stiffness = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &k).unwrap();
 /// let m: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1.0)).collect();
-/// let m = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &m).unwrap();
-/// let modes = lowest(k.as_ref(), m.as_ref(), 3, &Options::default()).unwrap();
+/// let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &m).unwrap();
+/// let modes = lowest(&Reduced { stiffness, mass }, 3, &Options::default()).unwrap();
 /// let exact = 2.0 * (std::f64::consts::PI / 22.0).sin();
 /// assert!((modes.omega2[0] - exact * exact).abs() < 1e-12);
 /// ```
-pub fn lowest(
-    k: SparseColMatRef<'_, usize, f64>,
-    m: SparseColMatRef<'_, usize, f64>,
-    count: usize,
-    options: &Options,
-) -> Result<Modes, ModesError> {
-    search(k, m, Target::Count(count), options)
-}
-
-/// All modes with `omega^2` up to a bound [rad²/s²]; matrices as for [`lowest`].
-pub fn up_to(
-    k: SparseColMatRef<'_, usize, f64>,
-    m: SparseColMatRef<'_, usize, f64>,
-    omega2: f64,
-    options: &Options,
-) -> Result<Modes, ModesError> {
-    search(k, m, Target::Above(omega2), options)
+pub fn lowest(pair: &Reduced, count: usize, options: &Options) -> Result<Modes, ModesError> {
+    find(pair, Target::Count(count), options)
 }
 
 /// A body of so few unknowns has all its modes in no time.
 const FEW_UNKNOWNS: usize = 600;
 
-fn search(
-    k: SparseColMatRef<'_, usize, f64>,
-    m: SparseColMatRef<'_, usize, f64>,
-    target: Target,
-    options: &Options,
-) -> Result<Modes, ModesError> {
+/// The lowest modes, or all up to a bound, of a pair of lower triangles.
+pub(crate) fn find(pair: &Reduced, target: Target, options: &Options) -> Result<Modes, ModesError> {
+    let (k, m) = (pair.stiffness.as_ref(), pair.mass.as_ref());
     if k.ncols() != m.ncols() {
         return Err(ModesError::Sizes {
             stiffness: k.ncols(),

@@ -20,7 +20,7 @@ use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
-use crate::modes::{self, Options};
+use crate::modes::{self, Options, Target};
 use crate::vector::dot;
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::Residual;
@@ -35,17 +35,13 @@ const EQUAL: f64 = 1e-7;
 const RIGID: f64 = 1e-6;
 
 impl Wanted {
-    /// As many more, for the rigid mode of a free gear.
-    fn with(self, more: usize) -> Self {
+    /// The search for these modes and `rigid` further ones, of a body with so many `unknowns`.
+    fn target(self, rigid: usize, unknowns: usize) -> Target {
         match self {
-            Wanted::Count(n) => Wanted::Count(n + more),
-            Wanted::UpTo(f) => Wanted::UpTo(f),
+            Wanted::Count(n) => Target::Count((n + rigid).min(unknowns)),
+            Wanted::UpTo(f) => Target::Above((std::f64::consts::TAU * f).powi(2)),
         }
     }
-}
-
-fn omega2(frequency: f64) -> f64 {
-    (std::f64::consts::TAU * frequency).powi(2)
 }
 
 /// What one mode leaves behind.
@@ -86,12 +82,8 @@ pub fn of_mesh(
     }
     let mass = assembly.mass;
 
-    let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
-    let options = Options::default();
-    let found = match wanted.with(motions.len()) {
-        Wanted::Count(count) => modes::lowest(k, m, count.min(tie.coordinates()), &options)?,
-        Wanted::UpTo(frequency) => modes::up_to(k, m, omega2(frequency), &options)?,
-    };
+    let target = wanted.target(motions.len(), tie.coordinates());
+    let found = modes::find(&reduced, target, &Options::default())?;
     let mut full = vec![0.0; rigid.len()];
     let shapes = (0..found.omega2.len())
         .map(|mode| {
@@ -157,14 +149,8 @@ pub fn of_sector(
     };
     let own = hub.motions.len();
     let search = Sector::new(sector, material, &hub)?;
-    let options = Options::default();
-    let found = match wanted.with(own) {
-        Wanted::Count(count) => search.lowest(
-            count.min(search.unknowns() * sector.teeth as usize),
-            &options,
-        )?,
-        Wanted::UpTo(frequency) => search.up_to(omega2(frequency), &options)?,
-    };
+    let target = wanted.target(own, search.unknowns() * sector.teeth as usize);
+    let found = search.find(target, &Options::default())?;
     let bore = sector.bore.first().copied().unwrap_or(0) as usize;
     let shapes = (0..found.modes.len())
         .map(|mode| Shape {

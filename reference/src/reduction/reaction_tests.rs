@@ -42,8 +42,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let added = [mounting.added_inertia];
         let r = tie.reduce(&assembly, &added[..usize::from(free)], MassKind::Consistent);
         let all = tie.coordinates();
-        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
-        let found = modes::lowest(k, m, all, &Options::default()).unwrap();
+        let found = modes::lowest(&r, all, &Options::default()).unwrap();
         let rigid = usize::from(free);
         let wanted = Wanted::Count(all - rigid);
         let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted).unwrap();

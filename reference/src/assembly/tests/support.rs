@@ -34,7 +34,6 @@ pub fn product(a: &SparseColMat<usize, f64>, x: &[f64]) -> Vec<f64> {
 
 /// The lowest eigenfrequencies [Hz] of a held body, ascending.
 pub fn frequencies(reduced: &Reduced, count: usize) -> Vec<f64> {
-    let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
-    let found = modes::lowest(k, m, count, &modes::Options::default()).unwrap();
+    let found = modes::lowest(reduced, count, &modes::Options::default()).unwrap();
     found.frequencies()
 }

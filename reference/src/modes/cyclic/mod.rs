@@ -147,30 +147,19 @@ pub fn lowest(
     count: usize,
     options: &Options,
 ) -> Result<CyclicModes, ModesError> {
-    Sector::new(sector, material, hub)?.lowest(count, options)
+    Sector::new(sector, material, hub)?.find(Target::Count(count), options)
 }
 
 impl Sector {
-    /// The lowest `count` modes of the whole gear (one more if the last is half of a pair).
-    pub fn lowest(&self, count: usize, options: &Options) -> Result<CyclicModes, ModesError> {
-        let unknowns = self.unknowns() * self.teeth() as usize;
-        if count > unknowns {
-            return Err(ModesError::TooMany {
-                wanted: count,
-                unknowns,
-            });
-        }
-        self.search(Target::Count(count), options)
-    }
-
-    /// All modes of the whole gear with `omega^2` up to a bound [rad²/s²].
-    pub fn up_to(&self, omega2: f64, options: &Options) -> Result<CyclicModes, ModesError> {
-        self.search(Target::Above(omega2), options)
-    }
-
-    fn search(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
+    /// The lowest modes of the whole gear (one more if the last is half of a pair), or all up to a bound.
+    pub fn find(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
         let teeth = self.teeth() as usize;
         let unknowns = self.unknowns() * teeth;
+        if let Target::Count(wanted) = target
+            && wanted > unknowns
+        {
+            return Err(ModesError::TooMany { wanted, unknowns });
+        }
         let symbolic = Arc::new(self.symbolic()?);
         let harmonics = teeth / 2 + 1;
         let keep = 16 * symbolic.stored() * harmonics < KEEP_BELOW;

@@ -129,7 +129,7 @@ fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub,
     let options = Options::default();
     let cyclic = lowest(&sector, &Material::STEEL, hub, count, &options).unwrap();
     let (tie, r) = whole(&gear, hub);
-    let full = modes::lowest(r.stiffness.as_ref(), r.mass.as_ref(), count, &options).unwrap();
+    let full = modes::lowest(&r, count, &options).unwrap();
     assert!(cyclic.modes.len() == count || cyclic.modes.len() == count + 1);
     let scale = full.omega2[full.omega2.iter().position(|w| *w > 1e6).unwrap()];
     for i in 0..count {

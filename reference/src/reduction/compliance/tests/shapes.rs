@@ -19,8 +19,7 @@ impl Shapes {
         let (tie, r) = matrices(mesh, mounting);
         let rigid = usize::from(mounting.free);
         let count = count.map_or(tie.coordinates(), |c| c + rigid);
-        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
-        let found = modes::lowest(k, m, count, &Options::default()).unwrap();
+        let found = modes::lowest(&r, count, &Options::default()).unwrap();
         let kept = count - rigid;
         let mut s = Shapes {
             omega: found.omega2[rigid..].iter().map(|w| w.sqrt()).collect(),
