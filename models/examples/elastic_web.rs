@@ -52,10 +52,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     Ok(Box::new(ElasticWeb {
         hub: HubBody {
             own: 1,
-            contact_mass: rim / context.lever.powi(2),
+            contact_mass: rim / context.effective_radius.powi(2),
             characteristic_time: (1.0 - share).sqrt() / omega,
             masses,
-            ..HubBody::new(context.hub.clone(), context.lever)
+            ..HubBody::new(context.hub.clone(), context.effective_radius)
         },
         rim,
         stiffness: rim * omega * omega,
@@ -67,14 +67,14 @@ impl ElasticWeb {
     /// Stretch of the web, its rate and its torque on the hub.
     fn stretch(&self, at: At<'_>) -> [f64; 3] {
         let rim = self.hub.first();
-        let x = at.q[rim] - self.hub.travel_at(at);
+        let x = at.q[rim] - self.hub.displacement_at(at);
         let v = at.v[rim] - self.hub.speed_at(at);
         [x, v, self.stiffness * x + self.damping * v]
     }
 }
 
 impl ToothCoordinates for ElasticWeb {
-    fn travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
+    fn displacement(&self, at: At<'_>, _tooth: Tooth) -> f64 {
         at.q[self.hub.first()]
     }
 }
@@ -97,7 +97,7 @@ impl GearModel for ElasticWeb {
     }
 
     fn row(&self, _at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
-        row.push(self.hub.first(), self.hub.lever(&p.x, n));
+        row.push(self.hub.first(), self.hub.effective_radius(&p.x, n));
         0.0
     }
 

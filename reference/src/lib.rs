@@ -12,6 +12,7 @@
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
 //! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
 //! | `vector` | sums and turns of vectors that several modules need |
+//! | [`Refused`] | why a file is refused, a deck or a stored reduction |
 //! | [`hash`] | the hash that names stored results |
 //!
 //! The data lie beside the sources in `reference/calculix/`, each case with its deck, results, parameters
@@ -27,6 +28,7 @@ pub mod mesh;
 mod mesh_source;
 pub mod modes;
 pub mod reduction;
+mod refusal;
 pub mod solve;
 pub mod statics;
 pub mod stored;
@@ -35,6 +37,7 @@ mod test_support;
 mod vector;
 
 pub use mesh_source::MeshParameters;
+pub use refusal::Refused;
 pub use stored::{ExternalReference, REFERENCES, reference};
 
 use gearbench_models::gear::table::Model;

@@ -1,9 +1,27 @@
 //! Bodies, meshes and numbers that several tests share.
 
+use crate::deck::{self, Deck};
 use crate::element::natural_corner;
 use crate::mesh::{ElementKind, GearMeshParams, Mesh, Tooth};
 use gearbench_models::Vec3;
+use gearbench_models::gear::table::GearContext;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Body, Mount, Parameters};
+use gearbench_models::stiffness::Material;
+
+/// A deck of the stored references.
+pub(crate) fn calculix(name: &str) -> Deck {
+    deck::read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// A deck from its text, without includes.
+pub(crate) fn parsed(name: &str, text: &str) -> Deck {
+    let read = deck::read_str(name, text, &mut |_| {
+        Err(std::io::Error::other("no includes"))
+    });
+    read.unwrap_or_else(|e| panic!("{e}"))
+}
 
 /// A gear of the default toothing, changed where a test needs it.
 pub(crate) fn gear(teeth: u32, module: f64, change: impl FnOnce(&mut GearParams)) -> Gear {
@@ -82,6 +100,36 @@ pub(crate) fn brick(kind: ElementKind, cells: [usize; 3], size: [f64; 3]) -> Mes
         }
     }
     Mesh::new(kind, nodes, connectivity)
+}
+
+/// A hub away from the origin, with unit inertia.
+pub(crate) fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
+    Hub {
+        mount,
+        centre: Vec3::new(0.1, -0.2, 0.0),
+        slide,
+        inertia: 1.0,
+    }
+}
+
+/// What a steel gear in no mesh is built from.
+pub(crate) fn context<'a>(
+    body: &'a Body,
+    hub: &'a Hub,
+    parameters: &'a Parameters,
+) -> GearContext<'a> {
+    GearContext {
+        name: "pinion",
+        body,
+        material: Material::STEEL,
+        hub,
+        added_inertia: 0.0,
+        placement: Placement::new(hub, 0.1),
+        effective_radius: 1.0,
+        meshes: &[],
+        speed: 0.0,
+        parameters,
+    }
 }
 
 /// Numbers that look random and repeat.

@@ -23,7 +23,7 @@ pub struct GearContext<'a> {
     /// Where its own frame stands at the assembled position.
     pub placement: Placement,
     /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action over hub coordinate.
-    pub lever: f64,
+    pub effective_radius: f64,
     /// How the gear's meshes see it, in order.
     pub meshes: &'a [MeshView],
     /// Speed of its hub at the start [rad/s] or [m/s].
@@ -74,7 +74,7 @@ pub struct Model {
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     Ok(Box::new(rigid::Rigid::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
     )))
 }
 

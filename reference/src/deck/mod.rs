@@ -56,15 +56,7 @@ pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
 }
 
 fn unreadable(name: &str, expected: &str, e: &io::Error) -> DeckError {
-    DeckError {
-        kind: DeckErrorKind::Io,
-        file: name.into(),
-        line: 0,
-        context: "".into(),
-        expected: expected.into(),
-        found: e.to_string().into(),
-        help: "".into(),
-    }
+    DeckError::new(DeckErrorKind::Io, "", expected, e.to_string(), "").at(name, 0)
 }
 
 fn text_of(name: &str) -> io::Result<String> {

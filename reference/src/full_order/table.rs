@@ -73,7 +73,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     .map_err(|e| reader.error("mesh", e.to_string()))?;
     Ok(Box::new(FullOrder::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         body,
     )))
 }

@@ -6,13 +6,13 @@ use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, GearMesh};
 use crate::modes::{self, Options};
-use crate::test_support::{coarse, noise, rack, stub};
+use crate::test_support::{coarse, hub, noise, rack, stub};
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::{FlankDisplacement, GearModel};
 use gearbench_models::kinematics::Placement;
-use gearbench_models::kinematics::{Hub, Wrench};
+use gearbench_models::kinematics::Wrench;
 use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
@@ -49,12 +49,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let kept: Vec<usize> = (0..all - rigid).collect();
         let data = choose::reduced(&basis, &kept, &ModalDamping::default(), false).unwrap();
 
-        let hub = Hub {
-            mount,
-            centre: Vec3::new(0.1, -0.2, 0.0),
-            slide,
-            inertia: 1.0,
-        };
+        let hub = hub(mount, slide);
         let placement = Placement::new(&hub, 0.7);
         let gear = Elastic::new(hub, 0.02, placement, Arc::new(data)).unwrap();
         // A state at an angle, deflected and vibrating; forces on some nodes and a load on the hub.
@@ -72,7 +67,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             t: 0.0,
             q: &q,
             v: &v,
-            memory: &[],
+            discrete: &[],
         };
         let surface = Surface::new(&mesh).unwrap();
         let nodes: Vec<u32> = (0..surface.nodes() as u32).step_by(5).collect();
@@ -86,7 +81,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             let x = pose.point(&positions[k as usize]);
             let f = -*f * pose.turn(&surface.normals[k as usize]);
             contact.force += f;
-            contact.torque += gear.hub().lever(&x, &f);
+            contact.torque += gear.hub().effective_radius(&x, &f);
         }
         if free {
             forces[0] += contact.torque;

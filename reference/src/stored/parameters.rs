@@ -3,23 +3,31 @@
 use serde::Deserialize;
 
 /// One gear of a reference.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct GearData {
     /// Number of teeth.
+    #[serde(rename = "z")]
     pub teeth: u32,
     /// Profile shift coefficient.
+    #[serde(rename = "x")]
     pub profile_shift: f64,
     /// Radius of the bore, which is a rigid hub [m].
+    #[serde(rename = "rbore")]
     pub bore_radius: f64,
     /// Mass of the mesh [kg].
+    #[serde(rename = "mass_mesh_kg")]
     pub mass: f64,
     /// Inertia of the mesh about its axis [kg m^2].
+    #[serde(rename = "inertia_zz_mesh_kg_m2")]
     pub inertia: f64,
     /// Base radius [m].
+    #[serde(rename = "r_base")]
     pub base_radius: f64,
     /// Polar angle of tooth 1 at t = 0 [rad].
+    #[serde(rename = "tooth1_centre_angle_rad")]
     pub tooth1_angle: f64,
     /// Angular velocity at t = 0 [rad/s].
+    #[serde(skip)]
     pub speed: f64,
 }
 
@@ -122,7 +130,7 @@ pub struct Summary {
     pub angular_momentum_change1_nms: f64,
     /// The same of gear 2 [N m s]; none for a rack.
     pub angular_momentum_change2_nms: Option<f64>,
-    /// Mean lever arm of the contact force about the axis of gear 1 [m].
+    /// Mean effective base radius arm of the contact force about the axis of gear 1 [m].
     pub arm1_m: f64,
     /// The same about the axis of gear 2 [m]; none for a rack.
     pub arm2_m: Option<f64>,

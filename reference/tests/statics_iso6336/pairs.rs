@@ -203,7 +203,7 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     .map_err(|e| refused(e.to_string()))?;
     Ok(Box::new(FullOrder::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         body,
     )))
 }

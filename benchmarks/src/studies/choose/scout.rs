@@ -11,7 +11,7 @@ use super::trial::{Outcome, Trial};
 use super::wish::Metric;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
-use gearbench_models::spec::{lever, mesh_layout};
+use gearbench_models::spec::{effective_radius, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 
 /// Steps and samples of a scout run per contact time.
@@ -156,7 +156,7 @@ fn cycle(situation: &Situation) -> f64 {
             gearbench_models::spec::Mount::Fixed => 0.0,
             _ => g.speed,
         };
-        (given * lever(&g.body)).abs()
+        (given * effective_radius(&g.body)).abs()
     };
     let base = mesh_layout(a, b).map_or(f64::INFINITY, |l| l.base_pitch);
     base / speed(a).max(speed(b))

@@ -2,10 +2,10 @@
 //! static solves of the elastic gears without modes.
 //!
 //! The last costs some tens of equilibria and no time step. At positions over one base pitch both hubs are held at an
-//! approach `d` of the size that the scene will see; the part of the force `F_j` that each tooth pair then carries gives
-//! the coefficient of `N = k(s) d^n`, `k = F_j / d^n`, with one exponent `n` from a second approach: the penalty touches
-//! on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in contact is the
-//! mesh stiffness of the elastic gears at every position, coupling through the bodies included.
+//! approach `d` of the size that the scene will see; the part of the force `F_j` that each tooth pair then carries
+//! gives the coefficient of `N = k(s) d^n`, `k = F_j / d^n`, with one exponent `n` from a second approach: the penalty
+//! touches on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in
+//! contact is the mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
 use super::situation::Situation;
 use gearbench_integrators::system::SecondOrderSystem;
@@ -16,7 +16,8 @@ use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, lever, mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, effective_radius,
+    mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -136,7 +137,7 @@ impl Swing {
     pub fn of(scene: &SceneSpec) -> Result<Swing, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
-        let pace = built.pace(built.initial().at());
+        let characteristic_time = built.characteristic_time(built.initial().at());
         let mass = |i: usize| built.gears()[i].model.hub().contact_mass;
         let of = |m: &gearbench_models::spec::MeshSpec| {
             1.0 / m.gears.map(|i| 1.0 / mass(i)).iter().sum::<f64>()
@@ -146,7 +147,7 @@ impl Swing {
         let mass = if mass.is_finite() { mass } else { 1.0 };
         Ok(Swing {
             mass,
-            stiffness: mass / (pace * pace),
+            stiffness: mass / (characteristic_time * characteristic_time),
         })
     }
 
@@ -257,9 +258,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
     })
 }
 
-/// Movable teeth of a mesh without a fit: tooth and body compliance at the pitch point go into the springs, what is left
-/// of the stiffness along the path into the contact, and a tooth weighs what moves with the tip of a clamped bar of
-/// half a pitch and two and a quarter modules. `pair` is the stiffness along the path [m, N/m].
+/// Movable teeth of a mesh without a fit: tooth and body compliance at the pitch point go into the springs, what is
+/// left of the stiffness along the path into the contact, and a tooth weighs what moves with the tip of a clamped bar
+/// of half a pitch and two and a quarter modules. `pair` is the stiffness along the path [m, N/m].
 ///
 /// # Errors
 /// A pair that the analytic compliance does not know.
@@ -353,7 +354,7 @@ fn spring(gear: &GearSpec, compliance: f64) -> f64 {
         Body::Gear(g) => g.r_root(),
         Body::Rack(_) => 1.0,
     };
-    (lever(&gear.body) / radius).powi(2) / compliance
+    (effective_radius(&gear.body) / radius).powi(2) / compliance
 }
 
 fn tooth_mass(gear: &GearSpec) -> f64 {

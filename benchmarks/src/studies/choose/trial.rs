@@ -96,7 +96,7 @@ impl<'a> Trial<'a> {
             method,
             t_end: window.end,
             grid: &window.grid,
-            // The pace of modes and of movable teeth is far finer than any jump of a dashpot asks for.
+            // The characteristic time of modes and of movable teeth is far finer than any jump of a dashpot asks for.
             also_steps: self.rigid,
             forces: false,
             events: true,

@@ -37,7 +37,7 @@ const USUAL: [MethodSpec; 6] = [
     NEWMARK,
     GENERALISED_ALPHA.with_value(0.8),
 ];
-/// Steps when nobody says, over the pace of the model.
+/// Steps when nobody says, over the characteristic time of the model.
 const STEPS: [f64; 2] = [0.05, 20.0];
 /// Tolerances when nobody says.
 const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
@@ -200,7 +200,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
                 set,
                 number,
                 entry,
-                pace: built.pace(built.initial().at()),
+                characteristic_time: built.characteristic_time(built.initial().at()),
                 linear_part: built.modal().is_some(),
                 columns: args.grid.map_or(COLUMNS, |g| g[0]),
             };
@@ -258,7 +258,7 @@ struct About<'a> {
     set: &'a StabilitySet,
     number: usize,
     entry: usize,
-    pace: f64,
+    characteristic_time: f64,
     linear_part: bool,
     columns: usize,
 }
@@ -299,7 +299,7 @@ fn map(
     } else {
         set.steps.map_or_else(
             || {
-                let [from, to] = STEPS.map(|x| x * about.pace);
+                let [from, to] = STEPS.map(|x| x * about.characteristic_time);
                 spaced(from, to.min(duration).max(2.0 * from), about.columns)
             },
             |s| s.values(),

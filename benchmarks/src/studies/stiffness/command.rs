@@ -5,7 +5,7 @@ use super::{Entry, Row, build_error, formulas, includes, solve, summary_csv};
 use crate::cli::terminal::{Refusal, progress_bar, say};
 use crate::models::models;
 use crate::scene_file::{self, Selection};
-use gearbench_models::spec::lever;
+use gearbench_models::spec::effective_radius;
 use gearbench_reference::statics::{Load, StaticsError};
 use gearbench_reports::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
@@ -87,7 +87,7 @@ fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
     let layout = gearbench_models::spec::mesh_layout(&gears[a], &gears[b])
         .map_err(|e| Refusal::Failed(e.to_string()))?;
     Ok(match args.torque {
-        Some(torque) => torque / lever(&gears[a].body),
+        Some(torque) => torque / effective_radius(&gears[a].body),
         None => 1e3 * args.load * layout.face_width,
     })
 }

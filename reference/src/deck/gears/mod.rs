@@ -178,18 +178,14 @@ fn decline(
     found: impl Into<String>,
     help: impl Into<String>,
 ) -> DeckError {
-    let place = deck.defined.get(set);
-    DeckError {
-        kind: DeckErrorKind::Gear,
-        file: place.map_or(deck.name.as_str(), |p| &p.file).into(),
-        line: place.map_or(0, |p| p.line),
-        context: match set.is_empty() {
-            true => "".into(),
-            false => format!("set `{set}`").into(),
-        },
-        expected: expected.into().into(),
-        found: found.into().into(),
-        help: help.into().into(),
+    let context = match set.is_empty() {
+        true => String::new(),
+        false => format!("set `{set}`"),
+    };
+    let refused = DeckError::new(DeckErrorKind::Gear, context, expected, found, help);
+    match deck.defined.get(set) {
+        Some(place) => refused.at(&place.file, place.line),
+        None => refused.at(&deck.name, 0),
     }
 }
 

@@ -3,11 +3,12 @@ use crate::deck::{
     read_str,
 };
 use crate::mesh::{ElementKind, Face};
+use crate::test_support::parsed;
 use gearbench_models::Vec3;
 use std::io;
 
 fn read(text: &str) -> Deck {
-    read_str("a.inp", text, &mut none).unwrap_or_else(|e| panic!("{e}"))
+    parsed("a.inp", text)
 }
 
 fn none(name: &str) -> io::Result<String> {
