@@ -1,8 +1,11 @@
 //! Bodies, meshes and numbers that several tests share.
 
+use crate::assembly::assemble;
+use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::deck::{self, Deck};
 use crate::element::natural_corner;
-use crate::mesh::{ElementKind, GearMeshParams, Mesh, Tooth};
+use crate::mesh::{ElementKind, GearMesh, GearMeshParams, Mesh, Tooth};
+use faer::sparse::SparseColMat;
 use gearbench_models::Vec3;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
@@ -130,6 +133,33 @@ pub(crate) fn context<'a>(
         speed: 0.0,
         parameters,
     }
+}
+
+/// Largest absolute value.
+pub(crate) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// `A x` of a lower triangle.
+pub(crate) fn product(a: &SparseColMat<usize, f64>, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    for j in 0..a.ncols() {
+        for (i, v) in a.row_idx_of_col(j).zip(a.val_of_col(j)) {
+            y[i] += v * x[j];
+            if i != j {
+                y[j] += v * x[i];
+            }
+        }
+    }
+    y
+}
+
+/// A mesh on its hub: the tie, stiffness and consistent mass.
+pub(crate) fn tied(gear: &GearMesh, motions: &[HubMotion], added: &[f64]) -> (Tie, Reduced) {
+    let assembly = assemble(&gear.mesh, &Material::STEEL).unwrap();
+    let tie = Tie::new(&gear.mesh.nodes, &gear.bore, motions);
+    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
+    (tie, reduced)
 }
 
 /// Numbers that look random and repeat.

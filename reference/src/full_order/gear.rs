@@ -17,7 +17,7 @@
 use super::body::Body;
 use super::correction::Correction;
 use super::frame::unit_motion;
-use super::kinematics::dot3;
+use super::kinematics::{add3, dot3, node3};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::vector::dot;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
@@ -62,7 +62,10 @@ impl FullOrder {
         let own = hub.coordinates();
         let count = 3 * body.free.len();
         let masses = if body.mass == MassKind::Lumped {
-            let of_nodes = body.free.iter().map(|&node| body.lumped[node as usize]);
+            let of_nodes = body
+                .free
+                .iter()
+                .map(|&node| body.assembly.lumped[node as usize]);
             let of_nodes = of_nodes.flat_map(|m| [m; 3]);
             std::iter::repeat_n(body.hub_inertia, own)
                 .chain(of_nodes)
@@ -153,17 +156,13 @@ impl GearModel for FullOrder {
         }
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let force = frame.to_space([g[3 * node], g[3 * node + 1], g[3 * node + 2]]);
-            for axis in 0..3 {
-                f[self.own + 3 * k + axis] -= force[axis];
-            }
+            let force = frame.to_space(node3(g, node));
+            add3(f, self.own + 3 * k, force.map(|x| -x));
         }
         let speed = self.hub.speed(at.t, at.v);
         for &(k, pull) in &self.body.pull {
-            let force = frame.to_space(pull);
-            for axis in 0..3 {
-                f[self.own + 3 * k as usize + axis] += speed * speed * force[axis];
-            }
+            let force = frame.to_space(pull).map(|x| speed * speed * x);
+            add3(f, self.own + 3 * k as usize, force);
         }
     }
 
@@ -181,8 +180,7 @@ impl GearModel for FullOrder {
         du.fill(0.0);
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let d = &dq[self.own + 3 * k..][..3];
-            let own = frame.to_frame([d[0], d[1], d[2]]);
+            let own = frame.to_frame(node3(&dq[self.own..], k));
             let arm = self.arm(node, u);
             for axis in 0..3 {
                 du[3 * node + axis] = own[axis] - dhub * arm[axis];
@@ -193,8 +191,7 @@ impl GearModel for FullOrder {
         let mut torque = 0.0;
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let force = [g[3 * node], g[3 * node + 1], g[3 * node + 2]];
-            let mut change = [dg[3 * node], dg[3 * node + 1], dg[3 * node + 2]];
+            let (force, mut change) = (node3(g, node), node3(dg, node));
             torque += dot3(self.arm(node, u), &change);
             if turning {
                 torque += force[1] * du[3 * node] - force[0] * du[3 * node + 1];
@@ -202,9 +199,7 @@ impl GearModel for FullOrder {
                 change[1] += dhub * force[0];
             }
             let change = frame.to_space(change);
-            for axis in 0..3 {
-                df[self.own + 3 * k + axis] -= change[axis];
-            }
+            add3(df, self.own + 3 * k, change.map(|x| -x));
         }
         if self.own == 0 {
             return;

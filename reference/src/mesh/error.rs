@@ -2,18 +2,13 @@
 
 /// A part of a toothed body, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "`words` says what they are")]
 pub enum Part {
-    /// Skin under the flank.
     Flank,
-    /// Skin under the fillet and the root.
     Fillet,
-    /// Inside of the tooth.
     Core,
-    /// Between the teeth and the bore, or the back of a rack.
     Rim,
-    /// The thinner disc.
     Web,
-    /// Inside the thinner disc.
     Hub,
 }
 

@@ -1,6 +1,6 @@
 //! Pass 2: which modes are kept, and with what damping.
 //!
-//! Modes of a family are kept or cut together: the two of a pair of equal frequency, without which teeth that are
+//! Modes of a family are kept or truncated together: the two of a pair of equal frequency, without which teeth that are
 //! alike would yield differently. Larger families are not needed for that, and ranking pairs by the mean over all
 //! teeth keeps what one kind of shape makes over the harmonics together by itself where it is alike. Families are
 //! ranked by frequency, lowest first, or by flank compliance,
@@ -98,7 +98,7 @@ pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
     sums
 }
 
-/// Modes that are kept or cut together.
+/// Modes that are kept or truncated together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Its modes.

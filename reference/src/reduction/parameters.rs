@@ -70,7 +70,7 @@ impl ElasticParameters {
         }
     }
 
-    /// Modes that are cut stay as static compliance.
+    /// Truncated modes stay as static compliance.
     pub fn keeps_residual(&self) -> bool {
         self.residual != Some(false)
     }

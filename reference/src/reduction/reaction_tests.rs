@@ -1,7 +1,8 @@
 //! Mount reactions of the elastic gear against the rows of the finite elements at the nodes that the hub holds.
 
 use super::choose::{self, ModalDamping};
-use super::{Mounting, Surface, Wanted, basis};
+use super::surface::Surface;
+use super::{Mounting, Wanted, basis};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, GearMesh};
@@ -11,8 +12,7 @@ use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::{FlankDisplacement, GearModel};
-use gearbench_models::kinematics::Placement;
-use gearbench_models::kinematics::Wrench;
+use gearbench_models::kinematics::{Placement, Wrench};
 use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;

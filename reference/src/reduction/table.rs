@@ -33,7 +33,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     ),
     optional(
         "residual",
-        "true (default): modes that are cut stay as static compliance; false: plain truncation",
+        "true (default): truncated modes stay as static compliance; false: plain truncation",
     ),
     optional(
         "target_error",
@@ -46,7 +46,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     ),
     optional(
         "step_s",
-        "longest step that shall carry the modes: those above 0.64 pi / step are cut; default 1e-6",
+        "longest step that shall carry the modes: those above 0.64 pi / step are truncated; default 1e-6",
     ),
     optional(
         "spin_terms",

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Cholesky`] | factor of a positive definite matrix; solves with one or many right-hand sides |
 //! | `ordering` | the fill-reducing order: nested dissection or minimum degree on the graph of nodes |
-//! | [`negative_eigenvalues`] | number of negative eigenvalues, by `L D L^T` |
+//! | `negative_eigenvalues` | number of negative eigenvalues, by `L D L^T` |
 //!
 //! Matrices come as their lower triangle in compressed columns with sorted rows, one column per unknown.
 //! The numeric factorisation is faer's supernodal one (columns of equal pattern kept as one dense block); the
@@ -22,9 +22,9 @@ mod tests;
 mod union;
 
 pub use cholesky::Cholesky;
-pub use inertia::negative_eigenvalues;
+pub(crate) use inertia::negative_eigenvalues;
 pub use scalar::Scalar;
-pub use symbolic::Symbolic;
+pub(crate) use symbolic::Symbolic;
 pub(crate) use union::union;
 
 /// A system that cannot be factorised.

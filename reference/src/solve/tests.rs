@@ -1,6 +1,7 @@
 //! Factors against exact solutions of Laplacians, orders against each other, sweeps against faer's.
 
 use super::*;
+use crate::test_support::product;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Par};
 use std::sync::Arc;
@@ -40,20 +41,6 @@ pub(crate) fn brick(n: [usize; 3], dofs: usize, shift: f64) -> SparseColMat<usiz
     }
     let size = n[0] * n[1] * n[2] * dofs;
     SparseColMat::try_new_from_triplets(size, size, &triplets).unwrap()
-}
-
-/// `A x` of a lower triangle.
-fn product(a: &SparseColMat<usize, f64>, x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; x.len()];
-    for j in 0..a.ncols() {
-        for (i, v) in a.as_ref().row_idx_of_col(j).zip(a.as_ref().val_of_col(j)) {
-            y[i] += v * x[j];
-            if i != j {
-                y[j] += v * x[i];
-            }
-        }
-    }
-    y
 }
 
 fn wave(n: usize) -> Vec<f64> {

@@ -14,8 +14,6 @@ pub use history::{History, trapezoid};
 pub use parameters::{GearData, ImpactParameters, RackData, Summary};
 pub use table::{REFERENCES, StoredReference, reference};
 
-use format::RawParameters;
-
 /// Why stored data cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[expect(missing_docs, reason = "the messages say what they are about")]
@@ -51,36 +49,4 @@ pub struct ExternalReference {
     pub summary: Summary,
     /// Histories.
     pub history: History,
-}
-
-impl ExternalReference {
-    /// Reads the stored texts of a reference.
-    pub(crate) fn read(stored: &StoredReference) -> Result<Self, ReferenceError> {
-        let damaged = |file: &'static str, message: String| ReferenceError::Damaged {
-            id: stored.id.into(),
-            file,
-            message,
-        };
-        let raw: RawParameters = serde_json::from_str(stored.params)
-            .map_err(|e| damaged("params.json", e.to_string()))?;
-        let summary: Summary = serde_json::from_str(stored.summary)
-            .map_err(|e| damaged("summary.json", e.to_string()))?;
-        let solver = raw.solver.clone();
-        let parameters = raw
-            .typed()
-            .map_err(|message| damaged("params.json", message))?;
-        let history = History::read(stored.results, parameters.rack.is_some())
-            .map_err(|message| damaged("results.csv", message))?;
-        Ok(Self {
-            id: stored.id,
-            title: stored.title,
-            solver,
-            source: stored.source,
-            regenerate: stored.regenerate,
-            deck: stored.deck,
-            parameters,
-            summary,
-            history,
-        })
-    }
 }

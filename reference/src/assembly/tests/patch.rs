@@ -1,10 +1,9 @@
 //! What every element must hold exactly: constant strain on distorted meshes, and its own kind of bending.
 
-use super::support::largest;
 use crate::assembly::assemble;
 use crate::element::Integrator;
 use crate::mesh::{EDGES, ElementKind, Mesh};
-use crate::test_support::brick;
+use crate::test_support::{brick, largest};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use nalgebra::DMatrix;

@@ -1,10 +1,10 @@
 //! Frequencies with exact solutions: waves in a bar and in a box, and a clamped beam.
 
-use super::support::{frequencies, largest, nodes_where, product};
+use super::support::{frequencies, nodes_where};
 use crate::assembly::assemble;
 use crate::assembly::tie::{HubMotion, MassKind, Tie};
 use crate::mesh::ElementKind;
-use crate::test_support::brick;
+use crate::test_support::{brick, largest, product};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use std::f64::consts::{PI, TAU};

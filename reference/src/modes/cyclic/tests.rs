@@ -1,10 +1,9 @@
 //! Modes from one sector against modes of the whole mesh, and against what symmetry says.
 
 use super::*;
-use crate::assembly::assemble;
-use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{ElementKind, Mesh};
 use crate::modes::{self, Symmetric};
+use crate::test_support::tied;
 use crate::vector::turned;
 use gearbench_models::Vec3;
 
@@ -84,14 +83,6 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
     }
 }
 
-/// Whole-mesh matrices of a gear with the motions of its hub.
-fn whole(gear: &GearMesh, hub: &Hub) -> (Tie, crate::assembly::tie::Reduced) {
-    let assembly = assemble(&gear.mesh, &Material::STEEL).unwrap();
-    let tie = Tie::new(&gear.mesh.nodes, &gear.bore, &hub.motions);
-    let reduced = tie.reduce(&assembly, &hub.added_inertia, MassKind::Consistent);
-    (tie, reduced)
-}
-
 /// Displacements of a cyclic mode on the nodes of the whole mesh, found by position.
 fn on_whole(modes: &CyclicModes, i: usize, sector: &GearMesh, gear: &GearMesh) -> Vec<f64> {
     let mut full = vec![f64::NAN; 3 * gear.mesh.nodes.len()];
@@ -128,7 +119,7 @@ fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub,
     let gear = ring(kind, teeth, teeth, bands, layers);
     let options = Options::default();
     let cyclic = lowest(&sector, &Material::STEEL, hub, count, &options).unwrap();
-    let (tie, r) = whole(&gear, hub);
+    let (tie, r) = tied(&gear, &hub.motions, &hub.added_inertia);
     let full = modes::lowest(&r, count, &options).unwrap();
     assert!(cyclic.modes.len() == count || cyclic.modes.len() == count + 1);
     let scale = full.omega2[full.omega2.iter().position(|w| *w > 1e6).unwrap()];

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::mesh::{self, GearMesh, GearMeshParams};
-use crate::reduction::Surface;
+use crate::reduction::surface::Surface;
 use crate::test_support;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 

@@ -12,10 +12,8 @@ use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::geometry::{FlankGrid, Gear, Side};
-use gearbench_models::kinematics::Hub;
-use gearbench_models::kinematics::Placement;
-use gearbench_models::spec::Mount;
-use gearbench_models::spec::Profile;
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Mount, Profile};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 

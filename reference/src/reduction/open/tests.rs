@@ -7,8 +7,7 @@ use crate::reduction::store::Meta;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
 use crate::test_support;
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_models::spec::Mount;
-use gearbench_models::spec::Parameters;
+use gearbench_models::spec::{Mount, Parameters};
 use gearbench_models::stiffness::Material;
 
 fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {

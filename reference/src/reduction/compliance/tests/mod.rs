@@ -8,7 +8,7 @@ use crate::assembly::tie::Reduced;
 use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
 use crate::reduction::{Kept, without_modes};
-use crate::test_support::{self, coarse, stub};
+use crate::test_support::{self, coarse, largest, stub, tied};
 use faer::Side;
 use gearbench_models::geometry::Gear;
 use shapes::*;

@@ -64,12 +64,8 @@ impl Shapes {
 }
 
 pub(super) fn matrices(mesh: &GearMesh, mounting: &Mounting) -> (Tie, Reduced) {
-    let assembly = assemble(&mesh.mesh, &STEEL).unwrap();
-    let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &mounting.motions());
-    let added = [mounting.added_inertia];
-    let added = &added[..mounting.motions().len()];
-    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
-    (tie, reduced)
+    let added = &[mounting.added_inertia][..usize::from(mounting.free)];
+    tied(mesh, &mounting.motions(), added)
 }
 
 pub(super) fn dense(r: &Residual) -> Vec<f64> {
@@ -80,10 +76,6 @@ pub(super) fn dense(r: &Residual) -> Vec<f64> {
         .flat_map(|i| nodes.clone().map(move |j| (i, j)))
         .map(|(i, j)| r.flanks.between(i, j, n))
         .collect()
-}
-
-pub(super) fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |l, x| l.max(x.abs()))
 }
 
 pub(super) fn worst(a: &[f64], b: &[f64]) -> f64 {
