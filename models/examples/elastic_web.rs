@@ -11,6 +11,7 @@
 use gearbench_integrators::system::{At, Energy, Power};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{GearModel, HubBody, HubState, ToothCoordinates};
 use gearbench_models::kinematics::{Point, Row, Tooth, Wrench};
@@ -25,6 +26,7 @@ pub const MODEL: Model = Model {
         ParameterInfo::required("rim_share", "share of the rim in the inertia"),
         ParameterInfo::required("damping_ratio", "of the rim, hub held"),
     ],
+    properties: Properties::NONE,
     build,
 };
 

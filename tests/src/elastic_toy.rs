@@ -10,6 +10,7 @@ use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Reduced, Residual};
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::Body;
@@ -29,6 +30,7 @@ pub const ELASTIC_TOY: Model = Model {
         takes("spread_m", "length of the local kernel"),
         takes("vibration_cut_off", "share of an impact's energy"),
     ],
+    properties: Properties::NONE,
     build: build_toy,
 };
 

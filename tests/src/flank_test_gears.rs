@@ -13,6 +13,7 @@
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear};
@@ -37,6 +38,7 @@ pub const RIGID: Model = Model {
         takes("columns", "nodes over the width"),
         takes("lean_pitches", "how far tips stand off their involutes"),
     ],
+    properties: Properties::NONE,
     build: build_rigid,
 };
 
@@ -52,6 +54,7 @@ pub const NODAL: Model = Model {
         takes("damping_ns_per_m", "dashpot of a node"),
         takes("condensed", "1: asks for the condensed correction"),
     ],
+    properties: Properties::NONE,
     build: build_nodal,
 };
 

@@ -2,7 +2,7 @@
 
 use super::history::History;
 use super::parameters::parameters;
-use super::status::Witness;
+use super::status::RunMonitor;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, Report, SecondOrderSystem};
@@ -127,21 +127,21 @@ fn timed_in(
         return Err(RunError::NoLinearPart(info.id.into()));
     }
 
-    let mut witness = Witness::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
+    let mut monitor = RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
     let mut state = scene.initial();
     let start_momenta = momenta(scene, &state);
     let mut work = Work::default();
     let begin = Instant::now();
-    let outcome = method.run(scene, &mut state, &job.plan(), &mut witness, &mut work);
+    let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
     let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Unsupported { .. }) = outcome {
         return Err(RunError::Unsupported(outcome.unwrap_err().to_string()));
     }
 
-    let (status, mut message) = witness.verdict(scene, &state, &outcome);
-    let Witness {
+    let (status, mut message) = monitor.status(scene, &state, &outcome);
+    let RunMonitor {
         history, ledger, ..
-    } = &witness;
+    } = &monitor;
     let series = time_series(job, scene, history);
     let end_momenta = momenta(scene, &state);
 

@@ -6,10 +6,35 @@ use super::capabilities::{LinearMotion, Oscillators, work_on_hub};
 use super::free_flight::FreeFlight;
 use super::hub_body::HubBody;
 use super::model::GearModel;
+use super::properties::{Fit, Start};
 use crate::Vec3;
 use crate::kinematics::{Hub, Point, Row};
+use crate::spec::{ModelSpec, Parameters};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Singular};
+
+/// Id of the model.
+pub const MODEL: &str = "rigid";
+
+/// Its contact law is all there is to fit.
+pub const FIT: Fit = Fit {
+    parameters: &[],
+    starts: |contact, _| {
+        vec![Start {
+            contact,
+            parameters: Vec::new(),
+        }]
+    },
+};
+
+/// A gear of this model in a scene.
+#[must_use]
+pub fn spec() -> ModelSpec {
+    ModelSpec {
+        id: MODEL.into(),
+        parameters: Parameters::new(),
+    }
+}
 
 /// A rigid gear or rack.
 #[derive(Clone, Debug)]

@@ -7,6 +7,7 @@ use crate::mesh_source::{self, MeshParameters, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +40,10 @@ pub const ROW: Model = Model {
     id: MODEL,
     title: "full finite elements: every node moves, contact over the flank faces",
     parameters: &PARAMETERS,
+    properties: Properties {
+        full_order: true,
+        ..Properties::NONE
+    },
     build,
 };
 

@@ -9,6 +9,7 @@ use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
@@ -63,6 +64,10 @@ pub const ROW: Model = Model {
     id: MODEL,
     title: "reduced finite elements: a few modes and the static compliance of the others",
     parameters: &PARAMETERS,
+    properties: Properties {
+        modes: true,
+        ..Properties::NONE
+    },
     build,
 };
 

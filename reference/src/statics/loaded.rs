@@ -49,6 +49,8 @@ pub enum StaticsError {
         approach: f64,
         reached: f64,
     },
+    #[error("no tooth pair presses on the path of contact at an approach of {approach:.4e} m")]
+    NoContact { approach: f64 },
     #[error("{what} is {value}; it must be finite{and}")]
     Value {
         what: &'static str,

@@ -6,7 +6,7 @@
 mod wrong_laws;
 
 use gearbench::experiment::run::{Job, NO_BOUND, run};
-use gearbench::experiment::status::{Witness, against_contact, against_tolerance};
+use gearbench::experiment::status::{RunMonitor, against_contact, against_tolerance};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, TimePlan, Work};
 use gearbench_models::law::Damping;
@@ -91,7 +91,7 @@ impl Way {
     fn run_wrong(&self, wrong: Wrong, text: &str, resolution: Resolution) -> Run {
         let scene = Scene::build(&self.scene, &self.modelling(), &models()).unwrap();
         let effective_radii = [0, 1].map(|i: usize| effective_radius(&self.scene.gears[i].body));
-        let mut witness = Witness::new(&self.scene, &scene, vec![0.0, self.t_end], true);
+        let mut monitor = RunMonitor::new(&self.scene, &scene, vec![0.0, self.t_end], true);
         let mut s = scene.initial();
         let mut sys = WrongScene::new(
             scene,
@@ -106,8 +106,8 @@ impl Way {
         };
         let mut method = gearbench_integrators::method(text).unwrap();
         let mut work = Work::default();
-        let outcome = method.run(&mut sys, &mut s, &plan, &mut witness, &mut work);
-        let (status, message) = witness.verdict(&mut sys, &s, &outcome);
+        let outcome = method.run(&mut sys, &mut s, &plan, &mut monitor, &mut work);
+        let (status, message) = monitor.status(&mut sys, &s, &outcome);
         Run {
             integrator: text.into(),
             status,

@@ -1,4 +1,4 @@
-//! Distributions that the parameters of a scene are drawn from.
+//! Distributions that the parameters of a scene are sampled from.
 
 use super::random::{Random, fitting, short};
 use super::sets::{SampleError, Set};
@@ -39,7 +39,7 @@ impl Kind {
         }
     }
 
-    /// Metrics that are asked for. After several impacts a history is all phase, so hammering is judged by numbers
+    /// Metrics that are asked for. After several impacts a history is all phase, so hammering is validated by numbers
     /// of the whole; under load the speed swings about a mean, and where it ends says little.
     #[must_use]
     pub fn metrics(self) -> &'static [Metric] {

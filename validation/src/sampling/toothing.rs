@@ -1,4 +1,4 @@
-//! The gears that scenes are drawn with. Few, so that finite elements are reduced once for many scenes.
+//! The gears that scenes are sampled with. Few, so that finite elements are reduced once for many scenes.
 
 use gearbench_models::geometry::{Gear, GearParams, GeometryError};
 

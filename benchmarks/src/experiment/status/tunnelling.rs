@@ -61,7 +61,7 @@ impl Pair {
 }
 
 /// Follows the meshes of a run.
-pub struct Passage {
+pub struct TunnellingDetector {
     pairs: Vec<(usize, Pair)>,
     deflection: f64,
     /// Mesh, time, overlap.
@@ -71,7 +71,7 @@ pub struct Passage {
     out: Outputs,
 }
 
-impl Passage {
+impl TunnellingDetector {
     /// The meshes of a scene; those whose geometry rigid displacements do not tell are left out.
     #[must_use]
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
@@ -101,7 +101,7 @@ impl Passage {
                 },
             ))
         };
-        Passage {
+        TunnellingDetector {
             pairs: (0..spec.meshes.len()).filter_map(pair).collect(),
             deflection: scene.magnitudes().deflection,
             passed: None,

@@ -7,17 +7,17 @@
 //! touches on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in
 //! contact is the mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
-use super::situation::Situation;
+use super::problem::Problem;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, effective_radius,
-    mesh_layout,
+    Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -64,12 +64,8 @@ pub fn analytic() -> PairStiffness {
 /// Rigid gears with a contact for all meshes.
 #[must_use]
 pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
-    let gear = ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::new(),
-    };
     Modelling {
-        gears: vec![gear; scene.gears.len()],
+        gears: vec![rigid::spec(); scene.gears.len()],
         contacts,
     }
 }
@@ -211,13 +207,13 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
     }
 }
 
-/// Solves the elastic gears of a situation without modes at an approach of the flanks that the scene will see [m].
+/// Solves the elastic gears of a problem without modes at an approach of the flanks that the scene will see [m].
 ///
 /// # Errors
-/// [`StaticsError`]: more than one mesh, or no equilibrium.
-pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, StaticsError> {
-    let modelling = super::candidate::elastic(situation, 0, None);
-    let mut pair = LoadedPair::new(&situation.scene, &modelling, situation.models)?;
+/// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
+pub fn calibrate(problem: &Problem, approach: f64) -> Result<Calibrated, StaticsError> {
+    let modelling = super::plan::elastic(problem, 0, None);
+    let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
     let (pitch, base, path) = {
         let l = pair.layout();
         (l.pitch_point, l.base_pitch, l.path)
@@ -240,6 +236,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
                 forces.push((at, p.force));
             }
         }
+    }
+    if forces.is_empty() {
+        return Err(StaticsError::NoContact { approach: high });
     }
     forces.sort_by(|a, b| a.0.total_cmp(&b.0));
     forces.dedup_by(|b, a| b.0 - a.0 < 1e-9 * base);

@@ -6,7 +6,7 @@ use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::{Job, run};
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
@@ -295,7 +295,7 @@ fn one(
     row.contacts = None;
     // Rigid gears hand the contact force on; others have inertia of their own vibration.
     let gears = [0, 1].map(|i| {
-        let vibrates = entry.modelling.gears[i].id != "rigid";
+        let vibrates = !properties_of(plan.conditions.models, &entry.modelling.gears[i].id).rigid;
         (entry.scene.gears[i].name.as_str(), vibrates)
     });
     let series = row.series.take().unwrap_or_default();

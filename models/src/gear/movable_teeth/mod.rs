@@ -29,11 +29,13 @@
 //! parametric.
 
 mod deviations;
+mod fit;
 mod free_flight;
 mod parameters;
 mod reaction;
 mod springs;
 
+pub use fit::FIT;
 pub use parameters::{Integrate, MovableTeethParameters, PARAMETERS, PerTooth, build};
 
 use super::capabilities::{LinearMotion, ToothCoordinates};
