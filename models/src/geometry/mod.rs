@@ -48,7 +48,8 @@ pub use rack::{Rack, RackParams};
 pub use rack_pair::RackPair;
 
 /// Flank of a tooth, seen along -z with the tooth pointing outwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Side {
     /// The counter-clockwise flank; it drives when a gear turns counter-clockwise.
     Left,

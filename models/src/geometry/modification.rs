@@ -9,7 +9,8 @@
 use super::error::{GeometryError, Quantity, not_negative, positive};
 
 /// Course of a relief from its start to the tip.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ReliefShape {
     /// Grows in proportion to the length of roll.
     Linear,

@@ -238,18 +238,6 @@ impl Damping {
         })
     }
 
-    /// A law that is given by its coefficient of restitution, by its id.
-    #[must_use]
-    pub fn of_restitution(id: &str, e: f64) -> Option<Damping> {
-        let all = [
-            Damping::HuntCrossley { e },
-            Damping::LankaraniNikravesh { e },
-            Damping::Flores { e },
-            Damping::Gonthier { e },
-        ];
-        all.into_iter().find(|law| law.id() == id)
-    }
-
     /// The factor chi of `1 + chi d'/v0`, zero for laws without it.
     fn chi(&self) -> f64 {
         match *self {

@@ -14,6 +14,7 @@ mod plan;
 mod references;
 mod resolutions;
 mod run;
+pub mod scene;
 mod summary;
 
 pub use metric::metrics_of;

@@ -17,7 +17,8 @@ use gearbench_reference::reduction::ElasticParameters;
 const SAMPLES: usize = 97;
 
 /// A parameter of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// Factor on stiffness or penalty of all contacts.
     ContactStiffness,
