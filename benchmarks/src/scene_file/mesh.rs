@@ -10,7 +10,7 @@ use super::geometry::keys_of;
 use super::reader::{Entry, Key, Section, key};
 use super::suggest;
 use gearbench_models::error::Reason;
-use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, RackPair, Side};
+use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
 use gearbench_models::spec::{Body, MeshSpec, Start};
 
 pub(super) static MESH: &[Key] = &[
@@ -306,7 +306,7 @@ fn path_of(
         }),
         (Body::Gear(gear), Body::Rack(rack)) => {
             let direction = b.spec.facing + std::f64::consts::PI;
-            RackPair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
+            Pair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
                 ends: [p.s_start(), p.s_end()],
                 backlash: p.backlash_base(),
             })

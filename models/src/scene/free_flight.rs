@@ -31,8 +31,7 @@
 
 use super::assembled::Scene;
 use crate::contact::LineClearance;
-use crate::gear::FreeFlight;
-use crate::gear::capabilities::work_on_hub;
+use crate::gear::{FreeFlight, work_on_hub};
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::{At, Events, State};
 

@@ -1,6 +1,7 @@
 //! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
 
-use super::{Deviation, Line, LinesOfAction, PathMap, Slice, side_index};
+use super::deviation::Deviation;
+use super::lines::{Line, LinesOfAction, PathMap, Slice, side_index};
 use crate::Vec3;
 use crate::contact::clearance::LineClearance;
 use crate::geometry::Side;

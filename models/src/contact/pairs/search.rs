@@ -1,6 +1,6 @@
 //! The lines of action as a contact search: candidates, gaps, guards of the contact zone.
 
-use super::{LinesOfAction, Mover, ZONE_GUARDS, all_open};
+use super::lines::{LinesOfAction, Mover, ZONE_GUARDS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::{Party, Wanted, ZoneChange};

@@ -19,7 +19,7 @@
 //! ```
 
 use super::flanked::{Flanked, Near};
-use super::search::FlankPoints;
+use super::mesh_flanks::MeshFlanks;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -41,7 +41,7 @@ pub(super) struct CoarseScratch {
 /// Finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
     /// The pairs of a side at finite travels of both hubs, appended to `scratch.pairs`.
-    fn pairs(&self, of: &FlankPoints, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch);
+    fn pairs(&self, of: &MeshFlanks, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch);
 }
 
 /// Flanks about the line of centres, and the flanks that they face: by path coordinates.
@@ -49,7 +49,7 @@ pub(super) trait CoarseStep: Debug + Send {
 pub(super) struct ToothIndices;
 
 impl CoarseStep for ToothIndices {
-    fn pairs(&self, of: &FlankPoints, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, .. } = scratch;
         near[0].clear();
         of.gears[0].each_near(side, travels[0], of.zone, |first| near[0].push(first));
@@ -178,7 +178,7 @@ fn in_space(pose: &Pose) -> math::Pose {
 }
 
 impl CoarseStep for FlankBoxes {
-    fn pairs(&self, of: &FlankPoints, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch) {
+    fn pairs(&self, of: &MeshFlanks, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch) {
         let CoarseScratch { pairs, near, found } = scratch;
         let [first, second] = [0, 1].map(|k| in_space(&of.gears[k].placement.pose(travels[k])));
         // From the second gear's frame to the first's, and back.

@@ -9,7 +9,7 @@
 //!
 //! bounds how far a node stands off its rigid flank for the whole flight.
 
-use super::gear::Elastic;
+use super::body::Elastic;
 use crate::error::Reason;
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;

@@ -11,7 +11,7 @@
 //! and on a hub whose motion is prescribed `theta = phi`, `x'' + c/m x' + k/m x = -phi''`. So teeth in flight are not
 //! integrated at all. The deviations of teeth outside the windows from their mean are in closed form already.
 
-use super::MovableTeeth;
+use super::teeth::MovableTeeth;
 use crate::gear::free_flight::FreeFlight;
 use gearbench_integrators::Coast;
 use gearbench_integrators::system::At;
