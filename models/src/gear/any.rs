@@ -12,7 +12,7 @@ pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) ->
     if gear.hub().coordinates() == 0 || load == 0.0 {
         return 0.0;
     }
-    load * (gear.hub_state(to).travel - gear.hub_state(from).travel)
+    load * (gear.hub_state(to).displacement - gear.hub_state(from).displacement)
 }
 
 /// [`LargeGear::condensed`](super::LargeGear::condensed) of any gear, one solve per coordinate.
@@ -77,12 +77,12 @@ impl dyn GearModel + '_ {
         self.surface()?.displacement
     }
 
-    /// Angle or travel of a tooth from its assembled position.
+    /// Angle or displacement of a tooth from its assembled position.
     #[must_use]
-    pub fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
+    pub fn tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
         match self.teeth() {
-            Some(teeth) => teeth.travel(at, tooth),
-            None => self.hub().travel_at(at),
+            Some(teeth) => teeth.displacement(at, tooth),
+            None => self.hub().displacement_at(at),
         }
     }
 

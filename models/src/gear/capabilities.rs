@@ -5,7 +5,7 @@ use super::free_flight::FreeFlight;
 use crate::Vec3;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::Tooth;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Change, Coeffs, Singular};
 
 /// The flanks of a gear as grids of nodes.
@@ -26,15 +26,15 @@ pub trait FlankNodes {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]);
 }
 
-/// Teeth with a travel of their own.
+/// Teeth with a displacement of their own.
 pub trait ToothCoordinates {
-    /// Angle of a tooth from its assembled position [rad] (travel [m] for a rack), pitch not included.
-    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64;
+    /// Angle of a tooth from its assembled position [rad] (displacement [m] for a rack), pitch not included.
+    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64;
 
-    /// [`Self::travel`] of consecutive teeth from `first` on.
-    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
-        for (index, travel) in (first.index..).zip(out) {
-            *travel = self.travel(at, Tooth { index, ..first });
+    /// [`Self::displacement`] of consecutive teeth from `first` on.
+    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        for (index, displacement) in (first.index..).zip(out) {
+            *displacement = self.displacement(at, Tooth { index, ..first });
         }
     }
 
@@ -82,8 +82,9 @@ pub trait LinearMotion {
     /// Its free flight from a state under a steady `load` on a free hub; `None` where its motion is not known.
     fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight>;
 
-    /// Adds that motion to a coast, its coordinates from `first` on; called where there is a [`Self::free_flight`].
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast);
+    /// Adds that motion to a free flight, its coordinates from `first` on; called where there is a
+    /// [`Self::free_flight`].
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath);
 
     /// Cuts its vibrations off, about the deflection of a steady `load`; its momentum stays. The slices are its own.
     /// False when they rested, up to rounding.

@@ -7,6 +7,7 @@
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
 //! | `any` | what follows for any gear from what it hands out |
 //! | [`parameters`] | parameters of models as structs that the models own |
+//! | [`properties`] | properties of a model that studies ask for before a gear is built |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
@@ -19,6 +20,7 @@ mod hub_body;
 mod model;
 pub mod movable_teeth;
 pub mod parameters;
+pub mod properties;
 pub mod rigid;
 pub mod table;
 

@@ -100,7 +100,7 @@ pub trait GearModel {
         None
     }
 
-    /// Gears whose teeth have another travel than the hub.
+    /// Gears whose teeth have another displacement than the hub.
     fn teeth(&self) -> Option<&dyn ToothCoordinates> {
         None
     }

@@ -12,15 +12,15 @@ pub struct Scene {
     pub(super) meshes: Vec<SceneMesh>,
     pub(super) channels: Vec<String>,
     pub(super) magnitudes: Magnitudes,
-    pub(super) pace: f64,
+    pub(super) characteristic_time: f64,
     pub(super) n: usize,
-    pub(super) memory: usize,
-    pub(super) guards: usize,
+    pub(super) discrete: usize,
+    pub(super) event_functions: usize,
     /// A gear has a displacement field.
     pub(super) fields: bool,
     /// A gear asks for the condensed Newton correction.
     pub(super) condenses: bool,
-    /// All searches have guards; else forces are clipped and nothing is located.
+    /// All searches have event functions; else forces are clipped and nothing is located.
     pub(super) locates: bool,
     /// Without event location: somebody needs impact speeds or engaged teeth to be followed.
     pub(super) tracks: bool,
@@ -31,7 +31,7 @@ pub struct Scene {
     /// All gears are oscillators.
     pub(super) oscillators: bool,
     /// A gear may be put to rest in flight.
-    pub(super) sleeps: bool,
+    pub(super) cuts_vibration: bool,
     /// Buffer of [`Self::flight_until`].
     pub(super) flights: Vec<FreeFlight>,
     pub(super) initial: State,
@@ -54,7 +54,7 @@ impl Scene {
         self.initial.clone()
     }
 
-    /// Angle [rad] (travel [m] of a rack) of each gear's tooth 0 at the assembled position.
+    /// Angle [rad] (displacement [m] of a rack) of each gear's tooth 0 at the assembled position.
     pub fn phases(&self) -> &[f64] {
         &self.phases
     }
@@ -70,13 +70,13 @@ impl Scene {
         self.gears[gear].loads = loads;
     }
 
-    /// Puts a fixed or driven gear where it has moved by `travel` [rad] or [m] from the assembled position and rests:
-    /// from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
-    pub fn hold(&mut self, gear: usize, travel: f64) {
+    /// Puts a fixed or driven gear where it has moved by `displacement` [rad] or [m] from the assembled position and
+    /// rests: from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
+    pub fn hold(&mut self, gear: usize, displacement: f64) {
         let hub = self.gears[gear].model.hub_mut();
         if hub.coordinates() == 0 {
             hub.mount = Mount::Driven(Profile::Ramp {
-                from: 2.0 * travel,
+                from: 2.0 * displacement,
                 to: 0.0,
                 start: 0.0,
                 end: 1.0,

@@ -16,12 +16,12 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Load, Modelling, Mount, SceneSpec, lever, mesh_layout};
+use crate::spec::{Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
 /// rounding leaves.
-const FLANK_MARGIN: f64 = 1e-6;
+const FLANK_BOUND: f64 = 1e-6;
 const ROUNDING: f64 = 1e-9;
 
 impl Scene {
@@ -93,7 +93,7 @@ impl Scene {
                 hub: &hub,
                 added_inertia: g.added_inertia,
                 placement: Placement::new(&hub, phases[gears.len()]),
-                lever: lever(&g.body),
+                effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
                 speed: initial_speed(g),
                 parameters: &model.parameters,
@@ -105,7 +105,7 @@ impl Scene {
                 loads: g.loads.clone(),
                 offset: 0,
                 n: 0,
-                memory: (0, 0),
+                discrete: (0, 0),
                 internal: true,
             });
         }
@@ -166,9 +166,9 @@ impl Scene {
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal: mesh.gears.iter().any(has_field),
                 clearances,
-                margin: (if with_flanks { FLANK_MARGIN } else { ROUNDING }) * l.base_pitch,
-                memory: 0,
-                guards: 0,
+                gap_bound: (if with_flanks { FLANK_BOUND } else { ROUNDING }) * l.base_pitch,
+                discrete: 0,
+                event_functions: 0,
                 cells: 0,
                 slots: 0,
                 zones: 0,
@@ -186,33 +186,33 @@ impl Scene {
         scales: &Scales,
         phases: Vec<f64>,
     ) -> Scene {
-        let (mut n, mut memory, mut guards) = (0, 1, 0);
+        let (mut n, mut discrete, mut event_functions) = (0, 1, 0);
         for g in &mut gears {
             let hub = g.model.hub();
             (g.offset, g.n) = (n, hub.len());
-            g.memory = (memory, hub.discrete);
+            g.discrete = (discrete, hub.discrete);
             g.internal = hub.own > 0;
             n += hub.len();
-            memory += hub.discrete;
+            discrete += hub.discrete;
         }
         for m in &mut meshes {
-            (m.memory, m.guards) = (memory, guards);
+            (m.discrete, m.event_functions) = (discrete, event_functions);
             if let Some(pairs) = m.search.pairs() {
                 (m.cells, m.slots, m.zones) =
-                    (pairs.discrete(), pairs.slots(), pairs.guard_count());
+                    (pairs.discrete(), pairs.slots(), pairs.event_count());
             }
-            memory += m.cells + 2 * m.slots;
-            guards += m.zones + m.slots;
+            discrete += m.cells + 2 * m.slots;
+            event_functions += m.zones + m.slots;
         }
         let locates = meshes.iter().all(|m| m.search.pairs().is_some());
         if !locates {
-            guards = 0;
+            event_functions = 0;
         }
         let mut initial = State {
             t: 0.0,
             q: vec![0.0; n],
             v: vec![0.0; n],
-            memory: vec![0.0; memory],
+            discrete: vec![0.0; discrete],
         };
         for (g, s) in gears.iter_mut().zip(&spec.gears) {
             let range = g.range();
@@ -220,13 +220,13 @@ impl Scene {
                 initial_speed(s),
                 &mut initial.q[range.clone()],
                 &mut initial.v[range],
-                &mut initial.memory[g.memory.0..][..g.memory.1],
+                &mut initial.discrete[g.discrete.0..][..g.discrete.1],
             );
         }
-        let pace = gears
+        let characteristic_time = gears
             .iter()
             .map(|g| g.model.hub().characteristic_time)
-            .fold(scales.pace, f64::min);
+            .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
         let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
@@ -245,19 +245,19 @@ impl Scene {
                 .is_some()
         };
         let oscillators = gears.iter().all(linear);
-        let sleeps = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
+        let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         Scene {
             gears,
             meshes,
             oscillators,
-            sleeps,
+            cuts_vibration,
             flights: Vec::new(),
             channels,
             magnitudes: scales.magnitudes(),
-            pace,
+            characteristic_time,
             n,
-            memory,
-            guards,
+            discrete,
+            event_functions,
             fields,
             condenses,
             locates,

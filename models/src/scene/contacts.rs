@@ -40,9 +40,9 @@ impl Scene {
         }
         self.work.active.clear();
         self.work.candidates.clear();
-        let located = at.memory[0] != 0.0;
+        let located = at.discrete[0] != 0.0;
         for m in 0..self.meshes.len() {
-            if !(located && all_open(&at.memory[self.meshes[m].modes()])) {
+            if !(located && all_open(&at.discrete[self.meshes[m].modes()])) {
                 self.evaluate_mesh(at, m, located);
             }
         }
@@ -60,14 +60,14 @@ impl Scene {
         let mesh = &meshes[m];
         let (a, b) = parties(gears, mesh, at);
         let first = work.candidates.len();
-        let memory = &at.memory[mesh.search_memory()];
+        let discrete = &at.discrete[mesh.search_discrete()];
         let wanted = if located {
-            Wanted::Closed(&at.memory[mesh.modes()])
+            Wanted::Closed(&at.discrete[mesh.modes()])
         } else {
             Wanted::Touching(0.0)
         };
         mesh.search
-            .candidates(a, b, memory, wanted, &mut work.candidates);
+            .candidates(a, b, discrete, wanted, &mut work.candidates);
         for (k, c) in work.candidates.iter().enumerate().skip(first) {
             let i = work.active.len();
             if i == work.rows.len() {
@@ -76,7 +76,7 @@ impl Scene {
             let rows = &mut work.rows[i];
             let prescribed = fill_rows(gears, mesh, [&a, &b], c, rows);
             let rate = rows[0].dot(at.v) + prescribed.gap;
-            let stored = mesh.impact_speed(at.memory, c.slot);
+            let stored = mesh.impact_speed(at.discrete, c.slot);
             let impact_speed = if stored > 0.0 { stored } else { -rate };
             let law = mesh.law.shared(c.share);
             let force = if located {

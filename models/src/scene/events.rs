@@ -1,4 +1,4 @@
-//! Events of a scene: guards, switches of contacts and zones, what the discrete state remembers.
+//! Events of a scene: event functions, switches of contacts and zones, what the discrete state remembers.
 
 use super::active::gap_rate;
 use super::assembled::Scene;
@@ -8,10 +8,10 @@ use crate::law::Law;
 use crate::spec::Load;
 use gearbench_integrators::system::{At, Change, Events, State};
 
-/// Guard of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
+/// Event function of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
 /// the law is from pushing again; in metres.
 #[inline]
-fn open_guard(law: &Law, c: &Candidate, gap: f64, rate: f64, impact_speed: f64) -> f64 {
+fn open_event(law: &Law, c: &Candidate, gap: f64, rate: f64, impact_speed: f64) -> f64 {
     if gap > 0.0 {
         return gap;
     }
@@ -31,7 +31,7 @@ fn as_length(law: &Law, n: f64, k: f64) -> f64 {
 }
 
 impl Events for Scene {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
         if out.is_empty() {
             return;
@@ -40,13 +40,13 @@ impl Events for Scene {
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, at);
             let (zone, slots) =
-                out[mesh.guards..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
+                out[mesh.event_functions..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
             let Some(pairs) = mesh.search.pairs() else {
                 continue;
             };
-            pairs.watch(a, b, &at.memory[mesh.search_memory()], zone, slots);
+            pairs.watch(a, b, &at.discrete[mesh.search_discrete()], zone, slots);
             // Gaps are all that open contacts and contacts without damping need.
-            let modes = &at.memory[mesh.modes()];
+            let modes = &at.discrete[mesh.modes()];
             let (mut closed, mut overlap) = (false, false);
             for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
                 if mode[0] != 0.0 {
@@ -62,18 +62,18 @@ impl Events for Scene {
                 } else {
                     Wanted::Closed(modes)
                 };
-                self.damped_guards(at, m, wanted, out);
+                self.damped_events(at, m, wanted, out);
             }
         }
     }
 
-    fn next_knot(&self, t: f64) -> f64 {
+    fn next_breakpoint(&self, t: f64) -> f64 {
         let mut next = f64::INFINITY;
         for g in &self.gears {
-            next = next.min(g.model.hub().next_knot(t));
+            next = next.min(g.model.hub().next_breakpoint(t));
             for l in &g.loads {
                 if let Load::Applied(p) = l {
-                    next = next.min(p.next_knot(t));
+                    next = next.min(p.next_breakpoint(t));
                 }
             }
         }
@@ -90,41 +90,41 @@ impl Events for Scene {
         // Contacts of an earlier run let go of their teeth.
         for m in 0..self.meshes.len() {
             for slot in 0..self.meshes[m].slots {
-                if s.memory[self.meshes[m].slot(slot)] != 0.0 {
+                if s.discrete[self.meshes[m].slot(slot)] != 0.0 {
                     self.engage(s, m, slot, false);
                 }
             }
         }
-        s.memory[0] = f64::from(u8::from(located && self.locates));
+        s.discrete[0] = f64::from(u8::from(located && self.locates));
         for i in 0..self.meshes.len() {
             let mesh = &self.meshes[i];
-            let range = mesh.search_memory();
+            let range = mesh.search_discrete();
             if let Some(pairs) = mesh.search.pairs() {
                 let mut zone = vec![0.0; range.len()];
                 let (a, _) = parties(&self.gears, mesh, s.at());
                 pairs.begin(a, &mut zone);
-                s.memory[range].copy_from_slice(&zone);
+                s.discrete[range].copy_from_slice(&zone);
             }
             for slot in 0..mesh.slots {
                 let at = mesh.slot(slot);
-                s.memory[at] = 0.0;
-                s.memory[at + 1] = 0.0;
+                s.discrete[at] = 0.0;
+                s.discrete[at + 1] = 0.0;
             }
         }
         self.refresh_modes(s, None);
     }
 
-    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
         let m = self
             .meshes
             .iter()
-            .rposition(|mesh| guard >= mesh.guards)
+            .rposition(|mesh| event >= mesh.event_functions)
             .unwrap_or(0);
         let mesh = &self.meshes[m];
-        let local = guard - mesh.guards;
+        let local = event - mesh.event_functions;
         let zones = mesh.zones;
         if local < zones {
-            let range = mesh.search_memory();
+            let range = mesh.search_discrete();
             let Some(pairs) = mesh.search.pairs() else {
                 return Change::None;
             };
@@ -132,20 +132,20 @@ impl Events for Scene {
             let mut listed = std::mem::take(&mut self.work.listed);
             listed.clear();
             let (a, b) = parties(&self.gears, mesh, s.at());
-            let memory = &s.memory[range.clone()];
-            pairs.candidates(a, b, memory, Wanted::Listed, &mut listed);
-            let change = pairs.switch(local, &mut s.memory[range]);
+            let discrete = &s.discrete[range.clone()];
+            pairs.candidates(a, b, discrete, Wanted::Listed, &mut listed);
+            let change = pairs.transition(local, &mut s.discrete[range]);
             let leaving = change
                 .left
                 .and_then(|slot| listed.iter().find(|c| c.slot == slot).copied());
             self.work.listed = listed;
             if let Some(slot) = change.left {
                 let at = self.meshes[m].slot(slot);
-                if let Some(c) = leaving.filter(|_| s.memory[at] != 0.0) {
+                if let Some(c) = leaving.filter(|_| s.discrete[at] != 0.0) {
                     self.tell(s, m, &c, false);
                 }
-                s.memory[at] = 0.0;
-                s.memory[at + 1] = 0.0;
+                s.discrete[at] = 0.0;
+                s.discrete[at + 1] = 0.0;
             }
             if let Some(slot) = change.entered {
                 self.refresh_modes(s, Some((m, slot)));
@@ -153,21 +153,21 @@ impl Events for Scene {
         } else {
             let slot = local - zones;
             let at = mesh.slot(slot);
-            let closing = s.memory[at] == 0.0;
+            let closing = s.discrete[at] == 0.0;
             // A contact that a damper releases early keeps its impact speed until the flanks part.
             let apart = self
                 .find(s, m, slot)
                 .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
             if closing {
-                if apart || s.memory[at + 1] <= 0.0 {
+                if apart || s.discrete[at + 1] <= 0.0 {
                     let speed = self.approach_speed(s, m, slot);
-                    s.memory[at + 1] = speed;
+                    s.discrete[at + 1] = speed;
                 }
-                s.memory[at] = 1.0;
+                s.discrete[at] = 1.0;
             } else {
-                s.memory[at] = 0.0;
+                s.discrete[at] = 0.0;
                 if apart {
-                    s.memory[at + 1] = 0.0;
+                    s.discrete[at + 1] = 0.0;
                 }
             }
             self.engage(s, m, slot, closing);
@@ -179,8 +179,8 @@ impl Events for Scene {
         let mut change = Change::None;
         for g in &mut self.gears {
             let range = g.range();
-            let State { t, q, v, memory } = s;
-            let own = &mut memory[g.memory.0..][..g.memory.1];
+            let State { t, q, v, discrete } = s;
+            let own = &mut discrete[g.discrete.0..][..g.discrete.1];
             let Some(teeth) = g.model.teeth() else {
                 continue;
             };
@@ -188,10 +188,10 @@ impl Events for Scene {
                 change = Change::Restart;
             }
         }
-        if s.memory[0] == 0.0 && self.tracks {
+        if s.discrete[0] == 0.0 && self.tracks {
             self.track_modes(s);
         }
-        if self.sleeps && self.fall_asleep(s) {
+        if self.cuts_vibration && self.cut_off_vibration(s) {
             change = Change::Restart;
         }
         change
@@ -199,8 +199,8 @@ impl Events for Scene {
 }
 
 impl Scene {
-    /// Guards of a mesh's closed or overlapping contacts with a damper, from the force.
-    fn damped_guards(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
+    /// Event functions of a mesh's closed or overlapping contacts with a damper, from the force.
+    fn damped_events(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
         let Scene {
             gears,
             meshes,
@@ -209,13 +209,13 @@ impl Scene {
         } = self;
         let mesh = &meshes[m];
         let (a, b) = parties(gears, mesh, at);
-        let modes = &at.memory[mesh.modes()];
-        let slots = &mut out[mesh.guards + mesh.zones..];
+        let modes = &at.discrete[mesh.modes()];
+        let slots = &mut out[mesh.event_functions + mesh.zones..];
         work.candidates.clear();
         mesh.search.candidates(
             a,
             b,
-            &at.memory[mesh.search_memory()],
+            &at.discrete[mesh.search_discrete()],
             wanted,
             &mut work.candidates,
         );
@@ -230,7 +230,7 @@ impl Scene {
                 let n = mesh.law.smooth(c.gap, rate, v0, c.stiffness).n;
                 as_length(&mesh.law, n, c.stiffness)
             } else {
-                open_guard(&mesh.law, c, c.gap, rate, v0)
+                open_event(&mesh.law, c, c.gap, rate, v0)
             };
         }
     }
@@ -245,9 +245,9 @@ impl Scene {
             found.clear();
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, s.at());
-            let memory = &s.memory[mesh.search_memory()];
+            let discrete = &s.discrete[mesh.search_discrete()];
             mesh.search
-                .candidates(a, b, memory, Wanted::Listed, &mut found);
+                .candidates(a, b, discrete, Wanted::Listed, &mut found);
             for c in &found {
                 if only.is_some_and(|x| x != (m, c.slot)) {
                     continue;
@@ -259,8 +259,8 @@ impl Scene {
                     || (c.gap <= 0.0 && rate < 0.0);
                 if pushes {
                     let slot = mesh.slot(c.slot);
-                    s.memory[slot] = 1.0;
-                    s.memory[slot + 1] = (-rate).max(0.0);
+                    s.discrete[slot] = 1.0;
+                    s.discrete[slot + 1] = (-rate).max(0.0);
                     let slot = c.slot;
                     self.engage(s, m, slot, true);
                 }
@@ -279,14 +279,14 @@ impl Scene {
             found.clear();
             let mesh = &self.meshes[m];
             let (a, b) = parties(&self.gears, mesh, s.at());
-            let memory = &s.memory[mesh.search_memory()];
+            let discrete = &s.discrete[mesh.search_discrete()];
             mesh.search
-                .candidates(a, b, memory, Wanted::Touching(0.0), &mut found);
+                .candidates(a, b, discrete, Wanted::Touching(0.0), &mut found);
             for slot in 0..mesh.slots {
                 let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
                 let at = self.meshes[m].slot(slot);
                 match touching {
-                    Some(c) if s.memory[at] == 0.0 => {
+                    Some(c) if s.discrete[at] == 0.0 => {
                         let rate = gap_rate(
                             &self.gears,
                             &self.meshes[m],
@@ -294,13 +294,13 @@ impl Scene {
                             s.at(),
                             &mut self.work.scratch,
                         );
-                        s.memory[at] = 1.0;
-                        s.memory[at + 1] = (-rate).max(0.0);
+                        s.discrete[at] = 1.0;
+                        s.discrete[at + 1] = (-rate).max(0.0);
                         self.engage(s, m, slot, true);
                     }
-                    None if s.memory[at] != 0.0 => {
-                        s.memory[at] = 0.0;
-                        s.memory[at + 1] = 0.0;
+                    None if s.discrete[at] != 0.0 => {
+                        s.discrete[at] = 0.0;
+                        s.discrete[at + 1] = 0.0;
                         self.engage(s, m, slot, false);
                     }
                     _ => {}
@@ -315,13 +315,13 @@ impl Scene {
         let (a, b) = parties(&self.gears, mesh, s.at());
         let mut found = std::mem::take(&mut self.work.candidates);
         found.clear();
-        let wanted = if s.memory[0] != 0.0 {
+        let wanted = if s.discrete[0] != 0.0 {
             Wanted::Listed
         } else {
             Wanted::Touching(f64::INFINITY)
         };
-        let memory = &s.memory[mesh.search_memory()];
-        mesh.search.candidates(a, b, memory, wanted, &mut found);
+        let discrete = &s.discrete[mesh.search_discrete()];
+        mesh.search.candidates(a, b, discrete, wanted, &mut found);
         let c = found.iter().find(|c| c.slot == slot).copied();
         self.work.candidates = found;
         c
@@ -352,7 +352,7 @@ impl Scene {
         let (teeth, side) = self.meshes[m].search.flank_of(c);
         for k in 0..2 {
             let g = &mut self.gears[self.meshes[m].gears[k]];
-            let own = &mut s.memory[g.memory.0..][..g.memory.1];
+            let own = &mut s.discrete[g.discrete.0..][..g.discrete.1];
             if let Some(coordinates) = g.model.teeth() {
                 coordinates.engage(own, teeth[k], side, closed);
             }

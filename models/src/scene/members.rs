@@ -19,7 +19,7 @@ pub struct SceneGear {
     /// Its coordinates are `q[offset.0 .. offset.0 + n]`.
     pub(super) offset: usize,
     pub(super) n: usize,
-    pub(super) memory: (usize, usize),
+    pub(super) discrete: (usize, usize),
     /// It has forces of its own.
     pub(super) internal: bool,
 }
@@ -28,12 +28,15 @@ impl SceneGear {
     /// The gear's own slice of a state.
     #[inline(always)]
     pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
-        let (own, cells) = (self.range(), self.memory.0..self.memory.0 + self.memory.1);
+        let (own, cells) = (
+            self.range(),
+            self.discrete.0..self.discrete.0 + self.discrete.1,
+        );
         At {
             t: at.t,
             q: &at.q[own.clone()],
             v: &at.v[own],
-            memory: &at.memory[cells],
+            discrete: &at.discrete[cells],
         }
     }
 
@@ -92,7 +95,7 @@ impl SceneGear {
         self.loads.iter().map(slope).sum()
     }
 
-    /// The load on its hub where that is constant from `t` until the next knot; 0 for a hub that is not free.
+    /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free.
     pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
         if self.model.hub().coordinates() == 0 {
             return Some(0.0);
@@ -138,11 +141,11 @@ pub struct SceneMesh {
     /// What facing flanks are apart at least, were the gears rigid.
     pub(super) clearances: Vec<LineClearance>,
     /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
-    pub(super) margin: f64,
-    /// Offset of its memory, and of its guards.
-    pub(super) memory: usize,
-    pub(super) guards: usize,
-    /// What the search says of itself: cells of memory, contact slots, guards.
+    pub(super) gap_bound: f64,
+    /// Offset of its discrete state, and of its event functions.
+    pub(super) discrete: usize,
+    pub(super) event_functions: usize,
+    /// What the search says of itself: cells of discrete state, contact slots, event functions.
     pub(super) cells: usize,
     pub(super) slots: usize,
     pub(super) zones: usize,
@@ -150,8 +153,8 @@ pub struct SceneMesh {
 
 impl SceneMesh {
     #[inline]
-    pub(super) fn search_memory(&self) -> std::ops::Range<usize> {
-        self.memory..self.memory + self.cells
+    pub(super) fn search_discrete(&self) -> std::ops::Range<usize> {
+        self.discrete..self.discrete + self.cells
     }
 
     /// Modes and impact speeds of its slots.
@@ -162,9 +165,9 @@ impl SceneMesh {
 
     /// Speed stored at the first touch of a contact [m/s]; 0 where none is, as with a search without slots.
     #[inline]
-    pub(super) fn impact_speed(&self, memory: &[f64], slot: usize) -> f64 {
+    pub(super) fn impact_speed(&self, discrete: &[f64], slot: usize) -> f64 {
         if slot < self.slots {
-            memory[self.slot(slot) + 1]
+            discrete[self.slot(slot) + 1]
         } else {
             0.0
         }
@@ -172,7 +175,7 @@ impl SceneMesh {
 
     #[inline]
     pub(super) fn slot(&self, slot: usize) -> usize {
-        self.memory + self.cells + 2 * slot
+        self.discrete + self.cells + 2 * slot
     }
 }
 

@@ -5,10 +5,10 @@
 //! (Woodbury), so a gear brings whatever structure its coordinates have. Where a gear has many coordinates of which
 //! contacts touch few, both are condensed to these.
 //!
-//! Contacts of flank points have no guards: a scene with such a mesh reports none and is never located.
+//! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
 //!
-//! Memory layout: `[located, gears..., meshes...]`; a mesh holds its search's memory and then per contact
-//! slot `(mode, impact speed)`, mode 1 closed and 0 open.
+//! Discrete state layout: `[located, gears..., meshes...]`; a mesh holds its search's discrete state and then per
+//! contact slot `(mode, impact speed)`, mode 1 closed and 0 open.
 mod active;
 mod assembled;
 mod assembly;

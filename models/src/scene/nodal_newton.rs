@@ -41,7 +41,7 @@ impl Scene {
         let contacts = work.active.len();
         b.collect(gears, &work.nodal, &work.rows[..contacts], x.len());
         b.rows(gears, meshes, &work.nodal);
-        b.answers(&mut work.nodal, c)?;
+        b.respond(&mut work.nodal, c)?;
         for (a, rows) in work.active.iter().zip(&work.rows) {
             let candidate = &work.candidates[a.candidate];
             let along_path = -candidate.stiffness_s / candidate.scale[0];
@@ -106,7 +106,7 @@ impl Scene {
             for (k, line) in b.block.chunks_exact(n).enumerate() {
                 let out = &mut b.matrix[(start + k) * size..][..size];
                 for (j, g) in line.iter().enumerate() {
-                    let of_j = &b.answer[(start + j) * size..][..size];
+                    let of_j = &b.response[(start + j) * size..][..size];
                     for (out, t) in out.iter_mut().zip(of_j) {
                         *out -= g * t;
                     }
@@ -118,7 +118,7 @@ impl Scene {
         }
         solve_in_place(&mut b.matrix, &mut b.y)?;
         b.forces.clear();
-        for line in b.answer.chunks_exact(size) {
+        for line in b.response.chunks_exact(size) {
             b.forces
                 .push(line.iter().zip(&b.y).map(|(t, y)| t * y).sum());
         }
@@ -195,7 +195,7 @@ impl Scene {
             for (spring, h) in s.springs.iter().zip(&*points) {
                 spring.add(*h, &mut z);
             }
-            s.solve.give_way(&mut z);
+            s.solve.apply_compliance(&mut z);
             for (spring, h) in s.springs.iter().zip(points) {
                 *h += spring.force.dn_dg * spring.along(&z);
             }
@@ -228,7 +228,7 @@ impl Scene {
     pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
-        let (levers, mut drift) = rows_of(
+        let (effective_radii, mut drift) = rows_of(
             &self.gears,
             mesh,
             a,
@@ -236,10 +236,10 @@ impl Scene {
             at,
             &mut Row::default(),
         );
-        for (lever, &g) in levers.iter().zip(&mesh.gears) {
+        for (effective_radius, &g) in effective_radii.iter().zip(&mesh.gears) {
             let hub = self.gears[g].model.hub();
             if hub.coordinates() == 0 {
-                drift += lever * hub.speed(at.t, &[]);
+                drift += effective_radius * hub.speed(at.t, &[]);
             }
         }
         drift

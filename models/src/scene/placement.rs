@@ -6,7 +6,7 @@ use crate::geometry::{Gear, Side};
 use crate::kinematics::MeshView;
 use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec};
 
-/// How gear a and gear b are seen by a mesh, given their phases (angle or travel of tooth 0).
+/// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
 pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
     let gear_view = |g: &Gear, direction: f64, path: [f64; 2], assembled: f64| MeshView {
         base_radius: Some(g.r_base()),
@@ -37,7 +37,7 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
     [first, second]
 }
 
-/// Angle (or travel) that puts a flank of tooth 0 at a path coordinate of its own.
+/// Angle (or displacement) that puts a flank of tooth 0 at a path coordinate of its own.
 fn phase_at(view: &MeshView, sign: f64, s: f64) -> f64 {
     match view.base_radius {
         Some(rb) => {

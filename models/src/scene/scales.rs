@@ -3,14 +3,14 @@
 use super::members::SceneGear;
 use crate::gear::Magnitudes;
 use crate::kinematics::Hub;
-use crate::spec::{Body, GearSpec, MeshSpec, Mount, SceneSpec, lever};
+use crate::spec::{Body, GearSpec, MeshSpec, Mount, SceneSpec, effective_radius};
 
 /// Typical deflection, speed and time of the meshes of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     pub(super) deflection: f64,
     pub(super) speed: f64,
-    pub(super) pace: f64,
+    pub(super) characteristic_time: f64,
 }
 
 impl Default for Scales {
@@ -18,7 +18,7 @@ impl Default for Scales {
         Scales {
             deflection: 0.0,
             speed: 0.0,
-            pace: f64::INFINITY,
+            characteristic_time: f64::INFINITY,
         }
     }
 }
@@ -30,8 +30,9 @@ impl Scales {
         let own = reduced_mass(sides.map(|(_, g)| g.model.hub().contact_mass));
         let along = sides.map(|(s, g)| {
             let speed = initial_speed(s);
-            let force = s.loads.iter().map(|l| g.load_bound(l)).sum::<f64>() / lever(&s.body);
-            (speed * lever(&s.body), force)
+            let force =
+                s.loads.iter().map(|l| g.load_bound(l)).sum::<f64>() / effective_radius(&s.body);
+            (speed * effective_radius(&s.body), force)
         });
         let fastest = along[0].0.abs().max(along[1].0.abs());
         // Gears mesh with opposite turning; a rack goes along with its gear.
@@ -48,7 +49,7 @@ impl Scales {
         self.speed = self.speed.max(speed);
         self.deflection = self.deflection.max(speed * (m / k).sqrt());
         let light = if own.is_finite() { own.min(m) } else { m };
-        self.pace = self.pace.min((light / k).sqrt());
+        self.characteristic_time = self.characteristic_time.min((light / k).sqrt());
     }
 
     pub(super) fn magnitudes(&self) -> Magnitudes {
@@ -77,7 +78,7 @@ pub(super) fn hub_mass(spec: &GearSpec, hub: &Hub) -> f64 {
     if hub.coordinates() == 0 {
         f64::INFINITY
     } else {
-        hub.inertia / lever(&spec.body).powi(2)
+        hub.inertia / effective_radius(&spec.body).powi(2)
     }
 }
 

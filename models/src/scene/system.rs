@@ -4,7 +4,7 @@ use super::active::transverse;
 use super::assembled::Scene;
 use super::members::SceneGear;
 use crate::gear::LargeGear;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{
     At, Coeffs, Events, FreeFlight, Layout, ModalSplit, Outputs, Report, SecondOrderSystem,
     Singular, State,
@@ -14,8 +14,8 @@ impl SecondOrderSystem for Scene {
     fn layout(&self) -> Layout {
         Layout {
             n: self.n,
-            guards: self.guards,
-            memory: self.memory,
+            event_functions: self.event_functions,
+            discrete: self.discrete,
         }
     }
 
@@ -27,8 +27,8 @@ impl SecondOrderSystem for Scene {
         }
     }
 
-    fn pace(&self, _at: At<'_>) -> f64 {
-        self.pace
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
+        self.characteristic_time
     }
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
@@ -152,8 +152,8 @@ impl SecondOrderSystem for Scene {
 }
 
 impl FreeFlight for Scene {
-    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
-        self.coast_from(s.at(), later, coast)
+    fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64 {
+        self.path_from(s.at(), later, path)
     }
 
     fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {

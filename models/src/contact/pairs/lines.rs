@@ -66,40 +66,40 @@ pub(super) struct Line {
     pub(super) transverse: Vec3,
     /// Tangent point on gear a in the slice's plane.
     pub(super) origin: Vec3,
-    /// `s = at_zero + per_travel * travel + per_pair * pair` for both gears, helix included.
+    /// `s = at_zero + per_displacement * displacement + per_pair * pair` for both gears, helix included.
     pub(super) map: [PathMap; 2],
     /// Whether the teeth count up with the pairs, for both gears.
     pub(super) ascending: [bool; 2],
     /// Neither flank is modified, so teeth that move as one have one gap:
-    /// `helix_cos (slack - per_travel_a travel_a - per_travel_b travel_b)`.
+    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`.
     pub(super) plain: bool,
     pub(super) slack: f64,
 }
 
-/// Path coordinate of a flank as a linear function of its tooth's travel and the pair's number.
+/// Path coordinate of a flank as a linear function of its tooth's displacement and the pair's number.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathMap {
     pub(super) at_zero: f64,
-    pub(super) per_travel: f64,
+    pub(super) per_displacement: f64,
     pub(super) per_pair: f64,
 }
 
 impl PathMap {
     #[inline(always)]
-    pub(super) fn s(&self, travel: f64, pair: i64) -> f64 {
-        self.at_zero + self.per_travel * travel + self.per_pair * pair as f64
+    pub(super) fn s(&self, displacement: f64, pair: i64) -> f64 {
+        self.at_zero + self.per_displacement * displacement + self.per_pair * pair as f64
     }
 }
 
 /// A gear at a state, as the lines of action see it.
 pub(super) struct Mover<'a> {
     pub(super) at: At<'a>,
-    pub(super) travels: Travels<'a>,
+    pub(super) displacements: Displacements<'a>,
 }
 
 /// Travels of its teeth.
 #[derive(Clone, Copy)]
-pub(super) enum Travels<'a> {
+pub(super) enum Displacements<'a> {
     /// All teeth move with the hub.
     OfHub(f64),
     /// Each has its own.
@@ -110,11 +110,11 @@ impl<'a> Mover<'a> {
     #[inline]
     pub(super) fn new(party: &Party<'a>) -> Self {
         let Party { gear, at } = *party;
-        let travels = match gear.teeth() {
-            Some(teeth) => Travels::OfTeeth(teeth),
-            None => Travels::OfHub(gear.hub().travel_at(at)),
+        let displacements = match gear.teeth() {
+            Some(teeth) => Displacements::OfTeeth(teeth),
+            None => Displacements::OfHub(gear.hub().displacement_at(at)),
         };
-        Mover { at, travels }
+        Mover { at, displacements }
     }
 }
 
@@ -127,7 +127,7 @@ pub(super) struct PairState {
     pub(super) scale: [f64; 2],
 }
 
-pub(super) const ZONE_GUARDS: usize = 4;
+pub(super) const ZONE_EVENTS: usize = 4;
 
 /// Whether no slot is closed; per slot `(mode, impact speed)`.
 #[inline]

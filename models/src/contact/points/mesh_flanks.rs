@@ -81,19 +81,19 @@ impl MeshFlanks {
         }
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
     /// otherwise or the search does not know.
-    pub fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
+    pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let mut gaps = [0.0; 2];
         for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
-            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, travels[k]));
+            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, displacements[k]));
             let along = self.length - a? - b?;
             let nearest = along - self.base_pitch * (along / self.base_pitch).round();
             *gap = nearest * self.helix_cos;
         }
         Some(Clearance {
             gaps,
-            per_travel: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_travel()),
+            per_displacement: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_displacement()),
         })
     }
 

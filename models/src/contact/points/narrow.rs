@@ -43,7 +43,7 @@ pub(super) struct Found<'a> {
     pub x: Vec3,
     pub hit: Hit,
     /// `A' / A` of that area by the place along the master's face.
-    pub fading: f64,
+    pub weight_derivative: f64,
 }
 
 impl MeshFlanks {
@@ -78,23 +78,23 @@ impl MeshFlanks {
 
     /// First and second step: flanks about the line of centres, and the flanks they face.
     fn find_pairs(&self, step: &dyn CoarseStep, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
-        let travel = parties.map(|p| p.gear.hub().travel(p.at.t, p.at.q));
+        let displacement = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
         scratch.pairs.clear();
         for k in 0..2 {
             scratch.active[k].clear();
             scratch.positions[k].clear();
         }
-        if !travel.iter().all(|t| t.is_finite()) {
+        if !displacement.iter().all(|t| t.is_finite()) {
             return;
         }
         let mut coarse = std::mem::take(&mut scratch.coarse);
         coarse.pairs.clear();
         for side in Side::BOTH {
-            step.pairs(self, side, travel, &mut coarse);
+            step.pairs(self, side, displacement, &mut coarse);
         }
         for [near, other] in &coarse.pairs {
-            let a = self.activate(0, *near, parties[0], travel[0], scratch);
-            let b = self.activate(1, *other, parties[1], travel[1], scratch);
+            let a = self.activate(0, *near, parties[0], displacement[0], scratch);
+            let b = self.activate(1, *other, parties[1], displacement[1], scratch);
             scratch.pairs.push([a, b]);
         }
         scratch.coarse = coarse;
@@ -106,7 +106,7 @@ impl MeshFlanks {
         k: usize,
         near: Near,
         party: &Party<'_>,
-        travel: f64,
+        displacement: f64,
         scratch: &mut Scratch,
     ) -> usize {
         let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
@@ -121,10 +121,12 @@ impl MeshFlanks {
             surface
                 .nodes
                 .positions(party.at, &shape.nodes, &mut positions[start..]);
-            g.placement.pose(travel)
+            g.placement.pose(displacement)
         } else {
             let tooth = self.tooth(k, &near);
-            let pose = g.placement.pose(party.gear.tooth_travel(party.at, tooth));
+            let pose = g
+                .placement
+                .pose(party.gear.tooth_displacement(party.at, tooth));
             let undeformed = &g.grids.grids()[near.shape].positions;
             for (x, u) in positions[start..].iter_mut().zip(undeformed) {
                 *x = pose.point(u);
@@ -194,7 +196,12 @@ impl MeshFlanks {
         let master = self.deformed(m, scratch, pair[m]);
         let active = [&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]];
         heights.clear();
-        heights.extend(slave.x.iter().map(|x| self.stands_off(m, &master, x).1));
+        heights.extend(
+            slave
+                .x
+                .iter()
+                .map(|x| self.clearance_bound(m, &master, x).1),
+        );
         let columns = slave.shape.columns;
         let keep = |row: usize, column: usize| {
             let i = row * columns + column;
@@ -202,7 +209,7 @@ impl MeshFlanks {
                 .min(heights[i + 1])
                 .min(heights[i + columns])
                 .min(heights[i + columns + 1]);
-            least <= limit + slave.shape.stray[row]
+            least <= limit + slave.shape.chord_bound[row]
         };
         let tip = master.shape.lengths[master.shape.lengths.len() - 1];
         slave.shape.points(&self.rule, keep, |p| {
@@ -211,7 +218,7 @@ impl MeshFlanks {
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let (begin, clearance) = self.stands_off(m, &master, &x);
+            let (begin, clearance) = self.clearance_bound(m, &master, &x);
             if clearance > limit {
                 return;
             }
@@ -238,7 +245,7 @@ impl MeshFlanks {
                 point,
                 x,
                 hit,
-                fading: slope / on,
+                weight_derivative: slope / on,
             });
         });
     }
@@ -246,7 +253,7 @@ impl MeshFlanks {
     /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
     /// than a face beyond root, tip or sides.
     #[inline]
-    fn stands_off(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+    fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
         let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
         let (column, b) = master.shape.column_at(x.z);
         let begin = Begin {
@@ -260,7 +267,7 @@ impl MeshFlanks {
         }
         let face = master.shape.face(master.x, master.pose, row, column);
         let over = face.height_over(master.shape.side, x);
-        (begin, over - master.shape.stray[row])
+        (begin, over - master.shape.chord_bound[row])
     }
 
     /// The points on both gears.

@@ -11,7 +11,7 @@ pub struct Owner<'a> {
     pub body: &'a Body,
     /// The model; its flanks are taken where it has some.
     pub gear: &'a dyn GearModel,
-    /// Angle [rad] (travel [m] of a rack) of tooth 0 at the assembled position.
+    /// Angle [rad] (displacement [m] of a rack) of tooth 0 at the assembled position.
     pub phase: f64,
     /// How the mesh sees it.
     pub view: MeshView,

@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::clearance::Clearance;
 use crate::contact::nodal::{
-    GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::contact::pairs::MeshGeometry;
 use crate::contact::party::{Party, SearchWork, Wanted};
@@ -21,8 +21,8 @@ use std::cell::RefCell;
 
 /// Flank points of one gear against the flank surfaces of the other.
 ///
-/// The search has no memory, no slots and no guards: points open and close all the time, so the force is
-/// clipped and runs with it do not locate events.
+/// The search has no discrete state, no slots and no event functions: points open and close all the time, so the force
+/// is clipped and runs with it do not locate events.
 #[derive(Debug)]
 pub struct FlankPoints {
     flanks: MeshFlanks,
@@ -93,19 +93,19 @@ impl FlankPoints {
     }
 
     /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), of a
-    /// gap within the margin before residual compliance, and the nodes that they lie on.
+    /// gap within the gap_bound before residual compliance, and the nodes that they lie on.
     pub fn nodal_points(
         &self,
         mut sides: [NodalParty<'_>; 2],
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let travels = [0, 1].map(|k| {
+        let displacements = [0, 1].map(|k| {
             let p = &sides[k].party;
-            p.gear.hub().travel(p.at.t, p.at.q)
+            p.gear.hub().displacement(p.at.t, p.at.q)
         });
         let apart = self
-            .clearance(travels)
+            .clearance(displacements)
             .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]));
         if apart > self.flanks.reach {
             self.scratch.borrow_mut().work = SearchWork::default();
@@ -119,11 +119,19 @@ impl FlankPoints {
         }
         if self.hard {
             limit = self.flanks.reach;
-            margin.least = f64::INFINITY;
+            gap_bound.least = f64::INFINITY;
         }
         if let Some(spur) = &self.spur {
             let buffers = &mut self.spur_scratch.borrow_mut();
-            let work = spur.points(&self.flanks, sides, travels, limit, buffers, margin, out);
+            let work = spur.points(
+                &self.flanks,
+                sides,
+                displacements,
+                limit,
+                buffers,
+                gap_bound,
+                out,
+            );
             self.scratch.borrow_mut().work = work;
             return;
         }
@@ -133,15 +141,15 @@ impl FlankPoints {
         let parts = parties.each_ref();
         let mut scratch = self.scratch.borrow_mut();
         (self.flanks).each_point(&*self.coarse, parts, limit, &mut scratch, |found| {
-            self.nodal_point(found, &parties, &mut nodes, margin, out);
+            self.nodal_point(found, &parties, &mut nodes, gap_bound, out);
         });
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
     /// otherwise or the search does not know.
     #[must_use]
-    pub fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
-        self.flanks.clearance(travels)
+    pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
+        self.flanks.clearance(displacements)
     }
 
     /// What the last evaluation looked at.
@@ -188,7 +196,7 @@ impl FlankPoints {
         found: &Found<'_>,
         parties: &[Party<'_>; 2],
         nodes: &mut [(Option<&dyn FlankDisplacement>, &mut GearNodes); 2],
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let Found {
@@ -197,7 +205,7 @@ impl FlankPoints {
             point: p,
             x,
             hit,
-            fading,
+            weight_derivative,
             ..
         } = found;
         let (k, m) = (*k, 1 - k);
@@ -217,7 +225,7 @@ impl FlankPoints {
                 gap0 -= weighted(&weights[gear], &a);
             }
         }
-        if !margin.takes(gap0) {
+        if !gap_bound.takes(gap0) {
             return;
         }
         let points = self.flanks.points(found);
@@ -234,14 +242,14 @@ impl FlankPoints {
             teeth: points.map(|p| p.tooth),
             x: *x,
             normal: hit.normal,
-            answer: master.answer(x, hit),
+            sensitivity: master.sensitivity(x, hit),
             place: [hit.a, hit.b],
             slots,
             weights,
             gap0,
             stiffness: self.flanks.penalty[k] * p.area,
             share: self.flanks.share(k, p.area),
-            fading: *fading,
+            weight_derivative: *weight_derivative,
         });
     }
 }

@@ -10,7 +10,7 @@ use super::mesh_flanks::MeshFlanks;
 use super::profile::Vec2;
 use super::sections::Turn;
 use super::spur_face::{Held, Pair};
-use crate::contact::nodal::{Margin, NodalParty, NodalPoints, UNUSED};
+use crate::contact::nodal::{GapBound, NodalParty, NodalPoints, UNUSED};
 use crate::contact::party::SearchWork;
 use crate::geometry::Side;
 
@@ -34,17 +34,17 @@ impl Spur {
         &self,
         of: &MeshFlanks,
         mut sides: [NodalParty<'_>; 2],
-        travels: [f64; 2],
+        displacements: [f64; 2],
         limit: f64,
         buffers: &mut SpurScratch,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) -> SearchWork {
         let mut work = SearchWork::default();
         let SpurScratch { first, pairs, .. } = buffers;
-        self.find_pairs(of, travels, limit, first, pairs);
+        self.find_pairs(of, displacements, limit, first, pairs);
         if !buffers.pairs.is_empty() {
-            let poses = [0, 1].map(|k| of.gears[k].placement.pose(travels[k]));
+            let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
             let turns = [
                 Turn::between(&poses[0], &poses[1]),
                 Turn::between(&poses[1], &poses[0]),
@@ -62,7 +62,7 @@ impl Spur {
                     turns: &turns,
                     limit,
                 };
-                pair.points(&mut sides, buffers, &mut work, margin, out);
+                pair.points(&mut sides, buffers, &mut work, gap_bound, out);
             }
             buffers.pairs = pairs;
         }
@@ -74,20 +74,20 @@ impl Spur {
     fn find_pairs(
         &self,
         of: &MeshFlanks,
-        travels: [f64; 2],
+        displacements: [f64; 2],
         limit: f64,
         first: &mut Vec<Near>,
         pairs: &mut Vec<(f64, Near, Near, Side)>,
     ) {
         pairs.clear();
-        let limit = limit + of.gears[0].proud + of.gears[1].proud;
+        let limit = limit + of.gears[0].deviation_bound + of.gears[1].deviation_bound;
         for side in Side::BOTH {
             first.clear();
-            of.gears[0].each_near(side, travels[0], of.zone, |near| first.push(near));
+            of.gears[0].each_near(side, displacements[0], of.zone, |near| first.push(near));
             for near in first.iter() {
                 let facing = of.length - near.s;
                 let range = [facing - limit, facing + 0.5 * of.base_pitch];
-                of.gears[1].each_near(side, travels[1], range, |other| {
+                of.gears[1].each_near(side, displacements[1], range, |other| {
                     pairs.push((facing - other.s, *near, other, side));
                 });
             }
@@ -103,7 +103,7 @@ impl Pair<'_> {
         sides: &mut [NodalParty<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         for k in 0..2 {
@@ -113,7 +113,7 @@ impl Pair<'_> {
         let start = self.start();
         for k in 0..2 {
             if self.of.penalty[k] > 0.0 {
-                self.hold(k, &start[k], sides, buffers, work, margin, out);
+                self.hold(k, &start[k], sides, buffers, work, gap_bound, out);
             }
         }
     }
@@ -138,12 +138,12 @@ impl Pair<'_> {
         sides: &mut [NodalParty<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let m = 1 - k;
         let (slave, master) = (self.profile(k), self.profile(m));
-        let stray = &self.shape(k).stray;
+        let chord_bound = &self.shape(k).chord_bound;
         let turn = &self.turns[k];
         let SpurScratch { rows, clear, .. } = buffers;
         // Rows from the best place outwards, until they stand off.
@@ -155,7 +155,7 @@ impl Pair<'_> {
         let mut look = |row: usize, clear: &mut Vec<(f64, usize)>| {
             clear[row] = master.clearance(&turn.point(&slave.knots[row]), from);
             from = clear[row].1;
-            clear[row].0 <= self.limit + stray[row.min(stray.len() - 1)]
+            clear[row].0 <= self.limit + chord_bound[row.min(chord_bound.len() - 1)]
         };
         let (mut low, mut high) = (middle, middle + 1);
         let mut on = look(low, clear);
@@ -168,11 +168,12 @@ impl Pair<'_> {
             high += 1;
             on = look(high, clear);
         }
-        let stands_off = |row: usize| clear[row].0.min(clear[row + 1].0) > self.limit + stray[row];
-        while low < high && stands_off(low) {
+        let clearance_bound =
+            |row: usize| clear[row].0.min(clear[row + 1].0) > self.limit + chord_bound[row];
+        while low < high && clearance_bound(low) {
             low += 1;
         }
-        while high > low && stands_off(high - 1) {
+        while high > low && clearance_bound(high - 1) {
             high -= 1;
         }
         if low == high {
@@ -209,9 +210,9 @@ impl Pair<'_> {
             clear: clear.as_slice(),
         };
         let middle = middle.clamp(low, high - 1);
-        face.points(middle, work, margin, out);
+        face.points(middle, work, gap_bound, out);
         for row in (low..high).filter(|row| *row != middle) {
-            face.points(row, work, margin, out);
+            face.points(row, work, gap_bound, out);
         }
     }
 }

@@ -7,7 +7,7 @@ use super::projection::{MOST_PAST, on_flank};
 use super::sections::{Spur, Turn};
 use super::surface::Shape;
 use crate::Vec3;
-use crate::contact::nodal::{Margin, NodalParty, NodalPoint, NodalPoints, UNUSED};
+use crate::contact::nodal::{GapBound, NodalParty, NodalPoint, NodalPoints, UNUSED};
 use crate::contact::party::SearchWork;
 use crate::geometry::Side;
 use crate::kinematics::Pose;
@@ -116,7 +116,7 @@ impl Held<'_, '_, '_> {
         &mut self,
         row: usize,
         work: &mut SearchWork,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let (pair, k) = (self.pair, self.k);
@@ -139,7 +139,7 @@ impl Held<'_, '_, '_> {
             let rows = &self.master_rows[faces[0]..=faces[1] + 1];
             rise += Self::rise(self.of_master, rows, m_shape.columns);
         }
-        if c0.0.min(c1.0) - rise > margin.gap() + s_shape.stray[row] {
+        if c0.0.min(c1.0) - rise > gap_bound.gap() + s_shape.chord_bound[row] {
             return;
         }
         let nodes = spur.along.is_empty();
@@ -172,7 +172,7 @@ impl Held<'_, '_, '_> {
                 continue;
             }
             let past = (0.5 * length / tip).min(MOST_PAST);
-            if master.stands_off(&x, face) - rise > margin.gap() {
+            if master.clearance_bound(&x, face) - rise > gap_bound.gap() {
                 continue;
             }
             work.projections += 1;
@@ -189,7 +189,7 @@ impl Held<'_, '_, '_> {
             pair.meet(m, foot.row..=foot.row + 1, self.of_master, self.master_rows);
             let turn = |n: &Vec2| m_pose.turn(&Vec3::new(n.x, n.y, 0.0));
             let space = s_pose.point(&Vec3::new(own.x, own.y, 0.0));
-            let (normal, answer) = (turn(&foot.normal), turn(&foot.answer));
+            let (normal, sensitivity) = (turn(&foot.normal), turn(&foot.sensitivity));
             for cell in &spur.cells[k] {
                 let of_slave = Self::at(
                     self.of_slave,
@@ -204,7 +204,7 @@ impl Held<'_, '_, '_> {
                     (cell.on, cell.b_on),
                 );
                 let gap0 = foot.gap - of_slave - of_master;
-                if !margin.takes(gap0) {
+                if !gap_bound.takes(gap0) {
                     continue;
                 }
                 let area = on
@@ -231,14 +231,14 @@ impl Held<'_, '_, '_> {
                     teeth,
                     x: Vec3::new(space.x, space.y, cell.z),
                     normal,
-                    answer: [answer, Vec3::zeros()],
+                    sensitivity: [sensitivity, Vec3::zeros()],
                     place: [foot.a, cell.b_on],
                     slots,
                     weights,
                     gap0,
                     stiffness: of.penalty[k] * area,
                     share: of.share(k, area),
-                    fading: slope / on,
+                    weight_derivative: slope / on,
                 });
             }
         }

@@ -7,7 +7,7 @@ use crate::gear::free_flight::FreeFlight;
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::kinematics::{Point, Row, Wrench};
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 
 impl GearModel for MovableTeeth {
@@ -31,15 +31,20 @@ impl GearModel for MovableTeeth {
     #[inline]
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         // A tooth outside its window carries no force, so the mean stands for it.
-        let i = self.coordinate(at.memory, p.tooth).unwrap_or(self.first());
-        row.push(i, self.hub.lever(&p.x, n));
+        let i = self
+            .coordinate(at.discrete, p.tooth)
+            .unwrap_or(self.first());
+        row.push(i, self.hub.effective_radius(&p.x, n));
         // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
         0.0
     }
 
     fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
         let first = self.first();
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let mut on_body = 0.0;
         if !self.constant.is_empty() {
             let own = f[first..]
@@ -70,7 +75,7 @@ impl GearModel for MovableTeeth {
 
     fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let first = self.first();
-        let phi = self.hub.travel(at.t, at.q);
+        let phi = self.hub.displacement(at.t, at.q);
         let (dphi, dspeed) = if first > 0 {
             (dq[0], dv[0])
         } else {
@@ -99,7 +104,7 @@ impl GearModel for MovableTeeth {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let first = self.first();
-        let phi = self.hub.travel(at.t, at.q);
+        let phi = self.hub.displacement(at.t, at.q);
         let (mut hub, mut rhs) = (c.m * self.body + c.d * hub_damping, 0.0);
         for i in 0..at.q.len() - first {
             let s = at.q[first + i];
@@ -132,7 +137,10 @@ impl GearModel for MovableTeeth {
 
     fn energy(&self, at: At<'_>) -> Energy {
         let first = self.first();
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let mut e = Energy::default();
         if first > 0 {
             e.kinetic += 0.5 * self.body * speed * speed;
@@ -147,7 +155,7 @@ impl GearModel for MovableTeeth {
             // The cross terms with the mean vanish because the deviations sum to zero.
             let (dd, vv) =
                 self.deviations()
-                    .squares(&self.springs, at.t, &at.memory[self.head()..]);
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
             let (k, m, r2) = (
                 self.springs.stiffness[0],
                 self.springs.mass[0],
@@ -174,7 +182,7 @@ impl GearModel for MovableTeeth {
             .map(|i| self.tooth_inertia(i) * at.v[first + i])
             .sum();
         HubState {
-            travel: self.hub.travel(at.t, at.q),
+            displacement: self.hub.displacement(at.t, at.q),
             speed,
             momentum: self.body * speed + teeth,
         }
@@ -198,8 +206,8 @@ impl LinearMotion for MovableTeeth {
         self.flight_of(at, load)
     }
 
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.add_coast(at, load, first, coast);
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+        self.add_oscillators(at, load, first, path);
     }
 
     fn cut_off_vibrations(
@@ -228,9 +236,9 @@ impl MovableTeeth {
             power += p.c * (at.v[first + i] - speed).powi(2);
         }
         if self.slots > 0 && self.springs.damping[0] > 0.0 {
-            let (_, vv) = self
-                .deviations()
-                .squares(&self.springs, at.t, &at.memory[self.head()..]);
+            let (_, vv) =
+                self.deviations()
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
             power += self.springs.damping[0] * self.springs.radius_squared * vv;
         }
         power
@@ -241,7 +249,7 @@ impl MovableTeeth {
             return 0.0;
         }
         let first = self.first();
-        let phi = self.hub.travel(at.t, at.q);
+        let phi = self.hub.displacement(at.t, at.q);
         (0..at.q.len() - first)
             .map(|i| {
                 let s = at.q[first + i];
@@ -254,7 +262,10 @@ impl MovableTeeth {
         if self.first() > 0 {
             return 0.0;
         }
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         -(0..at.q.len())
             .map(|i| {
                 let p = self.spring(at, i, at.q[i]);

@@ -10,7 +10,7 @@
 //!
 //! The contact force of a tooth is projected on its normal (radial) and tangential direction: the radial part
 //! goes through the body, the tangential part through the spring. On the line of action `F_t r = N r_b`, the
-//! lever arm of the contact row. The total inertia is held: the body is what the teeth leave.
+//! effective base radius arm of the contact row. The total inertia is held: the body is what the teeth leave.
 //!
 //! **Teeth out of contact are not integrated one by one.** With equal teeth the mean `R` of those outside the
 //! contact windows obeys the same equation as each of them, driven by the body, and their deviations
@@ -18,17 +18,18 @@
 //! not act on the body. So the state is `[phi, R, window teeth...]`: exact, at a cost that does not grow with
 //! the number of teeth. When the gear turns by a tooth the window moves by one: the tooth that leaves joins
 //! the mean, the tooth that enters takes its place, momentum and energy are kept (`deviations`). With
-//! unequal teeth all are integrated. **Bound**: rounding. Integrated or not, a tooth obeys the same equation, so that the
-//! motion is the same but for the error of the method, which has fewer teeth to make it on; in flight (`flight`) no
+//! unequal teeth all are integrated. **Bound**: rounding. Integrated or not, a tooth obeys the same equation, so that
+//! the motion is the same but for the error of the method, which has fewer teeth to make it on; in flight (`flight`) no
 //! tooth is integrated.
 //!
-//! A rack is the same with travel for angles and `r_d = 1`.
+//! A rack is the same with displacement for angles and `r_d = 1`.
 //!
 //! `k` may depend on the contact radius (`k(r)` of a tooth in contact, `k(r_0)` otherwise, `r_0` the first
-//! knot); the energy that appears at entry is booked by the ledger as a jump, the work of `k'(r) r'` as
+//! breakpoint); the energy that appears at entry is booked by the ledger as a jump, the work of `k'(r) r'` as
 //! parametric.
 
 mod deviations;
+mod fit;
 mod free_flight;
 mod gear;
 mod parameters;
@@ -37,5 +38,6 @@ mod springs;
 mod teeth;
 mod windows;
 
+pub use fit::FIT;
 pub use parameters::{Integrate, MovableTeethParameters, PARAMETERS, PerTooth, build};
 pub use teeth::MovableTeeth;

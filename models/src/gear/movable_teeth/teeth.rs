@@ -77,7 +77,7 @@ impl MovableTeeth {
         Deviations { teeth: self.teeth }
     }
 
-    /// Cells of the memory before the deviations: the middle tooth of each mesh, the flank in contact of
+    /// Cells of the discrete state before the deviations: the middle tooth of each mesh, the flank in contact of
     /// each slot.
     #[inline]
     pub(super) fn head(&self) -> usize {
@@ -89,7 +89,7 @@ impl MovableTeeth {
         self.views.len().max(1) + slots
     }
 
-    /// Memory cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
+    /// Discrete state cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
     /// (mesh + 1).
     #[inline]
     pub(super) fn engaged_cell(&self, slot: usize) -> usize {
@@ -116,14 +116,14 @@ impl MovableTeeth {
 
     /// Coordinate of a tooth, `None` when it is outside the windows.
     #[inline]
-    pub(super) fn coordinate(&self, memory: &[f64], tooth: Tooth) -> Option<usize> {
+    pub(super) fn coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
         match &self.integrated {
             Integrated::All => {
                 Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)
             }
             Integrated::Windows(windows) => {
                 let w = &windows[tooth.mesh as usize];
-                let centre = memory[tooth.mesh as usize] as i64;
+                let centre = discrete[tooth.mesh as usize] as i64;
                 ((tooth.index - centre).abs() <= w.half)
                     .then(|| w.base + (tooth.index as i32).rem_euclid(w.len() as i32) as usize)
             }
@@ -147,7 +147,7 @@ impl MovableTeeth {
         let tooth = if p.uniform { 0 } else { slot.unwrap_or(0) };
         let (mut k, mut dk) = (p.stiffness[tooth], 0.0);
         if let (Some(table), Some(slot)) = (&p.radius, slot) {
-            let engaged = at.memory[self.engaged_cell(slot)];
+            let engaged = at.discrete[self.engaged_cell(slot)];
             if engaged != 0.0 {
                 let (kr, slope) = self.stiffness_in_contact(at, table, slot, engaged, s);
                 (k, dk) = (kr, slope);
@@ -170,7 +170,7 @@ impl MovableTeeth {
                 t: 0.0,
                 q: &[],
                 v: &[],
-                memory: &[],
+                discrete: &[],
             };
             self.constant = (0..self.hub.own)
                 .map(|i| self.varying_spring(at, i, 0.0))
@@ -197,7 +197,7 @@ impl MovableTeeth {
         let Some(rb) = view.base_radius else {
             return (table.at(0.0).0, 0.0);
         };
-        let index = self.tooth_of_slot(at.memory, mesh, slot);
+        let index = self.tooth_of_slot(at.discrete, mesh, slot);
         let angle = view.assembled + s + index as f64 * view.pitch;
         let path = view.path_coordinate(side, angle);
         let r = rb.hypot(path);
@@ -206,8 +206,8 @@ impl MovableTeeth {
     }
 
     /// Unwrapped index of the tooth in a slot, nearest to the mesh.
-    pub(super) fn tooth_of_slot(&self, memory: &[f64], mesh: usize, slot: usize) -> i64 {
-        let centre = memory[mesh] as i64;
+    pub(super) fn tooth_of_slot(&self, discrete: &[f64], mesh: usize, slot: usize) -> i64 {
+        let centre = discrete[mesh] as i64;
         let (local, len) = match &self.integrated {
             Integrated::All => (slot as i64, self.teeth as i64),
             Integrated::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
@@ -217,14 +217,14 @@ impl MovableTeeth {
     }
 
     /// Index of the tooth nearest to a mesh, as a real number.
-    pub(super) fn nearest(&self, mesh: usize, travel: f64) -> f64 {
+    pub(super) fn nearest(&self, mesh: usize, displacement: f64) -> f64 {
         let v = &self.views[mesh];
         let target = if v.base_radius.is_some() {
             v.direction
         } else {
             0.0
         };
-        (target - v.assembled - travel) / v.pitch
+        (target - v.assembled - displacement) / v.pitch
     }
 
     /// Teeth that a mesh may touch on either flank, on each side of the nearest one.

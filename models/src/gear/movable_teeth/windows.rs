@@ -1,4 +1,4 @@
-//! Travels of single teeth, and how they move through the windows.
+//! Displacements of single teeth, and how they move through the windows.
 
 use super::deviations::Exchange;
 use super::teeth::{HYSTERESIS, Integrated, MovableTeeth};
@@ -9,34 +9,34 @@ use gearbench_integrators::system::{At, Change};
 
 impl ToothCoordinates for MovableTeeth {
     #[inline]
-    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        match self.coordinate(at.memory, tooth) {
+    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        match self.coordinate(at.discrete, tooth) {
             Some(i) => at.q[i],
             // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
             None => at.q[self.first()],
         }
     }
 
-    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
         let mean = at.q[self.first()];
         match &self.integrated {
             Integrated::All => {
                 let own = &at.q[self.first()..];
                 let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
-                for travel in out {
-                    *travel = own[i];
+                for displacement in out {
+                    *displacement = own[i];
                     i = if i + 1 == own.len() { 0 } else { i + 1 };
                 }
             }
             Integrated::Windows(windows) => {
                 let w = &windows[first.mesh as usize];
-                let from = at.memory[first.mesh as usize] as i64 - w.half;
+                let from = at.discrete[first.mesh as usize] as i64 - w.half;
                 let own = &at.q[w.base..][..w.len() as usize];
                 let mut i = (first.index as i32).rem_euclid(own.len() as i32) as usize;
                 // Distance behind the window's first tooth; negative is huge.
                 let mut behind = (first.index - from) as u64;
-                for travel in out {
-                    *travel = if behind < own.len() as u64 {
+                for displacement in out {
+                    *displacement = if behind < own.len() as u64 {
                         own[i]
                     } else {
                         mean
@@ -52,18 +52,18 @@ impl ToothCoordinates for MovableTeeth {
         self.springs.radius.is_some()
     }
 
-    fn engage(&self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
+    fn engage(&self, discrete: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
         if self.springs.radius.is_none() {
             return Change::None;
         }
-        let Some(i) = self.coordinate(memory, tooth) else {
+        let Some(i) = self.coordinate(discrete, tooth) else {
             return Change::None;
         };
         let Some(slot) = self.slot(i - self.first()) else {
             return Change::None;
         };
         let cell = self.engaged_cell(slot);
-        memory[cell] = if closed {
+        discrete[cell] = if closed {
             side.sign() * f64::from(tooth.mesh + 1)
         } else {
             0.0
@@ -71,27 +71,27 @@ impl ToothCoordinates for MovableTeeth {
         Change::Restart
     }
 
-    fn commit(&self, t: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) -> Change {
-        let travel = self.hub.travel(t, q);
+    fn commit(&self, t: f64, q: &mut [f64], v: &mut [f64], discrete: &mut [f64]) -> Change {
+        let displacement = self.hub.displacement(t, q);
         let mut change = Change::None;
         for m in 0..self.views.len() {
-            let x = self.nearest(m, travel);
-            let mut centre = memory[m];
+            let x = self.nearest(m, displacement);
+            let mut centre = discrete[m];
             while (x - centre).abs() > 0.5 + HYSTERESIS {
                 let step = (x - centre).signum();
                 let before = centre as i64;
                 centre += step;
-                memory[m] = centre;
+                discrete[m] = centre;
                 if let Integrated::Windows(windows) = &self.integrated {
                     let w = &windows[m];
                     let leaves = before - step as i64 * w.half;
                     let enters = before + step as i64 * (w.half + 1);
                     let local = enters.rem_euclid(w.len()) as usize;
                     let engaged = self.engaged_cell(w.slot + local);
-                    memory[engaged] = 0.0;
+                    discrete[engaged] = 0.0;
                     let (mean, i) = (self.first(), w.base + local);
                     let mut state = [q[mean], v[mean], q[i], v[i]];
-                    let (head, free) = memory.split_at_mut(self.head());
+                    let (head, free) = discrete.split_at_mut(self.head());
                     let outside = |tooth: i64| {
                         windows.iter().zip(head.iter()).all(|(w, &centre)| {
                             let from_first = tooth - (centre as i64 - w.half);
@@ -116,12 +116,12 @@ impl ToothCoordinates for MovableTeeth {
 }
 
 impl MovableTeeth {
-    /// Angle (or travel) of any tooth from its assembled position, those outside the windows with their free
+    /// Angle (or displacement) of any tooth from its assembled position, those outside the windows with their free
     /// deviation from the mean. `at` holds the gear's own state.
-    pub fn exact_tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        self.coordinate(at.memory, tooth).map_or_else(
+    pub fn exact_tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        self.coordinate(at.discrete, tooth).map_or_else(
             || {
-                let free = &at.memory[self.head()..];
+                let free = &at.discrete[self.head()..];
                 at.q[self.first()] + self.deviations().of(&self.springs, at.t, free, tooth.index)
             },
             |i| at.q[i],

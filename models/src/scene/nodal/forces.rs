@@ -40,19 +40,19 @@ impl Nodal {
                 &p.slots[master],
             );
             a.direction = p.direction(of_master);
-            (a.levers, a.rate) = rows_of(gears, mesh, a, &self.found, at, &mut row);
+            (a.effective_radii, a.rate) = rows_of(gears, mesh, a, &self.found, at, &mut row);
             a.rate += row.dot(at.v);
             for k in 0..2 {
                 let hub = gears[mesh.gears[k]].model.hub();
                 let own = gears[mesh.gears[k]].at(at);
-                a.rate += a.levers[k] * hub.speed(own.t, own.v);
+                a.rate += a.effective_radii[k] * hub.speed(own.t, own.v);
                 let v = GearNodes::at(&self.velocities[mesh.gears[k]], &p.slots[k]);
                 a.rate -= weighted(&p.weights[k], &v);
             }
         }
     }
 
-    /// Forces on nodes, directions, levers and rows of the active points from `start` on.
+    /// Forces on nodes, directions, effective base radii and rows of the active points from `start` on.
     pub(super) fn distribute(
         &mut self,
         start: usize,
@@ -88,13 +88,13 @@ impl Nodal {
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master);
-            if p.fading != 0.0 && !mesh.hard {
+            if p.weight_derivative != 0.0 && !mesh.hard {
                 let energy = mesh.law.potential(a.elastic.0, p.stiffness);
-                a.direction -= energy / a.force.n * p.fading * p.answer[0];
+                a.direction -= energy / a.force.n * p.weight_derivative * p.sensitivity[0];
             }
-            (a.levers, _) = rows_of(gears, mesh, a, &self.found, at, row);
+            (a.effective_radii, _) = rows_of(gears, mesh, a, &self.found, at, row);
             for k in 0..2 {
-                self.torque[mesh.gears[k]] += a.levers[k] * a.force.n;
+                self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n;
             }
         }
     }
@@ -118,8 +118,8 @@ impl Nodal {
     }
 }
 
-/// Levers of hubs of gears with a field, and, in `row`, the entries of the others, whose prescribed part of the gap
-/// rate is returned.
+/// Effective base radii of hubs of gears with a field, and, in `row`, the entries of the others, whose prescribed part
+/// of the gap rate is returned.
 pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
@@ -129,7 +129,7 @@ pub(in crate::scene) fn rows_of(
     row: &mut Row,
 ) -> ([f64; 2], f64) {
     let p = &found.points[a.point];
-    let (mut levers, mut drift) = ([0.0; 2], 0.0);
+    let (mut effective_radii, mut drift) = ([0.0; 2], 0.0);
     row.clear();
     let [slave, _] = p.sides();
     for k in 0..2 {
@@ -141,8 +141,8 @@ pub(in crate::scene) fn rows_of(
                 row.target(g.offset, sign);
                 drift += sign * g.model.row(own, point, &a.direction, row);
             }
-            _ => levers[k] = sign * g.model.hub().lever(&p.x, &a.direction),
+            _ => effective_radii[k] = sign * g.model.hub().effective_radius(&p.x, &a.direction),
         }
     }
-    (levers, drift)
+    (effective_radii, drift)
 }

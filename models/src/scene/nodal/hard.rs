@@ -1,7 +1,7 @@
 //! Hard contact: one constraint per slave node whose averaged gap may close.
 
 use super::islands::{Nodal, NodalActive, Solved};
-use crate::contact::nodal::{HardSolve, Margin};
+use crate::contact::nodal::{GapBound, HardSolve};
 use crate::law::LawForce;
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
@@ -45,13 +45,13 @@ impl Nodal {
         let average = |n: &(usize, u32, f64, f64)| n.3 / n.2;
         let depth = b.nodes.iter().fold(0.0_f64, |d, n| d.max(-average(n)));
         let start = self.active.len();
-        let mut margin = Margin { depth, least: 0.0 };
+        let mut gap_bound = GapBound { depth, least: 0.0 };
         loop {
             if depth <= 0.0 {
                 break;
             }
             self.active.truncate(start);
-            let beside = margin.gap();
+            let beside = gap_bound.gap();
             b.number.clear();
             b.closed.clear();
             for n in &b.nodes {
@@ -77,7 +77,7 @@ impl Nodal {
                     self.active.push(NodalActive {
                         point: i,
                         direction: p.normal,
-                        levers: [0.0; 2],
+                        effective_radii: [0.0; 2],
                         gap: p.gap0,
                         rate: 0.0,
                         force: LawForce::default(),
@@ -92,7 +92,7 @@ impl Nodal {
             if rise <= beside || self.failed || b.closed.len() == b.nodes.len() {
                 break;
             }
-            margin.least = 2.0 * rise;
+            gap_bound.least = 2.0 * rise;
         }
         self.averages = b;
     }

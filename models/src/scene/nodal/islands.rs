@@ -14,7 +14,7 @@ pub(in crate::scene) struct NodalActive {
     /// Direction of the force on the slave; not quite of unit length.
     pub direction: Vec3,
     /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
-    pub levers: [f64; 2],
+    pub effective_radii: [f64; 2],
     /// Gap with residual compliance [m].
     pub gap: f64,
     /// Rate of the gap before it [m/s]; 0 where no damper asks.

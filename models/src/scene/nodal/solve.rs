@@ -1,7 +1,7 @@
 //! Points that may touch, and the solve of an island.
 
 use super::islands::{Nodal, NodalActive, Solved};
-use crate::contact::nodal::{Block, HardSolve, Margin, NodalParty, Share, Spring, UNUSED};
+use crate::contact::nodal::{Block, GapBound, HardSolve, NodalParty, Share, Spring, UNUSED};
 use crate::law::LawForce;
 use crate::scene::members::{SceneGear, SceneMesh, parties};
 use gearbench_integrators::system::At;
@@ -44,7 +44,7 @@ impl Nodal {
     fn find(
         &mut self,
         island: usize,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         gears: &[SceneGear],
         meshes: &[SceneMesh],
         at: At<'_>,
@@ -63,7 +63,7 @@ impl Nodal {
             };
             let sides = [side(a, of_a, 0), side(b, of_b, 1)];
             if let Some(points) = mesh.search.points() {
-                points.nodal_points(sides, margin, &mut self.found);
+                points.nodal_points(sides, gap_bound, &mut self.found);
             }
             for p in &mut self.found.points[first..] {
                 p.mesh = m as u32;
@@ -78,15 +78,15 @@ impl Nodal {
         solved.blocks.clear();
         let start = self.active.len();
         let begin = self.found.points.len();
-        let mut margin = Margin {
+        let mut gap_bound = GapBound {
             depth: 0.0,
             least: 0.0,
         };
         loop {
             self.active.truncate(start);
             self.found.points.truncate(begin);
-            self.find(island, &mut margin, gears, meshes, at);
-            if margin.depth <= 0.0 {
+            self.find(island, &mut gap_bound, gears, meshes, at);
+            if gap_bound.depth <= 0.0 {
                 break;
             }
             if let Some(mut hard) = solved.hard.take() {
@@ -94,13 +94,13 @@ impl Nodal {
                 solved.hard = Some(hard);
                 break;
             }
-            let beside = margin.gap();
+            let beside = gap_bound.gap();
             let found = self.found.points.iter().enumerate().skip(begin);
             let near = found.filter(|(_, p)| p.gap0 <= beside);
             self.active.extend(near.map(|(point, p)| NodalActive {
                 point,
                 direction: p.normal,
-                levers: [0.0; 2],
+                effective_radii: [0.0; 2],
                 gap: p.gap0,
                 rate: 0.0,
                 force: LawForce::default(),
@@ -110,7 +110,7 @@ impl Nodal {
             if rise <= beside || self.failed {
                 break;
             }
-            margin.least = 2.0 * rise;
+            gap_bound.least = 2.0 * rise;
         }
         self.solved[island] = solved;
     }

@@ -1,4 +1,4 @@
-//! How contacts of gears with fields answer to the coordinates: tangent and Newton correction.
+//! How contacts of gears with fields respond to the coordinates: tangent and Newton correction.
 //!
 //! Contacts see few combinations `y = E x` of the coordinates: the hub and the displacements of active nodes of a gear
 //! with a field, the touched coordinates of any other. In these
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! with the derivatives `D` of the laws and the points' rows `V`. With the weights of a Newton matrix `h = D_c V y`,
-//! `D_c = c.k D_g + c.d D_r`, so forces answer with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
+//! `D_c = c.k D_g + c.d D_r`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
 //! the correction is
 //!
 //! ```text
@@ -44,7 +44,7 @@ pub(in crate::scene) struct Reduced {
     pub(in crate::scene) entries: Vec<Entry>,
     pub(in crate::scene) begins: Vec<usize>,
     /// `T`, row-major.
-    pub(in crate::scene) answer: Vec<f64>,
+    pub(in crate::scene) response: Vec<f64>,
     /// `G` of one gear.
     pub(in crate::scene) block: Vec<f64>,
     /// `A0^-1 E^T` of gears with a field, one column after the other.
@@ -136,8 +136,9 @@ impl Reduced {
                 row.for_each(|i, value| self.entries.push((self.mark[i], value)));
                 let p = &nodal.found.points[a.point];
                 for (k, &g) in scene_meshes[p.mesh as usize].gears.iter().enumerate() {
-                    if a.levers[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
-                        self.entries.push((self.mark[gears[g].offset], a.levers[k]));
+                    if a.effective_radii[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
+                        self.entries
+                            .push((self.mark[gears[g].offset], a.effective_radii[k]));
                     }
                     if p.slots[k][0] == UNUSED {
                         continue;
@@ -159,18 +160,18 @@ impl Reduced {
     }
 
     /// `T` of the nodal points and of other contacts.
-    pub(in crate::scene) fn answers(
+    pub(in crate::scene) fn respond(
         &mut self,
         nodal: &mut Nodal,
         c: Coeffs,
     ) -> Result<(), Singular> {
         let size = self.size;
-        let mut answer = std::mem::take(&mut self.answer);
-        answer.clear();
-        answer.resize(size * size, 0.0);
+        let mut response = std::mem::take(&mut self.response);
+        response.clear();
+        response.resize(size * size, 0.0);
         for (i, a) in nodal.active.iter().enumerate() {
             let weight = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
-            add_outer(&mut answer, size, self.row(i), self.row(i), weight);
+            add_outer(&mut response, size, self.row(i), self.row(i), weight);
         }
         for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
             if let Some(hard) = &mut s.hard {
@@ -189,7 +190,7 @@ impl Reduced {
                     hard.tangent(&mut self.column)?;
                     for (i, dn) in s.points.clone().zip(&self.column) {
                         for &(k, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
-                            answer[k as usize * size + j] += value * dn;
+                            response[k as usize * size + j] += value * dn;
                         }
                     }
                 }
@@ -218,15 +219,15 @@ impl Reduced {
                 if column.iter().all(|x| *x == 0.0) {
                     continue;
                 }
-                s.solve.give_way(column);
+                s.solve.apply_compliance(column);
                 for i in 0..size {
                     let of_i = &self.elastic[i * n..][..n];
-                    answer[i * size + j] +=
+                    response[i * size + j] +=
                         of_i.iter().zip(&*column).map(|(x, y)| x * y).sum::<f64>();
                 }
             }
         }
-        self.answer = answer;
+        self.response = response;
         Ok(())
     }
 
@@ -244,7 +245,7 @@ impl Reduced {
         rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
         let per_gap = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
         let per_path = c.k * a.force.dn_dk * along_path;
-        let (t, n) = (&mut self.answer, self.size);
+        let (t, n) = (&mut self.response, self.size);
         for (row, factor) in [(&normal, 1.0), (&sliding, a.friction.df_dn)] {
             add_outer(t, n, row, &normal, factor * per_gap);
             add_outer(t, n, row, &first, factor * per_path);

@@ -1,4 +1,4 @@
-//! Choices judged on random scenes: cost ratio, and error over tolerance, scene by scene.
+//! Choices validated on random scenes: cost ratio, and error over tolerance, scene by scene.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
@@ -6,7 +6,7 @@ use crate::drawing::canvas::{DrawError, Ink};
 use crate::drawing::curves::{Curve, CurvePanel, draw_curves};
 use crate::drawing::style::{Look, Marker, look};
 use crate::record::finite;
-use crate::studies::choice_check::{JudgedChoice, Outcome, quantile};
+use crate::studies::choice_check::{Outcome, ValidatedChoice, quantile};
 
 /// Look of misses.
 const MISSED: Look = Look {
@@ -26,15 +26,15 @@ const DEAR: f64 = 2.0;
 const ERRORS: [f64; 2] = [1e-3, 1e2];
 
 /// Scenes at their places on the chart: by kind, within a kind by number.
-fn ordered(choices: &[JudgedChoice]) -> Vec<(f64, &JudgedChoice)> {
-    let mut all: Vec<&JudgedChoice> = choices.iter().collect();
+fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
+    let mut all: Vec<&ValidatedChoice> = choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
     let placed = all.into_iter().enumerate();
     placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
 }
 
 /// Where kinds begin.
-fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
+fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (x, s) in scenes {
         if found.last().is_none_or(|(_, kind)| *kind != s.kind) {
@@ -48,15 +48,15 @@ fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
+pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError> {
     let scenes = ordered(choices);
     if scenes.is_empty() {
         return Ok(Vec::new());
     }
     let n = scenes.len() as f64;
     let x = Axis::linear(0.0, n + 1.0);
-    let points = |keep: &dyn Fn(&JudgedChoice) -> bool,
-                  y: &dyn Fn(&JudgedChoice) -> Option<f64>| {
+    let points = |keep: &dyn Fn(&ValidatedChoice) -> bool,
+                  y: &dyn Fn(&ValidatedChoice) -> Option<f64>| {
         (scenes.iter())
             .filter(|(_, s)| keep(s))
             .filter_map(|(x, s)| Some((*x, finite(y(s)?)?)))
@@ -125,7 +125,7 @@ pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
         true,
     );
     error.limits = vec![(1.0, "tolerance".into())];
-    let predicted = |s: &JudgedChoice| within(Some(s.predicted_error? / s.tolerance));
+    let predicted = |s: &ValidatedChoice| within(Some(s.predicted_error? / s.tolerance));
     error.curves.push(curve(
         Look {
             ink: Ink::PALE,
@@ -135,7 +135,7 @@ pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
         false,
         points(&|s| s.chosen.is_some(), &predicted),
     ));
-    let found = |s: &JudgedChoice| within(s.error_ratio());
+    let found = |s: &ValidatedChoice| within(s.error_ratio());
     error.curves.push(curve(
         look(1),
         3.8,
@@ -148,7 +148,7 @@ pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
         true,
         points(&|s| s.outcome == Outcome::Inadequate, &found),
     ));
-    let least = |s: &JudgedChoice| within(Some(s.least_error? / s.tolerance));
+    let least = |s: &ValidatedChoice| within(Some(s.least_error? / s.tolerance));
     error.curves.push(curve(
         NONE,
         3.8,

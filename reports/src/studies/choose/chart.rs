@@ -102,7 +102,7 @@ fn caption(choice: &ChoiceRecord) -> String {
     format!(
         "Each point is a model under an integrator at one step or tolerance, run on the window ({}). Filled: estimated to \
          keep the tolerance with its margin; open and pale: not, or not by enough. The ring is the choice. Errors are \
-         distances to the top rung with what that rung is off, over the whole scene; costs are scaled from the window, set-up \
+         distances to the top level with what that level is off, over the whole scene; costs are scaled from the window, set-up \
          not included.",
         choice.window
     )
@@ -137,7 +137,7 @@ fn failures(
         cross(c, (edge.x0 + 14.0, y), 4.2, look(style(t)).ink);
         let why = t.failure.as_deref().unwrap_or_default();
         let why = why.split(':').next().unwrap_or(why);
-        let text = format!("{}, {}: {why}", t.rung, t.method());
+        let text = format!("{}, {}: {why}", t.level, t.method());
         c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
         y += ROW;
     }
@@ -161,7 +161,7 @@ fn chosen(c: &mut Canvas<'_>, p: &Point<'_>, at: (f64, f64), area: &Rect) {
     c.circle(at, 10.0, Ink::DARK, Some(2.0));
     let text = format!(
         "{}, {}: {}",
-        p.tried.rung,
+        p.tried.level,
         p.tried.method(),
         quantity(p.cost, "s", 3)
     );
