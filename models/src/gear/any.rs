@@ -28,16 +28,9 @@ pub fn condensed(
         return large.condensed(at, c, hub_damping, coordinates, g);
     }
     let mut x = vec![0.0; at.q.len()];
-    let n = coordinates.len();
-    for (j, &unit) in coordinates.iter().enumerate() {
-        x.fill(0.0);
-        x[unit as usize] = 1.0;
-        gear.correct(at, c, hub_damping, &mut x)?;
-        for (i, &coordinate) in coordinates.iter().enumerate() {
-            g[i * n + j] = x[coordinate as usize];
-        }
-    }
-    Ok(())
+    condense_by(&mut x, coordinates, g, |x| {
+        gear.correct(at, c, hub_damping, x)
+    })
 }
 
 /// [`LargeGear::add_response`](super::LargeGear::add_response) of any gear, by one solve.
@@ -52,11 +45,39 @@ pub fn add_response(
     if let Some(large) = gear.large() {
         return large.add_response(at, c, hub_damping, touched, x);
     }
-    let mut y = vec![0.0; at.q.len()];
-    for (&i, f) in touched.0.iter().zip(touched.1) {
+    respond_by(touched, x, |y| gear.correct(at, c, hub_damping, y))
+}
+
+/// Restriction of a matrix to some coordinates, column by column; `solve` applies the matrix in place, `x` is its room.
+pub fn condense_by(
+    x: &mut [f64],
+    coordinates: &[u32],
+    g: &mut [f64],
+    mut solve: impl FnMut(&mut [f64]) -> Result<(), Singular>,
+) -> Result<(), Singular> {
+    let n = coordinates.len();
+    for (j, &unit) in coordinates.iter().enumerate() {
+        x.fill(0.0);
+        x[unit as usize] = 1.0;
+        solve(x)?;
+        for (i, &coordinate) in coordinates.iter().enumerate() {
+            g[i * n + j] = x[coordinate as usize];
+        }
+    }
+    Ok(())
+}
+
+/// Adds the response of a matrix to entries at some coordinates; `solve` applies the matrix in place.
+pub fn respond_by(
+    (coordinates, forces): (&[u32], &[f64]),
+    x: &mut [f64],
+    mut solve: impl FnMut(&mut [f64]) -> Result<(), Singular>,
+) -> Result<(), Singular> {
+    let mut y = vec![0.0; x.len()];
+    for (&i, f) in coordinates.iter().zip(forces) {
         y[i as usize] += f;
     }
-    gear.correct(at, c, hub_damping, &mut y)?;
+    solve(&mut y)?;
     for (x, y) in x.iter_mut().zip(&y) {
         *x += y;
     }

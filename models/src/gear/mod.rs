@@ -24,7 +24,7 @@ pub mod properties;
 pub mod rigid;
 pub mod table;
 
-pub use any::{add_response, condensed, work_on_hub};
+pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
 pub use capabilities::{
     CoupledMass, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators, ToothCoordinates,
 };

@@ -1,8 +1,7 @@
 //! Why a geometry is refused: one variant per cause, each with the numbers and a way out.
 
 use super::quantity::Quantity;
-use crate::error::Reason;
-use std::fmt;
+use crate::error::{Reason, reasoned};
 
 /// A gear, rack or pair that cannot exist, with the cause and a way out. Lengths in metre, angles in degree.
 #[derive(Clone, Debug, PartialEq)]
@@ -288,19 +287,7 @@ impl GeometryError {
     }
 }
 
-impl fmt::Display for GeometryError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.reason().fmt(f)
-    }
-}
-
-impl std::error::Error for GeometryError {}
-
-impl From<&GeometryError> for Reason {
-    fn from(e: &GeometryError) -> Self {
-        e.reason()
-    }
-}
+reasoned!(GeometryError);
 
 /// Accepts a finite value that passes `test`.
 pub(super) fn check(

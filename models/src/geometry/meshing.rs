@@ -172,7 +172,6 @@ impl Pair {
             beta_b: one.base_helix_angle(),
             backlash_base,
             backlash_circ: backlash_base / alpha_w.cos(),
-            clearance,
         })
     }
 
@@ -238,7 +237,6 @@ impl Pair {
             beta_b: gear.base_helix_angle(),
             backlash_base: backlash_circ * alpha.cos(),
             backlash_circ,
-            clearance,
         })
     }
 

@@ -70,7 +70,6 @@ pub struct Pair {
     pub(super) beta_b: f64,
     pub(super) backlash_base: f64,
     pub(super) backlash_circ: f64,
-    pub(super) clearance: [f64; 2],
 }
 
 /// Where the flanks of the mate are.
@@ -172,12 +171,6 @@ impl Pair {
     #[must_use]
     pub fn pitch_radii(&self) -> [f64; 2] {
         self.pitch_radii
-    }
-
-    /// Tip clearance (m): tip of gear 1 to root of its mate, tip of the mate to root of gear 1.
-    #[must_use]
-    pub fn tip_clearance(&self) -> [f64; 2] {
-        self.clearance
     }
 
     /// Path coordinate `s_1` (m) that a flank of gear 1 reaches when the centreline of its tooth

@@ -1,7 +1,6 @@
 //! Why a contact law is refused.
 
-use crate::error::Reason;
-use std::fmt;
+use crate::error::{Reason, reasoned};
 
 /// Why a law cannot be used as specified.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,16 +89,4 @@ impl LawError {
     }
 }
 
-impl fmt::Display for LawError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.reason().fmt(f)
-    }
-}
-
-impl std::error::Error for LawError {}
-
-impl From<&LawError> for Reason {
-    fn from(e: &LawError) -> Self {
-        e.reason()
-    }
-}
+reasoned!(LawError);

@@ -37,4 +37,4 @@ mod tests;
 pub use damping::Damping;
 pub use error::LawError;
 pub use friction::{Friction, FrictionForce};
-pub use normal::{DEFAULT_SPEED_FLOOR, Law, LawForce, realised_restitution};
+pub use normal::{Law, LawForce, realised_restitution};

@@ -3,8 +3,9 @@
 use super::damping::Damping;
 use super::error::LawError;
 
-/// Default floor of the impact speed `v0` (m/s), see [`Law::with_speed_floor`].
-pub const DEFAULT_SPEED_FLOOR: f64 = 1e-3;
+/// Floor of the impact speed `v0` (m/s). A contact that closes from rest under load has `v0 = 0` and `d'/v0` would be
+/// infinite, so `v0` enters as `max(v0, floor)`; impacts slower than the floor are damped less than `e` asks for.
+const SPEED_FLOOR: f64 = 1e-3;
 
 /// Normal force of a law and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,7 +36,6 @@ pub struct Law {
     power: Power,
     c: f64,
     chi: f64,
-    speed_floor: f64,
 }
 
 impl Default for Law {
@@ -85,7 +85,6 @@ impl Law {
             power,
             c,
             chi: damping.chi(),
-            speed_floor: DEFAULT_SPEED_FLOOR,
         })
     }
 
@@ -97,7 +96,6 @@ impl Law {
             power: Power::One,
             c: 0.0,
             chi: 0.0,
-            speed_floor: DEFAULT_SPEED_FLOOR,
         }
     }
 
@@ -123,23 +121,6 @@ impl Law {
             c: self.c * share,
             ..*self
         }
-    }
-
-    /// The same law with another floor of the impact speed (m/s). A contact that closes from rest
-    /// under load has `v0 = 0` and `d'/v0` would be infinite, so `v0` enters as `max(v0, floor)`;
-    /// impacts slower than the floor are damped less than `e` asks for.
-    ///
-    /// # Errors
-    /// [`LawError::NotPositive`] unless finite and positive.
-    pub fn with_speed_floor(mut self, floor: f64) -> Result<Law, LawError> {
-        if !(floor.is_finite() && floor > 0.0) {
-            return Err(LawError::NotPositive {
-                what: "floor of the impact speed (m/s)",
-                value: floor,
-            });
-        }
-        self.speed_floor = floor;
-        Ok(self)
     }
 
     /// Exponent `n` of the penetration.
@@ -195,7 +176,7 @@ impl Law {
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         let (power, slope) = self.powers(-g);
         // `max` returns the floor for a NaN v0, which is what an unset discrete state slot holds.
-        let per_speed = self.chi / v0.max(self.speed_floor);
+        let per_speed = self.chi / v0.max(SPEED_FLOOR);
         let factor = 1.0 - per_speed * g_rate;
         LawForce {
             n: k * power * factor - self.c * g_rate,

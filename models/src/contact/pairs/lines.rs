@@ -26,7 +26,7 @@ pub struct Slice {
 
 /// What a mesh of two gears looks like in its transverse plane.
 #[derive(Clone, Debug)]
-pub struct LinesOfAction {
+pub struct MeshGeometry {
     /// How the mesh sees gear a (never a rack) and gear b.
     pub views: [MeshView; 2],
     /// The mesh's index in each gear's own count.
@@ -41,6 +41,12 @@ pub struct LinesOfAction {
     pub zone: [f64; 2],
     /// Base helix angle of gear a [rad].
     pub base_helix: f64,
+}
+
+/// The lines of action of both flanks of a mesh.
+#[derive(Clone, Debug)]
+pub struct LinesOfAction {
+    pub(super) mesh: MeshGeometry,
     /// Tooth index of b that pair 0 joins to tooth 0 of a, for the left and the right flank.
     pub partner: [i64; 2],
     /// Stiffness of a pair along `s_a`, whole width.
@@ -97,7 +103,7 @@ pub(super) struct Mover<'a> {
     pub(super) displacements: Displacements<'a>,
 }
 
-/// Travels of its teeth.
+/// Displacements of its teeth.
 #[derive(Clone, Copy)]
 pub(super) enum Displacements<'a> {
     /// All teeth move with the hub.

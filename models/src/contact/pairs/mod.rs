@@ -24,7 +24,6 @@ mod lines;
 mod search;
 mod walk;
 
-pub use assembly::MeshGeometry;
 pub use deviation::Deviation;
 pub(crate) use lines::all_open;
-pub use lines::{LinesOfAction, Slice};
+pub use lines::{LinesOfAction, MeshGeometry, Slice};

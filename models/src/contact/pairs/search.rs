@@ -114,10 +114,10 @@ impl LinesOfAction {
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point: the line is shown as far as the path of contact reaches.
-        let end = if self.views[1].base_radius.is_some() {
-            self.length
+        let end = if self.mesh.views[1].base_radius.is_some() {
+            self.mesh.length
         } else {
-            1.2 * self.zone[1]
+            1.2 * self.mesh.zone[1]
         };
         Some([line.origin, line.origin + end * line.transverse])
     }

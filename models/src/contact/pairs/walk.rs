@@ -21,7 +21,7 @@ impl LinesOfAction {
     pub(super) fn teeth(&self, side: Side, pair: i64) -> [Tooth; 2] {
         let i = if side == Side::Left { pair } else { -pair };
         // Gears turn against each other, a rack goes along.
-        let j = if self.views[1].base_radius.is_some() {
+        let j = if self.mesh.views[1].base_radius.is_some() {
             -i
         } else {
             i
@@ -29,11 +29,11 @@ impl LinesOfAction {
         [
             Tooth {
                 index: i,
-                mesh: self.mesh_of_gear[0],
+                mesh: self.mesh.mesh_of_gear[0],
             },
             Tooth {
                 index: j + self.partner[side_index(side)],
-                mesh: self.mesh_of_gear[1],
+                mesh: self.mesh.mesh_of_gear[1],
             },
         ]
     }
@@ -122,7 +122,10 @@ impl LinesOfAction {
     #[inline(always)]
     fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        let (mut gap, mut scale) = (self.helix_cos * (self.length - s[0] - s[1]), [1.0, 1.0]);
+        let (mut gap, mut scale) = (
+            self.helix_cos * (self.mesh.length - s[0] - s[1]),
+            [1.0, 1.0],
+        );
         if !line.plain {
             (gap, scale) = self.modified(line, s, gap);
         }
@@ -159,7 +162,7 @@ impl LinesOfAction {
         let slack =
             line.slack - line.map[0].per_displacement * a - line.map[1].per_displacement * b;
         // Rounding may leave the exact gap a hair below.
-        self.helix_cos * slack > reach + 1e-9 * self.base_pitch
+        self.helix_cos * slack > reach + 1e-9 * self.mesh.base_pitch
     }
 
     #[inline(always)]
@@ -167,7 +170,7 @@ impl LinesOfAction {
         let x = line.origin + s[0] * line.transverse;
         let zeta = self.slices[line.slice].zeta;
         let flank = |k: usize| {
-            let radius = match self.views[k].base_radius {
+            let radius = match self.mesh.views[k].base_radius {
                 Some(rb) => (rb * rb + s[k] * s[k]).sqrt(),
                 None => self.height_on_rack(k, s[0]),
             };
@@ -182,9 +185,9 @@ impl LinesOfAction {
 
     /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
     fn height_on_rack(&self, k: usize, s_a: f64) -> f64 {
-        let (sin, cos) = self.views[k].working_pressure_angle.sin_cos();
-        let rb = self.views[0].base_radius.unwrap_or(0.0);
-        self.length / sin - (rb * cos + s_a * sin)
+        let (sin, cos) = self.mesh.views[k].working_pressure_angle.sin_cos();
+        let rb = self.mesh.views[0].base_radius.unwrap_or(0.0);
+        self.mesh.length / sin - (rb * cos + s_a * sin)
     }
 
     /// Slot of the pair after the one in `slot`.
@@ -309,10 +312,10 @@ impl LinesOfAction {
     #[inline(always)]
     fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
         let scale = self.per_base_pitch;
-        event_functions[0] = (self.zone[1] - s[2]) * scale;
-        event_functions[1] = (s[1] - self.zone[0]) * scale;
-        event_functions[2] = (self.zone[0] - s[0]) * scale;
-        event_functions[3] = (s[3] - self.zone[1]) * scale;
+        event_functions[0] = (self.mesh.zone[1] - s[2]) * scale;
+        event_functions[1] = (s[1] - self.mesh.zone[0]) * scale;
+        event_functions[2] = (self.mesh.zone[0] - s[0]) * scale;
+        event_functions[3] = (s[3] - self.mesh.zone[1]) * scale;
     }
 
     /// Pairs that a line looks at: those in discrete state, or those in the zone now.
@@ -328,7 +331,7 @@ impl LinesOfAction {
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
             // rigid gears have its gap.
-            let middle = 0.5 * (self.zone[0] + self.zone[1]);
+            let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
             let s0 = self.path_coordinate(line, 0, a, 0);
             let pair = nearest((middle - s0) * self.per_base_pitch);
             (pair, pair)
@@ -342,7 +345,7 @@ impl LinesOfAction {
     /// First and last pair in the zone at a state.
     pub(super) fn zone_now(&self, line: &Line, a: &Mover<'_>) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
-        let middle = 0.5 * (self.zone[0] + self.zone[1]);
+        let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
         let s0 = self.path_coordinate(line, 0, a, 0);
         let guess = nearest((middle - s0) * self.per_base_pitch);
         // Two pairs on each side are all that a contact ratio below three has.
@@ -353,7 +356,7 @@ impl LinesOfAction {
             let s = known
                 .copied()
                 .unwrap_or_else(|| self.path_coordinate(line, 0, a, p));
-            s >= self.zone[0] && s <= self.zone[1]
+            s >= self.mesh.zone[0] && s <= self.mesh.zone[1]
         };
         let reach = self.pairs as i64 + 1;
         let (mut lo, mut hi) = (guess, guess);

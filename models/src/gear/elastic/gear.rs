@@ -3,14 +3,12 @@
 use super::body::Elastic;
 use super::kernels;
 use crate::Vec3;
-use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion, Oscillators};
+use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion};
 use crate::gear::flank_displacement::FlankDisplacement;
-use crate::gear::free_flight::FreeFlight;
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::geometry::Flanks;
 use crate::kinematics::{Locus, Point, Row, Wrench};
-use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 
 impl FlankDisplacement for Elastic {
@@ -308,52 +306,5 @@ impl CoupledMass for Elastic {
         if let Some(integrals) = self.spinning() {
             self.apply_spin_mass(integrals, at, x, y);
         }
-    }
-}
-
-impl LinearMotion for Elastic {
-    fn oscillators(&self) -> Option<Oscillators<'_>> {
-        // Coriolis forces couple the modes.
-        self.spinning().is_none().then_some(Oscillators {
-            omega: &self.omega,
-            zeta: &self.zeta,
-        })
-    }
-
-    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
-        let acceleration = self.hub.prescribed_acceleration(t);
-        if acceleration == 0.0 {
-            return;
-        }
-        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
-            *f -= acceleration * l;
-        }
-    }
-
-    fn set_quasi_static_correction(&self, missing: Option<&[f64]>) {
-        self.correct_by(missing);
-    }
-
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
-        self.flight_of(at, load)
-    }
-
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
-        self.add_oscillators(at, load, first, path);
-    }
-
-    fn cut_off_vibrations(
-        &self,
-        t: f64,
-        load: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        _discrete: &mut [f64],
-    ) -> bool {
-        self.rest_modes(t, load, q, v)
-    }
-
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-        self.work_of(from, to, load)
     }
 }

@@ -3,11 +3,9 @@
 use super::teeth::MovableTeeth;
 use crate::Vec3;
 use crate::gear::capabilities::{LinearMotion, ToothCoordinates};
-use crate::gear::free_flight::FreeFlight;
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::kinematics::{Point, Row, Wrench};
-use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 
 impl GearModel for MovableTeeth {
@@ -198,31 +196,6 @@ impl GearModel for MovableTeeth {
 
     fn teeth(&self) -> Option<&dyn ToothCoordinates> {
         Some(self)
-    }
-}
-
-impl LinearMotion for MovableTeeth {
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
-        self.flight_of(at, load)
-    }
-
-    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
-        self.add_oscillators(at, load, first, path);
-    }
-
-    fn cut_off_vibrations(
-        &self,
-        t: f64,
-        load: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        discrete: &mut [f64],
-    ) -> bool {
-        self.rest_teeth(t, load, q, v, discrete)
-    }
-
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-        self.work_of(from, to, load)
     }
 }
 

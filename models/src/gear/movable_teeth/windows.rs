@@ -114,17 +114,3 @@ impl ToothCoordinates for MovableTeeth {
         change
     }
 }
-
-impl MovableTeeth {
-    /// Angle (or displacement) of any tooth from its assembled position, those outside the windows with their free
-    /// deviation from the mean. `at` holds the gear's own state.
-    pub fn exact_tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        self.coordinate(at.discrete, tooth).map_or_else(
-            || {
-                let free = &at.discrete[self.head()..];
-                at.q[self.first()] + self.deviations().of(&self.springs, at.t, free, tooth.index)
-            },
-            |i| at.q[i],
-        )
-    }
-}
