@@ -20,8 +20,8 @@ use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
-    ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
-    PairStiffness, RootLength, ToothModel, compliance_table,
+    ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness,
+    RootLength, ToothModel, compliance_table,
 };
 use gearbench_reference::statics::{LoadedPair, StaticsError};
 
@@ -319,7 +319,7 @@ fn compliances(
     distance: f64,
     width: f64,
 ) -> Result<Vec<ComplianceRow>, BuildError> {
-    use gearbench_models::geometry::{Pair, RackPair};
+    use gearbench_models::geometry::Pair;
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let Body::Gear(one) = &a.body else {
         return Err(error(
@@ -328,23 +328,12 @@ fn compliances(
         ));
     };
     let materials = [a.material, b.material];
-    let rows = |mate: Mate<'_>| {
-        compliance_table(one, mate, ANALYTIC, materials, width, 33)
-            .map(|t| t.rows)
-            .map_err(|e| error(MeshPart::Stiffness, e.reason()))
-    };
-    match &b.body {
-        Body::Gear(two) => {
-            let pair =
-                Pair::new(one, two, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
-            rows(Mate::Gear(two, &pair))
-        }
-        Body::Rack(rack) => {
-            let pair = RackPair::new(one, rack, distance)
-                .map_err(|e| error(MeshPart::Layout, e.reason()))?;
-            rows(Mate::Rack(rack, &pair))
-        }
-    }
+    let pair =
+        Pair::new(one, &b.body, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
+    let mate = ((&b.body).into(), &pair);
+    compliance_table(one, mate, ANALYTIC, materials, width, 33)
+        .map(|t| t.rows)
+        .map_err(|e| error(MeshPart::Stiffness, e.reason()))
 }
 
 /// Spring of a tooth whose compliance along the line of action is given [N/m], on the radius that it acts at.
