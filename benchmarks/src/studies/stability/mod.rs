@@ -22,7 +22,6 @@ mod journal;
 pub mod limits;
 mod plan;
 mod run;
+mod setup;
 mod summary;
 mod theory;
-
-pub use run::{Means, StabilityError, Timings, study};

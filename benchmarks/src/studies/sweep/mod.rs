@@ -11,5 +11,5 @@ mod run;
 pub mod steady;
 mod summary;
 
-pub use plan::{Plan, SweepError};
+pub use plan::Plan;
 pub use run::{mesh_resonance, sweep};
