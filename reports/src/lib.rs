@@ -14,6 +14,7 @@ pub mod series;
 pub mod store;
 pub mod studies;
 mod view;
+mod words;
 
 pub use csv_table::CsvTable;
 pub use drawing::Chart;

@@ -1,6 +1,7 @@
 //! Axes: ranges, ticks at 1-2-5 steps or decades, and the frame of a plot.
 
-use super::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Ink, Stroke, Type};
+use super::geometry::Rect;
 use crate::numbers::short;
 
 /// Font size of tick labels.

@@ -11,9 +11,11 @@
 
 pub mod axis;
 pub mod canvas;
-pub mod curves;
+pub mod geometry;
 pub mod labels;
-pub mod lines;
+pub mod legend;
+pub mod panel;
+pub mod scatter;
 pub mod style;
 
 /// One chart.

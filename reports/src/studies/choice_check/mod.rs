@@ -12,52 +12,31 @@ use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
 use crate::record::Results;
 use crate::studies::{Part, StudyReport};
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// How a choice came out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Outcome {
-    /// It keeps the tolerance.
-    #[serde(rename = "adequate")]
-    Adequate,
-    /// It does not.
-    #[serde(rename = "inadequate")]
-    Inadequate,
-    /// None was chosen, and none keeps the tolerance.
-    #[serde(rename = "rightly none")]
-    RightlyNone,
-    /// None was chosen, but there is one that keeps the tolerance.
-    #[serde(rename = "wrongly none")]
-    WronglyNone,
-    /// There is no reference to judge by.
-    #[default]
-    #[serde(rename = "not judged")]
-    NotJudged,
+words! {
+    /// How a choice came out.
+    pub enum Outcome {
+        /// It keeps the tolerance.
+        Adequate = "adequate",
+        /// It does not.
+        Inadequate = "inadequate",
+        /// None was chosen, and none keeps the tolerance.
+        RightlyNone = "rightly none",
+        /// None was chosen, but there is one that keeps the tolerance.
+        WronglyNone = "wrongly none",
+        /// There is no reference to judge by.
+        #[default]
+        NotJudged = "not judged",
+    }
 }
 
 impl Outcome {
-    /// The words of the format and of the report.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Outcome::Adequate => "adequate",
-            Outcome::Inadequate => "inadequate",
-            Outcome::RightlyNone => "rightly none",
-            Outcome::WronglyNone => "wrongly none",
-            Outcome::NotJudged => "not judged",
-        }
-    }
-
     /// The choice did what was asked; a scene that could not be judged did not.
     #[must_use]
     pub fn is_met(self) -> bool {
         matches!(self, Outcome::Adequate | Outcome::RightlyNone)
-    }
-}
-
-impl std::fmt::Display for Outcome {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.as_str())
     }
 }
 

@@ -11,31 +11,21 @@ mod tables;
 use crate::drawing::canvas::DrawError;
 use crate::record::{Results, Status};
 use crate::studies::{Part, StudyReport};
+use crate::words::words;
 use maud::Markup;
 use serde::{Deserialize, Serialize};
 
 /// Narrowest bracket of the largest stable step: its upper end over its lower end.
 pub const BRACKET: f64 = 1.02;
 
-/// What the columns of a map are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Columns {
-    /// Fixed steps \[s\].
-    #[default]
-    #[serde(rename = "step_s")]
-    Step,
-    /// Relative tolerances [-].
-    #[serde(rename = "rtol")]
-    Tolerance,
-}
-
-impl Columns {
-    /// The word of the format.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Columns::Step => "step_s",
-            Columns::Tolerance => "rtol",
-        }
+words! {
+    /// What the columns of a map are.
+    pub enum Columns {
+        /// Fixed steps \[s\].
+        #[default]
+        Step = "step_s",
+        /// Relative tolerances [-].
+        Tolerance = "rtol",
     }
 }
 
@@ -84,17 +74,17 @@ pub struct Cell {
     pub newton_iterations: u64,
 }
 
-/// What a line of theory stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LineKind {
-    /// Beyond this step the linear system grows.
-    #[default]
-    Stability,
-    /// At this step the method resonates with a mode.
-    Resonance,
-    /// The step that follows from the frequency of the contact's penalty.
-    Penalty,
+words! {
+    /// What a line of theory stands for.
+    pub enum LineKind {
+        /// Beyond this step the linear system grows.
+        #[default]
+        Stability = "stability",
+        /// At this step the method resonates with a mode.
+        Resonance = "resonance",
+        /// The step that follows from the frequency of the contact's penalty.
+        Penalty = "penalty",
+    }
 }
 
 /// A line of theory over the rows of a map.

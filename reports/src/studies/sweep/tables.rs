@@ -1,7 +1,6 @@
 //! Finding and tables of a speed sweep under load.
 
-use super::Steady;
-use super::charts::{Swept, resonance};
+use super::{Steady, Swept, resonance};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, glance, note, section, sentences};
 use crate::numbers::{quantity, short, significant};

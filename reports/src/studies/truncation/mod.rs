@@ -85,8 +85,8 @@ pub fn ways(results: &Results) -> Vec<Way<'_>> {
 }
 
 /// All numbers of modes that were tried, ascending.
-pub fn counts(ways: &[Way<'_>]) -> Vec<usize> {
-    let mut all: Vec<usize> = (ways.iter())
+pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<usize> {
+    let mut all: Vec<usize> = (ways.into_iter())
         .flat_map(|w| w.runs.iter().filter_map(|(_, r)| r.modes))
         .collect();
     all.sort_unstable();

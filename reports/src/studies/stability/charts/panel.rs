@@ -2,7 +2,8 @@
 
 use super::look::{found_mark, look, theory_line};
 use crate::drawing::axis::{Axis, NAME_SIZE, TICK_SIZE, tick_label};
-use crate::drawing::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type, text_width};
+use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
+use crate::drawing::geometry::Rect;
 use crate::numbers::{Prefix, short};
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis};
 
