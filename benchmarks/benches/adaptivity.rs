@@ -1,9 +1,10 @@
-//! What adaptivity inside a run saves and what it changes: `cargo bench -p gearbench --bench adaptivity [-- --store FILE]`.
+//! What adaptivity inside a run saves and what it changes: `cargo bench -p gearbench --bench adaptivity [-- --store
+//! FILE]`.
 //!
 //! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
-//! one step of the closed form (`coast`), then with teeth and modes put to rest in flight (`sleep`): steps, force
-//! evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far the impulse of
-//! the contact force and the last speeds are from those without the switch.
+//! one step of the closed form (`free_flight`), then with teeth and modes put to rest in flight (`vibration_cut_off`):
+//! steps, force evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far
+//! the impulse of the contact force and the last speeds are from those without the switch.
 
 use gearbench::scene_file::{self, SceneFile};
 use gearbench_integrators::observers::Tee;
@@ -43,7 +44,7 @@ impl Sink for Impulse {
     }
 }
 
-/// A scene with a method, and whether its gears may sleep.
+/// A scene with a method, and whether its gears may lose their vibration.
 struct Candidate {
     scene: Scene,
     method: String,
@@ -89,15 +90,15 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     }
 }
 
-fn built(file: &SceneFile, label: &str, sleep: f64) -> Scene {
+fn built(file: &SceneFile, label: &str, vibration_cut_off: f64) -> Scene {
     let choice = file
         .model(label)
         .unwrap_or_else(|| panic!("no model {label}"));
     let mut modelling = choice.modelling.clone();
     for gear in &mut modelling.gears {
-        if sleep > 0.0 {
-            let value = spec::Value::Number(sleep);
-            gear.parameters.insert("sleep".into(), value);
+        if vibration_cut_off > 0.0 {
+            let value = spec::Value::Number(vibration_cut_off);
+            gear.parameters.insert("vibration_cut_off".into(), value);
         }
     }
     let scene = Scene::build(
@@ -176,8 +177,8 @@ fn main() {
         "energy"
     );
     let mut rows = Vec::new();
-    let candidate = |label: &str, method: &str, sleep: f64| Candidate {
-        scene: built(&file, label, sleep),
+    let candidate = |label: &str, method: &str, vibration_cut_off: f64| Candidate {
+        scene: built(&file, label, vibration_cut_off),
         method: method.to_owned(),
         least: f64::INFINITY,
     };
@@ -201,27 +202,27 @@ fn main() {
         let plan = TimePlan::new(part * file.duration, resolution);
         let pair = [
             candidate(label, method, 0.0),
-            candidate(label, &format!("{method}(coast=1)"), 0.0),
+            candidate(label, &format!("{method}(free_flight=1)"), 0.0),
         ];
-        let what = format!("coast, {label}, {method}, {resolution:?}");
+        let what = format!("free_flight, {label}, {method}, {resolution:?}");
         rows.push(compare(&what, &plan, pair));
     }
-    for (label, method, resolution, sleep) in [
+    for (label, method, resolution, vibration_cut_off) in [
         (
             "movable-teeth",
-            "velocity-verlet(coast=1)",
+            "velocity-verlet(free_flight=1)",
             step(1e-6),
             1e-6,
         ),
-        ("movable-teeth", "dopri5(coast=1)", rtol(1e-6), 1e-6),
+        ("movable-teeth", "dopri5(free_flight=1)", rtol(1e-6), 1e-6),
         ("elastic", "trigonometric", step(1e-6), 1e-4),
     ] {
         let plan = TimePlan::new(file.duration, resolution);
         let pair = [
             candidate(label, method, 0.0),
-            candidate(label, method, sleep),
+            candidate(label, method, vibration_cut_off),
         ];
-        let what = format!("sleep {sleep:.0e}, {label}, {method}");
+        let what = format!("vibration_cut_off {vibration_cut_off:.0e}, {label}, {method}");
         rows.push(compare(&what, &plan, pair));
     }
     if let Some(file) = store {

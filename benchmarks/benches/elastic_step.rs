@@ -135,7 +135,7 @@ fn main() {
             least(states.len(), || {
                 for s in states {
                     let split = scene.modal().unwrap();
-                    split.rest(black_box(s.at()), &mut a);
+                    split.remainder(black_box(s.at()), &mut a);
                 }
             })
         };

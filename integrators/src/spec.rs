@@ -3,7 +3,7 @@
 
 use crate::linear_stability::Stability;
 use crate::method::{Integrator, MethodInfo, Resolution, Stepping};
-use crate::table::{COAST, METHODS, Method};
+use crate::table::{FREE_FLIGHT, METHODS, Method};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -18,8 +18,8 @@ pub struct MethodSpec {
     row: &'static Method,
     /// Given values of its own parameters, in declared order.
     given: [Option<f64>; MOST_PARAMETERS],
-    /// Given value of [`COAST`].
-    coast: Option<bool>,
+    /// Given value of [`FREE_FLIGHT`].
+    free_flight: Option<bool>,
 }
 
 /// What is wrong with a method, a step or a tolerance that somebody asked for.
@@ -50,7 +50,7 @@ impl MethodSpec {
         Self {
             row,
             given: [None; MOST_PARAMETERS],
-            coast: None,
+            free_flight: None,
         }
     }
 
@@ -65,16 +65,16 @@ impl MethodSpec {
         self
     }
 
-    /// The same method with a parameter at another value: one of its own, or [`COAST`].
+    /// The same method with a parameter at another value: one of its own, or [`FREE_FLIGHT`].
     pub fn with(mut self, name: &str, value: f64) -> Result<Self, MethodError> {
         let info = self.row.info;
         let wrong = |why: String| Err(MethodError::Parameter(why));
-        if name == COAST.name {
+        if name == FREE_FLIGHT.name {
             if value != 0.0 && value != 1.0 {
                 return wrong(format!("{} {name} = {value} is neither 0 nor 1", info.id));
             }
             let on = value == 1.0;
-            if !self.build().coast(on) {
+            if !self.build().free_flight(on) {
                 let what = if on {
                     "steps through flights"
                 } else {
@@ -82,19 +82,22 @@ impl MethodSpec {
                 };
                 return wrong(format!("{} {what}; leave `{name}` out", info.id));
             }
-            self.coast = Some(on);
+            self.free_flight = Some(on);
             return Ok(self);
+        }
+        if name == "coast" {
+            return wrong(format!("`coast` is called `{}`", FREE_FLIGHT.name));
         }
         let Some(i) = info.parameters.iter().position(|p| p.name == name) else {
             let known: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
             return wrong(if known.is_empty() {
                 format!(
                     "{} has no parameters of its own, but `{name}` was given; all methods take `{}`",
-                    info.id, COAST.name
+                    info.id, FREE_FLIGHT.name
                 )
             } else {
                 let known = known.join(", ");
-                let (id, all) = (info.id, COAST.name);
+                let (id, all) = (info.id, FREE_FLIGHT.name);
                 format!("{id} has no parameter `{name}`; it has {known} and {all}")
             });
         };
@@ -134,8 +137,8 @@ impl MethodSpec {
     /// The method, ready to run.
     pub fn build(&self) -> Box<dyn Integrator> {
         let mut built = (self.row.make)(&self.values());
-        if let Some(on) = self.coast {
-            built.coast(on);
+        if let Some(on) = self.free_flight {
+            built.free_flight(on);
         }
         built
     }
@@ -164,7 +167,7 @@ impl MethodSpec {
 
 impl PartialEq for MethodSpec {
     fn eq(&self, other: &Self) -> bool {
-        (self.id(), self.given, self.coast) == (other.id(), other.given, other.coast)
+        (self.id(), self.given, self.free_flight) == (other.id(), other.given, other.free_flight)
     }
 }
 
@@ -174,7 +177,7 @@ impl fmt::Display for MethodSpec {
         let mut given: Vec<String> = own
             .filter_map(|(p, value)| Some(format!("{}={}", p.name, value?)))
             .collect();
-        given.extend((self.coast).map(|on| format!("{}={}", COAST.name, u8::from(on))));
+        given.extend((self.free_flight).map(|on| format!("{}={}", FREE_FLIGHT.name, u8::from(on))));
         // Padding is for the whole.
         f.pad(&match given.is_empty() {
             true => self.id().to_owned(),
@@ -385,7 +388,10 @@ mod tests {
         for m in METHODS {
             let spec: MethodSpec = m.info.id.parse().unwrap();
             assert_eq!((spec, spec.build().info()), (MethodSpec::of(m), m.info));
-            for text in [m.info.id.to_owned(), format!("{}(coast=1)", m.info.id)] {
+            for text in [
+                m.info.id.to_owned(),
+                format!("{}(free_flight=1)", m.info.id),
+            ] {
                 let spec: MethodSpec = text.parse().unwrap();
                 assert_eq!(spec.to_string(), text);
                 let json = serde_json::to_string(&spec).unwrap();
@@ -393,8 +399,8 @@ mod tests {
                 assert_eq!(serde_json::from_str::<MethodSpec>(&json).unwrap(), spec);
             }
         }
-        let spec: MethodSpec = " newmark( coast = 1,beta=0.30 ) ".parse().unwrap();
-        assert_eq!(spec.to_string(), "newmark(beta=0.3, coast=1)");
+        let spec: MethodSpec = " newmark( free_flight = 1,beta=0.30 ) ".parse().unwrap();
+        assert_eq!(spec.to_string(), "newmark(beta=0.3, free_flight=1)");
         assert_eq!("newmark()".parse(), Ok(NEWMARK));
         assert_eq!(format!("{RK4:>5}|"), "  rk4|");
     }
@@ -417,8 +423,9 @@ mod tests {
         for (text, says) in [
             ("rk5", "semi-implicit-euler"),
             ("rk4(h=1)", "no parameters"),
-            ("rk4(coast=0.5)", "neither 0 nor 1"),
-            ("trigonometric(coast=0)", "always crosses"),
+            ("rk4(free_flight=0.5)", "neither 0 nor 1"),
+            ("rk4(coast=1)", "is called `free_flight`"),
+            ("trigonometric(free_flight=0)", "always crosses"),
             ("newmark(gamma=0.5)", "it has beta"),
             ("newmark(beta=2)", "outside [0, 0.5]"),
             ("newmark(beta=NaN)", "outside"),

@@ -25,7 +25,7 @@ pub use record::{
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{ReportError, load_results, report_from, write_results};
-pub use studies::choose::{ChoiceRecord, ChooseRecord, RungRecord, TriedRecord};
+pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
     StudyReport, choice_check, compare as comparison, precision, stability, sweep, truncation,

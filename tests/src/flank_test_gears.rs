@@ -13,6 +13,7 @@
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::error::{BuildError, GearPart};
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear};
@@ -37,6 +38,7 @@ pub const RIGID: Model = Model {
         takes("columns", "nodes over the width"),
         takes("lean_pitches", "how far tips stand off their involutes"),
     ],
+    properties: Properties::NONE,
     build: build_rigid,
 };
 
@@ -52,6 +54,7 @@ pub const NODAL: Model = Model {
         takes("damping_ns_per_m", "dashpot of a node"),
         takes("condensed", "1: asks for the condensed correction"),
     ],
+    properties: Properties::NONE,
     build: build_nodal,
 };
 
@@ -138,7 +141,7 @@ fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
         flanks = leaning(gear, flanks, number(context, "lean_pitches", 0.0));
     }
     Ok(Box::new(RigidFlanks {
-        rigid: Rigid::new(context.hub.clone(), context.lever),
+        rigid: Rigid::new(context.hub.clone(), context.effective_radius),
         placement: context.placement,
         positions: undeformed(&flanks),
         flanks,
@@ -199,7 +202,7 @@ impl GearModel for RigidFlanks {
 
 impl FlankNodes for RigidFlanks {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub().travel_at(at));
+        let pose = self.placement.pose(self.hub().displacement_at(at));
         for (x, &i) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[i as usize]);
         }
@@ -250,9 +253,9 @@ fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
         own,
         contact_mass: m,
         characteristic_time: (m / k).sqrt(),
-        scales: on_hub(context.lever, 1.0),
+        scales: on_hub(context.effective_radius, 1.0),
         masses: on_hub(body, m),
-        ..HubBody::new(context.hub.clone(), context.lever)
+        ..HubBody::new(context.hub.clone(), context.effective_radius)
     };
     Ok(Box::new(Nodal {
         hub,
@@ -282,7 +285,7 @@ impl Nodal {
     /// there.
     fn springs<'a>(&'a self, at: At<'a>) -> impl Iterator<Item = (usize, Vec3, Vec3, Vec3)> + 'a {
         let start = self.placement.pose(0.0);
-        let now = self.placement.pose(self.hub.travel(at.t, at.q));
+        let now = self.placement.pose(self.hub.displacement(at.t, at.q));
         self.positions.iter().enumerate().map(move |(i, x)| {
             let arm = now.turn(x);
             let off = start.turn(x) + self.node(at.q, i) - arm;
@@ -312,7 +315,7 @@ impl GearModel for Nodal {
     fn hub_mut(&mut self) -> &mut HubBody {
         &mut self.hub
     }
-    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _discrete: &mut [f64]) {
         q.fill(0.0);
         v.fill(0.0);
         if self.first() > 0 {
@@ -415,7 +418,7 @@ impl GearModel for Nodal {
             momentum += self.m * (r.x * v.y - r.y * v.x);
         }
         HubState {
-            travel: self.hub.travel(at.t, at.q),
+            displacement: self.hub.displacement(at.t, at.q),
             speed,
             momentum,
         }

@@ -32,9 +32,7 @@ pub mod flank_test_gears;
 
 /// All models: the table of the crate and the example.
 pub fn models() -> Vec<Model> {
-    let mut table = MODELS.to_vec();
-    table.push(elastic_web::MODEL);
-    table
+    [MODELS, &[elastic_web::MODEL]].concat()
 }
 
 /// All models, with the test gears that bring flanks.

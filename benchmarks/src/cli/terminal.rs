@@ -75,14 +75,18 @@ pub fn told(program: &str) -> String {
     format!("{program} {}", arguments.join(" "))
 }
 
+/// The folder of a study.
+pub fn folder(out: Option<&Path>, scene: &str, study: &str) -> PathBuf {
+    out.map_or_else(|| Path::new("out").join(scene).join(study), Path::to_owned)
+}
+
 /// Writes the folder of a study, prints its summary and where everything lies.
 pub fn write(
     results: &Results,
-    (out, scene): (&Option<PathBuf>, &str),
+    (out, scene): (Option<&Path>, &str),
     summarise: impl FnOnce(&Results),
 ) -> Result<(), Refusal> {
-    let study = results.study().as_str();
-    let dir = (out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
+    let dir = folder(out, scene, results.study().as_str());
     let page = gearbench_reports::write_results(&dir, results)
         .map_err(|e| Refusal::Files(e.to_string()))?;
     summarise(results);

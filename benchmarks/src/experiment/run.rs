@@ -2,7 +2,7 @@
 
 use super::history::History;
 use super::parameters::parameters;
-use super::status::Witness;
+use super::status::RunMonitor;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, Report, SecondOrderSystem};
@@ -14,7 +14,7 @@ use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, Modelling, SceneSpec, lever};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, effective_radius};
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
@@ -127,21 +127,21 @@ fn timed_in(
         return Err(RunError::NoLinearPart(info.id.into()));
     }
 
-    let mut witness = Witness::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
+    let mut monitor = RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
     let mut state = scene.initial();
     let start_momenta = momenta(scene, &state);
     let mut work = Work::default();
     let begin = Instant::now();
-    let outcome = method.run(scene, &mut state, &job.plan(), &mut witness, &mut work);
+    let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
     let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Unsupported { .. }) = outcome {
         return Err(RunError::Unsupported(outcome.unwrap_err().to_string()));
     }
 
-    let (status, mut message) = witness.verdict(scene, &state, &outcome);
-    let Witness {
+    let (status, mut message) = monitor.status(scene, &state, &outcome);
+    let RunMonitor {
         history, ledger, ..
-    } = &witness;
+    } = &monitor;
     let series = time_series(job, scene, history);
     let end_momenta = momenta(scene, &state);
 
@@ -240,7 +240,7 @@ fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
             continue;
         };
         let kept = gear.model.hub().own;
-        // The pace of such a gear is that of its fastest mode.
+        // The characteristic time of such a gear is that of its fastest mode.
         let highest = (std::f64::consts::TAU * gear.model.hub().characteristic_time).recip();
         found.modes = found.modes.max(Some(kept));
         found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
@@ -315,8 +315,8 @@ fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
     };
     gears
         .clone()
-        .for_each(|g| add(Channel::Gear(g, OfGear::Travel)));
-    if let Some(values) = transmission_error(spec, |g| of_gear(g, OfGear::Travel)) {
+        .for_each(|g| add(Channel::Gear(g, OfGear::Displacement)));
+    if let Some(values) = transmission_error(spec, |g| of_gear(g, OfGear::Displacement)) {
         put(TRANSMISSION_ERROR.into(), values);
     }
     let mut add = |channel: Channel| {
@@ -362,22 +362,28 @@ fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
 
 /// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
 /// rigid ones would have touched [m].
-fn transmission_error(scene: &SceneSpec, travel: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
+fn transmission_error(
+    scene: &SceneSpec,
+    displacement: impl Fn(usize) -> Vec<f64>,
+) -> Option<Vec<f64>> {
     let mesh = scene.meshes.first()?;
     let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
-    let [x, y] = mesh.gears.map(travel);
+    let [x, y] = mesh.gears.map(displacement);
     let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;
     Some(x.iter().zip(&y).map(error).collect())
 }
 
-/// Approach of the flanks of one side by the travels of two gears [m].
+/// Approach of the flanks of one side by the displacements of two gears [m].
 pub(super) fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
     let along_b = if matches!(b, Body::Gear(_)) {
         1.0
     } else {
         -1.0
     };
-    let [pa, pb] = [side.sign() * lever(a), side.sign() * along_b * lever(b)];
+    let [pa, pb] = [
+        side.sign() * effective_radius(a),
+        side.sign() * along_b * effective_radius(b),
+    ];
     move |x, y| pa * x + pb * y
 }
 
@@ -421,8 +427,8 @@ fn ledger_record(
         });
     let drift = momenta.filter(|_| two_free).map(|[start, end]| {
         let r = [
-            lever(&job.scene.gears[0].body),
-            lever(&job.scene.gears[1].body),
+            effective_radius(&job.scene.gears[0].body),
+            effective_radius(&job.scene.gears[1].body),
         ];
         let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) {
             -1.0
@@ -456,14 +462,14 @@ fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapsh
     let phases = scene.phases().to_vec();
     let mut outlines = Vec::new();
     for ((g, s), phase) in spec.gears.iter().zip(scene.gears()).zip(&phases) {
-        let travel = s.model.hub_state(s.at(state.at())).travel;
+        let displacement = s.model.hub_state(s.at(state.at())).displacement;
         let (turn, shift, points) = match &g.body {
-            Body::Gear(gear) => (phase + travel, 0.0, gear.outline(24)),
+            Body::Gear(gear) => (phase + displacement, 0.0, gear.outline(24)),
             Body::Rack(rack) => {
                 // Outline: teeth towards -x, travel along +y.
                 (
                     g.facing + std::f64::consts::PI,
-                    phase + travel,
+                    phase + displacement,
                     rack.outline(24),
                 )
             }

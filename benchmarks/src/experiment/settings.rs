@@ -4,7 +4,7 @@ use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::{Pair, RackPair};
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, lever, mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{Mate, build_with_warnings};
 use gearbench_reports::numbers::short;
@@ -51,7 +51,7 @@ pub fn settings(
         if no_events || !scene.study.events {
             "not located: contact opens and closes inside steps".into()
         } else {
-            "contact opening and closing, ends of the path of contact and table knots are located"
+            "contact opening and closing, ends of the path of contact and breakpoints of tables are located"
                 .into()
         },
     );
@@ -177,7 +177,7 @@ fn warnings(spec: &SceneSpec, gears: [usize; 2], contact: &ContactSpec) -> Vec<S
     let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
         return Vec::new();
     };
-    debug_assert!(lever(&a.body) > 0.0);
+    debug_assert!(effective_radius(&a.body) > 0.0);
     let materials = [a.material, b.material];
     let built = match &b.body {
         Body::Gear(gb) => Pair::new(ga, gb, l.distance).ok().and_then(|pair| {

@@ -1,4 +1,4 @@
-//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; knots; hand-overs.
+//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; breakpoints; hand-overs.
 
 use crate::problems::*;
 use crate::split_off;
@@ -24,15 +24,15 @@ impl SecondOrderSystem for Balls {
     fn layout(&self) -> Layout {
         Layout {
             n: self.n,
-            guards: self.n,
-            memory: 0,
+            event_functions: self.n,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -54,11 +54,11 @@ impl SecondOrderSystem for Balls {
 }
 
 impl Events for Balls {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         out.copy_from_slice(at.q);
     }
-    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
-        s.v[guard] *= -self.restitution;
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
+        s.v[event] *= -self.restitution;
         Change::Restart
     }
 }
@@ -131,29 +131,29 @@ impl SecondOrderSystem for Graze {
     fn layout(&self) -> Layout {
         Layout {
             n: 1,
-            guards: 1,
-            memory: 1,
+            event_functions: 1,
+            discrete: 1,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, at: At<'_>) -> f64 {
-        if at.memory[0] == 0.0 { 1.0 } else { 0.01 }
+    fn characteristic_time(&self, at: At<'_>) -> f64 {
+        if at.discrete[0] == 0.0 { 1.0 } else { 0.01 }
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        f[0] = -at.q[0] - at.memory[0] * 1e4 * (at.q[0] - self.wall);
+        f[0] = -at.q[0] - at.discrete[0] * 1e4 * (at.q[0] - self.wall);
     }
     fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
     fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
         y.copy_from_slice(x);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
-        df[0] = -(1.0 + at.memory[0] * 1e4) * dq[0];
+        df[0] = -(1.0 + at.discrete[0] * 1e4) * dq[0];
     }
     fn events(&mut self) -> Option<&mut dyn Events> {
         Some(self)
@@ -161,12 +161,12 @@ impl SecondOrderSystem for Graze {
 }
 
 impl Events for Graze {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         let gap = self.wall - at.q[0];
-        out[0] = if at.memory[0] == 0.0 { gap } else { -gap };
+        out[0] = if at.discrete[0] == 0.0 { gap } else { -gap };
     }
-    fn switch(&mut self, s: &mut State, _guard: usize) -> Change {
-        s.memory[0] = 1.0 - s.memory[0];
+    fn transition(&mut self, s: &mut State, _event: usize) -> Change {
+        s.discrete[0] = 1.0 - s.discrete[0];
         Change::Restart
     }
 }
@@ -177,7 +177,7 @@ fn grazing_contact_goes_through() {
     for m in METHODS {
         for depth in [0.0, 1e-16, 1e-13, 1e-9, 1e-6, -1e-9] {
             let mut s = state(&[0.0], &[1.0]);
-            s.memory = vec![0.0];
+            s.discrete = vec![0.0];
             let plan = match m.info.stepping {
                 Stepping::Adaptive => tolerance(t_end, 1e-8),
                 _ => steps(t_end, 6000.0),
@@ -197,15 +197,15 @@ fn grazing_contact_goes_through() {
     }
 }
 
-/// A force table with jumps at its knots: constant acceleration in between.
+/// A force table with jumps at its breakpoints: constant acceleration in between.
 struct Table {
-    knots: Vec<f64>,
+    breakpoints: Vec<f64>,
     landed: Vec<f64>,
 }
 
 impl Table {
     fn acceleration(&self, t: f64) -> f64 {
-        let i = self.knots.iter().filter(|&&k| k <= t).count();
+        let i = self.breakpoints.iter().filter(|&&k| k <= t).count();
         [1.0, -2.0, 5.0, 0.5][i % 4]
     }
 }
@@ -214,23 +214,23 @@ impl SecondOrderSystem for Table {
     fn layout(&self) -> Layout {
         Layout {
             n: 1,
-            guards: 0,
-            memory: 1,
+            event_functions: 0,
+            discrete: 1,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
-    /// The branch of the table is held in memory, so that it is right on both sides of a knot.
+    /// The branch of the table is held in discrete state, so that it is right on both sides of a breakpoint.
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        f[0] = at.memory[0];
+        f[0] = at.discrete[0];
     }
     fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
     fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
@@ -245,35 +245,35 @@ impl SecondOrderSystem for Table {
 }
 
 impl Events for Table {
-    fn next_knot(&self, t: f64) -> f64 {
-        self.knots
+    fn next_breakpoint(&self, t: f64) -> f64 {
+        self.breakpoints
             .iter()
             .copied()
             .find(|&k| k > t)
             .unwrap_or(f64::INFINITY)
     }
     fn begin(&mut self, s: &mut State, _located: bool) {
-        s.memory[0] = self.acceleration(s.t);
+        s.discrete[0] = self.acceleration(s.t);
     }
     fn commit(&mut self, s: &mut State) -> Change {
-        if self.knots.contains(&s.t) {
+        if self.breakpoints.contains(&s.t) {
             self.landed.push(s.t);
         }
-        s.memory[0] = self.acceleration(s.t);
+        s.discrete[0] = self.acceleration(s.t);
         Change::None
     }
 }
 
 #[test]
-fn steps_land_on_the_knots_of_a_table() {
-    // Two knots closer than a step, one next to nothing apart, one at a step's end.
-    let knots = vec![0.3, 0.7, 0.700_000_1, 0.700_000_100_000_000_1, 1.25];
+fn steps_land_on_the_breakpoints_of_a_table() {
+    // Two breakpoints closer than a step, one next to nothing apart, one at a step's end.
+    let breakpoints = vec![0.3, 0.7, 0.700_000_1, 0.700_000_100_000_000_1, 1.25];
     let (mut x, mut v, mut t) = (0.0, 0.0, 0.0);
     let table = Table {
-        knots: knots.clone(),
+        breakpoints: breakpoints.clone(),
         landed: Vec::new(),
     };
-    for k in knots.iter().copied().chain([2.0]) {
+    for k in breakpoints.iter().copied().chain([2.0]) {
         let (a, h) = (table.acceleration(t), k - t);
         x += v * h + 0.5 * a * h * h;
         v += a * h;
@@ -281,17 +281,17 @@ fn steps_land_on_the_knots_of_a_table() {
     }
     for m in METHODS {
         let mut table = Table {
-            knots: knots.clone(),
+            breakpoints: breakpoints.clone(),
             landed: Vec::new(),
         };
         let mut s = state(&[0.0], &[0.0]);
-        s.memory = vec![0.0];
+        s.discrete = vec![0.0];
         let plan = match m.info.stepping {
             Stepping::Adaptive => tolerance(2.0, 1e-8),
             _ => steps(2.0, 40.0),
         };
         let (s, _) = solve(m, &mut table, s, &plan);
-        assert_eq!(table.landed, knots, "{}", m.info.id);
+        assert_eq!(table.landed, breakpoints, "{}", m.info.id);
         assert!((s.v[0] - v).abs() < 1e-12, "{}: {} {v}", m.info.id, s.v[0]);
         // Constant acceleration is exact from order two on.
         let allowed = match m.info.order {
@@ -308,7 +308,7 @@ fn steps_land_on_the_knots_of_a_table() {
     }
 }
 
-/// Counts its commits into the memory and asks for a restart at some; the force insists on the memory
+/// Counts its commits into the discrete state and asks for a restart at some; the force insists on the discrete state
 /// being the committed one.
 struct Counting {
     commits: f64,
@@ -319,21 +319,21 @@ struct Counting {
 impl SecondOrderSystem for Counting {
     fn layout(&self) -> Layout {
         Layout {
-            memory: 1,
+            discrete: 1,
             ..Duffing.layout()
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         Duffing.scales(q, v);
     }
-    fn pace(&self, at: At<'_>) -> f64 {
-        Duffing.pace(at)
+    fn characteristic_time(&self, at: At<'_>) -> f64 {
+        Duffing.characteristic_time(at)
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
+        assert_eq!(at.discrete[0], self.commits, "stale discrete at {}", at.t);
         Duffing.force(at, f);
     }
     fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
@@ -343,7 +343,7 @@ impl SecondOrderSystem for Counting {
         Duffing.apply_mass(at, x, y);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-        assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
+        assert_eq!(at.discrete[0], self.commits, "stale discrete at {}", at.t);
         Duffing.tangent_times(at, dq, dv, df);
     }
     fn events(&mut self) -> Option<&mut dyn Events> {
@@ -354,7 +354,7 @@ impl SecondOrderSystem for Counting {
 impl Events for Counting {
     fn commit(&mut self, s: &mut State) -> Change {
         self.commits += 1.0;
-        s.memory[0] = self.commits;
+        s.discrete[0] = self.commits;
         self.seen += 1;
         if self.seen.is_multiple_of(self.restart_every) {
             Change::Restart
@@ -374,7 +374,7 @@ fn commits_reach_the_force_and_restarts_keep_the_solution() {
                 seen: 0,
             };
             let mut s = Duffing::start();
-            s.memory = vec![0.0];
+            s.discrete = vec![0.0];
             let plan = match m.info.stepping {
                 Stepping::Adaptive => tolerance(5.0, 1e-7),
                 _ => steps(5.0, 2000.0),
@@ -405,7 +405,7 @@ impl Sink for Seamless {
             assert_eq!(last, step.from);
         }
         assert!(step.to.t > step.from.t);
-        assert_eq!(step.from.memory, step.to.memory);
+        assert_eq!(step.from.discrete, step.to.discrete);
         self.last = Some(step.to.clone());
         Control::Continue
     }

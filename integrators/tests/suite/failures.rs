@@ -26,15 +26,15 @@ impl SecondOrderSystem for Scalar {
     fn layout(&self) -> Layout {
         Layout {
             n: 1,
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -254,22 +254,22 @@ fn a_system_without_coordinates_runs_or_is_refused() {
     }
 }
 
-/// A guard that no switch can mend.
+/// An event function that no switch can mend.
 struct Broken;
 
 impl SecondOrderSystem for Broken {
     fn layout(&self) -> Layout {
         Layout {
             n: 1,
-            guards: 1,
-            memory: 1,
+            event_functions: 1,
+            discrete: 1,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -291,11 +291,11 @@ impl SecondOrderSystem for Broken {
 }
 
 impl Events for Broken {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         out[0] = 0.6 - at.t;
     }
-    fn switch(&mut self, s: &mut State, _guard: usize) -> Change {
-        s.memory[0] = 1.0 - s.memory[0];
+    fn transition(&mut self, s: &mut State, _event: usize) -> Change {
+        s.discrete[0] = 1.0 - s.discrete[0];
         Change::Restart
     }
 }
@@ -304,7 +304,7 @@ impl Events for Broken {
 fn chatter_is_named_and_ends() {
     for m in METHODS {
         let mut s = state(&[1.0], &[0.0]);
-        s.memory = vec![0.0];
+        s.discrete = vec![0.0];
         let (s, _, result) = run(m, &mut Broken, s, &plan_for(m, 1.0));
         let Err(StepError::Chatter { t, events }) = result else {
             panic!("{}: {result:?}", m.info.id)

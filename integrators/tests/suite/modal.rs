@@ -86,7 +86,7 @@ impl ModalSplit for Modes {
         omega.copy_from_slice(&self.omega);
         zeta.copy_from_slice(&self.zeta);
     }
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         let force = self.contact(at.q);
         for i in 0..a.len() {
             a[i] = self.load[i] + self.shape[i] * force;
@@ -123,15 +123,15 @@ impl SecondOrderSystem for Modes {
     fn layout(&self) -> Layout {
         Layout {
             n: self.omega.len(),
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {

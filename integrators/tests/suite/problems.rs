@@ -72,7 +72,7 @@ pub fn state(q: &[f64], v: &[f64]) -> State {
         t: 0.0,
         q: q.to_vec(),
         v: v.to_vec(),
-        memory: Vec::new(),
+        discrete: Vec::new(),
     }
 }
 
@@ -88,7 +88,7 @@ macro_rules! split_off {
                     (omega[$i], zeta[$i]) = $oscillator;
                 }
             }
-            fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+            fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
                 self.force(at, a);
                 self.solve_mass(at, a);
                 let $own = &*self;
@@ -156,15 +156,15 @@ impl SecondOrderSystem for Duffing {
     fn layout(&self) -> Layout {
         Layout {
             n: 2,
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.5
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -206,8 +206,8 @@ impl SecondOrderSystem for Oscillator {
     fn layout(&self) -> Layout {
         Layout {
             n: 1,
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
@@ -272,15 +272,15 @@ impl SecondOrderSystem for Chain {
     fn layout(&self) -> Layout {
         Layout {
             n: self.masses.len(),
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.3
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {

@@ -6,7 +6,7 @@ use super::model::GearModel;
 use crate::Vec3;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::Tooth;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Change, Coeffs, Singular};
 
 /// The flanks of a gear as grids of nodes.
@@ -27,15 +27,15 @@ pub trait FlankNodes {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]);
 }
 
-/// Teeth with a travel of their own.
+/// Teeth with a displacement of their own.
 pub trait ToothCoordinates {
-    /// Angle of a tooth from its assembled position [rad] (travel [m] for a rack), pitch not included.
-    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64;
+    /// Angle of a tooth from its assembled position [rad] (displacement [m] for a rack), pitch not included.
+    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64;
 
-    /// [`Self::travel`] of consecutive teeth from `first` on.
-    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
-        for (index, travel) in (first.index..).zip(out) {
-            *travel = self.travel(at, Tooth { index, ..first });
+    /// [`Self::displacement`] of consecutive teeth from `first` on.
+    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        for (index, displacement) in (first.index..).zip(out) {
+            *displacement = self.displacement(at, Tooth { index, ..first });
         }
     }
 
@@ -83,8 +83,9 @@ pub trait LinearMotion {
     /// Its free flight from a state under a steady `load` on a free hub; `None` where its motion is not known.
     fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight>;
 
-    /// Adds that motion to a coast, its coordinates from `first` on; called where there is a [`Self::free_flight`].
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast);
+    /// Adds that motion to a free flight, its coordinates from `first` on; called where there is a
+    /// [`Self::free_flight`].
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath);
 
     /// Cuts its vibrations off, about the deflection of a steady `load`; its momentum stays. The slices are its own.
     /// False when they rested, up to rounding.
@@ -109,7 +110,7 @@ pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) ->
     if gear.hub().coordinates() == 0 || load == 0.0 {
         return 0.0;
     }
-    load * (gear.hub_state(to).travel - gear.hub_state(from).travel)
+    load * (gear.hub_state(to).displacement - gear.hub_state(from).displacement)
 }
 
 /// A gear with many coordinates of which a contact touches few: the scene then condenses the Newton correction to
@@ -211,12 +212,12 @@ impl dyn GearModel + '_ {
         self.surface()?.displacement
     }
 
-    /// Angle or travel of a tooth from its assembled position.
+    /// Angle or displacement of a tooth from its assembled position.
     #[must_use]
-    pub fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
+    pub fn tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
         match self.teeth() {
-            Some(teeth) => teeth.travel(at, tooth),
-            None => self.hub().travel_at(at),
+            Some(teeth) => teeth.displacement(at, tooth),
+            None => self.hub().displacement_at(at),
         }
     }
 

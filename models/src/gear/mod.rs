@@ -6,6 +6,7 @@
 //! | `hub_body` | the data that every gear has: [`HubBody`] |
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
 //! | [`parameters`] | parameters of models as structs that the models own |
+//! | [`properties`] | properties of a model that studies ask for before a gear is built |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
@@ -17,6 +18,7 @@ mod hub_body;
 mod model;
 pub mod movable_teeth;
 pub mod parameters;
+pub mod properties;
 pub mod rigid;
 pub mod table;
 

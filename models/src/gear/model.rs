@@ -24,8 +24,8 @@ pub struct Magnitudes {
 /// Quantities of the hub and the whole body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HubState {
-    /// Angle [rad] or travel [m] of the hub from the assembled position.
-    pub travel: f64,
+    /// Angle [rad] or displacement [m] of the hub from the assembled position.
+    pub displacement: f64,
     /// Its rate.
     pub speed: f64,
     /// Angular momentum about the axis [kg m^2/s], or momentum along the slide [kg m/s].
@@ -120,7 +120,7 @@ pub trait GearModel {
         None
     }
 
-    /// Gears whose teeth have another travel than the hub.
+    /// Gears whose teeth have another displacement than the hub.
     fn teeth(&self) -> Option<&dyn ToothCoordinates> {
         None
     }

@@ -460,7 +460,7 @@ impl Law {
     #[inline]
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         let (power, slope) = self.powers(-g);
-        // `max` returns the floor for a NaN v0, which is what an unset memory slot holds.
+        // `max` returns the floor for a NaN v0, which is what an unset discrete state slot holds.
         let per_speed = self.chi / v0.max(self.speed_floor);
         let factor = 1.0 - per_speed * g_rate;
         LawForce {

@@ -33,7 +33,7 @@ pub struct MeshLayout {
 }
 
 /// Base radius [m] of a gear, or `cos(alpha)` of a rack: deflection on the line of action per hub coordinate.
-pub fn lever(body: &Body) -> f64 {
+pub fn effective_radius(body: &Body) -> f64 {
     match body {
         Body::Gear(g) => g.r_base() * g.base_helix_angle().cos(),
         Body::Rack(r) => r.transverse_pressure_angle().cos() * r.base_helix_angle().cos(),

@@ -21,16 +21,16 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// The frame of a hub that turns (`slide` is `None`) or slides, at an angle or travel.
+    /// The frame of a hub that turns (`slide` is `None`) or slides, at an angle or displacement.
     #[inline]
     #[must_use]
-    pub fn at(travel: f64, slide: Option<&Vec3>) -> Self {
+    pub fn at(displacement: f64, slide: Option<&Vec3>) -> Self {
         match slide {
             None => {
-                let (sin, cos) = travel.sin_cos();
+                let (sin, cos) = displacement.sin_cos();
                 Frame::Turned { cos, sin }
             }
-            Some(e) => Frame::Moved(travel * e),
+            Some(e) => Frame::Moved(displacement * e),
         }
     }
 
@@ -135,12 +135,12 @@ mod tests {
     #[test]
     fn carried_nodes_have_no_elastic_displacement() {
         let position = Vec3::new(0.03, -0.02, 0.004);
-        for travel in [-3.0, -0.4, 1e-7, 0.9, 2.5, 40.0] {
+        for displacement in [-3.0, -0.4, 1e-7, 0.9, 2.5, 40.0] {
             for slide in [None, Some(Vec3::new(0.6, -0.8, 0.0))] {
-                let frame = Frame::at(travel, slide.as_ref());
+                let frame = Frame::at(displacement, slide.as_ref());
                 let d = frame.carried(&position);
                 for u in frame.elastic(&position, &d) {
-                    assert!(u.abs() < 2e-17, "{travel} {u:e}");
+                    assert!(u.abs() < 2e-17, "{displacement} {u:e}");
                 }
                 let v = [1.0, 2.0, 3.0];
                 let back = frame.to_frame(frame.to_space(v));

@@ -1,6 +1,6 @@
 //! The full-order gear: every node moves.
 //!
-//! Generalised coordinates: the hub's travel `theta` where the mount leaves it free, then per free node its
+//! Generalised coordinates: the hub's displacement `theta` where the mount leaves it free, then per free node its
 //! displacement `d` in space from the assembled position. With absolute displacements the mass matrix of
 //! the nodes is constant and there are no Coriolis terms; elasticity is linear in the frame on the hub
 //! ([`super::frame`]): `u = R^T (X + d) - X`, strain energy `U = u^T K u / 2`,
@@ -263,7 +263,10 @@ impl GearModel for FullOrder {
 
     fn hub_state(&self, at: At<'_>) -> HubState {
         let frame = self.frame(at);
-        let (travel, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (displacement, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let mut nodal = self.scratch.borrow_mut();
         let Nodal { u, g, du, .. } = &mut *nodal;
         self.velocities(frame, speed, at.v, u);
@@ -275,7 +278,7 @@ impl GearModel for FullOrder {
             momentum += dot3(arm, &g[3 * node..3 * node + 3]);
         }
         HubState {
-            travel,
+            displacement,
             speed,
             momentum,
         }

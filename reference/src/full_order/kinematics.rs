@@ -1,5 +1,5 @@
 //! Where the nodes of a full-order gear are and how they move: positions and velocities from the generalised
-//! coordinates, lever arms, points between nodes.
+//! coordinates, effective base radius arms, points between nodes.
 
 use super::frame::{Frame, unit_motion};
 use super::gear::FullOrder;
@@ -17,7 +17,7 @@ impl FullOrder {
     }
 
     pub(super) fn frame(&self, at: At<'_>) -> Frame {
-        Frame::at(self.hub.travel(at.t, at.q), self.slide())
+        Frame::at(self.hub.displacement(at.t, at.q), self.slide())
     }
 
     /// Elastic displacements of all nodes in the frame.

@@ -7,6 +7,7 @@ use crate::mesh_source::{self, MeshParameters, Reader, Source};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +41,10 @@ pub const ROW: Model = Model {
     id: MODEL,
     title: "full finite elements: every node moves, contact over the flank faces",
     parameters: &PARAMETERS,
+    properties: Properties {
+        full_order: true,
+        ..Properties::NONE
+    },
     build,
 };
 
@@ -74,7 +79,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     .map_err(|e| reader.error("mesh", e.to_string()))?;
     Ok(Box::new(FullOrder::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         body,
     )))
 }

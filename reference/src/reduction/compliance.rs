@@ -50,7 +50,7 @@ struct Held {
     /// `X` between the flank nodes, in the layout of the result.
     flanks: FlankCompliance,
     /// Turn per force, `a_k` [m] (rack: 1).
-    lever: Vec<f64>,
+    effective_radius: Vec<f64>,
     /// `g_k` [kg m^2 m/N] and the like.
     yielding: Vec<f64>,
     /// `gamma`.
@@ -64,7 +64,7 @@ impl Held {
     fn mounted(self, mounting: &Mounting) -> Residual {
         let Held {
             mut flanks,
-            lever,
+            effective_radius,
             yielding,
             hub,
             inertia,
@@ -72,19 +72,19 @@ impl Held {
         if !mounting.free {
             return Residual {
                 flanks,
-                hub: vec![0.0; lever.len()],
+                hub: vec![0.0; effective_radius.len()],
                 hub_hub: 0.0,
             };
         }
         let inertia = inertia + mounting.added_inertia;
         let gamma = hub / (inertia * inertia);
         let relief = |k: usize, l: usize| {
-            lever[k] * lever[l] * gamma
-                - (yielding[k] * lever[l] + lever[k] * yielding[l]) / inertia
+            effective_radius[k] * effective_radius[l] * gamma
+                - (yielding[k] * effective_radius[l] + effective_radius[k] * yielding[l]) / inertia
         };
         match &mut flanks {
             FlankCompliance::Full(c) => {
-                let n = lever.len();
+                let n = effective_radius.len();
                 for (k, row) in c.chunks_exact_mut(n).enumerate() {
                     for (l, c) in row.iter_mut().enumerate() {
                         *c += relief(k, l);
@@ -101,9 +101,9 @@ impl Held {
                 }
             }
         }
-        let hub_to = |k: usize| lever[k] * gamma - yielding[k] / inertia;
+        let hub_to = |k: usize| effective_radius[k] * gamma - yielding[k] / inertia;
         Residual {
-            hub: (0..lever.len()).map(hub_to).collect(),
+            hub: (0..effective_radius.len()).map(hub_to).collect(),
             hub_hub: gamma,
             flanks,
         }
@@ -181,7 +181,7 @@ pub fn of_assembly(
     };
     Ok(Held {
         flanks: FlankCompliance::Full(compliance),
-        lever: levers(surface, mounting),
+        effective_radius: effective_radii(surface, mounting),
         yielding: columns.iter().map(along).collect(),
         hub: load
             .iter()
@@ -245,7 +245,7 @@ pub fn of_sector(
             per_tooth,
             blocks,
         },
-        lever: levers(surface, mounting),
+        effective_radius: effective_radii(surface, mounting),
         yielding: found.yielding.repeat(teeth),
         hub: found.hub * teeth as f64,
         inertia: found.inertia * teeth as f64,
@@ -260,7 +260,7 @@ fn rigid(nodes: &[Vec3], motion: HubMotion) -> Vec<f64> {
 }
 
 /// `a_k = e^T c_k`: how far unit rigid motion moves each flank node outwards.
-fn levers(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
+fn effective_radii(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
     let positions = surface.positions();
     (positions.iter().zip(&surface.normals))
         .map(|(x, n)| mounting.motion.of(x).dot(n))

@@ -7,9 +7,9 @@
 //! m y'' = -F,   q_i'' + omega_i^2 q_i = -b_i F,   y + sum_i b_i q_i = (R + A / 20) F   while F > 0
 //! ```
 //!
-//! over the modes that are kept: `m = J / lever^2` (a held gear moves as if it were free to), `A` the static
-//! compliance of the whole mesh there, `R` what the kept modes leave of it; a twentieth of `A` stands for the contact
-//! law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
+//! over the modes that are kept: `m = J / effective base radius^2` (a held gear moves as if it were free to), `A` the
+//! static compliance of the whole mesh there, `R` what the kept modes leave of it; a twentieth of `A` stands for the
+//! contact law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
 //! histories, root mean square over rows of a left and a right flank. Speed has no part in it: until contact ends the
 //! system is linear.
 
@@ -46,12 +46,12 @@ pub struct Impacts<'a> {
 }
 
 impl<'a> Impacts<'a> {
-    /// Prepares the impacts of a gear; `lever` is the base radius [m], or `cos(alpha)` for a rack.
+    /// Prepares the impacts of a gear; `effective_radius` is the base radius [m], or `cos(alpha)` for a rack.
     #[must_use]
-    pub fn new(basis: &'a Basis, lever: f64, even_over_width: bool) -> Self {
+    pub fn new(basis: &'a Basis, effective_radius: f64, even_over_width: bool) -> Self {
         let mut impacts = Impacts {
             basis,
-            mass: basis.inertia / (lever * lever),
+            mass: basis.inertia / (effective_radius * effective_radius),
             probes: Vec::new(),
         };
         let all: Vec<usize> = (0..basis.omega.len()).collect();
@@ -162,7 +162,7 @@ impl<'a> Impacts<'a> {
             })
             .collect();
         let (mut q, mut v) = (vec![0.0; kept.len()], vec![0.0; kept.len()]);
-        // Travel of the rigid gear towards the wall, and its rate.
+        // Displacement of the rigid gear towards the wall, and its rate.
         let (mut approach, mut rate) = (0.0, 1.0);
         let mut f = 0.0_f64;
         let mut history = Vec::with_capacity(SAMPLES);

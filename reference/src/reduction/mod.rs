@@ -84,7 +84,7 @@ pub struct Basis {
     pub family: Vec<u32>,
     /// Shapes at the flank nodes along the normals, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: Vec<f64>,
-    /// Turn (travel) of a free hub in each mode; zeros for a held hub.
+    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
     pub hub: Vec<f64>,
     /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
     pub participation: Vec<f64>,

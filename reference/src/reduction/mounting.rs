@@ -6,7 +6,7 @@ use gearbench_models::Vec3;
 /// The one motion of the hub, in the gear's own frame, and whether the mount leaves it free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
-    /// Turning about z, or the travel of a rack along its own y.
+    /// Turning about z, or the displacement of a rack along its own y.
     pub motion: HubMotion,
     /// The mount leaves the motion free; else it is held or prescribed.
     pub free: bool,

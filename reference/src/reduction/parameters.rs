@@ -34,7 +34,7 @@ pub struct ElasticParameters {
     pub step_s: Option<f64>,
     pub spin_terms: Option<SpinTerms>,
     #[serde(deserialize_with = "number")]
-    pub sleep: Option<f64>,
+    pub vibration_cut_off: Option<f64>,
     #[serde(flatten)]
     pub mesh: MeshParameters,
 }

@@ -73,7 +73,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             t: 0.0,
             q: &q,
             v: &v,
-            memory: &[],
+            discrete: &[],
         };
         let surface = Surface::new(&mesh).unwrap();
         let nodes: Vec<u32> = (0..surface.nodes() as u32).step_by(5).collect();
@@ -87,7 +87,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             let x = pose.point(&positions[k as usize]);
             let f = -*f * pose.turn(&surface.normals[k as usize]);
             contact.force += f;
-            contact.torque += gear.hub().lever(&x, &f);
+            contact.torque += gear.hub().effective_radius(&x, &f);
         }
         if free {
             forces[0] += contact.torque;

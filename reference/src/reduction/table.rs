@@ -9,6 +9,7 @@ use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
@@ -61,7 +62,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
         "centrifugal and Coriolis terms, which couple the modes: \"auto\" (default: from a spin rate of 1 % of the lowest frequency), \"full\" or \"none\"",
     ),
     optional(
-        "sleep",
+        "vibration_cut_off",
         "modes are put to rest in flight below this share of the energy of the next impact; default 0: never",
     ),
 ]);
@@ -71,6 +72,10 @@ pub const ROW: Model = Model {
     id: MODEL,
     title: "reduced finite elements: a few modes and the static compliance of the others",
     parameters: &PARAMETERS,
+    properties: Properties {
+        modes: true,
+        ..Properties::NONE
+    },
     build,
 };
 
@@ -208,7 +213,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ));
     }
     let damping = damping(&reader, &given)?;
-    let sleep = reader.not_negative("sleep", given.sleep)?;
+    let vibration_cut_off = reader.not_negative("vibration_cut_off", given.vibration_cut_off)?;
     let asked = Asked {
         count,
         max_frequency,
@@ -229,7 +234,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     };
     let kept = match target {
         None => choose::choose(&basis, &choice),
-        Some(target) => Impacts::new(&basis, context.lever, choice.even_over_width)
+        Some(target) => Impacts::new(&basis, context.effective_radius, choice.even_over_width)
             .fewest(&choice, target)
             .map_err(|e| reader.error("target_error", e.to_string()))?,
     };
@@ -237,7 +242,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         .map_err(|e| reader.error("modes", e.to_string()))?;
     let gear = Elastic::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         context.placement,
         Arc::new(reduced),
     );
@@ -245,8 +250,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);
-    let gear = gear.with_sleep(sleep);
-    Ok(Box::new(gear.map_err(|e| reader.error("sleep", e))?))
+    let gear = gear.with_vibration_cut_off(vibration_cut_off);
+    Ok(Box::new(
+        gear.map_err(|e| reader.error("vibration_cut_off", e))?,
+    ))
 }
 
 #[cfg(test)]
@@ -267,7 +274,7 @@ mod tests {
             ..GearParams::default()
         });
         let gear = gear.unwrap();
-        let lever = gear.r_base();
+        let effective_radius = gear.r_base();
         let hub = Hub {
             mount,
             centre: Vec3::zeros(),
@@ -292,7 +299,7 @@ mod tests {
             hub: &hub,
             added_inertia: 0.0,
             placement: Placement::new(&hub, 0.1),
-            lever,
+            effective_radius,
             meshes: &[],
             speed: 0.0,
             parameters: &all,
@@ -341,7 +348,7 @@ mod tests {
             (vec![("damping_ratio", number(1.5))], "damp less"),
             (vec![("modes", number(1.5))], "whole number"),
             (vec![("spin_terms", word("some"))], "expected one of `auto`"),
-            (vec![("sleep", number(1.0))], "[0, 1)"),
+            (vec![("vibration_cut_off", number(1.0))], "[0, 1)"),
         ] {
             let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
             assert!(e.contains(message), "{e}");

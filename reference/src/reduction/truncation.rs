@@ -22,7 +22,7 @@ pub struct Kept<'a> {
     pub omega: &'a [f64],
     /// Outward shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: &'a [f64],
-    /// Turn (travel) of a free hub in each mode; zeros for a held hub.
+    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
     pub hub: &'a [f64],
 }
 

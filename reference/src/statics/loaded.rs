@@ -8,7 +8,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, lever, mesh_layout,
+    Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 
 /// Largest last Newton correction over the approach.
@@ -64,6 +64,12 @@ pub enum StaticsError {
         /// Force there [N].
         reached: f64,
     },
+    /// No tooth pair carries a force.
+    #[error("no tooth pair presses on the path of contact at an approach of {approach:.4e} m")]
+    NoContact {
+        /// Approach [m].
+        approach: f64,
+    },
     /// A position, approach or force that is no usable number.
     #[error("{what} is {value}; it must be finite{and}")]
     Value {
@@ -113,10 +119,10 @@ pub struct LoadedPair {
     state: State,
     layout: MeshLayout,
     sign: f64,
-    /// Travel of each hub per path coordinate of its own.
-    travel_per_path: [f64; 2],
-    lever: f64,
-    /// Path coordinate of the reference pair at zero travel [m].
+    /// Displacement of each hub per path coordinate of its own.
+    displacement_per_path: [f64; 2],
+    effective_radius: f64,
+    /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     equilibria: u64,
     iterations: u64,
@@ -161,12 +167,12 @@ impl LoadedPair {
             Side::Right => -1.0,
         };
         let start = mesh.start.path_coordinate.unwrap_or(layout.pitch_point);
-        let levers = [a, b].map(|i| lever(&spec.gears[i].body));
-        let per_travel = |i: usize| match &spec.gears[i].body {
+        let effective_radii = [a, b].map(|i| effective_radius(&spec.gears[i].body));
+        let per_displacement = |i: usize| match &spec.gears[i].body {
             Body::Gear(g) => g.r_base(),
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
         };
-        let travel_per_path = [a, b].map(|i| sign / per_travel(i));
+        let displacement_per_path = [a, b].map(|i| sign / per_displacement(i));
         let scene = Scene::build(&spec, &modelling, models)?;
         let mut state = scene.initial();
         // The hubs rest from 1 s on.
@@ -176,8 +182,8 @@ impl LoadedPair {
             state,
             layout,
             sign,
-            travel_per_path,
-            lever: levers[0],
+            displacement_per_path,
+            effective_radius: effective_radii[0],
             start,
             equilibria: 0,
             iterations: 0,
@@ -210,10 +216,11 @@ impl LoadedPair {
         finite("the position [m]", s)?;
         finite("the approach [m]", approach)?;
         let [a, b] = self.scene.meshes()[0].gears;
-        let travel = s - self.start;
+        let displacement = s - self.start;
         self.scene
-            .hold(a, (travel + approach) * self.travel_per_path[0]);
-        self.scene.hold(b, -travel * self.travel_per_path[1]);
+            .hold(a, (displacement + approach) * self.displacement_per_path[0]);
+        self.scene
+            .hold(b, -displacement * self.displacement_per_path[1]);
         let size = approach.abs().max(1e-7);
         let options = EquilibriumOptions {
             tolerance: TOLERANCE * size / self.scene.magnitudes().deflection,
@@ -321,9 +328,10 @@ impl LoadedPair {
         let hub = self.scene.gears()[first].model.hub();
         let mut pairs: Vec<PairForce> = Vec::new();
         for c in &contacts {
-            // The reference pair has tooth 0; a pair ahead belongs to a tooth ahead in the first gear's sense of turning.
+            // The reference pair has tooth 0; a pair ahead belongs to a tooth ahead in the first gear's sense of
+            // turning.
             let offset = c.teeth[0].index * self.sign as i64;
-            let force = self.sign * hub.lever(&c.x, &c.force) / self.lever;
+            let force = self.sign * hub.effective_radius(&c.x, &c.force) / self.effective_radius;
             match pairs.iter_mut().find(|p| p.offset == offset) {
                 Some(p) => p.force += force,
                 None => pairs.push(PairForce { offset, force }),

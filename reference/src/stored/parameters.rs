@@ -122,7 +122,7 @@ pub struct Summary {
     pub angular_momentum_change1_nms: f64,
     /// The same of gear 2 [N m s]; none for a rack.
     pub angular_momentum_change2_nms: Option<f64>,
-    /// Mean lever arm of the contact force about the axis of gear 1 [m].
+    /// Mean effective base radius arm of the contact force about the axis of gear 1 [m].
     pub arm1_m: f64,
     /// The same about the axis of gear 2 [m]; none for a rack.
     pub arm2_m: Option<f64>,

@@ -7,7 +7,7 @@ use gearbench_integrators::{
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::Tooth;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Load, Mount, Profile, Value, lever};
+use gearbench_models::spec::{Load, Mount, Profile, Value, effective_radius};
 use gearbench_tests::*;
 
 const NAMES: [&str; 2] = ["pinion", "wheel"];
@@ -24,7 +24,7 @@ fn bearings_balance_a_torque_at_rest() {
     spec.gears[0].speed = 0.0;
     spec.gears[0].loads = vec![Load::Applied(Profile::Constant(torque))];
     spec.gears[1].mount = Mount::Fixed;
-    let force = torque / lever(&spec.gears[0].body);
+    let force = torque / effective_radius(&spec.gears[0].body);
     for model in models() {
         let both = [usual(&model, 20), usual(&model, 30)];
         let mut scene = build(&spec, &both, &contact(5e10));
@@ -42,7 +42,7 @@ fn bearings_balance_a_torque_at_rest() {
         );
         assert_eq!(a[2], 0.0);
         // The left flank of the pinion pushes the wheel clockwise: its mount holds against that.
-        let want = force * lever(&spec.gears[1].body);
+        let want = force * effective_radius(&spec.gears[1].body);
         assert!(
             (b[2] - want).abs() < 1e-9 * want,
             "{}: {} {want}",
@@ -127,7 +127,9 @@ fn movable_teeth_load_their_bearing_with_their_inertia() {
                 let g = &scene.gears()[k];
                 let mut sum = Vec3::zeros();
                 for index in 0..count[k] {
-                    let own = g.model.tooth_travel(g.at(x.at()), Tooth { index, mesh: 0 });
+                    let own = g
+                        .model
+                        .tooth_displacement(g.at(x.at()), Tooth { index, mesh: 0 });
                     let turn = index as f64 / count[k] as f64;
                     let (sin, cos) = (phase + own + std::f64::consts::TAU * turn).sin_cos();
                     sum += m * reference[k] * Vec3::new(cos, sin, 0.0);

@@ -8,7 +8,7 @@ use gearbench_integrators::{
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, PointContact, Profile, SceneSpec,
-    SurfaceKind, Value, lever,
+    SurfaceKind, Value, effective_radius,
 };
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
@@ -238,10 +238,10 @@ fn swinging_in_contact_has_the_declared_order() {
     }
 }
 
-/// Held hubs, gears pressed on each other: the deflection of full finite elements on the same mesh, but for displacements
-/// along the flanks, which reduced contact leaves out. What these do is turn by the angle between facets, and falls with
-/// it. Any number of modes deflects alike, and a hub that is free to turn under the torque turns as far as one turned by
-/// hand.
+/// Held hubs, gears pressed on each other: the deflection of full finite elements on the same mesh, but for
+/// displacements along the flanks, which reduced contact leaves out. What these do is turn by the angle between facets,
+/// and falls with it. Any number of modes deflects alike, and a hub that is free to turn under the torque turns as far
+/// as one turned by hand.
 #[test]
 fn statics_are_those_of_full_finite_elements() {
     let mut of_facets = Vec::new();
@@ -290,15 +290,17 @@ fn statics_are_those_of_full_finite_elements() {
         of_facets.push(largest);
         for torque in [10.0, 60.0] {
             let spec = pressed(torque);
-            let lever = lever(&spec.gears[0].body);
-            let by_hand = reduced[2].under_force(pitch, torque / lever).unwrap();
+            let effective_radius = effective_radius(&spec.gears[0].body);
+            let by_hand = reduced[2]
+                .under_force(pitch, torque / effective_radius)
+                .unwrap();
             let free = [0, 8, 60].map(|modes| {
                 let mut scene = Scene::build(&spec, &model("elastic", Some(modes)), MODELS)
                     .unwrap_or_else(|e| panic!("{e}"));
                 let mut s = scene.initial();
                 s.q[0] = CLOSED;
                 equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
-                channel(&mut scene, &s, "travel:pinion") * lever
+                channel(&mut scene, &s, "displacement:pinion") * effective_radius
             });
             let apart = (free[0] / free[2] - 1.0)
                 .abs()

@@ -149,7 +149,7 @@ fn an_impact_keeps_energy_and_momentum() {
         };
         let implicit = id.starts_with("generalised");
         let mut scene = scene(points, implicit);
-        assert_eq!(scene.layout().guards, 0);
+        assert_eq!(scene.layout().event_functions, 0);
         let (ledger, impulse, work) = run_impact(&mut scene, id, resolution);
         let energy = ledger.residual_relative();
         let mut worst = 0.0_f64;

@@ -7,7 +7,7 @@ use gearbench_integrators::{
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::{Damping, realised_restitution};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, lever, mesh_layout};
+use gearbench_models::spec::{ContactSpec, effective_radius, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 
@@ -49,8 +49,9 @@ impl Invariant {
     fn new(scene: &Scene) -> Self {
         let spec = case_a(GAP);
         Invariant {
-            per_speed: [0, 1]
-                .map(|i| scene.gears()[i].model.hub().inertia / lever(&spec.gears[i].body)),
+            per_speed: [0, 1].map(|i| {
+                scene.gears()[i].model.hub().inertia / effective_radius(&spec.gears[i].body)
+            }),
             channels: ["speed:pinion", "speed:wheel"].map(|c| gearbench_tests::named(scene, c)),
             start: None,
             drift: 0.0,
@@ -258,8 +259,8 @@ fn the_ledger_closes_with_damped_contacts() {
 fn rigid_gears_rebound_with_the_restitution_of_the_law() {
     let spec = case_a(GAP);
     let closing = |scene: &mut Scene, s: &gearbench_integrators::State| {
-        channel(scene, s, "hub_speed:pinion") * lever(&spec.gears[0].body)
-            + channel(scene, s, "hub_speed:wheel") * lever(&spec.gears[1].body)
+        channel(scene, s, "hub_speed:pinion") * effective_radius(&spec.gears[0].body)
+            + channel(scene, s, "hub_speed:wheel") * effective_radius(&spec.gears[1].body)
     };
     for (damping, chi) in [
         (Damping::None, 0.0),

@@ -5,5 +5,6 @@
 #![allow(clippy::print_stdout)]
 
 mod elastic;
+mod example;
 mod flank_points;
 mod impact;

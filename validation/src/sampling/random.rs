@@ -1,4 +1,4 @@
-//! Random numbers of the drawing: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014, fig. 14), one stream per scene and
+//! Random numbers of the sampling: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014, fig. 14), one stream per scene and
 //! attempt, so that no scene depends on how many numbers another took.
 
 /// Increment of the state, the odd number nearest to 2^64 over the golden ratio.
@@ -65,13 +65,13 @@ impl Random {
     }
 }
 
-/// A number with four significant digits: what a scene file says is what was drawn.
+/// A number with four significant digits: what a scene file says is what was sampled.
 #[must_use]
 pub fn short(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// A number with ten significant digits, for what follows from drawn ones and must fit them.
+/// A number with ten significant digits, for what follows from sampled ones and must fit them.
 #[must_use]
 pub fn fitting(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)

@@ -1,4 +1,4 @@
-//! The gears that scenes are drawn with. Few, so that finite elements are reduced once for many scenes.
+//! The gears that scenes are sampled with. Few, so that finite elements are reduced once for many scenes.
 
 use gearbench_models::geometry::{Gear, GearParams, GeometryError};
 
@@ -90,7 +90,7 @@ impl Toothing {
     ///
     /// # Errors
     /// A gear that cannot be cut.
-    pub fn levers(&self) -> Result<[f64; 2], GeometryError> {
+    pub fn effective_radii(&self) -> Result<[f64; 2], GeometryError> {
         let first = self.gear(0)?;
         let second = if self.rack {
             first.transverse_pressure_angle().cos()
@@ -102,9 +102,9 @@ impl Toothing {
 
     /// Radius of curvature of the two flanks against each other at the pitch point [m].
     #[must_use]
-    pub fn curvature(&self, levers: [f64; 2]) -> f64 {
+    pub fn curvature(&self, effective_radii: [f64; 2]) -> f64 {
         let tangent = GearParams::default().pressure_angle.tan();
-        let [a, b] = levers;
+        let [a, b] = effective_radii;
         tangent * if self.rack { a } else { a * b / (a + b) }
     }
 

@@ -1,10 +1,11 @@
 //! What choices are held against: the densest elastic model, or full finite elements on the same mesh.
 
 use super::ValidationError;
-use super::measure::{Observed, PATIENCE, Ready};
-use gearbench::studies::choose::candidate::{DENSEST, densest, elastic, full};
-use gearbench::studies::choose::situation::Situation;
-use gearbench::studies::choose::wish::Metric;
+use super::measure::{PATIENCE, error};
+use gearbench::studies::choose::plan::{DENSEST, densest, elastic, full};
+use gearbench::studies::choose::problem::Problem;
+use gearbench::studies::choose::requirement::Metric;
+use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_integrators::{MethodSpec, Scheme};
@@ -25,7 +26,7 @@ pub struct Reference {
     /// In words.
     pub name: &'static str,
     /// Its run.
-    pub run: Observed,
+    pub run: Outcome,
     /// The larger of what twice the step and fewer modes change; for the densest elastic model.
     pub own_error: Option<f64>,
     /// Error of the densest elastic model, where that is not the reference.
@@ -42,19 +43,19 @@ pub const FULL_NAME: &str = "full finite elements";
 /// # Errors
 /// A model that cannot be built or does not reach the end.
 pub fn reference(
-    situation: &Situation,
+    problem: &Problem,
     metric: Metric,
     full_order: bool,
     (grid, contact_time): (&[f64], f64),
 ) -> Result<Reference, ValidationError> {
-    let dense = densest(situation)?;
-    let run = |modelling: &Modelling, method: &Scheme| -> Result<Observed, ValidationError> {
-        let mut ready = Ready::new(situation, &dense.scene, modelling)?;
-        let seen = ready.observe(method, grid, PATIENCE)?;
-        if seen.status.is_failure() {
+    let dense = densest(problem)?;
+    let run = |modelling: &Modelling, method: &Scheme| -> Result<Outcome, ValidationError> {
+        let mut trial = Trial::new(problem, &dense.scene, modelling)?;
+        let seen = trial.observe(method, (problem.duration, grid), false, PATIENCE)?;
+        if !seen.usable() {
             return Err(ValidationError::Reference {
                 method: method.method.to_string(),
-                why: seen.message.unwrap_or_else(|| seen.status.to_string()),
+                why: (seen.row.message).unwrap_or_else(|| seen.row.status.to_string()),
             });
         }
         Ok(seen)
@@ -78,12 +79,12 @@ pub fn reference(
     let dense_method = &finer[used];
     if full_order {
         let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
-        match first(&full(situation), &methods) {
+        match first(&full(problem), &methods) {
             Ok((run, _)) => {
                 return Ok(Reference {
                     name: FULL_NAME,
                     own_error: None,
-                    densest_error: fine.error(metric, &run),
+                    densest_error: error(&fine, metric, &run),
                     run,
                 });
             }
@@ -97,11 +98,11 @@ pub fn reference(
     };
     // What does not reach the end says nothing of the one that does.
     let coarse = run(&dense.modelling, &scaled(dense_method, 2.0)).ok();
-    let fewer = run(&elastic(situation, FEWER, step), dense_method).ok();
+    let fewer = run(&elastic(problem, FEWER, step), dense_method).ok();
     let own = [coarse, fewer]
         .iter()
         .flatten()
-        .filter_map(|o| o.error(metric, &fine))
+        .filter_map(|o| error(o, metric, &fine))
         .fold(None, |worst: Option<f64>, e| {
             Some(worst.map_or(e, |w| w.max(e)))
         });

@@ -243,7 +243,7 @@ fn impossible_studies() {
         &["both given"],
     );
     refused("step_s = 1e-6", "rtol = 1e-6", 36, &["rk4 has fixed steps"]);
-    let coast = |text: &str, words: &[&str]| {
+    let free_flight = |text: &str, words: &[&str]| {
         refused(
             "method = \"rk4\"",
             &format!("method = \"{text}\""),
@@ -251,14 +251,17 @@ fn impossible_studies() {
             words,
         );
     };
-    coast("rk4(coast=2)", &["coast = 2", "neither 0 nor 1"]);
-    coast("trigonometric(coast=0)", &["always crosses flights"]);
+    free_flight(
+        "rk4(free_flight=2)",
+        &["free_flight = 2", "neither 0 nor 1"],
+    );
+    free_flight("trigonometric(free_flight=0)", &["always crosses flights"]);
     for share in ["1.0", "-1e-8", "\"never\""] {
         refused(
             "tooth_mass_kg = 4.8e-3",
-            &format!("tooth_mass_kg = 4.8e-3, sleep = {share}"),
+            &format!("tooth_mass_kg = 4.8e-3, vibration_cut_off = {share}"),
             33,
-            &["`sleep`", "at least 0 and less than 1"],
+            &["`vibration_cut_off`", "at least 0 and less than 1"],
         );
     }
     refused(

@@ -1,8 +1,8 @@
 //! Arguments of `choose`.
 
-use crate::studies::choose::Metric;
+use super::requirement::Metric;
+use crate::cli::arguments::Output;
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -10,8 +10,8 @@ Examples:
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
 
-No finite-element transient runs: a ladder of models is climbed on a short part of the scene, and differences between
-its rungs estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
+No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
+its levels estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
 `gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate.";
 
 /// Arguments of `choose`.
@@ -26,9 +26,9 @@ pub struct Choose {
     /// Largest relative error in it that is accurate enough, 0.05 for 5 %
     #[arg(long, value_name = "T", default_value_t = 0.05, value_parser = tolerance)]
     pub tolerance: f64,
-    /// Folder to write to [default: out/SCENE/choose]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub output: Output,
 }
 
 fn metric(text: &str) -> Result<Metric, String> {

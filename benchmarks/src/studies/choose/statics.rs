@@ -2,21 +2,22 @@
 //! static solves of the elastic gears without modes.
 //!
 //! The last costs some tens of equilibria and no time step. At positions over one base pitch both hubs are held at an
-//! approach `d` of the size that the scene will see; the part of the force `F_j` that each tooth pair then carries gives
-//! the coefficient of `N = k(s) d^n`, `k = F_j / d^n`, with one exponent `n` from a second approach: the penalty touches
-//! on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in contact is the
-//! mesh stiffness of the elastic gears at every position, coupling through the bodies included.
+//! approach `d` of the size that the scene will see; the part of the force `F_j` that each tooth pair then carries
+//! gives the coefficient of `N = k(s) d^n`, `k = F_j / d^n`, with one exponent `n` from a second approach: the penalty
+//! touches on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in
+//! contact is the mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
-use super::situation::Situation;
+use super::problem::Problem;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, lever, mesh_layout,
+    Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
@@ -63,12 +64,8 @@ pub fn analytic() -> PairStiffness {
 /// Rigid gears with a contact for all meshes.
 #[must_use]
 pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
-    let gear = ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::new(),
-    };
     Modelling {
-        gears: vec![gear; scene.gears.len()],
+        gears: vec![rigid::spec(); scene.gears.len()],
         contacts,
     }
 }
@@ -136,7 +133,7 @@ impl Swing {
     pub fn of(scene: &SceneSpec) -> Result<Swing, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
-        let pace = built.pace(built.initial().at());
+        let characteristic_time = built.characteristic_time(built.initial().at());
         let mass = |i: usize| built.gears()[i].model.hub().contact_mass;
         let of = |m: &gearbench_models::spec::MeshSpec| {
             1.0 / m.gears.map(|i| 1.0 / mass(i)).iter().sum::<f64>()
@@ -146,7 +143,7 @@ impl Swing {
         let mass = if mass.is_finite() { mass } else { 1.0 };
         Ok(Swing {
             mass,
-            stiffness: mass / (pace * pace),
+            stiffness: mass / (characteristic_time * characteristic_time),
         })
     }
 
@@ -210,13 +207,13 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
     }
 }
 
-/// Solves the elastic gears of a situation without modes at an approach of the flanks that the scene will see [m].
+/// Solves the elastic gears of a problem without modes at an approach of the flanks that the scene will see [m].
 ///
 /// # Errors
-/// [`StaticsError`]: more than one mesh, or no equilibrium.
-pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, StaticsError> {
-    let modelling = super::candidate::elastic(situation, 0, None);
-    let mut pair = LoadedPair::new(&situation.scene, &modelling, situation.models)?;
+/// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
+pub fn calibrate(problem: &Problem, approach: f64) -> Result<Calibrated, StaticsError> {
+    let modelling = super::plan::elastic(problem, 0, None);
+    let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
     let (pitch, base, path) = {
         let l = pair.layout();
         (l.pitch_point, l.base_pitch, l.path)
@@ -240,6 +237,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
             }
         }
     }
+    if forces.is_empty() {
+        return Err(StaticsError::NoContact { approach: high });
+    }
     forces.sort_by(|a, b| a.0.total_cmp(&b.0));
     forces.dedup_by(|b, a| b.0 - a.0 < 1e-9 * base);
     exponents.sort_by(f64::total_cmp);
@@ -257,9 +257,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
     })
 }
 
-/// Movable teeth of a mesh without a fit: tooth and body compliance at the pitch point go into the springs, what is left
-/// of the stiffness along the path into the contact, and a tooth weighs what moves with the tip of a clamped bar of
-/// half a pitch and two and a quarter modules. `pair` is the stiffness along the path [m, N/m].
+/// Movable teeth of a mesh without a fit: tooth and body compliance at the pitch point go into the springs, what is
+/// left of the stiffness along the path into the contact, and a tooth weighs what moves with the tip of a clamped bar
+/// of half a pitch and two and a quarter modules. `pair` is the stiffness along the path [m, N/m].
 ///
 /// # Errors
 /// A pair that the analytic compliance does not know.
@@ -353,7 +353,7 @@ fn spring(gear: &GearSpec, compliance: f64) -> f64 {
         Body::Gear(g) => g.r_root(),
         Body::Rack(_) => 1.0,
     };
-    (lever(&gear.body) / radius).powi(2) / compliance
+    (effective_radius(&gear.body) / radius).powi(2) / compliance
 }
 
 fn tooth_mass(gear: &GearSpec) -> f64 {

@@ -11,15 +11,28 @@ use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::mesh_layout;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
-    let found = scene.models.iter().find(twin).map(|m| m.label.as_str());
-    let label = args.model.as_deref().or(found).unwrap_or("elastic");
-    let choice = scene.select(Some(label))?[0];
+    let penalty = |m: &&ModelChoice| {
+        m.modelling
+            .contacts
+            .iter()
+            .any(|c| c.points.is_some_and(|p| !p.hard))
+    };
+    let found = (scene.models.iter().find(twin)).or_else(|| scene.models.iter().find(penalty));
+    let choice = match (&args.model, found) {
+        (Some(label), _) => scene.select(Some(label))?[0],
+        (None, Some(found)) => found,
+        (None, None) => {
+            return Err(without_penalty(format!(
+                "no model of the scene `{}` has a penalty",
+                scene.name
+            )));
+        }
+    };
     let hard: Option<&ModelChoice> = match &args.hard {
         Some(label) => Some(scene.select(Some(label))?[0]),
         None => scene.model(&format!("{}-hard", choice.label)),
@@ -56,7 +69,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             command: command.to_string(),
             settings: told,
             events: true,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(&scene)
         },
         entry: Configuration::of(&scene, choice),
@@ -73,14 +86,22 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
         load,
         positions: args.positions,
     };
-    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress)).map_err(|e| match e {
-        PenaltyError::Run(e) => refuse_run(e),
-        PenaltyError::Statics(label, e) => refuse_statics(&scene, &label, &e),
-        PenaltyError::NoPenalty(label) => Refusal::from(SceneError::plain(
-            format!("the contact of `{label}` has no penalty"),
-            "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
-        )),
-    })?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress)).map_err(
+        |e| match e {
+            PenaltyError::Run(e) => refuse_run(e),
+            PenaltyError::Statics(label, e) => refuse_statics(&scene, &label, &e),
+            PenaltyError::NoPenalty(label) => {
+                without_penalty(format!("the contact of `{label}` has no penalty"))
+            }
+        },
+    )?;
+    write(&results, (args.run.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
+}
+
+fn without_penalty(message: String) -> Refusal {
+    Refusal::from(SceneError::plain(
+        message,
+        "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
+    ))
 }

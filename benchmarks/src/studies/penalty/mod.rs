@@ -4,8 +4,8 @@
 //! A penalty is a spring that no body has. Results that change with it say nothing of the gears; with hard contact as
 //! the limit the study shows from where on they no longer do.
 
-pub mod arguments;
-pub mod command;
+pub(crate) mod arguments;
+pub(crate) mod command;
 mod plan;
 mod run;
 mod summary;

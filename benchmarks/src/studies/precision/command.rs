@@ -59,6 +59,10 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     let results =
         with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
 
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(
+        &results,
+        (args.output.out.as_deref(), &scene.name),
+        summarise,
+    )?;
     Ok(ExitCode::SUCCESS)
 }

@@ -12,6 +12,8 @@ use crate::experiment::run::{Job, RunError, run};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_integrators::{MethodSpec, Scheme};
+use gearbench_models::gear::properties::Properties;
+use gearbench_models::gear::table::properties_of;
 use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Run, Status, Tolerance, finite};
 use gearbench_reports::series::TimeSeries;
@@ -80,14 +82,18 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
 /// # Errors
 /// [`RunError`] when the scene cannot be built.
 pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
-    let any = |id: &str| setup.modelling.gears.iter().any(|g| g.id == id);
-    let (tried, mut why): (&[[(MethodSpec, f64); 2]], String) = match (any("fe"), any("elastic")) {
-        (true, _) => (
-            &[],
-            "a converged solution of full finite elements takes too long".into(),
-        ),
-        (false, true) => (&WITH_MODES, String::new()),
-        (false, false) => (&SMALL, String::new()),
+    let any = |has: fn(Properties) -> bool| {
+        let mut gears = setup.modelling.gears.iter();
+        gears.any(|g| has(properties_of(plan.conditions.models, &g.id)))
+    };
+    let mut why = String::new();
+    let tried: &[[(MethodSpec, f64); 2]] = if any(|p| p.full_order) {
+        why = "a converged solution of full finite elements takes too long".into();
+        &[]
+    } else if any(|p| p.modes) {
+        &WITH_MODES
+    } else {
+        &SMALL
     };
     let budget = map.max_steps.saturating_mul(MORE_STEPS);
     for pair in tried {

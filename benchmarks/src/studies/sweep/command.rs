@@ -7,10 +7,11 @@ use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
+use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
+use gearbench_models::gear::table::properties_of;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Speeds around the mesh resonance when nobody says.
 const AROUND: [f64; 2] = [0.06, 1.5];
@@ -20,7 +21,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
-    let full = |m: &ModelChoice| m.model == "fe";
+    let full = |m: &ModelChoice| properties_of(models(), &m.model).full_order;
     let mut standing: Vec<&ModelChoice> = choices.iter().copied().filter(|m| full(m)).collect();
     if args.models.is_none() {
         let more = scene.models.iter().filter(|m| full(m));
@@ -37,7 +38,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
             settings: settings(&scene, &shown, false),
             events: true,
             repeats: 0,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(&scene)
         },
         entries: running.iter().map(entry).collect(),
@@ -80,6 +81,6 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
 
     let results =
         with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(&results, (args.run.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
 }

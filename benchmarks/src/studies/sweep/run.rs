@@ -6,10 +6,10 @@ use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::run::{Job, run};
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, Load, MeshLayout, Mount, Profile, SceneSpec, lever, mesh_layout,
+    Body, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
@@ -35,12 +35,12 @@ const UNSETTLED: f64 = 0.2;
 /// The mesh that is swept.
 struct Pair {
     layout: MeshLayout,
-    /// Levers of both gears [m].
-    levers: [f64; 2],
+    /// Effective base radii of both gears [m].
+    effective_radii: [f64; 2],
     teeth: f64,
     /// Of the flank in contact, as the first gear turns.
     sign: f64,
-    /// Path coordinate of the reference pair at zero travel [m].
+    /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     /// Force along the line of action [N].
     force: f64,
@@ -69,11 +69,14 @@ impl Pair {
         };
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
         let sign = mesh.start.side.sign();
-        let levers = [lever(&a.body), lever(&b.body)];
+        let effective_radii = [effective_radius(&a.body), effective_radius(&b.body)];
         let loads = [torque(&a.loads), torque(&b.loads)];
         let driven = [a, b].map(|g| matches!(g.mount, Mount::Driven(_)));
         // Both torques press the flanks together along the line of action.
-        let forces = [sign * loads[0] / levers[0], sign * loads[1] / levers[1]];
+        let forces = [
+            sign * loads[0] / effective_radii[0],
+            sign * loads[1] / effective_radii[1],
+        ];
         let force = match driven {
             [true, true] => return Err("both gears are driven: nothing can vibrate".into()),
             [true, false] => forces[1],
@@ -86,7 +89,7 @@ impl Pair {
                         loads[0],
                         loads[1],
                         loads[0],
-                        loads[0] * levers[1] / levers[0]
+                        loads[0] * effective_radii[1] / effective_radii[0]
                     ));
                 }
                 forces[0]
@@ -100,7 +103,7 @@ impl Pair {
         Ok(Pair {
             start: mesh.start.path_coordinate.unwrap_or(layout.pitch_point),
             layout,
-            levers,
+            effective_radii,
             teeth: f64::from(first.teeth()),
             sign,
             force,
@@ -110,7 +113,10 @@ impl Pair {
     /// Speeds of both gears at a mesh frequency [rad/s].
     fn speeds(&self, frequency: f64) -> [f64; 2] {
         let first = self.sign * TAU * frequency / self.teeth;
-        [first, -first * self.levers[0] / self.levers[1]]
+        [
+            first,
+            -first * self.effective_radii[0] / self.effective_radii[1],
+        ]
     }
 
     /// The scene at a speed, its loads rising until `rise` [s], the teeth touching.
@@ -147,9 +153,9 @@ impl Pair {
             let found = series.columns.iter().find(|c| c.name == name);
             found.map(|c| c.values.as_slice())
         };
-        let travel = |k: usize| column(format!("travel_{}_rad", gears[k].0));
-        let (first, second) = (travel(0)?, travel(1)?);
-        let [ra, rb] = self.levers;
+        let displacement = |k: usize| column(format!("hub_angle_{}_rad", gears[k].0));
+        let (first, second) = (displacement(0)?, displacement(1)?);
+        let [ra, rb] = self.effective_radii;
         let error: Vec<f64> = (first.iter().zip(second))
             .map(|(a, b)| self.sign * (ra * a + rb * b))
             .collect();
@@ -193,7 +199,7 @@ fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<
     let compliance: f64 = (scene.gears().iter().zip(&entry.scene.gears))
         .map(|(g, spec)| {
             let hub = g.model.hub();
-            hub.coordinates() as f64 * lever(&spec.body).powi(2) / hub.inertia
+            hub.coordinates() as f64 * effective_radius(&spec.body).powi(2) / hub.inertia
         })
         .sum();
     (compliance > 0.0).then(|| (stiffness * compliance).sqrt() / TAU)
@@ -289,7 +295,7 @@ fn one(
     row.contacts = None;
     // Rigid gears hand the contact force on; others have inertia of their own vibration.
     let gears = [0, 1].map(|i| {
-        let vibrates = entry.modelling.gears[i].id != "rigid";
+        let vibrates = !properties_of(plan.conditions.models, &entry.modelling.gears[i].id).rigid;
         (entry.scene.gears[i].name.as_str(), vibrates)
     });
     let series = row.series.take().unwrap_or_default();

@@ -424,7 +424,7 @@ impl NodalSolve {
     }
 
     /// `x <- (I + R S)^-1 R x` with the last factor: how nodes give way, inwards, when forces on them grow by `x`.
-    pub fn give_way(&mut self, x: &mut [f64]) {
+    pub fn apply_compliance(&mut self, x: &mut [f64]) {
         self.nodal.clear();
         self.nodal.extend_from_slice(x);
         self.y.clear();

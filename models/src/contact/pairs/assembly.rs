@@ -102,14 +102,14 @@ impl LinesOfAction {
             loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
             loa.lines[l].map = [0, 1].map(|k| {
                 let v = &loa.views[k];
-                let s = |tooth: i64, travel: f64| {
-                    v.path_coordinate(side, v.assembled + travel + tooth as f64 * v.pitch)
+                let s = |tooth: i64, displacement: f64| {
+                    v.path_coordinate(side, v.assembled + displacement + tooth as f64 * v.pitch)
                 };
                 let (t0, t1) = (teeth[0][k].index, teeth[1][k].index);
                 let shift = if k == 0 { offset } else { -offset };
                 PathMap {
                     at_zero: s(t0, 0.0) + shift,
-                    per_travel: side.sign() * v.path_per_travel(),
+                    per_displacement: side.sign() * v.path_per_displacement(),
                     // One base pitch per pair, up for gear a and down for gear b.
                     per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.base_pitch,
                 }
@@ -127,7 +127,7 @@ impl LinesOfAction {
             let modified: f64 = self.slices[line.slice].deviation.iter().map(lowest).sum();
             LineClearance {
                 assembled: self.helix_cos * line.slack + modified,
-                per_travel: line.map.map(|m| -self.helix_cos * m.per_travel),
+                per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
             }
         };
         self.lines.iter().map(of).collect()

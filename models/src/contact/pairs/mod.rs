@@ -91,40 +91,40 @@ struct Line {
     transverse: Vec3,
     /// Tangent point on gear a in the slice's plane.
     origin: Vec3,
-    /// `s = at_zero + per_travel * travel + per_pair * pair` for both gears, helix included.
+    /// `s = at_zero + per_displacement * displacement + per_pair * pair` for both gears, helix included.
     map: [PathMap; 2],
     /// Whether the teeth count up with the pairs, for both gears.
     ascending: [bool; 2],
     /// Neither flank is modified, so teeth that move as one have one gap:
-    /// `helix_cos (slack - per_travel_a travel_a - per_travel_b travel_b)`.
+    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`.
     plain: bool,
     slack: f64,
 }
 
-/// Path coordinate of a flank as a linear function of its tooth's travel and the pair's number.
+/// Path coordinate of a flank as a linear function of its tooth's displacement and the pair's number.
 #[derive(Clone, Copy, Debug, Default)]
 struct PathMap {
     at_zero: f64,
-    per_travel: f64,
+    per_displacement: f64,
     per_pair: f64,
 }
 
 impl PathMap {
     #[inline(always)]
-    fn s(&self, travel: f64, pair: i64) -> f64 {
-        self.at_zero + self.per_travel * travel + self.per_pair * pair as f64
+    fn s(&self, displacement: f64, pair: i64) -> f64 {
+        self.at_zero + self.per_displacement * displacement + self.per_pair * pair as f64
     }
 }
 
 /// A gear at a state, as the lines of action see it.
 struct Mover<'a> {
     at: At<'a>,
-    travels: Travels<'a>,
+    displacements: Displacements<'a>,
 }
 
 /// Travels of its teeth.
 #[derive(Clone, Copy)]
-enum Travels<'a> {
+enum Displacements<'a> {
     /// All teeth move with the hub.
     OfHub(f64),
     /// Each has its own.
@@ -135,11 +135,11 @@ impl<'a> Mover<'a> {
     #[inline]
     fn new(party: &Party<'a>) -> Self {
         let Party { gear, at } = *party;
-        let travels = match gear.teeth() {
-            Some(teeth) => Travels::OfTeeth(teeth),
-            None => Travels::OfHub(gear.hub().travel_at(at)),
+        let displacements = match gear.teeth() {
+            Some(teeth) => Displacements::OfTeeth(teeth),
+            None => Displacements::OfHub(gear.hub().displacement_at(at)),
         };
-        Mover { at, travels }
+        Mover { at, displacements }
     }
 }
 
@@ -152,7 +152,7 @@ struct PairState {
     scale: [f64; 2],
 }
 
-const ZONE_GUARDS: usize = 4;
+const ZONE_EVENTS: usize = 4;
 /// Pairs whose path coordinates are asked for at once: those of a line, for contact ratios up to three.
 const BLOCK: usize = 4;
 
@@ -188,11 +188,13 @@ impl LinesOfAction {
     /// Path coordinate of the flank of gear `k` in a pair [m].
     #[inline(always)]
     fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
-        let travel = match gear.travels {
-            Travels::OfHub(travel) => travel,
-            Travels::OfTeeth(teeth) => teeth.travel(gear.at, self.teeth(line.side, pair)[k]),
+        let displacement = match gear.displacements {
+            Displacements::OfHub(displacement) => displacement,
+            Displacements::OfTeeth(teeth) => {
+                teeth.displacement(gear.at, self.teeth(line.side, pair)[k])
+            }
         };
-        line.map[k].s(travel, pair)
+        line.map[k].s(displacement, pair)
     }
 
     /// Path coordinates of the flanks of gear `k` in consecutive pairs from `first` on [m].
@@ -205,14 +207,14 @@ impl LinesOfAction {
         first: i64,
         out: &mut [f64],
     ) {
-        let teeth = match gear.travels {
-            Travels::OfHub(travel) => {
+        let teeth = match gear.displacements {
+            Displacements::OfHub(displacement) => {
                 for (pair, s) in (first..).zip(out) {
-                    *s = line.map[k].s(travel, pair);
+                    *s = line.map[k].s(displacement, pair);
                 }
                 return;
             }
-            Travels::OfTeeth(teeth) => teeth,
+            Displacements::OfTeeth(teeth) => teeth,
         };
         let up = line.ascending[k];
         let lowest = if up {
@@ -220,7 +222,7 @@ impl LinesOfAction {
         } else {
             first + out.len() as i64 - 1
         };
-        teeth.travels(gear.at, self.teeth(line.side, lowest)[k], out);
+        teeth.displacements(gear.at, self.teeth(line.side, lowest)[k], out);
         if !up {
             out.reverse();
         }
@@ -240,7 +242,9 @@ impl LinesOfAction {
     ) {
         let line = &self.lines[l];
         let (mut pair, mut slot) = (first, self.slot(l, first));
-        if let [Travels::OfHub(a), Travels::OfHub(b)] = [a.travels, b.travels] {
+        if let [Displacements::OfHub(a), Displacements::OfHub(b)] =
+            [a.displacements, b.displacements]
+        {
             while pair <= last {
                 f(slot, pair, [line.map[0].s(a, pair), line.map[1].s(b, pair)]);
                 pair += 1;
@@ -294,11 +298,13 @@ impl LinesOfAction {
     /// move as one. False says nothing.
     #[inline(always)]
     fn clearly_open(&self, line: &Line, [a, b]: [&Mover<'_>; 2], reach: f64) -> bool {
-        let (Travels::OfHub(a), Travels::OfHub(b), true) = (a.travels, b.travels, line.plain)
+        let (Displacements::OfHub(a), Displacements::OfHub(b), true) =
+            (a.displacements, b.displacements, line.plain)
         else {
             return false;
         };
-        let slack = line.slack - line.map[0].per_travel * a - line.map[1].per_travel * b;
+        let slack =
+            line.slack - line.map[0].per_displacement * a - line.map[1].per_displacement * b;
         // Rounding may leave the exact gap a hair below.
         self.helix_cos * slack > reach + 1e-9 * self.base_pitch
     }
@@ -367,13 +373,13 @@ impl LinesOfAction {
         &self,
         l: usize,
         movers: [&Mover<'_>; 2],
-        memory: &[f64],
+        discrete: &[f64],
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     ) {
         let line = &self.lines[l];
         let listed = !matches!(wanted, Wanted::Touching(_));
-        let range = self.pairs_of(l, movers[0], memory, listed);
+        let range = self.pairs_of(l, movers[0], discrete, listed);
         self.each_pair(l, range, movers, |slot, pair, s| {
             if let Wanted::Closed(modes) = wanted
                 && modes[2 * slot] == 0.0
@@ -398,26 +404,26 @@ impl LinesOfAction {
         });
     }
 
-    /// Guards and gaps of a line; the travels of teeth that move each on its own are read once for both.
+    /// Event functions and gaps of a line; the displacements of teeth that move each on its own are read once for both.
     fn watch_line(
         &self,
         l: usize,
         (lo, hi): (i64, i64),
         movers: [&Mover<'_>; 2],
-        guards: &mut [f64],
+        event_functions: &mut [f64],
         gaps: &mut [f64],
     ) {
         let line = &self.lines[l];
         let n = (hi - lo + 1) as usize;
         let (mut a, mut b) = ([0.0; BLOCK + 2], [0.0; BLOCK]);
         if n > BLOCK {
-            self.zone_guards(line, (lo, hi), movers[0], guards);
+            self.zone_events(line, (lo, hi), movers[0], event_functions);
             return self.gaps_of_pairs(l, (lo, hi), movers, gaps);
         }
         let (a, b) = (&mut a[..n + 2], &mut b[..n]);
         self.path_coordinates(line, 0, movers[0], lo - 1, a);
         self.path_coordinates(line, 1, movers[1], lo, b);
-        self.set_zone_guards([a[0], a[1], a[n], a[n + 1]], guards);
+        self.set_zone_events([a[0], a[1], a[n], a[n + 1]], event_functions);
         let mut slot = self.slot(l, lo);
         for (i, b) in b.iter().enumerate() {
             gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b]).gap;
@@ -425,28 +431,34 @@ impl LinesOfAction {
         }
     }
 
-    /// Guards of a line's first and last pair.
+    /// Event functions of a line's first and last pair.
     #[inline(always)]
-    fn zone_guards(&self, line: &Line, (lo, hi): (i64, i64), a: &Mover<'_>, guards: &mut [f64]) {
+    fn zone_events(
+        &self,
+        line: &Line,
+        (lo, hi): (i64, i64),
+        a: &Mover<'_>,
+        event_functions: &mut [f64],
+    ) {
         let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
         self.path_coordinates(line, 0, a, lo - 1, &mut low);
         self.path_coordinates(line, 0, a, hi, &mut high);
-        self.set_zone_guards([low[0], low[1], high[0], high[1]], guards);
+        self.set_zone_events([low[0], low[1], high[0], high[1]], event_functions);
     }
 
     /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
     #[inline(always)]
-    fn set_zone_guards(&self, s: [f64; 4], guards: &mut [f64]) {
+    fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
         let scale = self.per_base_pitch;
-        guards[0] = (self.zone[1] - s[2]) * scale;
-        guards[1] = (s[1] - self.zone[0]) * scale;
-        guards[2] = (self.zone[0] - s[0]) * scale;
-        guards[3] = (s[3] - self.zone[1]) * scale;
+        event_functions[0] = (self.zone[1] - s[2]) * scale;
+        event_functions[1] = (s[1] - self.zone[0]) * scale;
+        event_functions[2] = (self.zone[0] - s[0]) * scale;
+        event_functions[3] = (s[3] - self.zone[1]) * scale;
     }
 
-    /// Pairs that a line looks at: those in memory, or those in the zone now.
+    /// Pairs that a line looks at: those in discrete state, or those in the zone now.
     #[inline(always)]
-    fn pairs_of(&self, l: usize, a: &Mover<'_>, memory: &[f64], listed: bool) -> (i64, i64) {
+    fn pairs_of(&self, l: usize, a: &Mover<'_>, discrete: &[f64], listed: bool) -> (i64, i64) {
         let line = &self.lines[l];
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
@@ -456,7 +468,7 @@ impl LinesOfAction {
             let pair = nearest((middle - s0) * self.per_base_pitch);
             (pair, pair)
         } else if listed {
-            (memory[2 * l] as i64, memory[2 * l + 1] as i64)
+            (discrete[2 * l] as i64, discrete[2 * l + 1] as i64)
         } else {
             self.zone_now(line, a)
         }

@@ -122,7 +122,7 @@ impl Deformed<'_> {
     }
 
     /// How the place of the closest point answers to a displacement of `x` against the flank [1/m].
-    pub fn answer(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
+    pub fn sensitivity(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
         let spot = (self.face(hit.row, hit.column)).eval(self.shape, hit.a, hit.b);
         let r = x - spot.x;
         let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);

@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::clearance::Clearance;
 use crate::contact::nodal::{
-    GearNodes, Margin, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+    GapBound, GearNodes, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
 };
 use crate::contact::pairs::MeshGeometry;
 use crate::contact::party::{Party, SearchWork, Wanted};
@@ -29,8 +29,8 @@ pub(super) const MOST_PAST: f64 = 0.5;
 
 /// Flank points of one gear against the flank surfaces of the other.
 ///
-/// The search has no memory, no slots and no guards: points open and close all the time, so the force is
-/// clipped and runs with it do not locate events.
+/// The search has no discrete state, no slots and no event functions: points open and close all the time, so the force
+/// is clipped and runs with it do not locate events.
 #[derive(Debug)]
 pub struct FlankPoints {
     pub(super) gears: [Flanked; 2],
@@ -88,7 +88,7 @@ pub(super) struct Found<'a> {
     pub x: Vec3,
     pub hit: Hit,
     /// `A' / A` of that area by the place along the master's face.
-    pub fading: f64,
+    pub weight_derivative: f64,
 }
 
 impl FlankPoints {
@@ -149,23 +149,23 @@ impl FlankPoints {
 
     /// First and second step: flanks about the line of centres, and the flanks they face.
     fn find_pairs(&self, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
-        let travel = parties.map(|p| p.gear.hub().travel(p.at.t, p.at.q));
+        let displacement = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
         scratch.pairs.clear();
         for k in 0..2 {
             scratch.active[k].clear();
             scratch.positions[k].clear();
         }
-        if !travel.iter().all(|t| t.is_finite()) {
+        if !displacement.iter().all(|t| t.is_finite()) {
             return;
         }
         let mut coarse = std::mem::take(&mut scratch.coarse);
         coarse.pairs.clear();
         for side in Side::BOTH {
-            self.coarse.pairs(self, side, travel, &mut coarse);
+            self.coarse.pairs(self, side, displacement, &mut coarse);
         }
         for [near, other] in &coarse.pairs {
-            let a = self.activate(0, *near, parties[0], travel[0], scratch);
-            let b = self.activate(1, *other, parties[1], travel[1], scratch);
+            let a = self.activate(0, *near, parties[0], displacement[0], scratch);
+            let b = self.activate(1, *other, parties[1], displacement[1], scratch);
             scratch.pairs.push([a, b]);
         }
         scratch.coarse = coarse;
@@ -182,7 +182,7 @@ impl FlankPoints {
         k: usize,
         near: Near,
         party: &Party<'_>,
-        travel: f64,
+        displacement: f64,
         scratch: &mut Scratch,
     ) -> usize {
         let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
@@ -197,10 +197,12 @@ impl FlankPoints {
             surface
                 .nodes
                 .positions(party.at, &shape.nodes, &mut positions[start..]);
-            g.placement.pose(travel)
+            g.placement.pose(displacement)
         } else {
             let tooth = self.tooth(k, &near);
-            let pose = g.placement.pose(party.gear.tooth_travel(party.at, tooth));
+            let pose = g
+                .placement
+                .pose(party.gear.tooth_displacement(party.at, tooth));
             let undeformed = &g.grids.grids()[near.shape].positions;
             for (x, u) in positions[start..].iter_mut().zip(undeformed) {
                 *x = pose.point(u);
@@ -277,7 +279,12 @@ impl FlankPoints {
         let master = self.deformed(m, scratch, pair[m]);
         let active = [&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]];
         heights.clear();
-        heights.extend(slave.x.iter().map(|x| self.stands_off(m, &master, x).1));
+        heights.extend(
+            slave
+                .x
+                .iter()
+                .map(|x| self.clearance_bound(m, &master, x).1),
+        );
         let columns = slave.shape.columns;
         let keep = |row: usize, column: usize| {
             let i = row * columns + column;
@@ -285,7 +292,7 @@ impl FlankPoints {
                 .min(heights[i + 1])
                 .min(heights[i + columns])
                 .min(heights[i + columns + 1]);
-            least <= limit + slave.shape.stray[row]
+            least <= limit + slave.shape.chord_bound[row]
         };
         let tip = master.shape.lengths[master.shape.lengths.len() - 1];
         slave.shape.points(&self.rule, keep, |p| {
@@ -294,7 +301,7 @@ impl FlankPoints {
                 .shape
                 .face(slave.x, slave.pose, p.row, p.column)
                 .position(slave.shape, p.a, p.b);
-            let (begin, clearance) = self.stands_off(m, &master, &x);
+            let (begin, clearance) = self.clearance_bound(m, &master, &x);
             if clearance > limit {
                 return;
             }
@@ -328,7 +335,7 @@ impl FlankPoints {
                 point,
                 x,
                 hit,
-                fading: slope / on,
+                weight_derivative: slope / on,
             });
         });
     }
@@ -336,7 +343,7 @@ impl FlankPoints {
     /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
     /// than a face beyond root, tip or sides.
     #[inline]
-    fn stands_off(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+    fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
         let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
         let (column, b) = master.shape.column_at(x.z);
         let begin = Begin {
@@ -350,7 +357,7 @@ impl FlankPoints {
         }
         let face = master.shape.face(master.x, master.pose, row, column);
         let over = face.height_over(master.shape.side, x);
-        (begin, over - master.shape.stray[row])
+        (begin, over - master.shape.chord_bound[row])
     }
 
     /// The points on both gears.
@@ -444,7 +451,7 @@ impl FlankPoints {
         found: &Found<'_>,
         parties: &[Party<'_>; 2],
         nodes: &mut [(Option<&dyn FlankDisplacement>, &mut GearNodes); 2],
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let Found {
@@ -453,7 +460,7 @@ impl FlankPoints {
             point: p,
             x,
             hit,
-            fading,
+            weight_derivative,
             ..
         } = found;
         let (k, m) = (*k, 1 - k);
@@ -473,7 +480,7 @@ impl FlankPoints {
                 gap0 -= weighted(&weights[gear], &a);
             }
         }
-        if !margin.takes(gap0) {
+        if !gap_bound.takes(gap0) {
             return;
         }
         let points = self.points(found);
@@ -490,14 +497,14 @@ impl FlankPoints {
             teeth: points.map(|p| p.tooth),
             x: *x,
             normal: hit.normal,
-            answer: master.answer(x, hit),
+            sensitivity: master.sensitivity(x, hit),
             place: [hit.a, hit.b],
             slots,
             weights,
             gap0,
             stiffness: self.penalty[k] * p.area,
             share: p.area * self.penalty[k] / (self.penalty[0] + self.penalty[1]),
-            fading: *fading,
+            weight_derivative: *weight_derivative,
         });
     }
 }
@@ -522,37 +529,37 @@ impl FlankPoints {
         });
     }
 
-    /// A lower bound of the gaps of all points of rigid flanks at travels of both hubs; `None` where flanks move
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
     /// otherwise or the search does not know.
     #[must_use]
-    pub fn clearance(&self, travels: [f64; 2]) -> Option<Clearance> {
+    pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         let mut gaps = [0.0; 2];
         for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
-            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, travels[k]));
+            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, displacements[k]));
             let along = self.length - a? - b?;
             let nearest = along - self.base_pitch * (along / self.base_pitch).round();
             *gap = nearest * self.helix_cos;
         }
         Some(Clearance {
             gaps,
-            per_travel: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_travel()),
+            per_displacement: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_displacement()),
         })
     }
 
     /// Appends the points of a mesh with a gear that has a [flank displacement](crate::gear::FlankDisplacement), of a
-    /// gap within the margin before residual compliance, and the nodes that they lie on.
+    /// gap within the gap_bound before residual compliance, and the nodes that they lie on.
     pub fn nodal_points(
         &self,
         mut sides: [NodalParty<'_>; 2],
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
-        let travels = [0, 1].map(|k| {
+        let displacements = [0, 1].map(|k| {
             let p = &sides[k].party;
-            p.gear.hub().travel(p.at.t, p.at.q)
+            p.gear.hub().displacement(p.at.t, p.at.q)
         });
         let apart = self
-            .clearance(travels)
+            .clearance(displacements)
             .map_or(f64::NEG_INFINITY, |c| c.after([0.0; 2]));
         if apart > self.reach {
             self.scratch.borrow_mut().work = SearchWork::default();
@@ -566,17 +573,17 @@ impl FlankPoints {
         }
         if self.hard {
             limit = self.reach;
-            margin.least = f64::INFINITY;
+            gap_bound.least = f64::INFINITY;
         }
         if let Some(spur) = &self.spur {
-            spur.points(self, sides, travels, limit, margin, out);
+            spur.points(self, sides, displacements, limit, gap_bound, out);
             return;
         }
         let [a, b] = sides;
         let parties = [a.party, b.party];
         let mut nodes = [(a.field, a.nodes), (b.field, b.nodes)];
         self.each_point(parties.each_ref(), limit, |found| {
-            self.nodal_point(found, &parties, &mut nodes, margin, out);
+            self.nodal_point(found, &parties, &mut nodes, gap_bound, out);
         });
     }
 

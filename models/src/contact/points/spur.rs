@@ -11,7 +11,7 @@ use super::projection::RIM;
 use super::search::{FlankPoints, MOST_PAST};
 use super::surface::{Rule, Shape};
 use crate::Vec3;
-use crate::contact::nodal::{Margin, NodalParty, NodalPoint, NodalPoints, UNUSED};
+use crate::contact::nodal::{GapBound, NodalParty, NodalPoint, NodalPoints, UNUSED};
 use crate::contact::party::SearchWork;
 use crate::geometry::Side;
 use crate::kinematics::Pose;
@@ -104,18 +104,18 @@ impl Spur {
         &self,
         of: &FlankPoints,
         mut sides: [NodalParty<'_>; 2],
-        travels: [f64; 2],
+        displacements: [f64; 2],
         limit: f64,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let mut scratch = of.scratch.borrow_mut();
         let mut first = std::mem::take(&mut scratch.first);
         let mut buffers = std::mem::take(&mut scratch.spur);
         let mut work = SearchWork::default();
-        self.find_pairs(of, travels, limit, &mut first, &mut buffers.pairs);
+        self.find_pairs(of, displacements, limit, &mut first, &mut buffers.pairs);
         if !buffers.pairs.is_empty() {
-            let poses = [0, 1].map(|k| of.gears[k].placement.pose(travels[k]));
+            let poses = [0, 1].map(|k| of.gears[k].placement.pose(displacements[k]));
             let turns = [
                 Turn::between(&poses[0], &poses[1]),
                 Turn::between(&poses[1], &poses[0]),
@@ -133,7 +133,7 @@ impl Spur {
                     turns: &turns,
                     limit,
                 };
-                pair.points(&mut sides, &mut buffers, &mut work, margin, out);
+                pair.points(&mut sides, &mut buffers, &mut work, gap_bound, out);
             }
             buffers.pairs = pairs;
         }
@@ -147,20 +147,20 @@ impl Spur {
     fn find_pairs(
         &self,
         of: &FlankPoints,
-        travels: [f64; 2],
+        displacements: [f64; 2],
         limit: f64,
         first: &mut Vec<Near>,
         pairs: &mut Vec<(f64, Near, Near, Side)>,
     ) {
         pairs.clear();
-        let limit = limit + of.gears[0].proud + of.gears[1].proud;
+        let limit = limit + of.gears[0].deviation_bound + of.gears[1].deviation_bound;
         for side in Side::BOTH {
             first.clear();
-            of.gears[0].each_near(side, travels[0], of.zone, |near| first.push(near));
+            of.gears[0].each_near(side, displacements[0], of.zone, |near| first.push(near));
             for near in first.iter() {
                 let facing = of.length - near.s;
                 let range = [facing - limit, facing + 0.5 * of.base_pitch];
-                of.gears[1].each_near(side, travels[1], range, |other| {
+                of.gears[1].each_near(side, displacements[1], range, |other| {
                     pairs.push((facing - other.s, *near, other, side));
                 });
             }
@@ -228,7 +228,7 @@ impl Pair<'_> {
         sides: &mut [NodalParty<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         for k in 0..2 {
@@ -238,7 +238,7 @@ impl Pair<'_> {
         let start = self.start();
         for k in 0..2 {
             if self.of.penalty[k] > 0.0 {
-                self.hold(k, &start[k], sides, buffers, work, margin, out);
+                self.hold(k, &start[k], sides, buffers, work, gap_bound, out);
             }
         }
     }
@@ -290,12 +290,12 @@ impl Pair<'_> {
         sides: &mut [NodalParty<'_>; 2],
         buffers: &mut SpurScratch,
         work: &mut SearchWork,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let m = 1 - k;
         let (slave, master) = (self.profile(k), self.profile(m));
-        let stray = &self.shape(k).stray;
+        let chord_bound = &self.shape(k).chord_bound;
         let turn = &self.turns[k];
         let SpurScratch { rows, clear, .. } = buffers;
         // Rows from the best place outwards, until they stand off.
@@ -307,7 +307,7 @@ impl Pair<'_> {
         let mut look = |row: usize, clear: &mut Vec<(f64, usize)>| {
             clear[row] = master.clearance(&turn.point(&slave.knots[row]), from);
             from = clear[row].1;
-            clear[row].0 <= self.limit + stray[row.min(stray.len() - 1)]
+            clear[row].0 <= self.limit + chord_bound[row.min(chord_bound.len() - 1)]
         };
         let (mut low, mut high) = (middle, middle + 1);
         let mut on = look(low, clear);
@@ -320,11 +320,12 @@ impl Pair<'_> {
             high += 1;
             on = look(high, clear);
         }
-        let stands_off = |row: usize| clear[row].0.min(clear[row + 1].0) > self.limit + stray[row];
-        while low < high && stands_off(low) {
+        let clearance_bound =
+            |row: usize| clear[row].0.min(clear[row + 1].0) > self.limit + chord_bound[row];
+        while low < high && clearance_bound(low) {
             low += 1;
         }
-        while high > low && stands_off(high - 1) {
+        while high > low && clearance_bound(high - 1) {
             high -= 1;
         }
         if low == high {
@@ -361,9 +362,9 @@ impl Pair<'_> {
             clear: clear.as_slice(),
         };
         let middle = middle.clamp(low, high - 1);
-        face.points(middle, work, margin, out);
+        face.points(middle, work, gap_bound, out);
         for row in (low..high).filter(|row| *row != middle) {
-            face.points(row, work, margin, out);
+            face.points(row, work, gap_bound, out);
         }
     }
 }
@@ -423,7 +424,7 @@ impl Held<'_, '_, '_> {
         &mut self,
         row: usize,
         work: &mut SearchWork,
-        margin: &mut Margin,
+        gap_bound: &mut GapBound,
         out: &mut NodalPoints,
     ) {
         let (pair, k) = (self.pair, self.k);
@@ -446,7 +447,7 @@ impl Held<'_, '_, '_> {
             let rows = &self.master_rows[faces[0]..=faces[1] + 1];
             rise += Self::rise(self.of_master, rows, m_shape.columns);
         }
-        if c0.0.min(c1.0) - rise > margin.gap() + s_shape.stray[row] {
+        if c0.0.min(c1.0) - rise > gap_bound.gap() + s_shape.chord_bound[row] {
             return;
         }
         let nodes = spur.along.is_empty();
@@ -479,7 +480,7 @@ impl Held<'_, '_, '_> {
                 continue;
             }
             let past = (0.5 * length / tip).min(MOST_PAST);
-            if master.stands_off(&x, face) - rise > margin.gap() {
+            if master.clearance_bound(&x, face) - rise > gap_bound.gap() {
                 continue;
             }
             work.projections += 1;
@@ -503,7 +504,7 @@ impl Held<'_, '_, '_> {
             pair.meet(m, foot.row..=foot.row + 1, self.of_master, self.master_rows);
             let turn = |n: &Vec2| m_pose.turn(&Vec3::new(n.x, n.y, 0.0));
             let space = s_pose.point(&Vec3::new(own.x, own.y, 0.0));
-            let (normal, answer) = (turn(&foot.normal), turn(&foot.answer));
+            let (normal, sensitivity) = (turn(&foot.normal), turn(&foot.sensitivity));
             for cell in &spur.cells[k] {
                 let of_slave = Self::at(
                     self.of_slave,
@@ -518,7 +519,7 @@ impl Held<'_, '_, '_> {
                     (cell.on, cell.b_on),
                 );
                 let gap0 = foot.gap - of_slave - of_master;
-                if !margin.takes(gap0) {
+                if !gap_bound.takes(gap0) {
                     continue;
                 }
                 let area = on
@@ -545,14 +546,14 @@ impl Held<'_, '_, '_> {
                     teeth,
                     x: Vec3::new(space.x, space.y, cell.z),
                     normal,
-                    answer: [answer, Vec3::zeros()],
+                    sensitivity: [sensitivity, Vec3::zeros()],
                     place: [foot.a, cell.b_on],
                     slots,
                     weights,
                     gap0,
                     stiffness: of.penalty[k] * area,
                     share: area * of.penalty[k] / (of.penalty[0] + of.penalty[1]),
-                    fading: slope / on,
+                    weight_derivative: slope / on,
                 });
             }
         }

@@ -37,7 +37,7 @@ pub(super) struct Shape {
     /// Length of the faces along the profile of each row [m].
     pub lengths: Vec<f64>,
     /// How far the flank may leave the plane of a face of each row within the neighbouring rows [m].
-    pub stray: Vec<f64>,
+    pub chord_bound: Vec<f64>,
     /// Reference area of each point [m^2], in the order of [`Shape::points`]; ones for nodes that count alike.
     pub areas: Vec<f64>,
     first_face: u32,
@@ -148,7 +148,7 @@ impl Shape {
             lengths: (0..rows - 1)
                 .map(|r| (at(r + 1, mid_column) - at(r, mid_column)).norm())
                 .collect(),
-            stray: stray(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
+            chord_bound: chord_bound(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
             positions: positions.clone(),
             profile,
             width,
@@ -348,7 +348,7 @@ impl Shape {
 }
 
 /// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
-fn stray(line: &[Vec3]) -> Vec<f64> {
+fn chord_bound(line: &[Vec3]) -> Vec<f64> {
     (0..line.len() - 1)
         .map(|r| {
             let chord = line[r + 1] - line[r];

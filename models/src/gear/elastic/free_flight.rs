@@ -13,7 +13,7 @@ use super::gear::Elastic;
 use crate::error::Reason;
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
 
 impl Elastic {
@@ -21,7 +21,7 @@ impl Elastic {
     ///
     /// # Errors
     /// A share outside [0, 1).
-    pub fn with_sleep(mut self, share: f64) -> Result<Self, Reason> {
+    pub fn with_vibration_cut_off(mut self, share: f64) -> Result<Self, Reason> {
         if !(0.0..1.0).contains(&share) {
             return Err((format!("{share} lies outside [0, 1)"), "1e-12 is usual").into());
         }
@@ -65,16 +65,22 @@ impl Elastic {
         Some(FreeFlight {
             frame: self.hub.frame(at, load),
             outward: outward + (self.hub_reach * load).abs(),
-            travel: 0.0,
+            displacement: 0.0,
             energy: 0.5 * swinging,
         })
     }
 
-    pub(super) fn add_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.hub.add_to_coast(at, load, first, coast);
+    pub(super) fn add_oscillators(
+        &self,
+        at: At<'_>,
+        load: f64,
+        first: usize,
+        path: &mut FlightPath,
+    ) {
+        self.hub.add_to_path(at, load, first, path);
         for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
-            coast.swing(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
-            coast.moves(first + i, 1.0);
+            path.oscillator(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
+            path.moves(first + i, 1.0);
         }
     }
 
@@ -83,7 +89,7 @@ impl Elastic {
             t,
             q: &*q,
             v: &*v,
-            memory: &[],
+            discrete: &[],
         };
         let [swinging, resting] = self.energies(at, load);
         if swinging <= (64.0 * f64::EPSILON).powi(2) * resting {
@@ -99,7 +105,7 @@ impl Elastic {
     /// Of a prescribed acceleration on the modes, besides what loads do.
     pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         if self.own > 0 {
-            return load * (self.hub_state(to).travel - self.hub_state(from).travel);
+            return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);
         }
         let moved: f64 = (self.data.participation.iter().zip(from.q).zip(to.q))
             .map(|((l, a), b)| l * (b - a))

@@ -13,7 +13,7 @@ use crate::gear::hub_body::HubBody;
 use crate::gear::model::{GearModel, HubState};
 use crate::geometry::Flanks;
 use crate::kinematics::{Hub, Locus, Placement, Point, Row, Wrench};
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -205,7 +205,7 @@ impl GearModel for Elastic {
             Locus::Flank { .. } => return prescribed,
         };
         // Displacements are outward: they count with the sign of the normal.
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
         let outward = pose.turn(&self.data.normals[corners[0] as usize]);
         let sign = outward.dot(n).signum();
         let shapes = corners.map(|k| self.data.shapes_at(k));
@@ -321,7 +321,7 @@ impl GearModel for Elastic {
     fn hub_state(&self, at: At<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
         HubState {
-            travel: self.hub.travel(at.t, at.q) + self.hub.over_shapes(at.q),
+            displacement: self.hub.displacement(at.t, at.q) + self.hub.over_shapes(at.q),
             speed: speed + self.hub.over_shapes(at.v),
             momentum: self.hub.inertia * speed
                 + self.over_modes(&self.data.participation, at.v)
@@ -329,8 +329,8 @@ impl GearModel for Elastic {
         }
     }
 
-    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`. Modes
-    /// that were cut follow their loads without inertia.
+    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`.
+    /// Modes that were cut follow their loads without inertia.
     fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let d = &*self.data;
         let mut reaction = self.hub.reaction(at.t, contact);
@@ -355,7 +355,7 @@ impl GearModel for Elastic {
             turning += a * along;
         }
         let [place, momentum, rate] = own.map(|x| Vec3::new(x[0], x[1], 0.0));
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
         let Some(slide) = &self.hub.slide else {
             let acceleration = match &accelerations {
                 _ if self.own == 0 => prescribed,
@@ -421,7 +421,7 @@ impl Elastic {
 
 impl FlankNodes for Elastic {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
         for (x, &node) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[node as usize]);
         }
@@ -469,8 +469,8 @@ impl LinearMotion for Elastic {
         self.flight_of(at, load)
     }
 
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.add_coast(at, load, first, coast);
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+        self.add_oscillators(at, load, first, path);
     }
 
     fn cut_off_vibrations(

@@ -2,9 +2,9 @@
 //! that were cut.
 //!
 //! Generalised coordinates: the turn `theta` of the mean-axis frame where the mount leaves it free (a rack: its
-//! travel), then one coordinate `q_i` per kept mode, shapes orthonormal in the mass. Modes of a hub that is free to
-//! move hold no momentum about the mount's axis, so frame and modes are decoupled to first order
-//! (A. A. Shabana, *Dynamics of Multibody Systems*, ch. 5; W. Schiehlen, P. Eberhard, *Technische Dynamik*):
+//! displacement), then one coordinate `q_i` per kept mode, shapes orthonormal in the mass. Modes of a hub that is free
+//! to move hold no momentum about the mount's axis, so frame and modes are decoupled to first order (A. A. Shabana,
+//! *Dynamics of Multibody Systems*, ch. 5; W. Schiehlen, P. Eberhard, *Technische Dynamik*):
 //!
 //! ```text
 //! J theta'' = T + sum_c N_c l_c

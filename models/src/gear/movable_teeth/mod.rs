@@ -10,7 +10,7 @@
 //!
 //! The contact force of a tooth is projected on its normal (radial) and tangential direction: the radial part
 //! goes through the body, the tangential part through the spring. On the line of action `F_t r = N r_b`, the
-//! lever arm of the contact row. The total inertia is held: the body is what the teeth leave.
+//! effective base radius arm of the contact row. The total inertia is held: the body is what the teeth leave.
 //!
 //! **Teeth out of contact are not integrated one by one.** With equal teeth the mean `R` of those outside the
 //! contact windows obeys the same equation as each of them, driven by the body, and their deviations
@@ -18,22 +18,24 @@
 //! not act on the body. So the state is `[phi, R, window teeth...]`: exact, at a cost that does not grow with
 //! the number of teeth. When the gear turns by a tooth the window moves by one: the tooth that leaves joins
 //! the mean, the tooth that enters takes its place, momentum and energy are kept (`deviations`). With
-//! unequal teeth all are integrated. **Bound**: rounding. Integrated or not, a tooth obeys the same equation, so that the
-//! motion is the same but for the error of the method, which has fewer teeth to make it on; in flight (`flight`) no
+//! unequal teeth all are integrated. **Bound**: rounding. Integrated or not, a tooth obeys the same equation, so that
+//! the motion is the same but for the error of the method, which has fewer teeth to make it on; in flight (`flight`) no
 //! tooth is integrated.
 //!
-//! A rack is the same with travel for angles and `r_d = 1`.
+//! A rack is the same with displacement for angles and `r_d = 1`.
 //!
 //! `k` may depend on the contact radius (`k(r)` of a tooth in contact, `k(r_0)` otherwise, `r_0` the first
-//! knot); the energy that appears at entry is booked by the ledger as a jump, the work of `k'(r) r'` as
+//! breakpoint); the energy that appears at entry is booked by the ledger as a jump, the work of `k'(r) r'` as
 //! parametric.
 
 mod deviations;
+mod fit;
 mod free_flight;
 mod parameters;
 mod reaction;
 mod springs;
 
+pub use fit::FIT;
 pub use parameters::{Integrate, MovableTeethParameters, PARAMETERS, PerTooth, build};
 
 use super::capabilities::{LinearMotion, ToothCoordinates};
@@ -44,7 +46,7 @@ use crate::Vec3;
 use crate::geometry::Side;
 use crate::kinematics::{MeshView, Point, Row, Tooth, Wrench};
 use deviations::{Deviations, Exchange};
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Change, Coeffs, Energy, Power, Singular};
 use springs::{RadiusStiffness, ToothSprings};
 
@@ -108,7 +110,7 @@ impl MovableTeeth {
         Deviations { teeth: self.teeth }
     }
 
-    /// Cells of the memory before the deviations: the middle tooth of each mesh, the flank in contact of
+    /// Cells of the discrete state before the deviations: the middle tooth of each mesh, the flank in contact of
     /// each slot.
     #[inline]
     fn head(&self) -> usize {
@@ -120,7 +122,7 @@ impl MovableTeeth {
         self.views.len().max(1) + slots
     }
 
-    /// Memory cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
+    /// Discrete state cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
     /// (mesh + 1).
     #[inline]
     fn engaged_cell(&self, slot: usize) -> usize {
@@ -147,14 +149,14 @@ impl MovableTeeth {
 
     /// Coordinate of a tooth, `None` when it is outside the windows.
     #[inline]
-    fn coordinate(&self, memory: &[f64], tooth: Tooth) -> Option<usize> {
+    fn coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
         match &self.integrated {
             Integrated::All => {
                 Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)
             }
             Integrated::Windows(windows) => {
                 let w = &windows[tooth.mesh as usize];
-                let centre = memory[tooth.mesh as usize] as i64;
+                let centre = discrete[tooth.mesh as usize] as i64;
                 ((tooth.index - centre).abs() <= w.half)
                     .then(|| w.base + (tooth.index as i32).rem_euclid(w.len() as i32) as usize)
             }
@@ -178,7 +180,7 @@ impl MovableTeeth {
         let tooth = if p.uniform { 0 } else { slot.unwrap_or(0) };
         let (mut k, mut dk) = (p.stiffness[tooth], 0.0);
         if let (Some(table), Some(slot)) = (&p.radius, slot) {
-            let engaged = at.memory[self.engaged_cell(slot)];
+            let engaged = at.discrete[self.engaged_cell(slot)];
             if engaged != 0.0 {
                 let (kr, slope) = self.stiffness_in_contact(at, table, slot, engaged, s);
                 (k, dk) = (kr, slope);
@@ -201,7 +203,7 @@ impl MovableTeeth {
                 t: 0.0,
                 q: &[],
                 v: &[],
-                memory: &[],
+                discrete: &[],
             };
             self.constant = (0..self.hub.own)
                 .map(|i| self.varying_spring(at, i, 0.0))
@@ -228,7 +230,7 @@ impl MovableTeeth {
         let Some(rb) = view.base_radius else {
             return (table.at(0.0).0, 0.0);
         };
-        let index = self.tooth_of_slot(at.memory, mesh, slot);
+        let index = self.tooth_of_slot(at.discrete, mesh, slot);
         let angle = view.assembled + s + index as f64 * view.pitch;
         let path = view.path_coordinate(side, angle);
         let r = rb.hypot(path);
@@ -237,8 +239,8 @@ impl MovableTeeth {
     }
 
     /// Unwrapped index of the tooth in a slot, nearest to the mesh.
-    fn tooth_of_slot(&self, memory: &[f64], mesh: usize, slot: usize) -> i64 {
-        let centre = memory[mesh] as i64;
+    fn tooth_of_slot(&self, discrete: &[f64], mesh: usize, slot: usize) -> i64 {
+        let centre = discrete[mesh] as i64;
         let (local, len) = match &self.integrated {
             Integrated::All => (slot as i64, self.teeth as i64),
             Integrated::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
@@ -248,14 +250,14 @@ impl MovableTeeth {
     }
 
     /// Index of the tooth nearest to a mesh, as a real number.
-    fn nearest(&self, mesh: usize, travel: f64) -> f64 {
+    fn nearest(&self, mesh: usize, displacement: f64) -> f64 {
         let v = &self.views[mesh];
         let target = if v.base_radius.is_some() {
             v.direction
         } else {
             0.0
         };
-        (target - v.assembled - travel) / v.pitch
+        (target - v.assembled - displacement) / v.pitch
     }
 
     /// Teeth that a mesh may touch on either flank, on each side of the nearest one.
@@ -331,15 +333,20 @@ impl GearModel for MovableTeeth {
     #[inline]
     fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
         // A tooth outside its window carries no force, so the mean stands for it.
-        let i = self.coordinate(at.memory, p.tooth).unwrap_or(self.first());
-        row.push(i, self.hub.lever(&p.x, n));
+        let i = self
+            .coordinate(at.discrete, p.tooth)
+            .unwrap_or(self.first());
+        row.push(i, self.hub.effective_radius(&p.x, n));
         // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
         0.0
     }
 
     fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
         let first = self.first();
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let mut on_body = 0.0;
         if !self.constant.is_empty() {
             let own = f[first..]
@@ -370,7 +377,7 @@ impl GearModel for MovableTeeth {
 
     fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let first = self.first();
-        let phi = self.hub.travel(at.t, at.q);
+        let phi = self.hub.displacement(at.t, at.q);
         let (dphi, dspeed) = if first > 0 {
             (dq[0], dv[0])
         } else {
@@ -399,7 +406,7 @@ impl GearModel for MovableTeeth {
         x: &mut [f64],
     ) -> Result<(), Singular> {
         let first = self.first();
-        let phi = self.hub.travel(at.t, at.q);
+        let phi = self.hub.displacement(at.t, at.q);
         let (mut hub, mut rhs) = (c.m * self.body + c.d * hub_damping, 0.0);
         for i in 0..at.q.len() - first {
             let s = at.q[first + i];
@@ -432,7 +439,10 @@ impl GearModel for MovableTeeth {
 
     fn energy(&self, at: At<'_>) -> Energy {
         let first = self.first();
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let mut e = Energy::default();
         if first > 0 {
             e.kinetic += 0.5 * self.body * speed * speed;
@@ -447,7 +457,7 @@ impl GearModel for MovableTeeth {
             // The cross terms with the mean vanish because the deviations sum to zero.
             let (dd, vv) =
                 self.deviations()
-                    .squares(&self.springs, at.t, &at.memory[self.head()..]);
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
             let (k, m, r2) = (
                 self.springs.stiffness[0],
                 self.springs.mass[0],
@@ -474,7 +484,7 @@ impl GearModel for MovableTeeth {
             .map(|i| self.tooth_inertia(i) * at.v[first + i])
             .sum();
         HubState {
-            travel: self.hub.travel(at.t, at.q),
+            displacement: self.hub.displacement(at.t, at.q),
             speed,
             momentum: self.body * speed + teeth,
         }
@@ -498,8 +508,8 @@ impl LinearMotion for MovableTeeth {
         self.flight_of(at, load)
     }
 
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.add_coast(at, load, first, coast);
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+        self.add_oscillators(at, load, first, path);
     }
 
     fn cut_off_vibrations(
@@ -520,34 +530,34 @@ impl LinearMotion for MovableTeeth {
 
 impl ToothCoordinates for MovableTeeth {
     #[inline]
-    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        match self.coordinate(at.memory, tooth) {
+    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        match self.coordinate(at.discrete, tooth) {
             Some(i) => at.q[i],
             // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
             None => at.q[self.first()],
         }
     }
 
-    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
         let mean = at.q[self.first()];
         match &self.integrated {
             Integrated::All => {
                 let own = &at.q[self.first()..];
                 let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
-                for travel in out {
-                    *travel = own[i];
+                for displacement in out {
+                    *displacement = own[i];
                     i = if i + 1 == own.len() { 0 } else { i + 1 };
                 }
             }
             Integrated::Windows(windows) => {
                 let w = &windows[first.mesh as usize];
-                let from = at.memory[first.mesh as usize] as i64 - w.half;
+                let from = at.discrete[first.mesh as usize] as i64 - w.half;
                 let own = &at.q[w.base..][..w.len() as usize];
                 let mut i = (first.index as i32).rem_euclid(own.len() as i32) as usize;
                 // Distance behind the window's first tooth; negative is huge.
                 let mut behind = (first.index - from) as u64;
-                for travel in out {
-                    *travel = if behind < own.len() as u64 {
+                for displacement in out {
+                    *displacement = if behind < own.len() as u64 {
                         own[i]
                     } else {
                         mean
@@ -563,18 +573,18 @@ impl ToothCoordinates for MovableTeeth {
         self.springs.radius.is_some()
     }
 
-    fn engage(&self, memory: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
+    fn engage(&self, discrete: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
         if self.springs.radius.is_none() {
             return Change::None;
         }
-        let Some(i) = self.coordinate(memory, tooth) else {
+        let Some(i) = self.coordinate(discrete, tooth) else {
             return Change::None;
         };
         let Some(slot) = self.slot(i - self.first()) else {
             return Change::None;
         };
         let cell = self.engaged_cell(slot);
-        memory[cell] = if closed {
+        discrete[cell] = if closed {
             side.sign() * f64::from(tooth.mesh + 1)
         } else {
             0.0
@@ -582,27 +592,27 @@ impl ToothCoordinates for MovableTeeth {
         Change::Restart
     }
 
-    fn commit(&self, t: f64, q: &mut [f64], v: &mut [f64], memory: &mut [f64]) -> Change {
-        let travel = self.hub.travel(t, q);
+    fn commit(&self, t: f64, q: &mut [f64], v: &mut [f64], discrete: &mut [f64]) -> Change {
+        let displacement = self.hub.displacement(t, q);
         let mut change = Change::None;
         for m in 0..self.views.len() {
-            let x = self.nearest(m, travel);
-            let mut centre = memory[m];
+            let x = self.nearest(m, displacement);
+            let mut centre = discrete[m];
             while (x - centre).abs() > 0.5 + HYSTERESIS {
                 let step = (x - centre).signum();
                 let before = centre as i64;
                 centre += step;
-                memory[m] = centre;
+                discrete[m] = centre;
                 if let Integrated::Windows(windows) = &self.integrated {
                     let w = &windows[m];
                     let leaves = before - step as i64 * w.half;
                     let enters = before + step as i64 * (w.half + 1);
                     let local = enters.rem_euclid(w.len()) as usize;
                     let engaged = self.engaged_cell(w.slot + local);
-                    memory[engaged] = 0.0;
+                    discrete[engaged] = 0.0;
                     let (mean, i) = (self.first(), w.base + local);
                     let mut state = [q[mean], v[mean], q[i], v[i]];
-                    let (head, free) = memory.split_at_mut(self.head());
+                    let (head, free) = discrete.split_at_mut(self.head());
                     let outside = |tooth: i64| {
                         windows.iter().zip(head.iter()).all(|(w, &centre)| {
                             let from_first = tooth - (centre as i64 - w.half);
@@ -636,9 +646,9 @@ impl MovableTeeth {
             power += p.c * (at.v[first + i] - speed).powi(2);
         }
         if self.slots > 0 && self.springs.damping[0] > 0.0 {
-            let (_, vv) = self
-                .deviations()
-                .squares(&self.springs, at.t, &at.memory[self.head()..]);
+            let (_, vv) =
+                self.deviations()
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
             power += self.springs.damping[0] * self.springs.radius_squared * vv;
         }
         power
@@ -649,7 +659,7 @@ impl MovableTeeth {
             return 0.0;
         }
         let first = self.first();
-        let phi = self.hub.travel(at.t, at.q);
+        let phi = self.hub.displacement(at.t, at.q);
         (0..at.q.len() - first)
             .map(|i| {
                 let s = at.q[first + i];
@@ -662,7 +672,10 @@ impl MovableTeeth {
         if self.first() > 0 {
             return 0.0;
         }
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         -(0..at.q.len())
             .map(|i| {
                 let p = self.spring(at, i, at.q[i]);
@@ -688,12 +701,12 @@ impl MovableTeeth {
 }
 
 impl MovableTeeth {
-    /// Angle (or travel) of any tooth from its assembled position, those outside the windows with their free
+    /// Angle (or displacement) of any tooth from its assembled position, those outside the windows with their free
     /// deviation from the mean. `at` holds the gear's own state.
-    pub fn exact_tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        self.coordinate(at.memory, tooth).map_or_else(
+    pub fn exact_tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        self.coordinate(at.discrete, tooth).map_or_else(
             || {
-                let free = &at.memory[self.head()..];
+                let free = &at.discrete[self.head()..];
                 at.q[self.first()] + self.deviations().of(&self.springs, at.t, free, tooth.index)
             },
             |i| at.q[i],

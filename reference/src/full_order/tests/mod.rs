@@ -88,21 +88,21 @@ fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
         t,
         q,
         v,
-        memory: &[],
+        discrete: &[],
     }
 }
 
-/// A state turned (or moved) by `travel` with small displacements and velocities on top.
-fn state(gear: &FullOrder, travel: f64, speed: f64) -> (Vec<f64>, Vec<f64>) {
+/// A state turned (or moved) by `displacement` with small displacements and velocities on top.
+fn state(gear: &FullOrder, displacement: f64, speed: f64) -> (Vec<f64>, Vec<f64>) {
     let n = gear.hub().len();
     let own = gear.hub().coordinates();
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
     gear.initialise(speed, &mut q, &mut v, &mut []);
     if own > 0 {
-        q[0] = travel;
+        q[0] = displacement;
     }
     let body = gear.body();
-    let frame = super::frame::Frame::at(travel, gear.hub().slide.as_ref());
+    let frame = super::frame::Frame::at(displacement, gear.hub().slide.as_ref());
     let jitter = noise(3 * body.free.len(), 1e-6);
     for (k, &node) in body.free.iter().enumerate() {
         let carried = frame.carried(&body.position[node as usize]);

@@ -283,7 +283,7 @@ fn rim(b: &Basis, speed: f64, terms: SpinTerms) -> f64 {
         t: 1.0,
         q: &zero,
         v: &zero,
-        memory: &[],
+        discrete: &[],
     };
     gear.forces(at, &mut f);
     let part = |i: usize| b.shapes[i] * f[i] / b.omega[i].powi(2);

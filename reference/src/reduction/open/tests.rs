@@ -63,7 +63,7 @@ fn judged(
         hub: &hub,
         added_inertia,
         placement: Placement::new(&hub, 0.0),
-        lever: 1.0,
+        effective_radius: 1.0,
         meshes: &[],
         speed: 0.0,
         parameters: &none,

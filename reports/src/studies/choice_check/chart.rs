@@ -1,4 +1,4 @@
-//! Choices judged on random scenes: cost ratio, and error over tolerance, scene by scene.
+//! Choices validated on random scenes: cost ratio, and error over tolerance, scene by scene.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
@@ -7,7 +7,7 @@ use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::{Look, Marker, look};
 use crate::record::finite;
-use crate::studies::choice_check::{JudgedChoice, Outcome, quantile};
+use crate::studies::choice_check::{Outcome, ValidatedChoice, quantile};
 
 /// Look of misses.
 const MISSED: Look = Look {
@@ -27,15 +27,15 @@ const DEAR: f64 = 2.0;
 const ERRORS: [f64; 2] = [1e-3, 1e2];
 
 /// Scenes at their places on the chart: by kind, within a kind by number.
-fn ordered(choices: &[JudgedChoice]) -> Vec<(f64, &JudgedChoice)> {
-    let mut all: Vec<&JudgedChoice> = choices.iter().collect();
+fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
+    let mut all: Vec<&ValidatedChoice> = choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
     let placed = all.into_iter().enumerate();
     placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
 }
 
 /// Where kinds begin.
-fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
+fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (x, s) in scenes {
         if found.last().is_none_or(|(_, kind)| *kind != s.kind) {
@@ -49,7 +49,7 @@ fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
 ///
 /// # Errors
 /// [`DrawError`] when the backend refuses.
-pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
+pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError> {
     let scenes = ordered(choices);
     if scenes.is_empty() {
         return Ok(Vec::new());
@@ -59,13 +59,13 @@ pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
     let points = |look: Look,
                   radius: f64,
                   filled: bool,
-                  keep: &dyn Fn(&JudgedChoice) -> bool,
-                  y: &dyn Fn(&JudgedChoice) -> Option<f64>| {
+                  keep: &dyn Fn(&ValidatedChoice) -> bool,
+                  y: &dyn Fn(&ValidatedChoice) -> Option<f64>| {
         let kept = scenes.iter().filter(|(_, s)| keep(s));
         let points = kept.filter_map(|(x, s)| Some((*x, finite(y(s)?)?)));
         Curve::points(look, radius, filled, points.collect())
     };
-    let is = |outcome: Outcome| move |s: &JudgedChoice| s.outcome == outcome;
+    let is = |outcome: Outcome| move |s: &ValidatedChoice| s.outcome == outcome;
 
     let ratios: Vec<f64> = scenes.iter().filter_map(|(_, s)| s.cost_ratio()).collect();
     let dearest = ratios.iter().copied().fold(2.0 * DEAR, f64::max);
@@ -77,7 +77,7 @@ pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
         cost.limits.push((median, format!("median {median:.2}")));
     }
     let adequate = is(Outcome::Adequate);
-    let ratio = |s: &JudgedChoice| s.cost_ratio();
+    let ratio = |s: &ValidatedChoice| s.cost_ratio();
     cost.curves = vec![points(look(1), 3.8, true, &adequate, &ratio)];
     // Misses and scenes without an answer have no ratio: they stand on the strip above.
     for (kept, look) in [
@@ -97,9 +97,9 @@ pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
         ink: Ink::PALE,
         ..look(1)
     };
-    let predicted = |s: &JudgedChoice| within(Some(s.predicted_error? / s.tolerance));
-    let found = |s: &JudgedChoice| within(s.error_ratio());
-    let least = |s: &JudgedChoice| within(Some(s.least_error? / s.tolerance));
+    let predicted = |s: &ValidatedChoice| within(Some(s.predicted_error? / s.tolerance));
+    let found = |s: &ValidatedChoice| within(s.error_ratio());
+    let least = |s: &ValidatedChoice| within(Some(s.least_error? / s.tolerance));
     let error = Panel {
         y: Some(Axis::logarithmic(low, high)),
         x_name: Some("scenes, by kind and number".into()),

@@ -45,7 +45,7 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
         .filter_map(|t| {
             let why = t.failure.as_deref()?;
             let why = why.split(':').next().unwrap_or(why);
-            let text = format!("{}, {}: {why}", t.rung, t.method());
+            let text = format!("{}, {}: {why}", t.level, t.method());
             Some((look(style(t)).ink, text))
         })
         .collect();
@@ -92,7 +92,7 @@ fn caption(choice: &ChoiceRecord) -> String {
     format!(
         "Each point is a model under an integrator at one step or tolerance, run on the window ({}). Filled: estimated to \
          keep the tolerance with its margin; open and pale: not, or not by enough. The ring is the choice. Errors are \
-         distances to the top rung with what that rung is off, over the whole scene; costs are scaled from the window, set-up \
+         distances to the top level with what that level is off, over the whole scene; costs are scaled from the window, set-up \
          not included.",
         choice.window
     )
@@ -103,7 +103,7 @@ fn chosen(c: &mut Canvas<'_>, p: &Point<'_>, at: (f64, f64), area: &Rect) {
     c.circle(at, 10.0, Ink::DARK, Some(2.0));
     let text = format!(
         "{}, {}: {}",
-        p.tried.rung,
+        p.tried.level,
         p.tried.method(),
         quantity(p.cost, "s", 3)
     );

@@ -3,11 +3,11 @@
 use super::*;
 use crate::experiment::conditions::silent;
 use crate::scene_file::{Selection, load_for};
-use crate::studies::precision::{Asked, COUNTS};
+use crate::studies::precision::plan::{Asked, COUNTS};
 use gearbench_reports::{Ledger, Metric};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The rigid gears of the impact, a few rungs.
+/// The rigid gears of the impact, a few resolutions.
 fn small(asked: &Asked) -> Results {
     let scene = load_for(
         "spur_impact",

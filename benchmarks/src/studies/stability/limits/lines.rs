@@ -1,6 +1,6 @@
 //! Theory as lines over the step.
 
-use super::frozen::Frozen;
+use super::linearised::Linearised;
 use super::{LimitError, LineKind, StepLine};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::linear_stability::{Kicks, Stability};
@@ -16,7 +16,7 @@ const RESONANCES: u32 = 3;
 /// trigonometric method, the limit that the penalty alone would set. None for methods that choose their steps; no
 /// [`LineKind::Stability`] for those that are stable at every step.
 ///
-/// [`Frozen::lines`] serves several methods of one scene without running it again.
+/// [`Linearised::lines`] serves several methods of one scene without running it again.
 ///
 /// # Errors
 /// [`LimitError`]
@@ -32,10 +32,10 @@ pub fn theory(
     ) {
         return Ok(Vec::new());
     }
-    Frozen::new(scene, modelling, models)?.lines(method)
+    Linearised::new(scene, modelling, models)?.lines(method)
 }
 
-impl Frozen {
+impl Linearised {
     /// As [`theory`].
     ///
     /// # Errors

@@ -2,8 +2,8 @@
 
 use super::LimitError;
 use super::found::found;
-use super::frozen::Frozen;
 use super::linear::Linear;
+use super::linearised::Linearised;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::MethodSpec;
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
@@ -136,7 +136,7 @@ pub fn table(
     let mut rows = Vec::new();
     for case in cases {
         progress(&case.label);
-        let mut frozen = Frozen::new(&case.scene, &case.modelling, models)?;
+        let mut linearised = Linearised::new(&case.scene, &case.modelling, models)?;
         for &method in methods {
             let stability = method.stability();
             let exact = method.info().linear_part;
@@ -145,9 +145,9 @@ pub fn table(
                     continue;
                 }
                 let theory = if exact {
-                    frozen.largest_step(&stability)?
+                    linearised.largest_step(&stability)?
                 } else {
-                    match frozen.linear()? {
+                    match linearised.linear()? {
                         Linear::Dense(x) if !damped => {
                             Linear::Dense(x.undamped()).largest_step(&stability)?
                         }
@@ -155,7 +155,7 @@ pub fn table(
                     }
                 };
                 let Some(theory_s) = theory else { continue };
-                let Some(found_s) = found(&mut frozen, method, damped)? else {
+                let Some(found_s) = found(&mut linearised, method, damped)? else {
                     continue;
                 };
                 rows.push(StepLimit {

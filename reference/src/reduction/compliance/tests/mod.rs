@@ -111,8 +111,12 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
                 }
             })
             .collect();
-        let lever = levers(&surface, &mounting);
-        let torque: f64 = forces.iter().zip(&lever).map(|(f, a)| f * a).sum();
+        let effective_radius = effective_radii(&surface, &mounting);
+        let torque: f64 = forces
+            .iter()
+            .zip(&effective_radius)
+            .map(|(f, a)| f * a)
+            .sum();
 
         // Directly: the hub held, forces along the normals into the teeth.
         let (tie, r) = matrices(
@@ -162,7 +166,7 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
                     let pressed: f64 = (0..n)
                         .map(|l| rest.flanks.between(k as u32, l as u32, n) * forces[l])
                         .sum();
-                    modal - pressed + rest.hub[k] * torque - lever[k] * turn
+                    modal - pressed + rest.hub[k] * torque - effective_radius[k] * turn
                 })
                 .collect();
             let error = worst(&found, &exact) / largest(&exact);
@@ -268,8 +272,8 @@ fn declines_what_does_not_belong_together() {
     );
 }
 
-/// Halving the elements adds to the compliance of a row of nodes what a half space loaded over half the length has more;
-/// between two rows it is less.
+/// Halving the elements adds to the compliance of a row of nodes what a half space loaded over half the length has
+/// more; between two rows it is less.
 #[test]
 fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
     let g = test_support::gear(16, 4.5e-3, |p| {

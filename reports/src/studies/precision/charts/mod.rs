@@ -16,7 +16,7 @@ use crate::numbers::count;
 use crate::record::{Run, Status};
 use crate::studies::precision::pareto::Point;
 use crate::studies::precision::{
-    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, rung,
+    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, modes_and_step,
 };
 use crate::view::{View, capital};
 use families::families;
@@ -254,9 +254,9 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
 /// What a point of the front is called beside its colour.
 fn words(s: &Shown<'_>) -> String {
     if is_ours(s.run) {
-        return rung(s.run);
+        return modes_and_step(s.run);
     }
-    format!("{} {}", id_of(&s.run.integrator), rung(s.run))
+    format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }
 
 /// Models of a cloud: place, label, fitted or not.

@@ -1,35 +1,36 @@
 //! The motion of a system on which nothing but steady loads acts, in closed form.
 //!
-//! Coordinates are sums of *swings*, independent oscillators under constant loads:
+//! Coordinates are sums of independent *oscillators* under constant loads:
 //!
 //! ```text
 //! q_i(t) = sum_j w_ij x_j(t - t0),    x'' + 2 zeta omega x' + omega^2 x = g
 //! ```
 //!
 //! with the solution of [`propagator`](crate::modal::propagator); `omega = 0` is the quadratic motion of a body. A
-//! system that knows its motion so fills a [`Coast`] ([`SecondOrderSystem::coast`]), and the loop of any method goes along
-//! it in one step ([`Integrator::coast`](crate::Integrator::coast)). It is exact up to rounding, at both ends and inside.
+//! system that knows its motion so fills a [`FlightPath`] ([`SecondOrderSystem::flight_path`]), and the loop of any
+//! method goes along it in one step ([`Integrator::free_flight`](crate::Integrator::free_flight)). It is exact up to
+//! rounding, at both ends and inside.
 
 use crate::method::Dense;
 use crate::modal::propagator::coefficients;
 use crate::system::{SecondOrderSystem, State};
 
-/// Attempts to coast that are left out after vain ones, at most.
+/// Questions for a free flight that are left out after vain ones, at most.
 const PATIENCE: u32 = 8;
 
 /// One oscillator under a constant load and what it moves.
 #[derive(Clone, Copy, Debug)]
-struct Swing {
+struct Oscillator {
     omega: f64,
     zeta: f64,
     /// Place and speed at the start.
     start: [f64; 2],
     load: f64,
-    /// End of its terms in [`Coast::terms`].
+    /// End of its terms in [`FlightPath::terms`].
     terms: usize,
 }
 
-impl Swing {
+impl Oscillator {
     /// Place and speed after a time [s].
     #[inline]
     fn at(&self, t: f64) -> [f64; 2] {
@@ -48,25 +49,25 @@ impl Swing {
 
 /// A motion in closed form from a time on. Buffers stay from one to the next.
 #[derive(Clone, Debug, Default)]
-pub struct Coast {
+pub struct FlightPath {
     start: f64,
-    swings: Vec<Swing>,
+    oscillators: Vec<Oscillator>,
     /// Coordinate and weight.
     terms: Vec<(u32, f64)>,
 }
 
-impl Coast {
+impl FlightPath {
     /// Starts afresh at a time [s], with nothing that moves.
     pub fn begin(&mut self, t: f64) {
         self.start = t;
-        self.swings.clear();
+        self.oscillators.clear();
         self.terms.clear();
     }
 
     /// Adds `x'' + 2 zeta omega x' + omega^2 x = load` from `start = [x, x']`; `zeta` lies in [0, 1).
     /// [`Self::moves`] says what it moves.
-    pub fn swing(&mut self, omega: f64, zeta: f64, start: [f64; 2], load: f64) {
-        self.swings.push(Swing {
+    pub fn oscillator(&mut self, omega: f64, zeta: f64, start: [f64; 2], load: f64) {
+        self.oscillators.push(Oscillator {
             omega,
             zeta,
             start,
@@ -78,8 +79,8 @@ impl Coast {
     /// The swing added last moves a coordinate with a weight.
     pub fn moves(&mut self, coordinate: usize, weight: f64) {
         self.terms.push((coordinate as u32, weight));
-        if let Some(swing) = self.swings.last_mut() {
-            swing.terms = self.terms.len();
+        if let Some(oscillator) = self.oscillators.last_mut() {
+            oscillator.terms = self.terms.len();
         }
     }
 
@@ -88,58 +89,58 @@ impl Coast {
         q.fill(0.0);
         v.fill(0.0);
         let mut first = 0;
-        for swing in &self.swings {
-            let [x, u] = swing.at(t - self.start);
-            for &(i, weight) in &self.terms[first..swing.terms] {
+        for oscillator in &self.oscillators {
+            let [x, u] = oscillator.at(t - self.start);
+            for &(i, weight) in &self.terms[first..oscillator.terms] {
                 q[i as usize] += weight * x;
                 v[i as usize] += weight * u;
             }
-            first = swing.terms;
+            first = oscillator.terms;
         }
     }
 }
 
-/// A coast over one step: its dense output.
-pub(crate) struct CoastDense<'a> {
-    pub(crate) coast: &'a Coast,
+/// A free flight over one step: its dense output.
+pub(crate) struct FlightDense<'a> {
+    pub(crate) path: &'a FlightPath,
     pub(crate) from: f64,
     pub(crate) to: f64,
 }
 
-impl Dense for CoastDense<'_> {
+impl Dense for FlightDense<'_> {
     fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]) {
-        self.coast
+        self.path
             .at(self.from + theta * (self.to - self.from), q, v);
     }
 }
 
-/// When a loop asks its system for a coast: after each restart at once, else with growing patience, so that contact
-/// pays for few vain questions.
+/// When a loop asks its system for a free flight: after each restart at once, else with growing patience, so that
+/// contact pays for few vain questions.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Coasting {
+pub(crate) struct FlightProbe {
     /// Off by default.
     pub(crate) on: bool,
-    pub(crate) coast: Coast,
+    pub(crate) path: FlightPath,
     skip: u32,
     patience: u32,
 }
 
-impl Coasting {
+impl FlightProbe {
     /// Asks, or not.
     pub(crate) fn new(on: bool) -> Self {
-        Coasting {
+        FlightProbe {
             on,
-            ..Coasting::default()
+            ..FlightProbe::default()
         }
     }
 
     /// The next question is asked at once.
-    pub(crate) fn hope(&mut self) {
+    pub(crate) fn ask_next(&mut self) {
         (self.skip, self.patience) = (0, 1);
     }
 
-    /// A time until which [`Self::coast`] holds from `s` on, if it is later than a time; `s.t` where it is not.
-    pub(crate) fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
+    /// A time until which [`Self::flight_path`] holds from `s` on, if it is later than a time; `s.t` where it is not.
+    pub(crate) fn end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
         if !self.on {
             return s.t;
         }
@@ -147,9 +148,9 @@ impl Coasting {
             self.skip -= 1;
             return s.t;
         }
-        let until = sys.coast(s, later, &mut self.coast);
+        let until = sys.flight_path(s, later, &mut self.path);
         if until > later {
-            self.hope();
+            self.ask_next();
             return until;
         }
         self.skip = self.patience;
@@ -164,24 +165,24 @@ mod tests {
 
     /// Two masses on a spring, pulled: the centre of mass accelerates, the stretch swings about that of the load.
     #[test]
-    fn swings_add_up_to_the_motion_of_coupled_masses() {
+    fn oscillators_add_up_to_the_motion_of_coupled_masses() {
         let (m, k, pull) = ([2.0, 3.0], 7.0, 1.5);
         let total: f64 = m[0] + m[1];
         let reduced = m[0] * m[1] / total;
         let (q0, v0) = ([0.1, 0.4], [1.0, -0.5]);
-        let mut coast = Coast::default();
-        coast.begin(2.0);
+        let mut path = FlightPath::default();
+        path.begin(2.0);
         let centre = |x: [f64; 2]| (m[0] * x[0] + m[1] * x[1]) / total;
-        coast.swing(0.0, 0.0, [centre(q0), centre(v0)], pull / total);
-        coast.moves(0, 1.0);
-        coast.moves(1, 1.0);
+        path.oscillator(0.0, 0.0, [centre(q0), centre(v0)], pull / total);
+        path.moves(0, 1.0);
+        path.moves(1, 1.0);
         let start = [q0[1] - q0[0], v0[1] - v0[0]];
-        coast.swing((k / reduced).sqrt(), 0.0, start, -pull / m[0]);
-        coast.moves(0, -m[1] / total);
-        coast.moves(1, m[0] / total);
+        path.oscillator((k / reduced).sqrt(), 0.0, start, -pull / m[0]);
+        path.moves(0, -m[1] / total);
+        path.moves(1, m[0] / total);
         let at = |t: f64| {
             let (mut q, mut v) = ([0.0; 2], [0.0; 2]);
-            coast.at(2.0 + t, &mut q, &mut v);
+            path.at(2.0 + t, &mut q, &mut v);
             (q, v)
         };
         let (q, v) = at(0.0);
@@ -203,14 +204,14 @@ mod tests {
 
     #[test]
     fn what_rests_under_its_load_stays_to_the_last_bit() {
-        let mut coast = Coast::default();
-        coast.begin(0.0);
+        let mut path = FlightPath::default();
+        path.begin(0.0);
         let (omega, load) = (3e5_f64, 17.0);
         let q0 = load / (omega * omega);
-        coast.swing(omega, 0.01, [q0, 0.0], load);
-        coast.moves(0, 1.0);
+        path.oscillator(omega, 0.01, [q0, 0.0], load);
+        path.moves(0, 1.0);
         let (mut q, mut v) = ([0.0], [0.0]);
-        coast.at(1.2345, &mut q, &mut v);
+        path.at(1.2345, &mut q, &mut v);
         assert_eq!((q[0], v[0]), (q0, 0.0));
     }
 }

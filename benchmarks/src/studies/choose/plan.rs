@@ -1,10 +1,11 @@
-//! What could be run for a scene: rungs of the ladder, each under several integrators and steps.
+//! What could be run for a scene: levels of the hierarchy, each under several integrators and steps.
 //!
 //! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
 //! that candidates of small and large gears resolve a contact alike.
 
-use super::choice::ChooseError;
-use super::situation::{Own, Situation};
+use super::level::{Level, Stiffness};
+use super::problem::{Own, Problem};
+use super::run::ChooseError;
 use super::statics::{self, Calibrated, Swing, calibrate};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{
@@ -17,11 +18,11 @@ use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use std::sync::Arc;
 
-/// Modes of the elastic rungs.
+/// Modes of the elastic levels.
 pub const MODES: [usize; 9] = [10, 20, 35, 50, 75, 100, 150, 200, 300];
 /// Steps per period of a tooth's first frequency of runs whose own error must not show.
 const TOOTH_STEPS: f64 = 30.0;
-/// Modes of the densest elastic model, which is above the ladder.
+/// Modes of the densest elastic model, which is above the hierarchy.
 pub const DENSEST: usize = 300;
 /// Steps per contact time of the densest elastic model.
 const DENSEST_STEPS: f64 = 1024.0;
@@ -30,78 +31,11 @@ const MEAN_FORCE: f64 = 0.7;
 /// Steps per contact time that carry the modes of an elastic run under a tolerance.
 const TOLERANCE_STEPS: f64 = 128.0;
 
-/// Where the stiffness of rigid gears is from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Stiffness {
-    /// ISO 6336-1.
-    Norm,
-    /// Analytic compliance of teeth, bodies and contact.
-    Analytic,
-    /// Static solves of the elastic gears without modes.
-    Static,
-    /// The scene's own model with this label.
-    Own(String),
-}
-
-/// A model on the ladder.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Rung {
-    /// Rigid gears.
-    Rigid(Stiffness),
-    /// Movable teeth with derived constants, or the scene's own with this label.
-    MovableTeeth(Option<String>),
-    /// Elastic gears without modes: quasi-static compliance.
-    QuasiStatic,
-    /// Elastic gears with so many modes, and the compliance of the others.
-    Elastic {
-        /// Modes per gear, at most.
-        modes: usize,
-    },
-}
-
-impl Rung {
-    /// Name for tables.
-    #[must_use]
-    pub fn name(&self) -> String {
-        match self {
-            Rung::Rigid(Stiffness::Norm) => "rigid, ISO 6336".into(),
-            Rung::Rigid(Stiffness::Analytic) => "rigid, analytic compliance".into(),
-            Rung::Rigid(Stiffness::Static) => "rigid, static solves".into(),
-            Rung::Rigid(Stiffness::Own(label)) => format!("rigid, own `{label}`"),
-            Rung::MovableTeeth(None) => "movable teeth".into(),
-            Rung::MovableTeeth(Some(label)) => format!("movable teeth, own `{label}`"),
-            Rung::QuasiStatic => "quasi-static".into(),
-            Rung::Elastic { modes } => format!("elastic, {modes} modes"),
-        }
-    }
-
-    /// Family for charts: the gear model, or `quasi-static`.
-    #[must_use]
-    pub fn family(&self) -> &'static str {
-        match self {
-            Rung::Rigid(_) => "rigid",
-            Rung::MovableTeeth(_) => "movable-teeth",
-            Rung::QuasiStatic => "quasi-static",
-            Rung::Elastic { .. } => "elastic",
-        }
-    }
-
-    /// Modes per gear where gears are elastic.
-    #[must_use]
-    pub fn modes(&self) -> Option<usize> {
-        match self {
-            Rung::QuasiStatic => Some(0),
-            Rung::Elastic { modes } => Some(*modes),
-            _ => None,
-        }
-    }
-}
-
 /// One thing that could be run: model, resolution, integrator, step.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Its rung.
-    pub rung: Rung,
+    /// Its level.
+    pub level: Level,
     /// Gears and meshes; a model of the scene may start with a gap of its own.
     pub scene: Arc<SceneSpec>,
     /// Models and contacts.
@@ -111,18 +45,18 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Name for tables: rung, integrator, step or tolerance.
+    /// Name for tables: level, integrator, step or tolerance.
     #[must_use]
     pub fn name(&self) -> String {
         let resolution = match self.method.resolution {
             Resolution::Step(h) => format!("{:.3} us", 1e6 * h),
             Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
         };
-        format!("{}, {} {resolution}", self.rung.name(), self.method.method)
+        format!("{}, {} {resolution}", self.level.name(), self.method.method)
     }
 }
 
-/// Integrators of a rung: steps per contact time, and tolerances.
+/// Integrators of a level: steps per contact time, and tolerances.
 struct Menu {
     method: MethodSpec,
     steps: &'static [f64],
@@ -183,11 +117,11 @@ fn short(x: f64) -> f64 {
     (x * digits).round() / digits
 }
 
-/// Full finite elements on the meshes of the elastic gears of a situation, with their contact. Damping of modes is not
+/// Full finite elements on the meshes of the elastic gears of a problem, with their contact. Damping of modes is not
 /// in them.
 #[must_use]
-pub fn full(situation: &Situation) -> Modelling {
-    let gears = (situation.flexible.gears.iter())
+pub fn full(problem: &Problem) -> Modelling {
+    let gears = (problem.flexible.gears.iter())
         .map(|p| {
             FullOrderParameters {
                 mass: None,
@@ -198,14 +132,14 @@ pub fn full(situation: &Situation) -> Modelling {
         .collect();
     Modelling {
         gears,
-        contacts: situation.flexible.contacts.clone(),
+        contacts: problem.flexible.contacts.clone(),
     }
 }
 
-/// The elastic gears of a situation with some modes, for a fixed step or for a tolerance.
+/// The elastic gears of a problem with some modes, for a fixed step or for a tolerance.
 #[must_use]
-pub fn elastic(situation: &Situation, modes: usize, step: Option<f64>) -> Modelling {
-    let gears = (situation.flexible.gears.iter())
+pub fn elastic(problem: &Problem, modes: usize, step: Option<f64>) -> Modelling {
+    let gears = (problem.flexible.gears.iter())
         .map(|p| {
             ElasticParameters {
                 modes: Some(modes),
@@ -217,15 +151,15 @@ pub fn elastic(situation: &Situation, modes: usize, step: Option<f64>) -> Modell
         .collect();
     Modelling {
         gears,
-        contacts: situation.flexible.contacts.clone(),
+        contacts: problem.flexible.contacts.clone(),
     }
 }
 
-/// A rung that is not elastic, with its scene and models: the same for all integrators.
+/// A level that is not elastic, with its scene and models: the same for all integrators.
 #[derive(Clone, Debug)]
 pub struct Fixed {
-    /// The rung.
-    pub rung: Rung,
+    /// The level.
+    pub level: Level,
     /// Its scene.
     pub scene: Arc<SceneSpec>,
     /// Its models.
@@ -248,13 +182,13 @@ impl Prepared {
     ///
     /// # Errors
     /// [`ChooseError`] when the scene cannot be assembled.
-    pub fn of(situation: &Situation) -> Result<Prepared, ChooseError> {
-        let swing = Swing::of(&situation.scene)?;
-        let scene = Arc::new(situation.scene.clone());
+    pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
+        let swing = Swing::of(&problem.scene)?;
+        let scene = Arc::new(problem.scene.clone());
         // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
-        let relaxation = |m: usize, force| situation.relaxation(m, swing.stiffness, force);
+        let relaxation = |m: usize, force| problem.relaxation(m, swing.stiffness, force);
         let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
-            let contacts = (situation.flexible.contacts.iter().enumerate())
+            let contacts = (problem.flexible.contacts.iter().enumerate())
                 .map(|(m, flexible)| {
                     let mut c = source.contact(relaxation(m, force), &swing);
                     c.friction = flexible.friction;
@@ -262,15 +196,15 @@ impl Prepared {
                 })
                 .collect();
             Fixed {
-                rung: Rung::Rigid(stiffness),
+                level: Level::Rigid(stiffness),
                 scene: scene.clone(),
-                modelling: Arc::new(statics::rigid(&situation.scene, contacts)),
+                modelling: Arc::new(statics::rigid(&problem.scene, contacts)),
             }
         };
         let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
-        let approach = super::scout::approach(situation, &first, &swing)?;
+        let approach = super::pilot::approach(problem, &first, &swing)?;
         let force = MEAN_FORCE * approach * swing.stiffness;
-        let statics = calibrate(situation, approach).map_err(|e| e.to_string());
+        let statics = calibrate(problem, approach).map_err(|e| e.to_string());
         let mut all = vec![
             fixed(Stiffness::Norm, statics::Source::Norm, force),
             fixed(Stiffness::Analytic, statics::Source::Analytic, force),
@@ -278,30 +212,30 @@ impl Prepared {
         if let Ok(c) = &statics {
             all.push(fixed(Stiffness::Static, statics::Source::Static(c), force));
         }
-        let own = |o: &Own, rung| Fixed {
-            rung,
+        let own = |o: &Own, level| Fixed {
+            level,
             scene: Arc::new(o.scene.clone()),
             modelling: Arc::new(o.modelling.clone()),
         };
-        let of = |id: &'static str| situation.own.iter().filter(move |o| o.model == id);
-        all.extend(of("rigid").map(|o| own(o, Rung::Rigid(Stiffness::Own(o.label.clone())))));
-        if situation.scene.meshes.len() == 1 {
+        let of = |rigid: bool| problem.own.iter().filter(move |o| o.rigid == rigid);
+        all.extend(of(true).map(|o| own(o, Level::Rigid(Stiffness::Own(o.label.clone())))));
+        if problem.scene.meshes.len() == 1 {
             let tau = relaxation(0, force);
             let damping = match &statics {
                 Ok(c) => statics::damper(tau, c.secant()),
                 Err(_) => statics::damper(tau, swing.stiffness),
             };
-            let derived = statics::movable_teeth(&situation.scene, statics.as_ref().ok(), damping);
+            let derived = statics::movable_teeth(&problem.scene, statics.as_ref().ok(), damping);
             if let Ok(mut modelling) = derived {
-                modelling.contacts[0].friction = situation.flexible.contacts[0].friction;
+                modelling.contacts[0].friction = problem.flexible.contacts[0].friction;
                 all.push(Fixed {
-                    rung: Rung::MovableTeeth(None),
+                    level: Level::MovableTeeth(None),
                     scene: scene.clone(),
                     modelling: Arc::new(modelling),
                 });
             }
         }
-        all.extend(of("movable-teeth").map(|o| own(o, Rung::MovableTeeth(Some(o.label.clone())))));
+        all.extend(of(false).map(|o| own(o, Level::MovableTeeth(Some(o.label.clone())))));
         Ok(Prepared {
             swing,
             fixed: all,
@@ -309,37 +243,36 @@ impl Prepared {
         })
     }
 
-    /// The rigid rung that is nearest to the elastic gears.
+    /// The rigid level that is nearest to the elastic gears.
     #[must_use]
     pub fn best_rigid(&self) -> &Fixed {
-        let is = |f: &&Fixed| f.rung == Rung::Rigid(Stiffness::Static);
+        let is = |f: &&Fixed| f.level == Level::Rigid(Stiffness::Static);
         self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
     }
 
-    /// All candidates, the cheapest family first, within a rung the longest step first.
+    /// All candidates, the cheapest family first, within a level the longest step first.
     #[must_use]
-    pub fn candidates(&self, situation: &Situation) -> Vec<Candidate> {
+    pub fn candidates(&self, problem: &Problem) -> Vec<Candidate> {
         let time = self.swing.contact_time();
         let mut all = Vec::new();
         for f in &self.fixed {
-            let menus = match f.rung {
-                Rung::MovableTeeth(_) => &RIGID[TEETH],
+            let menus = match f.level {
+                Level::MovableTeeth(_) => &RIGID[TEETH],
                 _ => &RIGID[..],
             };
             for method in menus.iter().flat_map(|m| m.methods(time)) {
                 all.push(Candidate {
-                    rung: f.rung.clone(),
+                    level: f.level.clone(),
                     scene: f.scene.clone(),
                     modelling: f.modelling.clone(),
                     method,
                 });
             }
         }
-        let scene = Arc::new(situation.scene.clone());
+        let scene = Arc::new(problem.scene.clone());
         for modes in std::iter::once(0).chain(MODES) {
             all.extend(
-                (ELASTIC.methods(time))
-                    .map(|method| self.flexible(situation, &scene, modes, method)),
+                (ELASTIC.methods(time)).map(|method| self.flexible(problem, &scene, modes, method)),
             );
         }
         all
@@ -348,7 +281,7 @@ impl Prepared {
     /// Elastic gears with some modes under a method.
     fn flexible(
         &self,
-        situation: &Situation,
+        problem: &Problem,
         scene: &Arc<SceneSpec>,
         modes: usize,
         method: Scheme,
@@ -358,23 +291,23 @@ impl Prepared {
             Resolution::Tolerance(_) => short(self.swing.contact_time() / TOLERANCE_STEPS),
         };
         Candidate {
-            rung: match modes {
-                0 => Rung::QuasiStatic,
-                modes => Rung::Elastic { modes },
+            level: match modes {
+                0 => Level::QuasiStatic,
+                modes => Level::Elastic { modes },
             },
             scene: scene.clone(),
-            modelling: Arc::new(elastic(situation, modes, Some(step))),
+            modelling: Arc::new(elastic(problem, modes, Some(step))),
             method,
         }
     }
 
     /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
     #[must_use]
-    pub fn at_steps(&self, situation: &Situation, modes: usize, steps: f64) -> Candidate {
-        let tooth = 1.0 / (TOOTH_STEPS * situation.tooth_frequency());
+    pub fn at_steps(&self, problem: &Problem, modes: usize, steps: f64) -> Candidate {
+        let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
         let step = (self.swing.contact_time() / steps).min(tooth);
         let method = TRIGONOMETRIC.at_step(short(step));
-        self.flexible(situation, &Arc::new(situation.scene.clone()), modes, method)
+        self.flexible(problem, &Arc::new(problem.scene.clone()), modes, method)
     }
 }
 
@@ -382,20 +315,20 @@ impl Prepared {
 ///
 /// # Errors
 /// [`ChooseError`] when the scene cannot be assembled.
-pub fn candidates(situation: &Situation) -> Result<Vec<Candidate>, ChooseError> {
-    Ok(Prepared::of(situation)?.candidates(situation))
+pub fn candidates(problem: &Problem) -> Result<Vec<Candidate>, ChooseError> {
+    Ok(Prepared::of(problem)?.candidates(problem))
 }
 
-/// The densest elastic model, finer than anything on the ladder: what choices are judged against where full finite
+/// The densest elastic model, finer than anything of the hierarchy: what choices are validated against where full finite
 /// elements would take too long.
 ///
 /// # Errors
 /// [`ChooseError`] when the scene cannot be assembled.
-pub fn densest(situation: &Situation) -> Result<Candidate, ChooseError> {
+pub fn densest(problem: &Problem) -> Result<Candidate, ChooseError> {
     let prepared = Prepared {
-        swing: Swing::of(&situation.scene)?,
+        swing: Swing::of(&problem.scene)?,
         fixed: Vec::new(),
         statics: Err("not asked for".into()),
     };
-    Ok(prepared.at_steps(situation, DENSEST, DENSEST_STEPS))
+    Ok(prepared.at_steps(problem, DENSEST, DENSEST_STEPS))
 }

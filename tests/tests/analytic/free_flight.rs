@@ -3,8 +3,8 @@
 use crate::flight::{Impacts, hammer};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::{
-    Coast, Events, FreeFlight, METHODS, NullSink, Outputs, Report, Resolution, State, Stepping,
-    TimePlan, Work, method,
+    Events, FlightPath, FreeFlight, METHODS, NullSink, Outputs, Report, Resolution, State,
+    Stepping, TimePlan, Work, method,
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -89,13 +89,13 @@ fn flying(models: &[ModelSpec; 2], contact: &ContactSpec, size: f64, seed: u64) 
 
 /// Until the time told nothing touches, whatever vibrates; the loop's motion is that of a fine integration.
 #[test]
-fn a_coast_is_the_motion_and_nothing_touches_on_it() {
+fn a_free_flight_is_the_motion_and_nothing_touches_on_it() {
     for (name, models, contact) in pairs() {
         let (mut flights, mut worst) = (0, 0.0_f64);
         for seed in 0..40 {
             let (mut scene, s) = flying(&models, &contact, 1e-6, seed);
-            let mut coast = Coast::default();
-            let until = scene.coast(&s, 0.0, &mut coast).min(0.02);
+            let mut path = FlightPath::default();
+            let until = scene.flight_path(&s, 0.0, &mut path).min(0.02);
             if until == 0.0 {
                 continue;
             }
@@ -104,7 +104,7 @@ fn a_coast_is_the_motion_and_nothing_touches_on_it() {
             let (mut here, mut out) = (s.clone(), Outputs::default());
             for k in 0..=200 {
                 here.t = until * f64::from(k) / 200.0;
-                coast.at(here.t, &mut here.q, &mut here.v);
+                path.at(here.t, &mut here.q, &mut here.v);
                 scene.output(here.at(), &mut out);
                 assert_eq!(
                     out.channels[force], 0.0,
@@ -120,7 +120,7 @@ fn a_coast_is_the_motion_and_nothing_touches_on_it() {
             let mut m = method("dopri5").unwrap();
             m.run(&mut scene, &mut fine, &plan, &mut NullSink, &mut work)
                 .unwrap();
-            coast.at(t_end, &mut here.q, &mut here.v);
+            path.at(t_end, &mut here.q, &mut here.v);
             let (q, v) = scales(&scene);
             for i in 0..q.len() {
                 let apart = [
@@ -147,7 +147,7 @@ fn motions_without_a_closed_form_are_stepped_through() {
         let mut scene = build(&spec, &models, &contact(5e10));
         let mut s = scene.initial();
         scene.begin(&mut s, true);
-        scene.coast(&s, 0.0, &mut Coast::default()) > 0.0
+        scene.flight_path(&s, 0.0, &mut FlightPath::default()) > 0.0
     };
     let load = |load: Load| move |spec: &mut SceneSpec| spec.gears[0].loads = vec![load.clone()];
     assert!(flies(&|_| {}, [rigid(), movable(1e8, 4.8e-3, 60.0)]));
@@ -180,14 +180,14 @@ fn finish(spec: &SceneSpec, models: &[ModelSpec; 2], id: &str, resolution: Resol
 /// Rigid gears without loads fly straight, which every method does exactly: the closed form changes nothing but the
 /// work.
 #[test]
-fn coasting_changes_nothing_where_a_method_flies_exactly() {
+fn free_flights_change_nothing_where_a_method_is_exact() {
     let spec = hammer(50e-6);
     for row in METHODS.iter().filter(|m| !m.info.linear_part) {
         let id = row.info.id;
         let resolution = resolution(row.info, 1e-6, 1e-9);
         let models = [rigid(), rigid()];
         let off = finish(&spec, &models, id, resolution);
-        let on = finish(&spec, &models, &format!("{id}(coast=1)"), resolution);
+        let on = finish(&spec, &models, &format!("{id}(free_flight=1)"), resolution);
         let apart = (0..2)
             .map(|i| (on.state.v[i] / off.state.v[i] - 1.0).abs())
             .fold(0.0, f64::max);
@@ -207,30 +207,31 @@ fn coasting_changes_nothing_where_a_method_flies_exactly() {
     }
 }
 
-/// Vibrating teeth under loads: the motion converged to is the same, energy is accounted for. The error at a step is that
-/// of the contacts alone, of the declared order, but not smaller here: errors of flight and contact cancel in part.
+/// Vibrating teeth under loads: the motion converged to is the same, energy is accounted for. The error at a step is
+/// that of the contacts alone, of the declared order, but not smaller here: errors of flight and contact cancel in
+/// part.
 #[test]
-fn runs_with_coasts_converge_to_the_same_motion() {
+fn runs_with_free_flights_converge_to_the_same_motion() {
     let mut spec = hammer(50e-6);
     spec.gears[0].loads = vec![Load::Applied(Profile::Constant(2.0))];
     let teeth = movable(2e8, 4.8e-3, 0.0);
     let models = [teeth.clone(), teeth];
     let exact = |id| finish(&spec, &models, id, Resolution::Tolerance(1e-12));
-    let (stepped, coasted) = (exact("dopri5"), exact("dopri5(coast=1)"));
-    let apart = (coasted.state.v[0] / stepped.state.v[0] - 1.0).abs();
-    let residual = coasted.ledger.residual_relative();
-    println!("dopri5: coasted and stepped differ by {apart:.1e}, residual {residual:.1e}");
+    let (stepped, flown) = (exact("dopri5"), exact("dopri5(free_flight=1)"));
+    let apart = (flown.state.v[0] / stepped.state.v[0] - 1.0).abs();
+    let residual = flown.ledger.residual_relative();
+    println!("dopri5: flown and stepped differ by {apart:.1e}, residual {residual:.1e}");
     assert!(apart < 1e-7 && residual.abs() < 1e-9);
-    assert!(coasted.ledger.external.abs() > 1e-3);
+    assert!(flown.ledger.external.abs() > 1e-3);
     for (id, step) in [
         ("velocity-verlet", 4e-7),
         ("rk4", 4e-7),
         ("hht-alpha", 4e-7),
     ] {
-        let at = |coast: &str, step: f64| {
-            let id = format!("{id}{coast}");
+        let at = |path: &str, step: f64| {
+            let id = format!("{id}{path}");
             let o = finish(&spec, &models, &id, Resolution::Step(step));
-            let error = (o.state.v[0] / coasted.state.v[0] - 1.0).abs();
+            let error = (o.state.v[0] / flown.state.v[0] - 1.0).abs();
             let residual = o.ledger.residual_relative().abs();
             println!(
                 "{id}, {step:.0e} s: {} steps, error {error:.1e}, residual {residual:.1e}, work {:.4e} J",
@@ -239,7 +240,7 @@ fn runs_with_coasts_converge_to_the_same_motion() {
             (error, residual, o.work.steps)
         };
         let off = at("", step);
-        let [on, finer] = [1.0, 0.25].map(|part| at("(coast=1)", part * step));
+        let [on, finer] = [1.0, 0.25].map(|part| at("(free_flight=1)", part * step));
         assert!(finer.0 < 0.2 * on.0 + 1e-8, "{id}: {on:?} {finer:?}");
         assert!(on.1 < 3.0 * off.1 + 1e-9, "{id}: {on:?} {off:?}");
         assert!(2 * on.2 < off.2, "{id}");
@@ -260,7 +261,7 @@ fn the_cost_of_hammering_follows_contact_time_with_every_method() {
                 };
                 let (mut s, mut work) = (scene.initial(), Work::default());
                 let mut impacts = Impacts::of(&scene);
-                let mut m = method(&format!("{}(coast=1)", row.info.id)).unwrap();
+                let mut m = method(&format!("{}(free_flight=1)", row.info.id)).unwrap();
                 let mut sinks = Tee(vec![&mut impacts]);
                 m.run(&mut scene, &mut s, &plan, &mut sinks, &mut work)
                     .unwrap();
@@ -298,7 +299,7 @@ fn teeth_in_closed_form_equal_integrated_ones_up_to_rounding() {
     let mut spec = hammer(100e-6);
     // In step, so that the flight lasts; a small difference lets them touch after several pitches.
     spec.gears[1].speed = -20.0 / 1.5 + 2e-4;
-    let travel = |model: ModelSpec, from: Option<&[f64; 2]>, t_end: f64, step: f64| {
+    let displacement = |model: ModelSpec, from: Option<&[f64; 2]>, t_end: f64, step: f64| {
         let mut scene = build(&spec, &[model.clone(), model], &contact(5e10));
         let mut s = scene.initial();
         if let Some(push) = from {
@@ -308,13 +309,13 @@ fn teeth_in_closed_form_equal_integrated_ones_up_to_rounding() {
             }
         }
         let plan = TimePlan::new(t_end, Resolution::Step(step));
-        let out = run_from(&mut scene, s, "rk4(coast=1)", &plan).unwrap("rk4");
+        let out = run_from(&mut scene, s, "rk4(free_flight=1)", &plan).unwrap("rk4");
         let s = out.state;
         let speeds = [
             "speed:pinion",
             "speed:wheel",
-            "travel:pinion",
-            "travel:wheel",
+            "displacement:pinion",
+            "displacement:wheel",
         ]
         .map(|name| channel(&mut scene, &s, name));
         (speeds, out.work.steps)
@@ -325,8 +326,8 @@ fn teeth_in_closed_form_equal_integrated_ones_up_to_rounding() {
             .fold(0.0, f64::max)
     };
     let push = [1e-2, -1e-2];
-    let (few, steps) = travel(teeth.clone(), Some(&push), 0.05, 1e-6);
-    let (every, _) = travel(all_teeth(teeth.clone()), Some(&push), 0.05, 1e-6);
+    let (few, steps) = displacement(teeth.clone(), Some(&push), 0.05, 1e-6);
+    let (every, _) = displacement(all_teeth(teeth.clone()), Some(&push), 0.05, 1e-6);
     let d = apart(few, every);
     println!(
         "flight over {:.1} pitches in {steps} steps: {d:.1e}",
@@ -336,21 +337,21 @@ fn teeth_in_closed_form_equal_integrated_ones_up_to_rounding() {
     assert!(d < 1e-12, "{d:.1e}");
     // Hammering: impacts excite the teeth that leave their windows in the flights between.
     spec.gears[1].speed = -12.0;
-    let travel = |model: ModelSpec| {
+    let displacement = |model: ModelSpec| {
         let mut scene = build(&spec, &[model.clone(), model], &contact(5e10));
         let plan = TimePlan::new(0.02, Resolution::Step(1e-7));
         let s = scene.initial();
-        let out = run_from(&mut scene, s, "rk4(coast=1)", &plan).unwrap("rk4");
+        let out = run_from(&mut scene, s, "rk4(free_flight=1)", &plan).unwrap("rk4");
         let s = out.state;
         [
             "speed:pinion",
             "speed:wheel",
-            "travel:pinion",
-            "travel:wheel",
+            "displacement:pinion",
+            "displacement:wheel",
         ]
         .map(|name| channel(&mut scene, &s, name))
     };
-    let d = apart(travel(teeth.clone()), travel(all_teeth(teeth)));
+    let d = apart(displacement(teeth.clone()), displacement(all_teeth(teeth)));
     println!("hammering: {d:.1e}");
     assert!(d < 1e-8, "{d:.1e}");
 }

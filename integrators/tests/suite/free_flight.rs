@@ -44,7 +44,7 @@ impl Sink for Flights {
     }
 }
 
-fn hammered(row: &Method, coast: &str, events: bool, plan: &TimePlan<'_>) -> (f64, Work, Flights) {
+fn hammered(row: &Method, path: &str, events: bool, plan: &TimePlan<'_>) -> (f64, Work, Flights) {
     let mut hammer = Hammer::gears(0.05);
     let mut flights = Flights {
         hammer: hammer.clone(),
@@ -59,7 +59,7 @@ fn hammered(row: &Method, coast: &str, events: bool, plan: &TimePlan<'_>) -> (f6
     };
     let (mut s, mut work) = (hammer.start(), Work::default());
     let plan = TimePlan { events, ..*plan };
-    method(&format!("{}{coast}", row.info.id))
+    method(&format!("{}{path}", row.info.id))
         .unwrap()
         .run(&mut hammer, &mut s, &plan, &mut flights, &mut work)
         .unwrap();
@@ -68,7 +68,7 @@ fn hammered(row: &Method, coast: &str, events: bool, plan: &TimePlan<'_>) -> (f6
 
 /// No error more, far fewer steps; flights are exact inside, end on the grid, and the ledger closes.
 #[test]
-fn coasts_are_exact_with_every_method() {
+fn free_flights_are_exact_with_every_method() {
     for row in METHODS {
         let fixed = row.info.stepping != Stepping::Adaptive;
         let plan = if fixed {
@@ -77,7 +77,7 @@ fn coasts_are_exact_with_every_method() {
             tolerance(0.05, 1e-7)
         };
         let (off, slow, none) = hammered(row, "", true, &plan);
-        let (on, fast, flights) = hammered(row, "(coast=1)", true, &plan);
+        let (on, fast, flights) = hammered(row, "(free_flight=1)", true, &plan);
         println!(
             "{:20} error {off:.1e} and {on:.1e}, {} and {} steps, {} and {} evaluations, {} flights",
             row.info.id,
@@ -106,7 +106,7 @@ fn coasts_are_exact_with_every_method() {
 /// Without event location contact opens unseen, and flight is found all the same. Contact then begins anywhere in a
 /// step, so that errors scatter.
 #[test]
-fn coasts_need_no_event_location() {
+fn free_flights_need_no_event_location() {
     for row in METHODS {
         let plan = if row.info.stepping == Stepping::Adaptive {
             tolerance(0.05, 1e-6)
@@ -114,7 +114,7 @@ fn coasts_need_no_event_location() {
             steps(0.05, 50_000.0)
         };
         let (off, _, _) = hammered(row, "", false, &plan);
-        let (on, work, flights) = hammered(row, "(coast=1)", false, &plan);
+        let (on, work, flights) = hammered(row, "(free_flight=1)", false, &plan);
         println!(
             "{:20} error {off:.1e} and {on:.1e}, {} steps, {} flights",
             row.info.id, work.steps, flights.number

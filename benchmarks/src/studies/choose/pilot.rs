@@ -3,18 +3,18 @@
 //! The window goes from the start through so many contact times of touching teeth that several impacts or mesh cycles
 //! are in it; where the whole scene has no more than that, it is the whole scene.
 
-use super::candidate::Fixed;
-use super::choice::ChooseError;
-use super::situation::Situation;
+use super::plan::Fixed;
+use super::problem::Problem;
+use super::requirement::Metric;
+use super::run::ChooseError;
 use super::statics::Swing;
 use super::trial::{Outcome, Trial};
-use super::wish::Metric;
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
-use gearbench_models::spec::{lever, mesh_layout};
+use gearbench_models::spec::{effective_radius, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 
-/// Steps and samples of a scout run per contact time.
+/// Steps and samples of a pilot run per contact time.
 const STEPS: f64 = 32.0;
 /// Samples per contact time around contacts.
 const SAMPLES: f64 = 48.0;
@@ -101,30 +101,30 @@ fn method() -> Scheme {
 }
 
 /// A rigid run through the whole scene.
-fn whole(situation: &Situation, rung: &Fixed, contact_time: f64) -> Result<Outcome, ChooseError> {
-    let n = (STEPS * situation.duration / contact_time).clamp(400.0, 200_000.0) as usize;
+fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome, ChooseError> {
+    let n = (STEPS * problem.duration / contact_time).clamp(400.0, 200_000.0) as usize;
     let window = Window {
         grid: (0..=n)
-            .map(|i| situation.duration * i as f64 / n as f64)
+            .map(|i| problem.duration * i as f64 / n as f64)
             .collect(),
-        ..Window::to(situation.duration, contact_time / SAMPLES)
+        ..Window::to(problem.duration, contact_time / SAMPLES)
     };
-    Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), &window)
+    Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), &window)?)
 }
 
 /// How deep flanks go into each other, from the largest force of a rigid run [m].
 ///
 /// # Errors
 /// [`ChooseError::NoContact`] when no teeth touch.
-pub fn approach(situation: &Situation, rung: &Fixed, swing: &Swing) -> Result<f64, ChooseError> {
-    let run = whole(situation, rung, swing.contact_time())?;
+pub fn approach(problem: &Problem, level: &Fixed, swing: &Swing) -> Result<f64, ChooseError> {
+    let run = whole(problem, level, swing.contact_time())?;
     let force = &run.series.contact_force_n;
     let peak = force.iter().copied().fold(0.0, f64::max);
     if peak > 0.0 {
         Ok(peak / swing.stiffness)
     } else {
         Err(ChooseError::NoContact {
-            duration: situation.duration,
+            duration: problem.duration,
         })
     }
 }
@@ -147,16 +147,16 @@ fn spells(run: &Outcome) -> Vec<[f64; 2]> {
 }
 
 /// Time in which the first mesh moves on by one tooth pair [s].
-fn cycle(situation: &Situation) -> f64 {
-    let mesh = &situation.scene.meshes[0];
-    let [a, b] = mesh.gears.map(|i| &situation.scene.gears[i]);
+fn cycle(problem: &Problem) -> f64 {
+    let mesh = &problem.scene.meshes[0];
+    let [a, b] = mesh.gears.map(|i| &problem.scene.gears[i]);
     let speed = |g: &gearbench_models::spec::GearSpec| {
         let given = match &g.mount {
             gearbench_models::spec::Mount::Driven(p) => p.value(0.0),
             gearbench_models::spec::Mount::Fixed => 0.0,
             _ => g.speed,
         };
-        (given * lever(&g.body)).abs()
+        (given * effective_radius(&g.body)).abs()
     };
     let base = mesh_layout(a, b).map_or(f64::INFINITY, |l| l.base_pitch);
     base / speed(a).max(speed(b))
@@ -167,17 +167,17 @@ fn cycle(situation: &Situation) -> f64 {
 /// # Errors
 /// A scene that cannot be run.
 pub fn window(
-    situation: &Situation,
-    rung: &Fixed,
+    problem: &Problem,
+    level: &Fixed,
     swing: &Swing,
     metric: Metric,
 ) -> Result<Window, ChooseError> {
     let time = swing.contact_time();
-    let run = whole(situation, rung, time)?;
+    let run = whole(problem, level, time)?;
     let spells = spells(&run);
     let total: f64 = spells.iter().map(|[a, b]| b - a).sum();
-    let budget = (CYCLES * cycle(situation)).clamp(BUDGET * time, MOST_BUDGET * time);
-    let mut end = situation.duration;
+    let budget = (CYCLES * cycle(problem)).clamp(BUDGET * time, MOST_BUDGET * time);
+    let mut end = problem.duration;
     let mut used = 0.0;
     for [a, b] in &spells {
         if used + (b - a) >= budget {
@@ -193,28 +193,28 @@ pub fn window(
         used += b - a;
     }
     // A rest that is hardly longer than the window is taken along.
-    if end > 0.7 * situation.duration {
-        end = situation.duration;
+    if end > 0.7 * problem.duration {
+        end = problem.duration;
     }
     let inside: f64 = (spells.iter())
         .map(|[a, b]| (b.min(end) - a).max(0.0))
         .sum();
     Ok(Window {
-        whole: end >= situation.duration,
+        whole: end >= problem.duration,
         contacts: spells.iter().filter(|[a, _]| *a < end).count(),
         all_contacts: spells.len(),
         contact_ratio: if inside > 0.0 { total / inside } else { 1.0 },
-        time_ratio: situation.duration / end,
-        grid: grid(end, spacing(situation, swing, metric), time, &spells),
+        time_ratio: problem.duration / end,
+        grid: grid(end, spacing(problem, swing, metric), time, &spells),
         ..Window::to(end, time / SAMPLES)
     })
 }
 
 /// Distance of samples around contacts [s].
-fn spacing(situation: &Situation, swing: &Swing, metric: Metric) -> f64 {
+fn spacing(problem: &Problem, swing: &Swing, metric: Metric) -> f64 {
     let contact = swing.contact_time() / SAMPLES;
     if metric == Metric::Peak {
-        contact.min(1.0 / (RINGING * situation.tooth_frequency()))
+        contact.min(1.0 / (RINGING * problem.tooth_frequency()))
     } else {
         contact
     }
@@ -240,8 +240,8 @@ fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f
 /// # Errors
 /// A scene that cannot be run.
 pub fn growth(
-    situation: &Situation,
-    rung: &Fixed,
+    problem: &Problem,
+    level: &Fixed,
     window: &Window,
     swing: &Swing,
     metric: Metric,
@@ -249,11 +249,11 @@ pub fn growth(
     if window.whole {
         return Ok(1.0);
     }
-    let [base, stiffer] = [1.0, 1.0 + NUDGE].map(|factor| scaled(situation, rung, swing, factor));
-    let all = Window::to(situation.duration, spacing(situation, swing, metric));
+    let [base, stiffer] = [1.0, 1.0 + NUDGE].map(|factor| scaled(problem, level, swing, factor));
+    let all = Window::to(problem.duration, spacing(problem, swing, metric));
     let error = |w: &Window| -> Result<f64, ChooseError> {
         let run =
-            |rung: &Fixed| Trial::new(situation, &rung.scene, &rung.modelling)?.run(&method(), w);
+            |level: &Fixed| Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), w);
         Ok(run(&stiffer)?.error(metric, &run(&base)?))
     };
     let (near, far) = (error(window)?, error(&all)?);
@@ -261,15 +261,15 @@ pub fn growth(
     Ok(if g.is_finite() { g.max(1.0) } else { 1.0 })
 }
 
-/// A rigid rung with its stiffness times a factor; a stiffness that is no table becomes a constant one.
-fn scaled(situation: &Situation, rung: &Fixed, swing: &Swing, factor: f64) -> Fixed {
-    let mut modelling = (*rung.modelling).clone();
-    for (c, mesh) in modelling.contacts.iter_mut().zip(&situation.scene.meshes) {
+/// A rigid level with its stiffness times a factor; a stiffness that is no table becomes a constant one.
+fn scaled(problem: &Problem, level: &Fixed, swing: &Swing, factor: f64) -> Fixed {
+    let mut modelling = (*level.modelling).clone();
+    for (c, mesh) in modelling.contacts.iter_mut().zip(&problem.scene.meshes) {
         if let PairStiffness::Table { k, .. } = &mut c.stiffness {
             k.iter_mut().for_each(|k| *k *= factor);
             continue;
         }
-        let [a, b] = mesh.gears.map(|i| &situation.scene.gears[i]);
+        let [a, b] = mesh.gears.map(|i| &problem.scene.gears[i]);
         let width = mesh_layout(a, b).map_or(1.0, |l| l.face_width);
         c.stiffness = PairStiffness::Constant {
             per_width: factor * swing.stiffness / width,
@@ -278,6 +278,6 @@ fn scaled(situation: &Situation, rung: &Fixed, swing: &Swing, factor: f64) -> Fi
     }
     Fixed {
         modelling: modelling.into(),
-        ..rung.clone()
+        ..level.clone()
     }
 }

@@ -1,18 +1,19 @@
-//! The pick: of every rung that is near enough to the top one each integrator is taken to its longest adequate step, and
+//! The selection: of every level that is near enough to the top one each integrator is taken to its longest adequate step, and
 //! the cheapest of all is chosen.
 //!
-//! A candidate is run on the window and held against the top rung, so that errors of model and integrator count as
+//! A candidate is run on the window and held against the top level, so that errors of model and integrator count as
 //! they come together. Candidates of an integrator are tried from the longest step on; the first one that keeps the
 //! tolerance with a margin counts. On a window that is not the whole scene the next shorter step must keep it as well:
 //! one that is right by chance there may not be so later.
 
-use super::candidate::{Candidate, Fixed, Prepared, Rung};
-use super::choice::{Choice, ChooseError, Parts, RungTried, Tried};
-use super::climb::Climb;
-use super::scout::Window;
-use super::situation::Situation;
+use super::level::Level;
+use super::pilot::Window;
+use super::plan::{Candidate, Fixed, Prepared};
+use super::problem::Problem;
+use super::refinement::Refinement;
+use super::requirement::Requirement;
+use super::run::{Choice, ChooseError, LevelTried, Parts, Tried};
 use super::trial::{Outcome, Trial};
-use super::wish::Wish;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
@@ -21,24 +22,24 @@ use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 const MARGIN: f64 = 0.9;
 /// Steps per contact time at which rigid gears and movable teeth have no error of integration worth speaking of.
 const FINE: f64 = 512.0;
-/// A rung whose own fine solution is beyond this many tolerances is not tried further.
+/// A level whose own fine solution is beyond this many tolerances is not tried further.
 const HOPE: f64 = 1.0;
 
 /// Most repeats of a timed run.
 const REPEATS: usize = 9;
 
-/// A rung with its own fine solution.
+/// A level with its own fine solution.
 struct Standing {
-    tried: RungTried,
+    tried: LevelTried,
     fine: Option<Outcome>,
 }
 
-/// What all steps of the pick need.
-struct Picker<'a, 'p> {
-    situation: &'a Situation,
+/// What all steps of the selection need.
+struct Selector<'a, 'p> {
+    problem: &'a Problem,
     window: &'a Window,
-    wish: &'a Wish,
-    climb: &'a Climb,
+    requirement: &'a Requirement,
+    refinement: &'a Refinement,
     top: &'a Outcome,
     progress: &'p mut dyn FnMut(&str),
     /// Cost of the cheapest adequate candidate so far [s].
@@ -47,30 +48,30 @@ struct Picker<'a, 'p> {
     per_step: Option<f64>,
 }
 
-impl Picker<'_, '_> {
-    /// Estimated error over the whole scene of something at a distance from the top rung.
+impl Selector<'_, '_> {
+    /// Estimated error over the whole scene of something at a distance from the top level.
     fn error(&self, distance: f64) -> f64 {
-        self.climb.growth * (distance + self.climb.remaining)
+        self.refinement.growth * (distance + self.refinement.remaining)
     }
 
     fn adequate(&self, error: f64) -> bool {
-        error <= MARGIN * self.wish.tolerance
+        error <= MARGIN * self.requirement.tolerance
     }
 
-    /// Holds a rung that is not elastic against the top one.
+    /// Holds a level that is not elastic against the top one.
     fn stand(&mut self, fixed: &Fixed, contact_time: f64) -> Result<Standing, ChooseError> {
-        (self.progress)(&format!("{} on the window", fixed.rung.name()));
-        let method = match fixed.rung {
-            Rung::MovableTeeth(_) => DOPRI5.at_tolerance(1e-5),
+        (self.progress)(&format!("{} on the window", fixed.level.name()));
+        let method = match fixed.level {
+            Level::MovableTeeth(_) => DOPRI5.at_tolerance(1e-5),
             _ => TRIGONOMETRIC.at_step(contact_time / FINE),
         };
-        let mut trial = Trial::new(self.situation, &fixed.scene, &fixed.modelling)?;
+        let mut trial = Trial::new(self.problem, &fixed.scene, &fixed.modelling)?;
         let fine = trial.run(&method, self.window)?;
-        let distance = fine.error(self.wish.metric, self.top);
+        let distance = fine.error(self.requirement.metric, self.top);
         let error = self.error(distance);
         Ok(Standing {
-            tried: RungTried {
-                rung: fixed.rung.clone(),
+            tried: LevelTried {
+                level: fixed.level.clone(),
                 method,
                 distance,
                 step_up: None,
@@ -95,26 +96,26 @@ impl Picker<'_, '_> {
         }
     }
 
-    /// Looks for the cheapest adequate candidate of a rung, where there is hope.
+    /// Looks for the cheapest adequate candidate of a level, where there is hope.
     fn look(
         &mut self,
-        rung: &mut RungTried,
+        level: &mut LevelTried,
         all: &[Candidate],
         tried: &mut Vec<Tried>,
     ) -> Result<(), ChooseError> {
-        if rung.error > HOPE * self.wish.tolerance {
+        if level.error > HOPE * self.requirement.tolerance {
             return Ok(());
         }
-        let own: Vec<Candidate> = (all.iter().filter(|c| c.rung == rung.rung))
+        let own: Vec<Candidate> = (all.iter().filter(|c| c.level == level.level))
             .cloned()
             .collect();
-        let level = (self.climb.levels.iter()).find(|l| l.candidate.rung == rung.rung);
-        let fine = level.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
-        rung.cheapest = self.search(&own, fine, tried)?;
+        let refined = (self.refinement.levels.iter()).find(|l| l.candidate.level == level.level);
+        let fine = refined.map(|l| (&l.candidate, l.outcome.row.highest_hz.unwrap_or(0.0)));
+        level.cheapest = self.search(&own, fine, tried)?;
         Ok(())
     }
 
-    /// Tries the candidates of a rung, whose own fine run has modes up to `highest` [Hz] and is `fine`; the cheapest
+    /// Tries the candidates of a level, whose own fine run has modes up to `highest` [Hz] and is `fine`; the cheapest
     /// adequate one comes back.
     fn search(
         &mut self,
@@ -128,7 +129,7 @@ impl Picker<'_, '_> {
             a.method.method == b.method.method && by_step(a) == by_step(b)
         };
         let mut kept = match fine {
-            Some((c, _)) => Some(Trial::new(self.situation, &c.scene, &c.modelling)?),
+            Some((c, _)) => Some(Trial::new(self.problem, &c.scene, &c.modelling)?),
             None => None,
         };
         for row in candidates.chunk_by(same) {
@@ -148,19 +149,19 @@ impl Picker<'_, '_> {
                 let trial = match kept.as_mut().filter(|_| reused) {
                     Some(trial) => trial,
                     None => {
-                        own = Trial::new(self.situation, &candidate.scene, &candidate.modelling)?;
+                        own = Trial::new(self.problem, &candidate.scene, &candidate.modelling)?;
                         &mut own
                     }
                 };
                 let outcome = trial.run(&candidate.method, self.window)?;
-                let error = self.error(outcome.error(self.wish.metric, self.top));
+                let error = self.error(outcome.error(self.requirement.metric, self.top));
                 let adequate = self.adequate(error);
                 let mut cost = f64::NAN;
                 if outcome.usable() {
                     // The cost of what does not do is for the picture only.
                     let repeats = if adequate { REPEATS } else { 1 };
                     let end = self.window.end;
-                    let on_window = trial.cost(&candidate.method, end, repeats)?;
+                    let on_window = trial.cost(&candidate.method, end, repeats);
                     cost = self.whole_cost(candidate, on_window);
                     self.learn(candidate, cost);
                 }
@@ -194,7 +195,7 @@ impl Picker<'_, '_> {
     /// Keeps what a step of elastic gears costs.
     fn learn(&mut self, candidate: &Candidate, cost: f64) {
         if let (Some(_), Resolution::Step(h)) =
-            (candidate.rung.modes(), candidate.method.resolution)
+            (candidate.level.modes(), candidate.method.resolution)
         {
             let per_step = cost * h;
             self.per_step = Some(self.per_step.map_or(per_step, |p: f64| p.min(per_step)));
@@ -204,7 +205,7 @@ impl Picker<'_, '_> {
     /// Elastic gears whose steps alone cost more than the cheapest that is known to do: the confirming next shorter step
     /// of something cheaper may still run.
     fn too_dear(&self, candidate: &Candidate) -> bool {
-        match (candidate.rung.modes(), candidate.method.resolution) {
+        match (candidate.level.modes(), candidate.method.resolution) {
             (Some(_), Resolution::Step(h)) => {
                 self.per_step.is_some_and(|p| p / (2.0 * h) > self.cheapest)
             }
@@ -222,8 +223,8 @@ fn within(
 ) -> Option<(usize, Candidate, f64)> {
     let keeps = |t: &&Tried| t.error <= tolerance && t.cost_s.is_finite();
     let least = (tried.iter().filter(keeps)).min_by(|a, b| a.cost_s.total_cmp(&b.cost_s))?;
-    let rung = |s: &Standing| s.tried.rung == least.candidate.rung;
-    let i = standings.iter().position(rung)?;
+    let level = |s: &Standing| s.tried.level == least.candidate.level;
+    let i = standings.iter().position(level)?;
     Some((i, least.candidate.clone(), least.cost_s))
 }
 
@@ -234,69 +235,70 @@ fn failure(outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// Picks; window and domain are the caller's.
+/// Selects; window and domain are the caller's.
 ///
 /// # Errors
 /// [`ChooseError`] when something that was to run could not start.
-pub fn pick(
-    situation: &Situation,
+pub fn select(
+    problem: &Problem,
     prepared: &Prepared,
     window: &Window,
-    wish: &Wish,
-    climb: Climb,
+    requirement: &Requirement,
+    refinement: Refinement,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Choice, ChooseError> {
-    let Some(top) = climb.top() else {
-        return Err(ChooseError::Ladder("no rung ran".into()));
+    let Some(top) = refinement.top() else {
+        return Err(ChooseError::Hierarchy("no level ran".into()));
     };
-    let mut picker = Picker {
-        situation,
+    let mut selector = Selector {
+        problem,
         window,
-        wish,
-        climb: &climb,
+        requirement,
+        refinement: &refinement,
         top: &top.outcome,
         progress,
         cheapest: f64::INFINITY,
         per_step: None,
     };
-    let all = prepared.candidates(situation);
+    let all = prepared.candidates(problem);
     let (mut standings, mut tried) = (Vec::new(), Vec::new());
     for fixed in &prepared.fixed {
         // Movable teeth never cost less than rigid ones.
-        if matches!(fixed.rung, Rung::MovableTeeth(_)) && picker.cheapest.is_finite() {
+        if matches!(fixed.level, Level::MovableTeeth(_)) && selector.cheapest.is_finite() {
             continue;
         }
-        let mut standing = picker.stand(fixed, prepared.swing.contact_time())?;
-        picker.look(&mut standing.tried, &all, &mut tried)?;
+        let mut standing = selector.stand(fixed, prepared.swing.contact_time())?;
+        selector.look(&mut standing.tried, &all, &mut tried)?;
         standings.push(standing);
     }
-    for level in &climb.levels {
-        let distance = level.outcome.error(wish.metric, &top.outcome);
-        let error = picker.error(distance);
+    for refined in &refinement.levels {
+        let distance = refined.outcome.error(requirement.metric, &top.outcome);
+        let error = selector.error(distance);
         let mut standing = Standing {
-            tried: RungTried {
-                rung: level.candidate.rung.clone(),
-                method: level.candidate.method,
+            tried: LevelTried {
+                level: refined.candidate.level.clone(),
+                method: refined.candidate.method,
                 distance,
-                step_up: level.step_up,
+                step_up: refined.step_up,
                 error,
-                adequate: picker.adequate(error),
+                adequate: selector.adequate(error),
                 cheapest: None,
-                setup_s: level.setup_s,
+                setup_s: refined.setup_s,
                 failure: None,
             },
-            fine: Some(level.outcome.clone()),
+            fine: Some(refined.outcome.clone()),
         };
-        picker.look(&mut standing.tried, &all, &mut tried)?;
+        selector.look(&mut standing.tried, &all, &mut tried)?;
         standings.push(standing);
     }
     let best = (standings.iter().enumerate())
         .filter_map(|(i, s)| s.tried.cheapest.clone().map(|(c, cost)| (i, c, cost)))
         .min_by(|a, b| a.2.total_cmp(&b.2))
-        .or_else(|| within(&standings, &tried, wish.tolerance));
+        .or_else(|| within(&standings, &tried, requirement.tolerance));
     if let Some((i, candidate, cost)) = &best {
-        let rung = &mut standings[*i].tried;
-        rung.cheapest
+        let level = &mut standings[*i].tried;
+        level
+            .cheapest
             .get_or_insert_with(|| (candidate.clone(), *cost));
     }
     let mut choice = Choice {
@@ -306,22 +308,23 @@ pub fn pick(
             .map(|s| s.tried.error)
             .fold(f64::INFINITY, f64::min),
         parts: Parts {
-            top: climb.remaining,
-            growth: climb.growth,
+            top: refinement.remaining,
+            growth: refinement.growth,
             ..Parts::default()
         },
         predicted_cost_s: f64::NAN,
         setup_s: f64::NAN,
         reason: Vec::new(),
-        rungs: Vec::new(),
+        levels: Vec::new(),
         tried,
         window: window.clone(),
         outside: Vec::new(),
     };
     if let Some((i, candidate, cost)) = best {
         let standing = &standings[i];
-        let found = (choice.tried.iter())
-            .find(|t| t.candidate.rung == candidate.rung && t.candidate.method == candidate.method);
+        let found = (choice.tried.iter()).find(|t| {
+            t.candidate.level == candidate.level && t.candidate.method == candidate.method
+        });
         choice.predicted_error = found.map_or(f64::NAN, |t| t.error);
         choice.predicted_cost_s = cost;
         choice.setup_s = standing.tried.setup_s;
@@ -329,12 +332,12 @@ pub fn pick(
         if let Some(fine) = &standing.fine {
             let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
             let outcome =
-                Trial::new(situation, &scene, &modelling)?.run(&candidate.method, window)?;
-            choice.parts.integration = outcome.error(wish.metric, fine);
+                Trial::new(problem, &scene, &modelling)?.run(&candidate.method, window)?;
+            choice.parts.integration = outcome.error(requirement.metric, fine);
         }
         choice.candidate = Some(candidate);
     }
-    choice.rungs = standings.into_iter().map(|s| s.tried).collect();
-    choice.reason = super::reason::reason(&choice, wish, &climb);
+    choice.levels = standings.into_iter().map(|s| s.tried).collect();
+    choice.reason = super::reason::reason(&choice, requirement, &refinement);
     Ok(choice)
 }

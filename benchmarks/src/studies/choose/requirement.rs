@@ -109,7 +109,7 @@ impl std::fmt::Display for Metric {
 
 /// A metric and the largest error in it that is accurate enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
+pub struct Requirement {
     /// What has to be right.
     pub metric: Metric,
     /// How far it may be off, relative [-].

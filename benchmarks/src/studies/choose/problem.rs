@@ -19,7 +19,7 @@
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::gear::table::Model;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, ContactSpec, Modelling, PointContact, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
@@ -51,8 +51,8 @@ pub struct Flexible {
 pub struct Own {
     /// Its label.
     pub label: String,
-    /// Id of its gears.
-    pub model: String,
+    /// Its gears are rigid.
+    pub rigid: bool,
     /// The scene, with the gap of this model.
     pub scene: SceneSpec,
     /// Its models.
@@ -61,7 +61,7 @@ pub struct Own {
 
 /// A scene to choose for.
 #[derive(Clone, Debug)]
-pub struct Situation {
+pub struct Problem {
     /// Name.
     pub name: String,
     /// Gears and meshes, with the gap of the elastic model.
@@ -78,18 +78,18 @@ pub struct Situation {
     pub models: &'static [Model],
 }
 
-impl Situation {
-    /// The situation of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
-    /// models as further rungs.
+impl Problem {
+    /// The problem of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
+    /// models as further levels.
     #[must_use]
-    pub fn of(file: &SceneFile) -> Situation {
+    pub fn of(file: &SceneFile) -> Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<Own> = (file.models.iter())
-            .filter(|m| ["rigid", "movable-teeth"].contains(&m.model.as_str()))
+            .filter(|m| properties_of(models(), &m.model).fit.is_some())
             .filter(|m| m.modelling.gears.iter().all(|g| g.id == m.model))
             .map(|m| Own {
                 label: m.label.clone(),
-                model: m.model.clone(),
+                rigid: properties_of(models(), &m.model).rigid,
                 scene: file.spec_for(m),
                 modelling: m.modelling.clone(),
             })
@@ -113,7 +113,7 @@ impl Situation {
                 label: Some(m.label.clone()),
             },
         );
-        Situation {
+        Problem {
             name: file.name.clone(),
             scene: elastic.map_or_else(|| file.spec.clone(), |m| file.spec_for(m)),
             duration: file.duration,

@@ -27,13 +27,13 @@ const KEPT: usize = 128;
 const KRYLOV: usize = 120;
 
 /// A scene and a state of it with closed contacts.
-pub struct Frozen {
+pub struct Linearised {
     scene: Scene,
     closed: Option<State>,
     start: State,
 }
 
-impl Frozen {
+impl Linearised {
     /// Assembles a scene and runs it through its first contact.
     ///
     /// # Errors
@@ -42,11 +42,11 @@ impl Frozen {
         spec: &SceneSpec,
         modelling: &Modelling,
         models: &[Model],
-    ) -> Result<Frozen, LimitError> {
+    ) -> Result<Linearised, LimitError> {
         let mut scene = Scene::build(spec, modelling, models)?;
         let start = scene.initial();
         let closed = closed_state(&mut scene, spec);
-        Ok(Frozen {
+        Ok(Linearised {
             scene,
             closed,
             start,
@@ -79,8 +79,8 @@ impl Frozen {
         Dense::of(m, d, k).map(Linear::Dense)
     }
 
-    /// Frequencies [rad/s] of the oscillators that the scene's coordinates are, zero for bodies; `None` for a scene that
-    /// is not oscillators and a rest, or too large.
+    /// Frequencies [rad/s] of the oscillators that the scene's coordinates are, zero for bodies; `None` for a scene
+    /// that is not oscillators and a rest, or too large.
     #[must_use]
     pub fn oscillators(&mut self) -> Option<Vec<f64>> {
         let n = self.scene.layout().n;
@@ -104,8 +104,8 @@ impl Frozen {
         h: f64,
     ) -> Result<DMatrix<f64>, LimitError> {
         if let Some(split) = self.scene.modal() {
-            let lag: Vec<f64> = omega.iter().map(|w| kicks.lag(*w, h)).collect();
-            split.prepare(&lag);
+            let quasi_static: Vec<f64> = omega.iter().map(|w| kicks.quasi_static(*w, h)).collect();
+            split.prepare(&quasi_static);
         }
         let s = self.closed.as_ref().unwrap_or(&self.start);
         let mass = mass(&mut self.scene, s);
@@ -146,8 +146,8 @@ impl Frozen {
 /// Keeps states in contact.
 struct Watch {
     force: Vec<usize>,
-    /// Channel of the first gear's travel, and its pitch.
-    travel: usize,
+    /// Channel of the first gear's displacement, and its pitch.
+    displacement: usize,
     pitch: f64,
     start: Option<f64>,
     touched: bool,
@@ -164,8 +164,8 @@ impl Sink for Watch {
         let force: f64 = (self.force.iter())
             .map(|&c| self.out.channels[c].abs())
             .sum();
-        let travel = self.out.channels[self.travel];
-        let start = *self.start.get_or_insert(travel);
+        let displacement = self.out.channels[self.displacement];
+        let start = *self.start.get_or_insert(displacement);
         if force == 0.0 {
             return if self.touched {
                 Control::Stop
@@ -190,7 +190,7 @@ impl Sink for Watch {
             });
             self.stride *= 2;
         }
-        if (travel - start).abs() > self.pitch {
+        if (displacement - start).abs() > self.pitch {
             Control::Stop
         } else {
             Control::Continue
@@ -236,7 +236,7 @@ fn closed_state(scene: &mut Scene, spec: &SceneSpec) -> Option<State> {
     };
     let mut watch = Watch {
         force: scene.channels_of_meshes(OfMesh::Force),
-        travel: scene.channel(Channel::Gear(0, OfGear::Travel))?,
+        displacement: scene.channel(Channel::Gear(0, OfGear::Displacement))?,
         pitch,
         start: None,
         touched: false,

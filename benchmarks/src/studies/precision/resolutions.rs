@@ -14,9 +14,9 @@ pub const EXACT_RTOLS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
 /// Step of a method that a scene gives a tolerance only [s].
 const STEP: f64 = 1e-6;
 
-/// What the ladder of an integrator is made of; `None` takes the defaults.
+/// What the series of an integrator is made of; `None` takes the defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rungs {
+pub struct Resolutions {
     /// Steps over that of the scene.
     pub factors: Option<Vec<f64>>,
     /// Steps [s], in place of factors.
@@ -27,8 +27,8 @@ pub struct Rungs {
     pub full: bool,
 }
 
-impl Rungs {
-    /// The ladder of a method: steps where it has fixed ones, tolerances where it is adaptive; the method that is
+impl Resolutions {
+    /// The series of a method: steps where it has fixed ones, tolerances where it is adaptive; the method that is
     /// exact for modes and can do both has both.
     pub fn of(&self, method: &Scheme) -> Vec<Scheme> {
         let info = method.method.info();
@@ -37,7 +37,7 @@ impl Rungs {
             method: method.method,
             resolution,
         };
-        let mut ladder = Vec::new();
+        let mut series = Vec::new();
         if info.stepping == Stepping::Fixed || both {
             let base = match method.resolution {
                 Resolution::Step(h) => h,
@@ -46,11 +46,11 @@ impl Rungs {
             let usual: &[f64] = if self.full { &FULL_FACTORS } else { &FACTORS };
             let steps = match (&self.steps, &self.factors) {
                 (Some(steps), _) => steps.clone(),
-                // A ladder that a scene chose for its small models would take hours with full ones.
+                // A series that a scene chose for its small models would take hours with full ones.
                 (None, Some(factors)) if !self.full => factors.iter().map(|f| f * base).collect(),
                 _ => usual.iter().map(|f| f * base).collect(),
             };
-            ladder.extend(
+            series.extend(
                 descending(steps)
                     .into_iter()
                     .map(|h| with(Resolution::Step(h))),
@@ -59,13 +59,13 @@ impl Rungs {
         if info.stepping != Stepping::Fixed {
             let usual: &[f64] = if both { &EXACT_RTOLS } else { &RTOLS };
             let rtols = self.rtols.clone().unwrap_or_else(|| usual.to_vec());
-            ladder.extend(
+            series.extend(
                 descending(rtols)
                     .into_iter()
                     .map(|r| with(Resolution::Tolerance(r))),
             );
         }
-        ladder
+        series
     }
 }
 
@@ -81,51 +81,55 @@ mod tests {
     use gearbench_integrators::MethodSpec;
     use gearbench_integrators::table::{DOPRI5, NEWMARK, RK4, TRIGONOMETRIC};
 
-    fn ladder(rungs: &Rungs, method: MethodSpec, resolution: Resolution) -> Vec<Resolution> {
+    fn series(
+        resolutions: &Resolutions,
+        method: MethodSpec,
+        resolution: Resolution,
+    ) -> Vec<Resolution> {
         let method = Scheme { method, resolution };
-        let all = rungs.of(&method);
+        let all = resolutions.of(&method);
         assert!(all.iter().all(|m| m.method == method.method));
         all.iter().map(|m| m.resolution).collect()
     }
 
     #[test]
     fn steps_or_tolerances_or_both() {
-        let usual = Rungs::default();
-        let fixed = ladder(&usual, RK4, Resolution::Step(1e-6));
+        let usual = Resolutions::default();
+        let fixed = series(&usual, RK4, Resolution::Step(1e-6));
         assert_eq!(fixed.len(), FACTORS.len());
         assert_eq!(fixed[0], Resolution::Step(16e-6));
-        let adaptive = ladder(&usual, DOPRI5, Resolution::Tolerance(1e-6));
+        let adaptive = series(&usual, DOPRI5, Resolution::Tolerance(1e-6));
         assert_eq!(adaptive, RTOLS.map(Resolution::Tolerance));
-        let both = ladder(&usual, TRIGONOMETRIC, Resolution::Step(1e-6));
+        let both = series(&usual, TRIGONOMETRIC, Resolution::Step(1e-6));
         assert_eq!(both.len(), FACTORS.len() + EXACT_RTOLS.len());
     }
 
     #[test]
     fn what_is_asked_for_replaces_the_defaults() {
-        let asked = Rungs {
+        let asked = Resolutions {
             steps: Some(vec![1e-7, 4e-7, 1e-7]),
             rtols: Some(vec![1e-5]),
-            ..Rungs::default()
+            ..Resolutions::default()
         };
         assert_eq!(
-            ladder(&asked, NEWMARK, Resolution::Step(3e-6)),
+            series(&asked, NEWMARK, Resolution::Step(3e-6)),
             [Resolution::Step(4e-7), Resolution::Step(1e-7)]
         );
         assert_eq!(
-            ladder(&asked, "bdf".parse().unwrap(), Resolution::Tolerance(1e-6)),
+            series(&asked, "bdf".parse().unwrap(), Resolution::Tolerance(1e-6)),
             [Resolution::Tolerance(1e-5)]
         );
-        let factors = Rungs {
+        let factors = Resolutions {
             factors: Some(vec![0.5, 2.0]),
-            ..Rungs::default()
+            ..Resolutions::default()
         };
-        let steps = ladder(&factors, NEWMARK, Resolution::Step(1e-6));
+        let steps = series(&factors, NEWMARK, Resolution::Step(1e-6));
         assert_eq!(steps, [Resolution::Step(2e-6), Resolution::Step(5e-7)]);
-        let full = Rungs {
+        let full = Resolutions {
             full: true,
             ..factors
         };
-        let steps = ladder(&full, NEWMARK, Resolution::Step(1e-6));
+        let steps = series(&full, NEWMARK, Resolution::Step(1e-6));
         assert_eq!(steps, FULL_FACTORS.map(|f| Resolution::Step(f * 1e-6)));
     }
 }

@@ -1,7 +1,7 @@
 //! Gears put to rest in flight: what is kept, what is booked, and the bound of what that changes.
 
-use crate::coast::{toy, with_points};
 use crate::flight::hammer;
+use crate::free_flight::{toy, with_points};
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
@@ -80,16 +80,16 @@ fn hammered(models: &[ModelSpec; 2], contact: &ContactSpec, id: &str) -> (Vec<Bl
     (blows.all, ledger)
 }
 
-fn asleep(model: &ModelSpec, share: f64) -> [ModelSpec; 2] {
-    let model = with(model.clone(), "sleep", Value::Number(share));
+fn cut_off(model: &ModelSpec, share: f64) -> [ModelSpec; 2] {
+    let model = with(model.clone(), "vibration_cut_off", Value::Number(share));
     [model.clone(), model]
 }
 
 /// Impact after impact the force and the speed of rebound stay within the bounds that `scene::flight` states.
 #[test]
-fn sleep_changes_impacts_by_less_than_its_bound() {
-    // Damped so that after a flight about the share is left. Stiffness of the contacts alone: of two pairs of teeth, and
-    // of the penalty on a whole flank.
+fn the_vibration_cut_off_changes_impacts_by_less_than_its_bound() {
+    // Damped so that after a flight about the share is left. Stiffness of the contacts alone: of two pairs of teeth,
+    // and of the penalty on a whole flank.
     let teeth = |share, damping| (share, movable(5.3e8, 4.8e-3, damping));
     let modes = |share, damping| (share, toy(damping));
     for (name, models, contact, id, stiffness) in [
@@ -97,7 +97,7 @@ fn sleep_changes_impacts_by_less_than_its_bound() {
             "movable teeth",
             [teeth(1e-4, 15.0), teeth(1e-6, 35.0), teeth(1e-8, 55.0)],
             contact(5e10),
-            "velocity-verlet(coast=1)",
+            "velocity-verlet(free_flight=1)",
             2.0 * 5e10 * FACE,
         ),
         (
@@ -112,7 +112,7 @@ fn sleep_changes_impacts_by_less_than_its_bound() {
             let awake = [model.clone(), model.clone()];
             let (exact, _) = hammered(&awake, &contact, id);
             assert!(exact.len() > 3, "{name}: {} impacts", exact.len());
-            let (found, ledger) = hammered(&asleep(&model, share), &contact, id);
+            let (found, ledger) = hammered(&cut_off(&model, share), &contact, id);
             assert_eq!(found.len(), exact.len());
             let before = |j: usize| {
                 if j == 0 {
@@ -167,7 +167,7 @@ fn sleep_changes_impacts_by_less_than_its_bound() {
 
 /// Momentum stays, the energy of the oscillators goes, and what rests is left alone.
 #[test]
-fn falling_asleep_keeps_momentum() {
+fn the_vibration_cut_off_keeps_momentum() {
     for load in [0.0, 3.0] {
         for (model, contact) in [
             (movable(5.3e8, 4.8e-3, 60.0), contact(5e10)),
@@ -193,8 +193,8 @@ fn falling_asleep_keeps_momentum() {
                 .unwrap();
             let (before, energy) = (momentum(&s), g.model.energy(g.at(s.at())).total());
             let own = g.range();
-            let mut memory = s.memory.clone();
-            let cells = &mut memory[1..][..g.model.hub().discrete];
+            let mut discrete = s.discrete.clone();
+            let cells = &mut discrete[1..][..g.model.hub().discrete];
             let (q, v) = (&mut s.q[own.clone()], &mut s.v[own]);
             assert!(
                 g.model
@@ -230,9 +230,16 @@ fn falling_asleep_keeps_momentum() {
 #[test]
 fn shares_that_are_none_are_refused() {
     for share in [-0.1, 1.0, f64::NAN] {
-        let teeth = with(movable(5.3e8, 4.8e-3, 60.0), "sleep", Value::Number(share));
+        let teeth = with(
+            movable(5.3e8, 4.8e-3, 60.0),
+            "vibration_cut_off",
+            Value::Number(share),
+        );
         let e = try_build(&hammer(100e-6), &[teeth, rigid()], &contact(5e10));
         let e = e.err().unwrap().to_string();
-        assert!(e.contains("sleep") && e.contains("less than 1"), "{e}");
+        assert!(
+            e.contains("vibration_cut_off") && e.contains("less than 1"),
+            "{e}"
+        );
     }
 }

@@ -1,18 +1,18 @@
-//! The climb: elastic gears with more and more modes on the window, until more of them change little.
+//! The refinement: elastic gears with more and more modes on the window, until more of them change little.
 //!
-//! With `d_i` the distance of rung `i` to rung `i + 1` in the metric, the climb ends where the last two are both below a
+//! With `d_i` the distance of level `i` to level `i + 1` in the metric, the refinement ends where the last two are both below a
 //! part of the tolerance, as errors grow over the scene; for a metric that is a single number the force histories must
-//! agree as well, since two numbers may meet by chance. What the top rung is still off is estimated as that of a
+//! agree as well, since two numbers may meet by chance. What the top level is still off is estimated as that of a
 //! geometric series, `d q / (1 - q)` with `q` the ratio of the last two; that is to be as small.
 
-use super::candidate::{Candidate, MODES, Prepared};
-use super::choice::ChooseError;
-use super::scout::Window;
-use super::situation::Situation;
+use super::pilot::Window;
+use super::plan::{Candidate, MODES, Prepared};
+use super::problem::Problem;
+use super::requirement::{Metric, Requirement};
+use super::run::ChooseError;
 use super::trial::{Outcome, Trial};
-use super::wish::{Metric, Wish};
 
-/// Steps per contact time of the climb, for tolerances up to a limit: their own error is not to show beside it.
+/// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
 /// Part of the tolerance that the last two differences stay below.
 const SETTLED: f64 = 0.25;
@@ -24,11 +24,9 @@ const FLOOR: [f64; 2] = [3e-3, 1e-3];
 /// Bounds of the ratio of differences.
 const RATIO: [f64; 2] = [0.3, 0.5];
 
-/// A rung of elastic gears on the window.
+/// A level of elastic gears on the window.
 #[derive(Clone, Debug)]
-pub struct Level {
-    /// Modes per gear; none is quasi-static.
-    pub modes: usize,
+pub struct RefinedLevel {
     /// How it was run.
     pub candidate: Candidate,
     /// What it gave.
@@ -39,11 +37,11 @@ pub struct Level {
     pub step_up: Option<f64>,
 }
 
-/// The ladder as far as it was climbed.
+/// The hierarchy as far as it was refined.
 #[derive(Clone, Debug)]
-pub struct Climb {
+pub struct Refinement {
     /// Levels that ran to the end, ascending.
-    pub levels: Vec<Level>,
+    pub levels: Vec<RefinedLevel>,
     /// What the top one is estimated to be off on the window.
     pub remaining: f64,
     /// Factor by which errors grow from the window to the scene.
@@ -52,37 +50,40 @@ pub struct Climb {
     pub settled: bool,
 }
 
-impl Climb {
-    /// The top rung.
+impl Refinement {
+    /// The top level.
     #[must_use]
-    pub fn top(&self) -> Option<&Level> {
+    pub fn top(&self) -> Option<&RefinedLevel> {
         self.levels.last()
     }
 }
 
-/// Climbs.
+/// Refines.
 ///
 /// # Errors
-/// [`ChooseError::Ladder`] when no elastic gears reach the end of the window.
-pub fn climb(
-    situation: &Situation,
+/// [`ChooseError::Hierarchy`] when no elastic gears reach the end of the window.
+pub fn refine(
+    problem: &Problem,
     prepared: &Prepared,
     window: &Window,
-    wish: &Wish,
+    requirement: &Requirement,
     growth: f64,
     progress: &mut impl FnMut(&str),
-) -> Result<Climb, ChooseError> {
-    let steps = (STEPS.iter().find(|(limit, _)| wish.tolerance < *limit)).map_or(128.0, |s| s.1);
-    let mut levels: Vec<Level> = Vec::new();
+) -> Result<Refinement, ChooseError> {
+    let steps = (STEPS
+        .iter()
+        .find(|(limit, _)| requirement.tolerance < *limit))
+    .map_or(128.0, |s| s.1);
+    let mut levels: Vec<RefinedLevel> = Vec::new();
     let mut failure = String::from("no reason given");
     let mut settled = false;
     // How far histories are apart, for metrics that are single numbers.
     let mut apart: Vec<f64> = Vec::new();
     for modes in std::iter::once(0).chain(MODES) {
-        let candidate = prepared.at_steps(situation, modes, steps);
-        progress(&format!("{} on the window", candidate.rung.name()));
+        let candidate = prepared.at_steps(problem, modes, steps);
+        progress(&format!("{} on the window", candidate.level.name()));
         let (scene, modelling) = (candidate.scene.clone(), candidate.modelling.clone());
-        let mut trial = Trial::new(situation, &scene, &modelling)?;
+        let mut trial = Trial::new(problem, &scene, &modelling)?;
         let outcome = trial.run(&candidate.method, window)?;
         if !outcome.usable() {
             failure = outcome.row.message.clone().unwrap_or(failure);
@@ -90,13 +91,12 @@ pub fn climb(
         }
         let setup_s = trial.setup.as_secs_f64();
         if let Some(below) = levels.last_mut() {
-            below.step_up = Some(below.outcome.error(wish.metric, &outcome));
-            if wish.metric.is_scalar() {
+            below.step_up = Some(below.outcome.error(requirement.metric, &outcome));
+            if requirement.metric.is_scalar() {
                 apart.push(below.outcome.error(Metric::ForceAligned, &outcome));
             }
         }
-        levels.push(Level {
-            modes,
+        levels.push(RefinedLevel {
             candidate,
             outcome,
             setup_s,
@@ -105,20 +105,20 @@ pub fn climb(
         let differences = differences(&levels);
         let last =
             |x: &[f64], limit: f64| x.len() >= 2 && x.iter().rev().take(2).all(|d| *d <= limit);
-        let small = SETTLED * wish.tolerance / growth;
+        let small = SETTLED * requirement.tolerance / growth;
         settled = last(&differences, small)
             && remaining(&differences) <= small
-            && (!wish.metric.is_scalar() || last(&apart, HISTORY * wish.tolerance));
+            && (!requirement.metric.is_scalar() || last(&apart, HISTORY * requirement.tolerance));
         if settled {
             break;
         }
     }
     if levels.len() < 2 {
-        return Err(ChooseError::Ladder(failure));
+        return Err(ChooseError::Hierarchy(failure));
     }
-    let floor = FLOOR[usize::from(wish.metric.is_scalar())];
+    let floor = FLOOR[usize::from(requirement.metric.is_scalar())];
     let remaining = remaining(&differences(&levels)).max(floor);
-    Ok(Climb {
+    Ok(Refinement {
         levels,
         remaining,
         growth,
@@ -126,7 +126,7 @@ pub fn climb(
     })
 }
 
-fn differences(levels: &[Level]) -> Vec<f64> {
+fn differences(levels: &[RefinedLevel]) -> Vec<f64> {
     levels.iter().filter_map(|l| l.step_up).collect()
 }
 

@@ -1,11 +1,12 @@
 //! What the choice answers, and the order in which it asks.
 
-use super::candidate::{Candidate, Prepared, Rung};
-use super::climb::{Climb, climb};
-use super::scout::Window;
-use super::situation::Situation;
-use super::wish::Wish;
-use super::{domain, pick, scout};
+use super::level::Level;
+use super::pilot::Window;
+use super::plan::{Candidate, Prepared};
+use super::problem::Problem;
+use super::refinement::{Refinement, refine};
+use super::requirement::Requirement;
+use super::{domain, pilot, selection};
 use crate::experiment::run::RunError;
 use gearbench_integrators::Scheme;
 use gearbench_models::error::BuildError;
@@ -31,19 +32,19 @@ pub enum ChooseError {
     #[error(
         "the elastic gears that all models are held against do not reach the end of the window: {0}"
     )]
-    Ladder(String),
+    Hierarchy(String),
 }
 
-/// How a rung did on the window.
+/// How a level did on the window.
 #[derive(Clone, Debug)]
-pub struct RungTried {
-    /// The rung.
-    pub rung: Rung,
+pub struct LevelTried {
+    /// The level.
+    pub level: Level,
     /// Integrator and resolution that make its own error small.
     pub method: Scheme,
-    /// Distance to the top rung in the metric; what the top rung itself is off is not in it.
+    /// Distance to the top level in the metric; what the top level itself is off is not in it.
     pub distance: f64,
-    /// Distance to the next denser rung, where the ladder goes on.
+    /// Distance to the next denser level, where the hierarchy goes on.
     pub step_up: Option<f64>,
     /// Estimated error over the whole scene.
     pub error: f64,
@@ -81,8 +82,8 @@ pub struct Choice {
     pub candidate: Option<Candidate>,
     /// Estimated error of it over the whole scene, or the least there is.
     pub predicted_error: f64,
-    /// Parts of it: the model against the top rung, the integrator against the model's own fine solution, what the top
-    /// rung is off, and the factor from the window to the whole scene.
+    /// Parts of it: the model against the top level, the integrator against the model's own fine solution, what the top
+    /// level is off, and the factor from the window to the whole scene.
     pub parts: Parts,
     /// Time for the whole scene on this machine [s].
     pub predicted_cost_s: f64,
@@ -90,8 +91,8 @@ pub struct Choice {
     pub setup_s: f64,
     /// The reason, a sentence each.
     pub reason: Vec<String>,
-    /// The ladder.
-    pub rungs: Vec<RungTried>,
+    /// The hierarchy.
+    pub levels: Vec<LevelTried>,
     /// All that was run on the window.
     pub tried: Vec<Tried>,
     /// The window.
@@ -103,11 +104,11 @@ pub struct Choice {
 /// Parts of an estimated error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
-    /// Rung against the top rung.
+    /// Level against the top level.
     pub model: f64,
-    /// Method against the rung's own fine solution.
+    /// Method against the level's own fine solution.
     pub integration: f64,
-    /// Top rung against the limit of the ladder.
+    /// Top level against the limit of the hierarchy.
     pub top: f64,
     /// Factor by which errors grow from the window to the whole scene.
     pub growth: f64,
@@ -118,21 +119,41 @@ pub struct Parts {
 /// # Errors
 /// [`ChooseError`] when there is no answer at all; that nothing is adequate is an answer.
 pub fn choose(
-    situation: &Situation,
-    wish: &Wish,
+    problem: &Problem,
+    requirement: &Requirement,
     mut progress: impl FnMut(&str),
 ) -> Result<Choice, ChooseError> {
     progress("static solves");
-    let prepared = Prepared::of(situation)?;
+    let prepared = Prepared::of(problem)?;
     progress("rigid run through the scene");
-    let scouted = prepared.best_rigid();
-    let window = scout::window(situation, scouted, &prepared.swing, wish.metric)?;
-    let growth = scout::growth(situation, scouted, &window, &prepared.swing, wish.metric)?;
-    let ladder: Climb = climb(situation, &prepared, &window, wish, growth, &mut progress)?;
-    let picked = pick::pick(situation, &prepared, &window, wish, ladder, &mut progress)?;
+    let pilot_level = prepared.best_rigid();
+    let window = pilot::window(problem, pilot_level, &prepared.swing, requirement.metric)?;
+    let growth = pilot::growth(
+        problem,
+        pilot_level,
+        &window,
+        &prepared.swing,
+        requirement.metric,
+    )?;
+    let hierarchy: Refinement = refine(
+        problem,
+        &prepared,
+        &window,
+        requirement,
+        growth,
+        &mut progress,
+    )?;
+    let selected = selection::select(
+        problem,
+        &prepared,
+        &window,
+        requirement,
+        hierarchy,
+        &mut progress,
+    )?;
     Ok(Choice {
-        outside: domain::outside(situation, &prepared),
+        outside: domain::outside(problem, &prepared),
         window,
-        ..picked
+        ..selected
     })
 }
