@@ -1,6 +1,6 @@
 //! Writes reports of made-up data, to look at the layout: `made_up_report [DIR]`.
 
-#[path = "../tests/reports/made_up.rs"]
+#[path = "../tests/reports/made_up/mod.rs"]
 mod made_up;
 
 use gearbench_reports::{ReportError, write_results};

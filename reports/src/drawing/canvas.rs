@@ -24,11 +24,8 @@ impl Ink {
     pub const GREY: Self = Self(0x57, 0x60, 0x6a, 1.0);
     /// Frames and failed bars.
     pub const PALE: Self = Self(0xa8, 0xb0, 0xb8, 1.0);
-    /// Grid lines.
     pub const GRID: Self = Self(0xe4, 0xe7, 0xea, 1.0);
-    /// Paper.
     pub const WHITE: Self = Self(0xff, 0xff, 0xff, 1.0);
-    /// Failures.
     pub const FAIL: Self = Self(0x8c, 0x1d, 0x18, 1.0);
 
     /// The same colour at another opacity.
@@ -51,20 +48,16 @@ pub enum Anchor {
 /// Size, colour and place of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Type {
-    /// Font size.
     pub size: f64,
-    /// Colour.
     pub ink: Ink,
     /// Horizontal place; vertically text is centred.
     pub anchor: Anchor,
-    /// Bold.
     pub bold: bool,
     /// Turned to read upwards.
     pub upwards: bool,
 }
 
 impl Type {
-    /// Plain dark text.
     pub fn new(size: f64, anchor: Anchor) -> Self {
         Self {
             size,
@@ -74,15 +67,12 @@ impl Type {
             upwards: false,
         }
     }
-    /// In another colour.
     pub fn ink(self, ink: Ink) -> Self {
         Self { ink, ..self }
     }
-    /// Bold.
     pub fn bold(self) -> Self {
         Self { bold: true, ..self }
     }
-    /// Reading upwards.
     pub fn upwards(self) -> Self {
         Self {
             upwards: true,
@@ -94,11 +84,8 @@ impl Type {
 /// A stroke: colour, width, dash pattern (lengths of dash and gap; empty for a full line).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Colour.
     pub ink: Ink,
-    /// Width.
     pub width: f64,
-    /// Dash pattern.
     pub dash: &'static [f64],
 }
 
@@ -111,7 +98,6 @@ impl Stroke {
             dash: &[],
         }
     }
-    /// A dashed line.
     pub fn dashed(ink: Ink, width: f64, dash: &'static [f64]) -> Self {
         Self { ink, width, dash }
     }
@@ -131,9 +117,6 @@ pub struct Canvas<'a> {
 }
 
 /// Draws a chart of the given size and returns the SVG document.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn draw(
     width: f64,
     height: f64,
@@ -225,7 +208,6 @@ impl Canvas<'_> {
         self.line(&piece, stroke);
     }
 
-    /// A filled polygon.
     pub fn polygon(&mut self, points: &[(f64, f64)], ink: Ink) {
         let points = whole(points);
         if points.len() > 2 {

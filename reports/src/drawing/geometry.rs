@@ -3,18 +3,13 @@
 /// A rectangle: left, top, right, bottom, on the page or in data (then top > bottom).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
-    /// Left edge.
     pub x0: f64,
-    /// Top edge.
     pub y0: f64,
-    /// Right edge.
     pub x1: f64,
-    /// Bottom edge.
     pub y1: f64,
 }
 
 impl Rect {
-    /// From edges.
     pub fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Self {
         Self { x0, y0, x1, y1 }
     }
@@ -26,15 +21,12 @@ impl Rect {
     pub fn middle(&self) -> f64 {
         0.5 * (self.y0 + self.y1)
     }
-    /// Width.
     pub fn width(&self) -> f64 {
         self.x1 - self.x0
     }
-    /// Height.
     pub fn height(&self) -> f64 {
         self.y1 - self.y0
     }
-    /// Whether two rectangles overlap.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
     }

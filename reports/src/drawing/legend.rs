@@ -40,7 +40,6 @@ fn places(legend: &[Entry]) -> Vec<(f64, usize)> {
     in_rows(widths, LEFT, WIDTH - RIGHT)
 }
 
-/// Height of a legend.
 pub fn legend_height(legend: &[Entry]) -> f64 {
     ROW * places(legend).last().map_or(0, |p| p.1 + 1) as f64
 }

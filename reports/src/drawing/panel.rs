@@ -91,12 +91,10 @@ impl Curve {
     }
 }
 
-/// One panel.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// Height of the plot.
     pub height: f64,
-    /// Abscissa.
     pub x: Axis,
     /// Its ticks; empty takes those of the axis.
     pub x_ticks: Vec<(f64, String)>,
@@ -136,13 +134,11 @@ impl Panel {
         }
     }
 
-    /// With a remark.
     pub fn remark(self, remark: impl Into<String>) -> Self {
         let remark = remark.into();
         Self { remark, ..self }
     }
 
-    /// With curves.
     pub fn curves(self, curves: impl IntoIterator<Item = Curve>) -> Self {
         let curves = curves.into_iter().collect();
         Self { curves, ..self }
@@ -323,9 +319,6 @@ pub fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// A chart of panels under one legend.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn chart(
     file: &str,
     title: &'static str,

@@ -46,9 +46,6 @@ fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
 }
 
 /// The chart of a check.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError> {
     let scenes = ordered(choices);
     if scenes.is_empty() {

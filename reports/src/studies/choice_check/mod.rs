@@ -281,9 +281,6 @@ impl Results {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: vec![tables::finding(choices)],

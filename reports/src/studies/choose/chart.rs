@@ -20,9 +20,6 @@ struct Point<'a> {
 }
 
 /// The chart of a choice.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let families = choice.families();
     let style = |t: &TriedRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);

@@ -22,9 +22,6 @@ fn measured(run: &Run) -> bool {
 }
 
 /// Bars of wall time, one per run, sorted within each model.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let times: Vec<f64> = (view.results.runs.iter())
         .filter(|r| !r.status.is_failure() && measured(r))
@@ -169,9 +166,6 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
 }
 
 /// Error against wall time, one point per run.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(against) = &view.against else {
         return Ok(None);

@@ -204,9 +204,6 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
 }
 
 /// Contact force over time, and where the models miss the reference.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
@@ -314,9 +311,6 @@ fn residual(
 }
 
 /// Angular velocities of both gears over time.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);

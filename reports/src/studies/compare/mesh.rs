@@ -21,9 +21,6 @@ struct Picture<'a> {
 }
 
 /// Up to two models side by side, each at its own peak force.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut pictures: Vec<Picture<'_>> = Vec::new();
     for group in &view.groups {

@@ -21,7 +21,6 @@ pub const QUANTITIES: [Quantity; 3] = [
 
 /// The runs of one model by penalty, and its hard contact.
 pub struct Series<'a> {
-    /// Its name.
     pub label: String,
     /// Place in the order of appearance.
     pub style: usize,
@@ -53,9 +52,6 @@ pub fn series<'a>(view: &View<'a>) -> Vec<Series<'a>> {
 }
 
 /// The charts of a study of penalties.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn penalty(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let all = series(view);
     if all.is_empty() {

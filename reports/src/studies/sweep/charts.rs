@@ -49,9 +49,6 @@ fn settled<'s>(all: &'s [Swept<'_>]) -> impl Iterator<Item = &'s Steady> {
 }
 
 /// The charts of a sweep.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn sweep(all: &[Swept<'_>], statics: &[StaticCycle]) -> Result<Vec<Chart>, DrawError> {
     let (low, high) = extremes(settled(all).map(|s| s.mesh_frequency_hz));
     if low > high {

@@ -67,9 +67,6 @@ pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyReport, DrawError> {
     let all = swept(view, statics);
     Ok(StudyReport {

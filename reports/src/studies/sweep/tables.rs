@@ -9,7 +9,6 @@ use maud::{Markup, html};
 
 const UM: f64 = 1e6;
 
-/// The finding.
 pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
     if all.iter().all(|s| s.runs.is_empty()) {
         return html! { "No run reached steady running." };

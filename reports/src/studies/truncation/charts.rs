@@ -113,9 +113,6 @@ fn limits() -> Vec<(f64, String)> {
 }
 
 /// The charts of a study of mode counts.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let shown = shown(view);
     let (Some(x), Some(against)) = (Counts::of(&shown), view.against.clone()) else {

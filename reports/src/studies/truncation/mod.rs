@@ -95,9 +95,6 @@ pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<us
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::truncation(view)?;
     charts.extend(histories::force(view)?);

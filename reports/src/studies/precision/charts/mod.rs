@@ -31,9 +31,6 @@ const SMALL: f64 = 225.0;
 const ROW: f64 = 19.0;
 
 /// The charts of accuracy against cost.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let told = Precision::of(view.results);
     let marks = Marks::of(view.results);

@@ -13,11 +13,9 @@ use crate::studies::stability::LineKind;
 /// Look of a label.
 #[derive(Clone, Copy)]
 pub struct Look {
-    /// Colour of the cell.
     pub ink: Ink,
     /// Letter in it; none for runs that converged.
     pub letter: &'static str,
-    /// Colour of the letter.
     pub text: Ink,
 }
 
@@ -75,9 +73,7 @@ pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
 
 /// What a legend names.
 pub enum Entry {
-    /// A label.
     Label(Status),
-    /// A line of theory.
     Theory(LineKind),
     /// The largest stable step that was found.
     Found,
@@ -103,7 +99,6 @@ fn places(entries: &[Entry]) -> Vec<(f64, usize)> {
     in_rows(widths, 16.0, WIDTH - RIGHT)
 }
 
-/// Height of a legend.
 pub fn legend_height(entries: &[Entry]) -> f64 {
     ROW * places(entries).last().map_or(0, |p| p.1 + 1) as f64
 }

@@ -44,9 +44,6 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
 }
 
 /// The charts of a study of stability.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
     if let Some(svg) = overview::overview(maps)? {

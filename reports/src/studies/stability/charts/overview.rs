@@ -58,9 +58,6 @@ fn headings(maps: &[&Map]) -> Vec<usize> {
 }
 
 /// The chart; `None` without maps.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
     let blocks: Vec<Vec<&Map>> = [Columns::Step, Columns::Tolerance]
         .map(|columns| pairs(maps, columns))

@@ -20,11 +20,9 @@ pub fn column_scale(columns: Columns) -> (f64, &'static str) {
 
 /// Abscissa of evenly spaced columns (over the decades): every cell has the same width.
 pub struct Abscissa {
-    /// First column.
     first: f64,
     /// Ratio of neighbours, as a logarithm.
     step: f64,
-    /// Number of columns.
     count: usize,
 }
 
@@ -117,11 +115,9 @@ pub fn labels(axis: &MapAxis) -> (Vec<String>, String) {
 
 /// What a panel shows.
 pub struct Panel<'a> {
-    /// The map.
     pub map: &'a Map,
     /// Which value of the second axis.
     pub second: usize,
-    /// Heading.
     pub title: String,
     /// Values of the first axis at the left.
     pub y_labels: bool,
