@@ -11,7 +11,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, GearName, Positive};
 use gearbench_models::error::Reason;
-use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, RackPair, Side};
+use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
 use gearbench_models::spec::{Body, MeshSpec, Start};
 
 keys! {
@@ -228,7 +228,7 @@ fn path_of(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Path, SceneEr
         }),
         (Body::Gear(gear), Body::Rack(rack)) => {
             let direction = b.spec.facing + std::f64::consts::PI;
-            RackPair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
+            Pair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
                 ends: [p.s_start(), p.s_end()],
                 backlash: p.backlash_base(),
             })

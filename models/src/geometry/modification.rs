@@ -6,7 +6,8 @@
 //! tip, crowning as a parabola about the middle of the flank. Terms of ISO 21771-1 (flank
 //! modifications); relief after H. Walker, *The Engineer* 166 (1938).
 
-use super::error::{GeometryError, Quantity, not_negative, positive};
+use super::error::{GeometryError, not_negative, positive};
+use super::quantity::Quantity;
 
 /// Course of a relief from its start to the tip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]

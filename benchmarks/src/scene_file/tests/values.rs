@@ -4,7 +4,7 @@ use super::{BASE, changed, parse, read, render, toothing_of};
 use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::error::{BuildError, GearPart, MeshPart};
-use gearbench_models::geometry::{Pair, RackPair, ReliefShape, Side};
+use gearbench_models::geometry::{Pair, ReliefShape, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, Load, Mount, Profile};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
@@ -213,7 +213,7 @@ fn a_rack_is_placed_by_its_backlash() {
         let (Body::Gear(g), Body::Rack(r)) = (&gear.body, &rack.body) else {
             panic!("gear and rack")
         };
-        let pair = RackPair::new(g, r, rack.position[0]).unwrap();
+        let pair = Pair::new(g, r, rack.position[0]).unwrap();
         assert!(
             (pair.backlash_normal() - 1e-4).abs() < 1e-12,
             "{}",

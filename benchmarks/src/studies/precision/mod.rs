@@ -9,7 +9,6 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
-mod metric;
 mod plan;
 mod references;
 mod resolutions;
@@ -17,6 +16,5 @@ mod run;
 pub mod scene;
 mod summary;
 
-pub use metric::metrics_of;
 pub use plan::{Asked, Plan};
 pub use run::study;

@@ -23,7 +23,6 @@ pub mod limits;
 mod plan;
 mod run;
 pub mod scene;
+mod setup;
 mod summary;
 mod theory;
-
-pub use run::{Means, StabilityError, Timings, study};

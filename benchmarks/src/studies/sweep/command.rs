@@ -2,8 +2,8 @@
 
 use super::arguments::Sweep;
 use super::summary::summarise;
-use super::{Plan, SweepError, mesh_resonance, sweep};
-use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_progress, write};
+use super::{Plan, mesh_resonance, sweep};
+use crate::cli::terminal::{Refusal, exit_code, refuse_study, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
@@ -49,15 +49,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
         settle: told.settle(),
         positions: args.positions,
     };
-    let refuse = |e: SweepError| match e {
-        SweepError::Run(e) => refuse_run(e),
-        SweepError::Scene(message) => Refusal::Input(miette::miette!(
-            help = "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how",
-            "the scene `{}` cannot be swept: {message}",
-            scene.name
-        )),
-        SweepError::Statics(label, e) => refuse_statics(&scene, &label, &e),
-    };
+    let refuse = |e| refuse_study(&scene, e);
     let range = match (args.from, args.to, told.range()) {
         (Some(from), Some(to), _) if from < to => [from, to],
         (Some(from), Some(to), _) => {

@@ -12,5 +12,5 @@ pub mod scene;
 pub mod steady;
 mod summary;
 
-pub use plan::{Plan, SweepError};
+pub use plan::Plan;
 pub use run::{mesh_resonance, sweep};
