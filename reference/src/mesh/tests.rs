@@ -92,8 +92,7 @@ fn flanks_lie_on_the_involute_helicoid() {
         let mut seen = 0;
         for tooth in 0..17 {
             for side in Side::BOTH {
-                let letter = if side == Side::Left { 'l' } else { 'r' };
-                for &n in &m.mesh.node_sets[&format!("flank_{}{letter}", tooth + 1)] {
+                for &n in &m.mesh.node_sets[&flank_set(tooth, side)] {
                     let x = m.mesh.nodes[n as usize];
                     let (r, centre) = (x.xy().norm(), f64::from(tooth) * g.pitch_angle());
                     let angle = centre + twist * x.z + side.sign() * g.half_angle_at(r);
@@ -127,8 +126,7 @@ fn flank_grids_run_from_root_to_tip_and_from_low_to_high_z() {
                 assert!((p.z - (k % 3) as f64 * 5e-3 + 5e-3).abs() < 1e-15);
             }
             // The faces of the set are those of the grid.
-            let letter = if i % 2 == 0 { 'l' } else { 'r' };
-            let faces = &m.mesh.face_sets[&format!("sflank_{}{letter}", f.tooth + 1)];
+            let faces = &m.mesh.face_sets[&format!("s{}", flank_set(f.tooth, f.side))];
             assert_eq!(faces.len(), 8 * 2);
             for (k, &face) in faces.iter().enumerate() {
                 let (row, column) = (k / 2, k % 2);

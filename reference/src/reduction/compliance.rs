@@ -121,7 +121,7 @@ pub fn of_assembly(
     let nodes = &gear.mesh.nodes;
     let tie = Tie::new(nodes, &gear.bore, &[]);
     let columns = columns(surface, surface.nodes(), |node| {
-        let place = tie.places().get(node as usize).copied();
+        let place = tie.place.get(node as usize).copied();
         place.filter(|p| *p != Tie::HELD).map(|p| p as usize)
     })?;
     let stiffness = tie.reduce(assembly, &[], MassKind::Consistent).stiffness;
