@@ -45,7 +45,7 @@ pub(super) fn refused(
 }
 
 /// A refusal that only another file helps against.
-pub(super) fn spoilt(
+pub(super) fn unusable(
     kind: StoreErrorKind,
     array: &str,
     expected: impl Into<String>,
@@ -60,5 +60,5 @@ pub(super) fn value(
     expected: impl Into<String>,
     found: impl Into<String>,
 ) -> StoreError {
-    spoilt(StoreErrorKind::Value, array, expected, found)
+    unusable(StoreErrorKind::Value, array, expected, found)
 }
