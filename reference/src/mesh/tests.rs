@@ -1,4 +1,5 @@
 use super::*;
+use crate::test_support::layered;
 use gearbench_models::geometry::{Gear, GearParams, Side};
 
 pub(super) fn params(teeth: u32) -> GearParams {
@@ -20,10 +21,7 @@ pub(super) fn spur(teeth: u32) -> Gear {
 }
 
 pub(super) fn small() -> GearMeshParams {
-    GearMeshParams {
-        width: 2,
-        ..GearMeshParams::default()
-    }
+    layered(ElementKind::C3D8I, 2)
 }
 
 /// Every node belongs to an element, every inner face to exactly two.
@@ -56,7 +54,7 @@ fn outer_faces(section_edges: usize, quads: usize, layers: usize) -> usize {
 #[test]
 fn a_gear_is_closed_and_conforming() {
     for kind in [ElementKind::C3D8, ElementKind::C3D20] {
-        let p = GearMeshParams { kind, ..small() };
+        let p = layered(kind, 2);
         let m = gear(&spur(20), &p).unwrap();
         let quads = m.mesh.element_count() / p.width;
         // Surface of a tooth: tip, two flanks with fillet and root arc; at the bore one edge per column.
@@ -87,7 +85,7 @@ fn flanks_lie_on_the_involute_helicoid() {
             },
             0.4,
         );
-        let m = gear(&g, &GearMeshParams { kind, ..small() }).unwrap();
+        let m = gear(&g, &layered(kind, 2)).unwrap();
         let twist = beta.tan() / g.r_reference();
         let mut seen = 0;
         for tooth in 0..17 {
@@ -111,7 +109,7 @@ fn flanks_lie_on_the_involute_helicoid() {
 fn flank_grids_run_from_root_to_tip_and_from_low_to_high_z() {
     let g = spur(20);
     for kind in [ElementKind::C3D8, ElementKind::C3D20R] {
-        let m = gear(&g, &GearMeshParams { kind, ..small() }).unwrap();
+        let m = gear(&g, &layered(kind, 2)).unwrap();
         assert_eq!(m.flanks.len(), 40);
         for (i, f) in m.flanks.iter().enumerate() {
             assert_eq!((f.tooth, f.side), (i as u32 / 2, Side::BOTH[i % 2]));
@@ -170,8 +168,8 @@ fn cuts_of_a_sector_match_by_one_turn() {
             },
             0.6,
         );
-        let whole = gear(&g, &GearMeshParams { kind, ..small() }).unwrap();
-        let m = sector(&g, &GearMeshParams { kind, ..small() }).unwrap();
+        let whole = gear(&g, &layered(kind, 2)).unwrap();
+        let m = sector(&g, &layered(kind, 2)).unwrap();
         let (low, high) = (&m.mesh.node_sets["cut_low"], &m.mesh.node_sets["cut_high"]);
         assert_eq!(low.len(), high.len());
         let turn = nalgebra::Rotation3::from_axis_angle(&Vec3::z_axis(), g.pitch_angle());

@@ -44,6 +44,11 @@ pub(super) fn refused(
     Refused::new(kind, context, expected, found, help)
 }
 
+/// A file that cannot be read or written.
+pub(super) fn unusable_file(file: &str, expected: &str, found: String, help: &str) -> StoreError {
+    refused(StoreErrorKind::Io, "", expected, found, help).at(file, 0)
+}
+
 /// A refusal that only another file helps against.
 pub(super) fn unusable(
     kind: StoreErrorKind,
