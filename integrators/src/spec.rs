@@ -149,20 +149,22 @@ impl MethodSpec {
         (self.row.stability)(&self.values())
     }
 
-    /// The method at a fixed step [s].
-    pub const fn at_step(self, h: f64) -> Scheme {
+    /// The method at a step or under a tolerance.
+    pub const fn at(self, resolution: Resolution) -> Scheme {
         Scheme {
             method: self,
-            resolution: Resolution::Step(h),
+            resolution,
         }
+    }
+
+    /// The method at a fixed step [s].
+    pub const fn at_step(self, h: f64) -> Scheme {
+        self.at(Resolution::Step(h))
     }
 
     /// The method under a tolerance.
     pub const fn at_tolerance(self, rtol: f64) -> Scheme {
-        Scheme {
-            method: self,
-            resolution: Resolution::Tolerance(rtol),
-        }
+        self.at(Resolution::Tolerance(rtol))
     }
 }
 
