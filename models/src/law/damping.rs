@@ -103,7 +103,6 @@ impl Damping {
     }
 
     /// A law that is given by its coefficient of restitution, by its id.
-    #[must_use]
     pub fn of_restitution(id: &str, e: f64) -> Option<Damping> {
         let all = [
             Damping::HuntCrossley { e },

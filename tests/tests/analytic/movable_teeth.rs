@@ -7,9 +7,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::OfMesh;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{
-    ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value,
-};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, Value};
 use gearbench_tests::*;
 
 const K: f64 = 5.3e8;
@@ -214,14 +212,8 @@ fn train(torque: f64) -> SceneSpec {
     SceneSpec {
         gears: vec![first, idler, last],
         meshes: vec![
-            MeshSpec {
-                gears: [0, 1],
-                start: start(Side::Left, 2e-6),
-            },
-            MeshSpec {
-                gears: [1, 2],
-                start: start(Side::Right, 2e-6),
-            },
+            mesh([0, 1], start(Side::Left, 2e-6)),
+            mesh([1, 2], start(Side::Right, 2e-6)),
         ],
     }
 }
