@@ -1,7 +1,7 @@
 //! Movable teeth with closed-form deviations of the teeth out of contact, against all teeth integrated.
 
 use gearbench_integrators::{
-    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
@@ -87,13 +87,10 @@ fn watch(
     rtol: f64,
 ) -> (Watch, State, Scene) {
     let mut scene = build(spec, models, contact);
-    let mut s = scene.initial();
+    let start = scene.initial();
     let mut w = Watch::every(t_end / 400.0);
-    let mut method = gearbench_integrators::table::DOPRI5.build();
     let plan = TimePlan::new(t_end, Resolution::Tolerance(rtol));
-    method
-        .run(&mut scene, &mut s, &plan, &mut w, &mut Work::default())
-        .unwrap();
+    let (s, _) = watched(&mut scene, start, "dopri5", &plan, &mut w);
     (w, s, scene)
 }
 
