@@ -3,7 +3,7 @@
 use crate::cli::arguments::Output;
 use crate::cli::values::{DEFAULT_REPEATS, metric, positive};
 use clap::Args;
-use gearbench_integrators::spec::seconds;
+use gearbench_integrators::scheme::seconds;
 use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\

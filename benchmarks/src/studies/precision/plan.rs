@@ -6,7 +6,7 @@ use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
 use crate::scene_file::{ModelChoice, SceneFile};
-use gearbench_integrators::spec::SchemeRequest;
+use gearbench_integrators::scheme::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_reference::ExternalReference;
