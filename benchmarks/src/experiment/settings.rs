@@ -2,11 +2,10 @@
 
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_models::geometry::{Pair, RackPair};
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, effective_radius, mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, mesh_layout,
+    stiffness_with_warnings,
 };
-use gearbench_models::stiffness::{Mate, build_with_warnings};
 use gearbench_reports::numbers::short;
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
@@ -173,35 +172,11 @@ fn parameters(model: &ModelSpec) -> Vec<String> {
 
 /// Limits of the stiffness formulas that the scene does not keep.
 fn warnings(spec: &SceneSpec, gears: [usize; 2], contact: &ContactSpec) -> Vec<String> {
-    let [a, b] = gears.map(|i| &spec.gears[i]);
-    let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
+    let of = gears.map(|i| &spec.gears[i]);
+    let Ok(l) = mesh_layout(of[0], of[1]) else {
         return Vec::new();
     };
-    debug_assert!(effective_radius(&a.body) > 0.0);
-    let materials = [a.material, b.material];
-    let built = match &b.body {
-        Body::Gear(gb) => Pair::new(ga, gb, l.distance).ok().and_then(|pair| {
-            build_with_warnings(
-                &contact.stiffness,
-                ga,
-                Mate::Gear(gb, &pair),
-                materials,
-                l.face_width,
-            )
-            .ok()
-        }),
-        Body::Rack(rack) => RackPair::new(ga, rack, l.distance).ok().and_then(|pair| {
-            build_with_warnings(
-                &contact.stiffness,
-                ga,
-                Mate::Rack(rack, &pair),
-                materials,
-                l.face_width,
-            )
-            .ok()
-        }),
-    };
-    built.map_or_else(Vec::new, |b| {
-        b.warnings.iter().map(|w| format!("note: {w}")).collect()
-    })
+    let built = stiffness_with_warnings(of, &l, contact);
+    let warnings = built.map_or_else(|_| Vec::new(), |b| b.warnings);
+    warnings.iter().map(|w| format!("note: {w}")).collect()
 }

@@ -2,8 +2,8 @@
 
 use super::scene::{Body, ContactSpec, GearSpec};
 use crate::error::{BuildError, MeshPart, Reason};
-use crate::geometry::{Pair, RackPair};
-use crate::stiffness::{self, StiffnessCurve};
+use crate::geometry::{Gear, Pair, RackPair};
+use crate::stiffness::{BuiltStiffness, Mate, StiffnessCurve, StiffnessError, build_with_warnings};
 
 /// Quantities of a pair that do not depend on the model.
 #[derive(Clone, Debug)]
@@ -92,27 +92,49 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
     }
 }
 
-/// Stiffness of a tooth pair along the path of contact of a mesh.
+/// Hands on what the first gear of a mesh meets, with the pair that both make.
+///
+/// # Panics
+/// Where the layout is not that of the two.
+pub fn with_mate<T>(
+    [a, b]: [&GearSpec; 2],
+    l: &MeshLayout,
+    what: impl FnOnce(&Gear, Mate<'_>) -> T,
+) -> T {
+    const LAID_OUT: &str = "the pair was built when the mesh was laid out";
+    let Body::Gear(ga) = &a.body else {
+        unreachable!("mesh_layout refuses a rack as the first gear")
+    };
+    match &b.body {
+        Body::Gear(gb) => {
+            let pair = Pair::new(ga, gb, l.distance).expect(LAID_OUT);
+            what(ga, Mate::Gear(gb, &pair))
+        }
+        Body::Rack(rack) => {
+            let pair = RackPair::new(ga, rack, l.distance).expect(LAID_OUT);
+            what(ga, Mate::Rack(rack, &pair))
+        }
+    }
+}
+
+/// Stiffness of a tooth pair along the path of contact of a mesh, with what a reader should know of it.
+pub fn stiffness_with_warnings(
+    [a, b]: [&GearSpec; 2],
+    l: &MeshLayout,
+    contact: &ContactSpec,
+) -> Result<BuiltStiffness, StiffnessError> {
+    let materials = [a.material, b.material];
+    with_mate([a, b], l, |gear, mate| {
+        build_with_warnings(&contact.stiffness, gear, mate, materials, l.face_width)
+    })
+}
+
+/// The same without the warnings.
 pub fn stiffness_curve(
     a: &GearSpec,
     b: &GearSpec,
     l: &MeshLayout,
     contact: &ContactSpec,
-) -> Result<StiffnessCurve, stiffness::StiffnessError> {
-    let Body::Gear(ga) = &a.body else {
-        unreachable!("mesh_layout refuses a rack as the first gear")
-    };
-    let materials = [a.material, b.material];
-    match &b.body {
-        Body::Gear(gb) => {
-            let pair = Pair::new(ga, gb, l.distance)
-                .expect("the pair was built when the mesh was laid out");
-            stiffness::build(&contact.stiffness, ga, gb, &pair, materials, l.face_width)
-        }
-        Body::Rack(rack) => {
-            let pair = RackPair::new(ga, rack, l.distance)
-                .expect("the pair was built when the mesh was laid out");
-            stiffness::build_rack(&contact.stiffness, ga, rack, &pair, materials, l.face_width)
-        }
-    }
+) -> Result<StiffnessCurve, StiffnessError> {
+    stiffness_with_warnings([a, b], l, contact).map(|built| built.curve)
 }
