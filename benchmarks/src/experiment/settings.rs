@@ -2,10 +2,11 @@
 
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
+use gearbench_models::geometry::Pair;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, mesh_layout,
-    stiffness_with_warnings,
 };
+use gearbench_models::stiffness::build_with_warnings;
 use gearbench_reports::numbers::short;
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
@@ -172,11 +173,17 @@ fn parameters(model: &ModelSpec) -> Vec<String> {
 
 /// Limits of the stiffness formulas that the scene does not keep.
 fn warnings(spec: &SceneSpec, gears: [usize; 2], contact: &ContactSpec) -> Vec<String> {
-    let of = gears.map(|i| &spec.gears[i]);
-    let Ok(l) = mesh_layout(of[0], of[1]) else {
+    let [a, b] = gears.map(|i| &spec.gears[i]);
+    let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
         return Vec::new();
     };
-    let built = stiffness_with_warnings(of, &l, contact);
-    let warnings = built.map_or_else(|_| Vec::new(), |b| b.warnings);
-    warnings.iter().map(|w| format!("note: {w}")).collect()
+    let materials = [a.material, b.material];
+    let pair = Pair::new(ga, &b.body, l.distance).ok();
+    let built = pair.and_then(|pair| {
+        let stiffness = &contact.stiffness;
+        build_with_warnings(stiffness, ga, &b.body, &pair, materials, l.face_width).ok()
+    });
+    built.map_or_else(Vec::new, |b| {
+        b.warnings.iter().map(|w| format!("note: {w}")).collect()
+    })
 }

@@ -75,7 +75,7 @@ mod tests {
         let mut none = TimeSeries::default();
         none.push(0.0, 0.0, 0.0, 0.0);
         let error = |own: &Ledger| {
-            let run = Finished::new(&none, own, 0.0).unwrap();
+            let run = Finished::reached(&none, own, [0.0, 0.0]).unwrap();
             error(Metric::EnergyDrift, run, (&none, &ledger(0.7)))
         };
         assert!((error(&ledger(0.5)).unwrap() - 0.05).abs() < 1e-12);

@@ -9,7 +9,7 @@
 
 use super::problem::Problem;
 use gearbench_integrators::system::SecondOrderSystem;
-use gearbench_models::error::{BuildError, MeshPart};
+use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::rigid;
@@ -17,8 +17,7 @@ use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshLayout, Modelling, SceneSpec, effective_radius, mesh_layout,
-    with_mate,
+    Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness,
@@ -254,7 +253,7 @@ pub fn movable_teeth(
 ) -> Result<Modelling, BuildError> {
     let [a, b] = scene.meshes[0].gears.map(|i| &scene.gears[i]);
     let layout = mesh_layout(a, b)?;
-    let rows = compliances([a, b], &layout)?;
+    let rows = compliances(a, b, layout.distance, layout.face_width)?;
     let at_pitch = (rows.iter())
         .min_by(|x, y| {
             let off = |r: &ComplianceRow| (r.s - layout.pitch_point).abs();
@@ -297,14 +296,27 @@ pub fn movable_teeth(
     Ok(modelling)
 }
 
-fn compliances(pair: [&GearSpec; 2], l: &MeshLayout) -> Result<Vec<ComplianceRow>, BuildError> {
-    let materials = pair.map(|g| g.material);
-    let table = with_mate(pair, l, |gear, mate| {
-        compliance_table(gear, mate, ANALYTIC, materials, l.face_width, 33)
-    });
-    let names = pair.map(|g| g.name.as_str());
-    let error = |why| BuildError::mesh(names, MeshPart::Stiffness, why);
-    table.map(|t| t.rows).map_err(|e| error(e.reason()))
+fn compliances(
+    a: &GearSpec,
+    b: &GearSpec,
+    distance: f64,
+    width: f64,
+) -> Result<Vec<ComplianceRow>, BuildError> {
+    use gearbench_models::geometry::Pair;
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
+    let Body::Gear(one) = &a.body else {
+        return Err(error(
+            MeshPart::Layout,
+            "the first gear of a mesh may not be a rack".into(),
+        ));
+    };
+    let materials = [a.material, b.material];
+    let pair =
+        Pair::new(one, &b.body, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
+    let mate = ((&b.body).into(), &pair);
+    compliance_table(one, mate, ANALYTIC, materials, width, 33)
+        .map(|t| t.rows)
+        .map_err(|e| error(MeshPart::Stiffness, e.reason()))
 }
 
 /// Spring of a tooth whose compliance along the line of action is given [N/m], on the radius that it acts at.

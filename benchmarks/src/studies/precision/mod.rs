@@ -13,6 +13,7 @@ mod plan;
 mod references;
 mod resolutions;
 mod run;
+pub mod scene;
 mod summary;
 
 pub use plan::{Asked, Plan};

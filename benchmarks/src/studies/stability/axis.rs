@@ -1,7 +1,8 @@
 //! The parameters that a map goes over: their names, ranges and values.
 
 /// A parameter of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// Factor on stiffness or penalty of all contacts.
     ContactStiffness,

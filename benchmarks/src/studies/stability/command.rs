@@ -15,8 +15,8 @@ use crate::experiment::journal::JOURNAL;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::models::models;
-use crate::scene_file::stability::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
+use crate::studies::stability::scene::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::table::{
     DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4, TRIGONOMETRIC, VELOCITY_VERLET,

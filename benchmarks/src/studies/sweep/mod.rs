@@ -8,6 +8,7 @@ pub(crate) mod arguments;
 pub(crate) mod command;
 mod plan;
 mod run;
+pub mod scene;
 pub mod steady;
 mod summary;
 

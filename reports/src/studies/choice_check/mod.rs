@@ -12,52 +12,32 @@ use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
 use crate::record::Results;
 use crate::studies::{Part, StudyReport};
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// How a choice came out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Outcome {
-    /// It keeps the tolerance.
-    #[serde(rename = "adequate")]
-    Adequate,
-    /// It does not.
-    #[serde(rename = "inadequate")]
-    Inadequate,
-    /// None was chosen, and none keeps the tolerance.
-    #[serde(rename = "rightly none")]
-    RightlyNone,
-    /// None was chosen, but there is one that keeps the tolerance.
-    #[serde(rename = "wrongly none")]
-    WronglyNone,
-    /// There is no reference to validate against.
-    #[default]
-    #[serde(rename = "not validated", alias = "not judged")]
-    NotValidated,
+words! {
+    /// How a choice came out.
+    pub enum Outcome {
+        /// It keeps the tolerance.
+        Adequate = "adequate",
+        /// It does not.
+        Inadequate = "inadequate",
+        /// None was chosen, and none keeps the tolerance.
+        RightlyNone = "rightly none",
+        /// None was chosen, but there is one that keeps the tolerance.
+        WronglyNone = "wrongly none",
+        /// There is no reference to validate against.
+        #[default]
+        #[serde(alias = "not judged")]
+        NotValidated = "not validated",
+    }
 }
 
 impl Outcome {
-    /// The words of the format and of the report.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Outcome::Adequate => "adequate",
-            Outcome::Inadequate => "inadequate",
-            Outcome::RightlyNone => "rightly none",
-            Outcome::WronglyNone => "wrongly none",
-            Outcome::NotValidated => "not validated",
-        }
-    }
-
     /// The choice did what was asked; a scene that could not be validated did not.
     #[must_use]
     pub fn is_met(self) -> bool {
         matches!(self, Outcome::Adequate | Outcome::RightlyNone)
-    }
-}
-
-impl std::fmt::Display for Outcome {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.as_str())
     }
 }
 
@@ -301,9 +281,6 @@ impl Results {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: vec![tables::finding(choices)],

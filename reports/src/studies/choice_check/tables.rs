@@ -6,7 +6,6 @@ use crate::markup::{glance, note, section};
 use crate::numbers::{percent, significant};
 use maud::{Markup, html};
 
-/// The finding.
 pub fn finding(choices: &[ValidatedChoice]) -> Markup {
     let scenes = choices;
     let all: Vec<&ValidatedChoice> = scenes.iter().collect();

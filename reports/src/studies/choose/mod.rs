@@ -182,9 +182,6 @@ pub struct ChooseRecord {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: vec![tables::finding(choice)],

@@ -344,9 +344,6 @@ fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(view),

@@ -196,7 +196,7 @@ fn pointwise_errors_are_taken_at_common_times() {
     let held = Held::new(history(&both), &grid);
     assert_eq!(held.even.len(), grid.len());
     let (own, ledger) = (history(&grid), Ledger::default());
-    let run = Finished::new(&own, &ledger, 1.0).unwrap();
+    let run = Finished::reached(&own, &ledger, [1.0, 1.0]).unwrap();
     let m = held.errors(run, "self");
     assert!(m.force_l2.is_some_and(|e| e < 1e-12), "{:?}", m.force_l2);
     let naive = measure(run, &held.whole, "self");

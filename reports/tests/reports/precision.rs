@@ -1,41 +1,12 @@
 //! The report of accuracy against cost, on made-up runs whose front is known.
 
+use crate::{contents, finding, has_only_numbers, holds, written};
 use gearbench_reports::precision::{Cost, Precision, PrecisionRecord};
 use gearbench_reports::store::PAGE;
 use gearbench_reports::{
     Metric, Metrics, Part, ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries,
     load_results, write_results,
 };
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::PathBuf;
-
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let dir =
-            std::env::temp_dir().join(format!("gearbench-precision-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&dir);
-        Self(dir)
-    }
-
-    fn files(&self) -> BTreeMap<String, String> {
-        let entries = fs::read_dir(&self.0).unwrap().map(|e| e.unwrap());
-        entries
-            .map(|e| {
-                let name = e.file_name().into_string().unwrap();
-                (name, fs::read_to_string(e.path()).unwrap())
-            })
-            .collect()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 /// A run: model, integrator, step, wall time [ms], error against the reference and its own solution [%].
 fn run(model: &str, integrator: &str, step: f64, wall_ms: f64, error: f64, own: f64) -> Run {
@@ -151,26 +122,20 @@ fn results() -> Results {
     }
 }
 
-fn finding(page: &str) -> &str {
-    let text = page.split("class=\"finding\"").nth(1).unwrap();
-    text.split("</section>").next().unwrap()
-}
-
 #[test]
 fn files_and_finding() {
-    let dir = Folder::new("files");
-    write_results(&dir.0, &results()).unwrap();
-    let files = dir.files();
-    for name in [
-        "precision_model.svg",
-        "precision_integration.svg",
-        "precision_families.svg",
-        "precision_work.svg",
-        "precision_metric_2.svg",
-        "precision.csv",
-    ] {
-        assert!(files.contains_key(name), "{name}");
-    }
+    let files = written(&results());
+    holds(
+        &files,
+        &[
+            "precision_model.svg",
+            "precision_integration.svg",
+            "precision_families.svg",
+            "precision_work.svg",
+            "precision_metric_2.svg",
+            "precision.csv",
+        ],
+    );
     let told = finding(&files[PAGE]);
     // Nothing fitted: elastic holds it from the error of the rigid gears down to its least; fe beats only below.
     assert!(told.contains("down to 0.800"), "{told}");
@@ -191,9 +156,7 @@ fn files_and_finding() {
 
 #[test]
 fn failures_are_on_their_edge_and_nowhere_else() {
-    let dir = Folder::new("failures");
-    write_results(&dir.0, &results()).unwrap();
-    let files = dir.files();
+    let files = written(&results());
     for chart in ["precision_model.svg", "precision_work.svg"] {
         for reason in ["blow-up (1)", "timeout (1)"] {
             assert!(files[chart].contains(reason), "{reason} in {chart}");
@@ -214,9 +177,9 @@ fn failures_are_on_their_edge_and_nowhere_else() {
 
 #[test]
 fn fitted_models_are_marked_and_set_apart() {
-    let dir = Folder::new("fitted");
-    write_results(&dir.0, &results()).unwrap();
-    let files = dir.files();
+    let dir = tempfile::tempdir().unwrap();
+    write_results(dir.path(), &results()).unwrap();
+    let files = contents(dir.path());
     let chart = &files["precision_model.svg"];
     assert!(chart.contains("rigid (fitted)") && chart.contains("cheapest of residual compliance"));
     assert!(chart.contains("models fitted to this history included"));
@@ -256,14 +219,12 @@ fn fitted_models_are_marked_and_set_apart() {
             .collect(),
         ..results.clone()
     };
-    let dir = Folder::new("unfitted");
-    write_results(&dir.0, &without).unwrap();
-    assert!(!dir.files()["precision_model.svg"].contains("fitted"));
+    assert!(!written(&without)["precision_model.svg"].contains("fitted"));
 }
 
 #[test]
 fn numbers_that_are_none_reach_no_file() {
-    let dir = Folder::new("none");
+    let dir = tempfile::tempdir().unwrap();
     let mut broken = results();
     broken.runs[0].metrics[0].force_l2_aligned = Some(f64::NAN);
     broken.runs[1].metrics[0].force_l2_aligned = Some(f64::INFINITY);
@@ -272,31 +233,30 @@ fn numbers_that_are_none_reach_no_file() {
     broken.runs[5].wall_spread_s = Some([f64::NAN, 1.0]);
     broken.runs[6].metrics[1].force_l2_aligned = Some(0.0);
     broken.runs[7].metrics.clear();
-    write_results(&dir.0, &broken).unwrap();
-    for (name, text) in dir.files() {
-        for word in ["NaN", "nan,", "inf,", "Infinity", "null", ">inf", "\"inf"] {
-            assert!(!text.contains(word), "{word} in {name}");
-        }
-    }
-    assert_eq!(load_results(&dir.0).unwrap().runs.len(), broken.runs.len());
+    write_results(dir.path(), &broken).unwrap();
+    has_only_numbers(&contents(dir.path()));
+    assert_eq!(
+        load_results(dir.path()).unwrap().runs.len(),
+        broken.runs.len()
+    );
 }
 
 #[test]
 fn bare_records_make_a_page() {
-    let dir = Folder::new("bare");
+    let dir = tempfile::tempdir().unwrap();
     let bare = Results {
         part: Part::Precision(part()),
         ..Results::default()
     };
-    write_results(&dir.0, &bare).unwrap();
+    write_results(dir.path(), &bare).unwrap();
     // Without a reference there is the integration error alone.
     let mut own = results();
     own.references.clear();
     for r in &mut own.runs {
         r.metrics.retain(|m| m.against == "self");
     }
-    write_results(&dir.0, &own).unwrap();
-    let files = dir.files();
+    write_results(dir.path(), &own).unwrap();
+    let files = contents(dir.path());
     assert!(!files.contains_key("precision_model.svg"));
     assert!(
         files.contains_key("precision_integration.svg") && files.contains_key("precision_work.svg")
@@ -305,10 +265,10 @@ fn bare_records_make_a_page() {
     for r in &mut own.runs {
         r.status = Status::Timeout;
     }
-    write_results(&dir.0, &own).unwrap();
-    assert!(!dir.files().contains_key("precision_integration.svg"));
+    write_results(dir.path(), &own).unwrap();
+    assert!(!contents(dir.path()).contains_key("precision_integration.svg"));
     // Drawn again from the record it is the same to the byte.
-    let before = dir.files();
-    gearbench_reports::report_from(&dir.0).unwrap();
-    assert_eq!(before, dir.files());
+    let before = contents(dir.path());
+    gearbench_reports::report_from(dir.path()).unwrap();
+    assert_eq!(before, contents(dir.path()));
 }

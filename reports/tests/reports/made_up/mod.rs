@@ -3,18 +3,59 @@
 //! The numbers look like a study and are none: the force of a run is a half-sine with the errors
 //! that are asked for, the outlines are involutes with straight roots.
 
-use gearbench_reports::sweep::{Bearing, StaticCycle, Steady, SweepRecord};
+mod studies;
+
 use gearbench_reports::{
     ContactPoint, ContactSnapshot, Finished, Ledger, Machine, Metric, Metrics, Outline, Part,
     ReferenceSeries, Results, Run, Status, StudyHeader, TimeSeries, Tolerance, compare,
 };
 use std::f64::consts::PI;
+pub use studies::{mode_results, penalty_results, sweep_results};
 
 /// Metrics of a run that was to end where it does.
 fn told(series: &TimeSeries, ledger: &Ledger, reference: &TimeSeries, against: &str) -> Metrics {
     let end = series.time_s.last().copied().unwrap_or(0.0);
-    let run = Finished::new(series, ledger, end).unwrap();
+    let run = Finished::reached(series, ledger, [end, end]).unwrap();
     compare(run, reference, against)
+}
+
+/// A run with a fixed step up to an end.
+fn run(model: &str, integrator: &str, step: f64, simulated_s: f64) -> Run {
+    Run {
+        model: model.into(),
+        integrator: integrator.into(),
+        step: Some(step),
+        simulated_s,
+        steps: (simulated_s / step).round() as u64,
+        ..Run::default()
+    }
+}
+
+/// A reference that is a run of its record.
+fn reference(id: &str, title: &str, series: &TimeSeries) -> ReferenceSeries {
+    ReferenceSeries {
+        id: id.into(),
+        title: title.into(),
+        source: "a run of this record".into(),
+        series: series.clone(),
+        ..ReferenceSeries::default()
+    }
+}
+
+/// A record of another study under the header of the impact.
+fn study(command: &str, part: Part, references: Vec<ReferenceSeries>, runs: Vec<Run>) -> Results {
+    let base = impact_results();
+    Results {
+        header: StudyHeader {
+            command: command.into(),
+            ..base.header
+        },
+        part,
+        tolerance: None,
+        references,
+        runs,
+        ..base
+    }
 }
 
 /// A half-sine impact that starts at `start`, with ripples of relative height `ripple`.
@@ -196,22 +237,15 @@ pub fn impact_results() -> Results {
             created: "2026-01-01T00:00:00Z".into(),
             ..StudyHeader::default()
         },
-        settings: vec![
-            (
-                "gear 1".into(),
-                "z = 20, m = 4 mm, x = 0, b = 5 mm, steel".into(),
-            ),
-            (
-                "gear 2".into(),
-                "z = 30, m = 4 mm, x = 0, b = 5 mm, steel".into(),
-            ),
-            ("centre distance".into(), "100 mm".into()),
-            ("initial speed of gear 1".into(), "20 rad/s".into()),
-            (
-                "contact law".into(),
-                "linear, 15.4 N/(mm \u{b5}m), no damping".into(),
-            ),
-        ],
+        settings: [
+            ("gear 1", "z = 20, m = 4 mm, x = 0, b = 5 mm, steel"),
+            ("gear 2", "z = 30, m = 4 mm, x = 0, b = 5 mm, steel"),
+            ("centre distance", "100 mm"),
+            ("initial speed of gear 1", "20 rad/s"),
+            ("contact law", "linear, 15.4 N/(mm \u{b5}m), no damping"),
+        ]
+        .map(|(what, value)| (what.into(), value.into()))
+        .to_vec(),
         tolerance: Some(Tolerance {
             metric: Metric::ForceL2Aligned,
             limit: 0.05,
@@ -252,11 +286,6 @@ fn fail(run: &mut Run, reference: &TimeSeries, status: Status, message: &str) {
 
 /// A quarter of a second of rattling: hundreds of contacts, no reference, five variants.
 pub fn rotation_results() -> Results {
-    let mut results = impact_results();
-    results.references.clear();
-    results.tolerance = None;
-    results.header.scene = "spur_rotation".into();
-    results.header.title = "Rotation with backlash at 100 rad/s and 10 N m".into();
     let mut runs = Vec::new();
     for (model, variant, scale) in [
         ("rigid", None, 1.0),
@@ -285,16 +314,11 @@ pub fn rotation_results() -> Results {
             };
             let metrics = vec![told(&s, &ledger, &s, "self")];
             runs.push(Run {
-                model: model.into(),
                 variant: variant.map(Into::into),
-                integrator: integrator.into(),
                 implicit,
-                step: Some(1e-6),
                 wall_s: cost * scale,
                 repeats: 3,
                 setup_s: 1e-4,
-                simulated_s: 0.25,
-                steps: 250_000,
                 force_evaluations: 250_001,
                 dofs: 2,
                 calibration: Some("static".into()),
@@ -302,253 +326,13 @@ pub fn rotation_results() -> Results {
                 ledger,
                 series: Some(s.thinned(2000)),
                 contacts: Some(snapshot(&[(-0.004, 180.0, "1-1"), (0.0078, 262.0, "2-2")])),
-                ..Run::default()
+                ..run(model, integrator, 1e-6, 0.25)
             });
         }
     }
-    results.runs = runs;
+    let command = "gearbench compare spur_rotation";
+    let mut results = study(command, Part::default(), Vec::new(), runs);
+    results.header.scene = "spur_rotation".into();
+    results.header.title = "Rotation with backlash at 100 rad/s and 10 N m".into();
     results
-}
-
-/// A study of mode counts: four ways of keeping modes, one failed run, one that is pointed out.
-pub fn mode_results() -> Results {
-    let base = impact_results();
-    let fe = impact(1.9e-5, 3610.0, 0.05, 5e-7);
-    let calculix = base.references[0].clone();
-    let mut runs = vec![Run {
-        model: "fe".into(),
-        integrator: "hht-alpha".into(),
-        implicit: true,
-        step: Some(5e-7),
-        wall_s: 1.9,
-        setup_s: 0.6,
-        simulated_s: 1.34e-4,
-        steps: 268,
-        dofs: 14918,
-        metrics: vec![told(&fe, &Ledger::default(), &calculix.series, "calculix")],
-        series: Some(fe.clone()),
-        ..Run::default()
-    }];
-    for (choose, residual, variant) in [
-        ("flank-compliance", true, "by flank compliance"),
-        ("frequency", true, "by frequency"),
-        ("flank-compliance", false, "truncated, by flank compliance"),
-        ("frequency", false, "truncated, by frequency"),
-    ] {
-        for modes in [0, 10, 25, 35, 42, 50, 75, 100, 150, 200, 300] {
-            if (modes == 42) == residual && modes == 42 {
-                continue;
-            }
-            let n = modes as f64;
-            let bump = if modes == 25 { 2.2 } else { 1.0 };
-            let error = match (choose, residual) {
-                (_, true) if modes == 0 => 0.052,
-                ("frequency", true) => bump * 0.05 / (1.0 + (n / 25.0).powf(1.9)) + 0.002,
-                (_, true) => 0.068 / (1.0 + (n / 14.0).powf(2.1)) + 0.002,
-                ("frequency", false) => 0.75 / (1.0 + n / 45.0) + 0.05,
-                _ => 0.75 / (1.0 + n / 25.0) + 0.03,
-            };
-            let series = impact(1.9e-5, 3610.0 * (1.0 + 0.6 * error), 0.05 + error, 1e-6);
-            let ledger = Ledger::default();
-            let mut metrics = vec![
-                told(&series, &ledger, &fe, "fe"),
-                told(&series, &ledger, &calculix.series, "calculix"),
-            ];
-            metrics[0].force_l2 = Some(error);
-            metrics[0].impulse_rel = Some(-0.05 * error);
-            metrics[1].force_l2 = Some((error * error + 0.017_f64.powi(2)).sqrt());
-            let step = if residual { 1e-6 } else { 2e-8 };
-            let steps = (1.34e-4 / step) as u64;
-            let high = if choose == "frequency" {
-                3.2e3 * n.powf(0.87)
-            } else {
-                60e3 + 1.5e3 * n
-            };
-            let mut run = Run {
-                model: "elastic".into(),
-                variant: Some(variant.into()),
-                integrator: "trigonometric".into(),
-                step: Some(step),
-                wall_s: 2.4e-6 * (1.0 + 0.002 * n) * steps as f64,
-                repeats: 3,
-                setup_s: 0.4,
-                simulated_s: 1.34e-4,
-                steps,
-                force_evaluations: steps + 1,
-                dofs: 2 + 2 * modes,
-                modes: Some(modes),
-                residual: Some(residual),
-                choose: Some(choose.into()),
-                highest_hz: (modes > 0).then_some(high),
-                mark: (choose == "frequency" && !residual && modes == 42)
-                    .then(|| "published method, to 80 kHz".into()),
-                metrics,
-                series: Some(series),
-                ..Run::default()
-            };
-            if choose != "frequency" && !residual && modes == 300 {
-                fail(&mut run, &fe, Status::BlowUp, "not finite at t = 12 us");
-            }
-            runs.push(run);
-        }
-    }
-    Results {
-        header: StudyHeader {
-            command: "gearbench truncation spur_impact".into(),
-            ..base.header
-        },
-        part: Part::Truncation,
-        tolerance: None,
-        references: vec![
-            ReferenceSeries {
-                id: "fe".into(),
-                title: "full finite elements, same mesh".into(),
-                source: "the first run of this record".into(),
-                series: fe,
-                ..ReferenceSeries::default()
-            },
-            calculix,
-        ],
-        runs,
-        ..base
-    }
-}
-
-/// A sweep of two models over their mesh resonance, one run failed.
-pub fn sweep_results() -> Results {
-    let base = impact_results();
-    let (mut runs, mut statics) = (Vec::new(), Vec::new());
-    let position: Vec<f64> = (0..64).map(|i| (f64::from(i) + 0.5) / 64.0 - 0.5).collect();
-    for (model, resonance) in [("rigid", 6000.0), ("elastic", 5500.0)] {
-        let amplitude = |k: usize, f: f64| {
-            let r = f * k as f64 / resonance;
-            2e-6 / (k * k) as f64 / ((1.0 - r * r).powi(2) + (0.1 * r).powi(2)).sqrt()
-        };
-        let cycle = |f: f64| -> Vec<f64> {
-            (position.iter())
-                .map(|p| {
-                    let of = |k: usize| amplitude(k, f) * (2.0 * PI * k as f64 * p).cos();
-                    10e-6 + (1..=12).map(of).sum::<f64>()
-                })
-                .collect()
-        };
-        let spread = |x: &[f64]| {
-            x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
-        };
-        let still = cycle(0.0);
-        statics.push(StaticCycle {
-            label: model.into(),
-            force_n: 2700.0,
-            position: position.clone(),
-            error_peak_to_peak_m: spread(&still),
-            error_m: still,
-            error_mean_m: 10e-6,
-            tangent_n_per_m: 2.7e8,
-            resonance_hz: Some(resonance),
-        });
-        for i in 0..30 {
-            let f = 500.0 + 300.0 * f64::from(i);
-            let error = cycle(f);
-            let harmonics: Vec<f64> = (1..=12).map(|k| amplitude(k, f)).collect();
-            let peak = 2700.0 * (1.0 + 0.05e6 * spread(&error));
-            let bearing = |gear: &str| Bearing {
-                gear: gear.into(),
-                own_inertia: model == "elastic",
-                mean_n: 2700.0,
-                rms_n: 1e8 * harmonics[0],
-                harmonics_n: harmonics.iter().map(|a| 2e8 * a).collect(),
-            };
-            let mut run = Run {
-                model: model.into(),
-                integrator: "velocity-verlet".into(),
-                step: Some(2e-7),
-                wall_s: 0.1,
-                simulated_s: 0.01,
-                steps: 50_000,
-                steady: Some(Steady {
-                    mesh_frequency_hz: f,
-                    speed_rad_s: f / 16.0 * 2.0 * PI,
-                    cycles: 8,
-                    error_mean_m: 10e-6,
-                    error_rms_m: (harmonics.iter().map(|a| 0.5 * a * a).sum::<f64>()).sqrt(),
-                    error_peak_to_peak_m: spread(&error),
-                    error_harmonics_m: harmonics.clone(),
-                    force_mean_n: 2700.0,
-                    force_peak_n: peak,
-                    separated: if spread(&error) > 30e-6 { 0.2 } else { 0.0 },
-                    irregular: 1e-4,
-                    bearings: vec![bearing("pinion"), bearing("wheel")],
-                    position: position.clone(),
-                    force_cycle_n: vec![2700.0; position.len()],
-                    error_cycle_m: error,
-                }),
-                ..Run::default()
-            };
-            if model == "elastic" && i == 21 {
-                run.status = Status::EnergyGrowth;
-                run.message = Some("made up".into());
-            }
-            runs.push(run);
-        }
-    }
-    Results {
-        header: StudyHeader {
-            scene: "loaded_mesh".into(),
-            command: "gearbench sweep loaded_mesh".into(),
-            ..base.header
-        },
-        part: Part::Sweep(SweepRecord { statics }),
-        tolerance: None,
-        references: Vec::new(),
-        runs,
-        ..base
-    }
-}
-
-/// A study of penalties that come to hard contact, the stiffest failed.
-pub fn penalty_results() -> Results {
-    let base = impact_results();
-    let hard = impact(1.9e-5, 3610.0, 0.05, 1e-6);
-    let mut runs = Vec::new();
-    for i in 0..=9 {
-        let penalty = (i < 9).then(|| 1e13 * 10f64.powf(0.5 * f64::from(i)));
-        let off = penalty.map_or(0.0, |p| 0.3 / (1.0 + p / 1e13));
-        let series = impact(1.9e-5, 3610.0 * (1.0 - off), 0.05, 1e-6);
-        let mut run = Run {
-            model: "elastic".into(),
-            integrator: "trigonometric".into(),
-            step: Some(1e-6),
-            wall_s: 1e-3,
-            simulated_s: 1.34e-4,
-            steps: 134,
-            penalty_pa_per_m: penalty,
-            hard: penalty.is_none().then_some(true),
-            static_error_m: Some(1e-5 * (1.0 + off)),
-            metrics: vec![told(&series, &Ledger::default(), &hard, "hard")],
-            series: (i % 3 == 0).then_some(series),
-            ..Run::default()
-        };
-        if i == 8 {
-            run.status = Status::BlowUp;
-            run.message = Some("made up".into());
-        }
-        runs.push(run);
-    }
-    Results {
-        header: StudyHeader {
-            command: "gearbench penalty spur_impact".into(),
-            ..base.header
-        },
-        part: Part::Penalty,
-        tolerance: None,
-        references: vec![ReferenceSeries {
-            id: "hard".into(),
-            title: "hard contact".into(),
-            source: "the last run of this record".into(),
-            series: hard,
-            ..ReferenceSeries::default()
-        }],
-        runs,
-        ..base
-    }
 }
