@@ -133,12 +133,12 @@ fn panel(
         }
         told.push(id);
         for steps in [true, false] {
-            let ladder: Vec<(f64, f64)> = (shown.iter())
+            let curve: Vec<(f64, f64)> = (shown.iter())
                 .filter(|o| o.run.integrator == id && o.run.step.is_some() == steps)
                 .map(|o| scale.at(&frame, o.point))
                 .collect();
             c.line_within(
-                &ladder,
+                &curve,
                 &area,
                 Stroke::new(look(style).ink.opacity(0.35), 1.0),
             );
