@@ -16,7 +16,7 @@ use crate::modal::propagator::coefficients;
 use crate::system::{SecondOrderSystem, State};
 
 /// Questions for a free flight that are left out after vain ones, at most.
-const PATIENCE: u32 = 8;
+const MOST_SKIPPED: u32 = 8;
 
 /// One oscillator under a constant load and what it moves.
 #[derive(Clone, Copy, Debug)]
@@ -114,48 +114,56 @@ impl Dense for FlightDense<'_> {
     }
 }
 
-/// When a loop asks its system for a free flight: after each restart at once, else with growing patience, so that
-/// contact pays for few vain questions.
+/// When to ask a system for a free flight: after each restart at once, else with growing patience, so that contact
+/// pays for few vain questions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Patience {
+    skip: u32,
+    next: u32,
+}
+
+impl Patience {
+    /// The next question is asked at once.
+    pub(crate) fn end(&mut self) {
+        (self.skip, self.next) = (0, 1);
+    }
+
+    /// Whether to ask now.
+    pub(crate) fn over(&mut self) -> bool {
+        let over = self.skip == 0;
+        self.skip = self.skip.saturating_sub(1);
+        over
+    }
+
+    /// The question was vain or not.
+    pub(crate) fn learn(&mut self, vain: bool) {
+        if vain {
+            self.skip = self.next;
+            self.next = (2 * self.next).clamp(1, MOST_SKIPPED);
+        } else {
+            self.end();
+        }
+    }
+}
+
+/// What a loop knows of the free flights of its system.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FlightProbe {
     /// Off by default.
     pub(crate) on: bool,
     pub(crate) path: FlightPath,
-    skip: u32,
-    patience: u32,
+    pub(crate) patience: Patience,
 }
 
 impl FlightProbe {
-    /// Asks, or not.
-    pub(crate) fn new(on: bool) -> Self {
-        FlightProbe {
-            on,
-            ..FlightProbe::default()
-        }
-    }
-
-    /// The next question is asked at once.
-    pub(crate) fn ask_next(&mut self) {
-        (self.skip, self.patience) = (0, 1);
-    }
-
-    /// A time until which [`Self::flight_path`] holds from `s` on, if it is later than a time; `s.t` where it is not.
+    /// A time until which [`Self::path`] holds from `s` on, if it is later than a time; `s.t` where it is not.
     pub(crate) fn end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, later: f64) -> f64 {
-        if !self.on {
-            return s.t;
-        }
-        if self.skip > 0 {
-            self.skip -= 1;
+        if !self.on || !self.patience.over() {
             return s.t;
         }
         let until = sys.flight_path(s, later, &mut self.path);
-        if until > later {
-            self.ask_next();
-            return until;
-        }
-        self.skip = self.patience;
-        self.patience = (2 * self.patience).clamp(1, PATIENCE);
-        s.t
+        self.patience.learn(until <= later);
+        if until > later { until } else { s.t }
     }
 }
 

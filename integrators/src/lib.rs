@@ -38,7 +38,7 @@
 //! | [`linear_stability`] | the largest stable step of each method on linear systems |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
-//! | [`spec`] | which method at which step, as data and as text |
+//! | [`spec`], [`scheme`] | which method, at which step, as data and as text |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
 //!
 //! # Example
@@ -108,6 +108,7 @@ pub mod linear_stability;
 pub mod method;
 pub mod modal;
 pub mod observers;
+pub mod scheme;
 pub mod spec;
 pub mod stepped;
 pub mod system;
@@ -119,7 +120,8 @@ pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
     Sink, StepError, Stepping, TimePlan, Work,
 };
-pub use spec::{MethodError, MethodSpec, Scheme};
+pub use scheme::Scheme;
+pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Events, FreeFlight, Layout, ModalSplit, Outputs, Power, Report,

@@ -67,6 +67,24 @@ pub enum Resolution {
     Tolerance(f64),
 }
 
+impl Resolution {
+    /// The fixed step [s].
+    pub fn step(self) -> Option<f64> {
+        match self {
+            Resolution::Step(h) => Some(h),
+            Resolution::Tolerance(_) => None,
+        }
+    }
+
+    /// The relative tolerance.
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            Resolution::Step(_) => None,
+            Resolution::Tolerance(rtol) => Some(rtol),
+        }
+    }
+}
+
 /// What to integrate and within which bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct TimePlan<'a> {

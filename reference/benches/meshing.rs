@@ -3,9 +3,7 @@
 //! Prints nodes, elements, unknowns, the median time of one mesh and the bytes it holds.
 
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_reference::mesh::{
-    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, RackMeshParams, Tooth,
-};
+use gearbench_reference::mesh::{self, ElementKind, FineTeeth, GearMesh, GearMeshParams, Tooth};
 use std::time::Instant;
 
 fn bytes(m: &GearMesh) -> usize {
@@ -108,6 +106,6 @@ fn main() {
     })
     .expect("a rack that can be cut");
     row("rack, 20 teeth, C3D8I", || {
-        mesh::rack(&rack, &RackMeshParams::default()).expect("a sound mesh")
+        mesh::rack(&rack, &GearMeshParams::default()).expect("a sound mesh")
     });
 }

@@ -14,15 +14,11 @@ use std::sync::Mutex;
 /// What to check.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The set.
     pub set: Set,
-    /// First and last scene.
     pub scenes: [usize; 2],
     /// Scenes that are validated at the same time.
     pub threads: usize,
-    /// Folder of the journal.
     pub folder: PathBuf,
-    /// Start over.
     pub fresh: bool,
 }
 

@@ -5,11 +5,13 @@
 //! | [`conditions`] | what all runs of a study share, and what heads its record |
 //! | [`configuration`] | what is run: a model of a scene |
 //! | `converged` | the converged solution of a model |
+//! | [`error`] | why a study ends before its end |
 //! | `external` | stored references as records keep them |
 //! | `history` | channels of a run over time |
 //! | [`journal`] | finished runs on disk, so that a killed study goes on where it was |
 //! | [`machine`] | where and when a record was made |
 //! | [`parallel`] | pieces of work on several threads |
+//! | `record` | what a record keeps of a run |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | `parameters` | parameters of a run for its record |
 //! | `settings` | what a reader must know of a scene |
@@ -19,12 +21,14 @@
 pub mod conditions;
 pub mod configuration;
 pub(crate) mod converged;
+pub mod error;
 pub(crate) mod external;
 pub(crate) mod history;
 pub mod journal;
 pub mod machine;
 pub mod parallel;
 pub(crate) mod parameters;
+pub(crate) mod record;
 pub mod run;
 pub(crate) mod settings;
 pub mod status;

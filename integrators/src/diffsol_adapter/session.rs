@@ -86,7 +86,10 @@ impl<'x, 'a> Session<'x, 'a> {
             to: s.clone(),
             y: RefCell::new(NalgebraVec::zeros(2 * layout.n, NalgebraContext::default())),
             seen: Counts::default(),
-            flight: FlightProbe::new(free_flights),
+            flight: FlightProbe {
+                on: free_flights,
+                ..FlightProbe::default()
+            },
             s,
         }
     }
@@ -107,7 +110,7 @@ impl<'x, 'a> Session<'x, 'a> {
             // diffsol takes a stop time within a hundred units of rounding for reached.
             let least = 200.0 * f64::EPSILON * (self.s.t.abs() + h);
             let mut last = h;
-            self.flight.ask_next();
+            self.flight.patience.end();
             if let Some(next) = self.flight_path(h, stop)? {
                 if matches!(next, Next::End) {
                     return Ok(());

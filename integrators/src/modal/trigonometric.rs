@@ -31,6 +31,7 @@
 
 use super::propagator::{Tables, coefficients, quasi_static_of};
 use super::resonance::{SAFE, safe_step};
+use crate::free_flight::Patience;
 use crate::method::{
     MethodInfo, OneStep, Parameter, Resolution, StepError, Stepping, Tolerance, Work,
 };
@@ -55,9 +56,6 @@ pub static INFO: MethodInfo = MethodInfo {
     }],
     citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
 };
-
-/// Attempts to fly that are left out after one that led no further than a step, at most.
-const PATIENCE: u32 = 8;
 
 /// Which oscillators the remainder sees by their mean over the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,7 +93,7 @@ struct Kick {
 }
 
 /// The method.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Trigonometric {
     /// Phase `omega h` [rad] above which oscillators are filtered.
     filter_from: f64,
@@ -113,9 +111,7 @@ pub struct Trigonometric {
     steady_until: f64,
     /// Nothing touches until this time.
     free_until: f64,
-    /// Attempts to fly to leave out, and how many the next vain one costs.
-    skip: u32,
-    patience: u32,
+    patience: Patience,
     /// Velocities at the end of a step before its last kick.
     predicted: Vec<f64>,
     /// What the remainder sees through the filter.
@@ -128,21 +124,8 @@ impl Trigonometric {
     pub fn new(filter: Filter) -> Self {
         Trigonometric {
             filter_from: filter.from(),
-            omega: Vec::new(),
-            zeta: Vec::new(),
             longest: f64::INFINITY,
-            tables: Tables::default(),
-            inside: RefCell::default(),
-            table: 0,
-            ends: Default::default(),
-            steady: Vec::new(),
-            steady_until: 0.0,
-            free_until: 0.0,
-            skip: 0,
-            patience: 1,
-            predicted: Vec::new(),
-            q: Vec::new(),
-            v: Vec::new(),
+            ..Trigonometric::default()
         }
     }
 
@@ -249,7 +232,7 @@ impl OneStep for Trigonometric {
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
-        (self.skip, self.patience) = (0, 1);
+        self.patience.end();
         self.free_until = s.t;
         let Some(split) = sys.modal() else { return };
         self.steady_until = split.steady(s.at(), &mut self.steady);
@@ -261,25 +244,13 @@ impl OneStep for Trigonometric {
     }
 
     fn free_flight_end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
-        if self.ends[0].acts {
-            return s.t;
-        }
-        if self.skip > 0 {
-            self.skip -= 1;
-            return s.t;
-        }
-        if self.steady_until <= s.t + h {
+        if self.ends[0].acts || !self.patience.over() || self.steady_until <= s.t + h {
             return s.t;
         }
         let Some(split) = sys.modal() else { return s.t };
         self.free_until = split.free_until(s);
         let end = self.free_until.min(self.steady_until);
-        if end > s.t + h {
-            self.patience = 1;
-        } else {
-            self.skip = self.patience;
-            self.patience = (2 * self.patience).min(PATIENCE);
-        }
+        self.patience.learn(end <= s.t + h);
         end
     }
 
@@ -376,7 +347,7 @@ impl OneStep for Trigonometric {
     fn advance(&mut self) {
         self.ends.swap(0, 1);
         if self.ends[0].acts {
-            (self.skip, self.patience) = (0, 1);
+            self.patience.end();
         }
     }
 

@@ -216,7 +216,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
             return Ok(());
         }
         self.method.begin(sys, plan.resolution)?;
-        self.flight.ask_next();
+        self.flight.patience.end();
         self.method.restart(sys, s, work);
         let mut watch = Watch::new(layout.event_functions);
         let events = plan.events && layout.event_functions > 0;

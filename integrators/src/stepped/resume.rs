@@ -68,7 +68,7 @@ impl<M: OneStep> Stepped<M> {
             }
             work.restarts += 1;
             self.method.restart(sys, s, work);
-            self.flight.ask_next();
+            self.flight.patience.end();
             if !r.fixed {
                 let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
                 r.h_next = r.h_next.min(first);

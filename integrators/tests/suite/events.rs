@@ -1,17 +1,14 @@
 //! Event location: simultaneous, grazing, at the end of a step, jumps of the state; breakpoints; hand-overs.
 
 use crate::problems::*;
-use crate::split_off;
+use crate::{split_off, unit_masses};
 use gearbench_integrators::{
     AcceptedStep, At, Change, Control, Events, Layout, METHODS, Method, ModalSplit,
-    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work,
+    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan,
 };
 
 fn plan_for(m: &Method, t_end: f64) -> TimePlan<'static> {
-    match m.info.stepping {
-        Stepping::Adaptive => tolerance(t_end, 1e-8),
-        _ => steps(t_end, 1000.0),
-    }
+    plan_of(m, t_end, 1000.0, 1e-8)
 }
 
 /// Balls that fall on a floor and lose part of their speed there.
@@ -21,35 +18,16 @@ struct Balls {
 }
 
 impl SecondOrderSystem for Balls {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: self.n,
-            event_functions: self.n,
-            discrete: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|own| [own.n, own.n, 0], modal: ModalSplit, events: Events);
+
     fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
     fn force(&mut self, _at: At<'_>, f: &mut [f64]) {
         f.fill(-2.0);
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
     }
 }
 
@@ -128,35 +106,16 @@ struct Graze {
 }
 
 impl SecondOrderSystem for Graze {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            event_functions: 1,
-            discrete: 1,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
+
     fn characteristic_time(&self, at: At<'_>) -> f64 {
         if at.discrete[0] == 0.0 { 1.0 } else { 0.01 }
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = -at.q[0] - at.discrete[0] * 1e4 * (at.q[0] - self.wall);
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -(1.0 + at.discrete[0] * 1e4) * dq[0];
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
     }
 }
 
@@ -178,10 +137,7 @@ fn grazing_contact_goes_through() {
         for depth in [0.0, 1e-16, 1e-13, 1e-9, 1e-6, -1e-9] {
             let mut s = state(&[0.0], &[1.0]);
             s.discrete = vec![0.0];
-            let plan = match m.info.stepping {
-                Stepping::Adaptive => tolerance(t_end, 1e-8),
-                _ => steps(t_end, 6000.0),
-            };
+            let plan = plan_of(m, t_end, 6000.0, 1e-8);
             let mut sys = Graze { wall: 1.0 - depth };
             let (s, work) = solve(m, &mut sys, s, &plan);
             // The push of a graze of this depth: the speed it takes away, sqrt(2 depth), is turned round
@@ -211,36 +167,17 @@ impl Table {
 }
 
 impl SecondOrderSystem for Table {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            event_functions: 0,
-            discrete: 1,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|_own| [1, 0, 1], modal: ModalSplit, events: Events);
+
     fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
     /// The branch of the table is held in discrete state, so that it is right on both sides of a breakpoint.
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
-    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = at.discrete[0];
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
     }
 }
 
@@ -286,10 +223,7 @@ fn steps_land_on_the_breakpoints_of_a_table() {
         };
         let mut s = state(&[0.0], &[0.0]);
         s.discrete = vec![0.0];
-        let plan = match m.info.stepping {
-            Stepping::Adaptive => tolerance(2.0, 1e-8),
-            _ => steps(2.0, 40.0),
-        };
+        let plan = plan_of(m, 2.0, 40.0, 1e-8);
         let (s, _) = solve(m, &mut table, s, &plan);
         assert_eq!(table.landed, breakpoints, "{}", m.info.id);
         assert!((s.v[0] - v).abs() < 1e-12, "{}: {} {v}", m.info.id, s.v[0]);
@@ -375,10 +309,7 @@ fn commits_reach_the_force_and_restarts_keep_the_solution() {
             };
             let mut s = Duffing::start();
             s.discrete = vec![0.0];
-            let plan = match m.info.stepping {
-                Stepping::Adaptive => tolerance(5.0, 1e-7),
-                _ => steps(5.0, 2000.0),
-            };
+            let plan = plan_of(m, 5.0, 2000.0, 1e-7);
             let (s, work) = solve(m, &mut sys, s, &plan);
             assert_eq!(f64::from(sys.seen), sys.commits);
             assert_eq!(u64::from(sys.seen), work.steps, "{}", m.info.id);
@@ -420,14 +351,9 @@ impl Sink for Seamless {
 fn the_sink_sees_every_step_and_every_switch() {
     for m in METHODS {
         let mut hammer = Hammer::gears(0.05);
-        let (mut s, mut work, mut sink) = (hammer.start(), Work::default(), Seamless::default());
-        let plan = match m.info.stepping {
-            Stepping::Adaptive => tolerance(0.02, 1e-6),
-            _ => steps(0.02, 4000.0),
-        };
-        m.build()
-            .run(&mut hammer, &mut s, &plan, &mut sink, &mut work)
-            .unwrap();
+        let (start, mut sink) = (hammer.start(), Seamless::default());
+        let plan = plan_of(m, 0.02, 4000.0, 1e-6);
+        let (s, work) = watch(m.info.id, &mut hammer, start, &plan, &mut sink);
         assert_eq!(sink.last, Some(s), "{}", m.info.id);
         assert_eq!(sink.restarts, work.restarts, "{}", m.info.id);
     }
@@ -447,16 +373,8 @@ fn a_sink_can_stop_a_run() {
         }
     }
     for m in METHODS {
-        let (mut s, mut work) = (Duffing::start(), Work::default());
-        m.build()
-            .run(
-                &mut Duffing,
-                &mut s,
-                &plan_for(m, 5.0),
-                &mut Stop,
-                &mut work,
-            )
-            .unwrap();
+        let (start, plan) = (Duffing::start(), plan_for(m, 5.0));
+        let (s, _) = watch(m.info.id, &mut Duffing, start, &plan, &mut Stop);
         assert!(s.t > 0.5 && s.t < 4.0, "{}: {}", m.info.id, s.t);
     }
 }

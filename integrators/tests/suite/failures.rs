@@ -2,7 +2,7 @@
 //! accepted one.
 
 use crate::problems::*;
-use crate::split_off;
+use crate::{split_off, unit_masses};
 use gearbench_integrators::explicit::runge_kutta::RungeKutta;
 use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
@@ -23,29 +23,13 @@ struct Scalar {
 }
 
 impl SecondOrderSystem for Scalar {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            event_functions: 0,
-            discrete: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|_own| [1, 0, 0], modal: ModalSplit);
+
     fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
-    }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = (self.force)(at.t, at.q[0]);
-    }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = (self.tangent)(at.q[0]) * dq[0];
@@ -57,10 +41,7 @@ split_off!(Broken, |_own, _i| (1.0, 0.0));
 
 /// A plan that suits the method.
 fn plan_for(m: &gearbench_integrators::Method, t_end: f64) -> TimePlan<'static> {
-    match m.info.stepping {
-        Stepping::Adaptive => tolerance(t_end, 1e-6),
-        _ => steps(t_end, 100.0 * t_end),
-    }
+    plan_of(m, t_end, 100.0 * t_end, 1e-6)
 }
 
 #[test]
@@ -258,35 +239,16 @@ fn a_system_without_coordinates_runs_or_is_refused() {
 struct Broken;
 
 impl SecondOrderSystem for Broken {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            event_functions: 1,
-            discrete: 1,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
+
     fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = -at.q[0];
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -dq[0];
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::problems::*;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
     AcceptedStep, Control, METHODS, Method, Resolution, SecondOrderSystem, Sink, State, Stepping,
-    TimePlan, Work, method,
+    TimePlan, Work,
 };
 
 /// Watches flights: number, worst error inside against the exact motion, whether fixed steps end on their grid.
@@ -57,12 +57,9 @@ fn hammered(row: &Method, path: &str, events: bool, plan: &TimePlan<'_>) -> (f64
         off_grid: 0.0,
         ledger: Ledger::default(),
     };
-    let (mut s, mut work) = (hammer.start(), Work::default());
     let plan = TimePlan { events, ..*plan };
-    method(&format!("{}{path}", row.info.id))
-        .unwrap()
-        .run(&mut hammer, &mut s, &plan, &mut flights, &mut work)
-        .unwrap();
+    let (text, start) = (format!("{}{path}", row.info.id), hammer.start());
+    let (s, work) = watch(&text, &mut hammer, start, &plan, &mut flights);
     (flights.hammer.error(&s), work, flights)
 }
 

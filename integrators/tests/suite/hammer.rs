@@ -1,5 +1,6 @@
 //! Gears that hammer within their backlash: impacts with an exact piecewise solution.
 
+use crate::problems::watch;
 use gearbench_integrators::{
     AcceptedStep, At, Change, Control, Energy, Events, FlightPath, FreeFlight, Layout, Method,
     ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, TimePlan, Work,
@@ -356,12 +357,7 @@ pub fn speed_error(
     points: f64,
 ) -> (f64, Work) {
     let mut error = SpeedError::new(hammer, plan.t_end / points);
-    let (mut s, mut work) = (hammer.start(), Work::default());
-    let result = method
-        .build()
-        .run(&mut hammer.clone(), &mut s, plan, &mut error, &mut work);
-    if let Err(e) = result {
-        panic!("{} under {:?}: {e}", method.info.id, plan.resolution);
-    }
+    let (mut sys, start) = (hammer.clone(), hammer.start());
+    let (_, work) = watch(method.info.id, &mut sys, start, plan, &mut error);
     (error.rms(), work)
 }

@@ -1,9 +1,8 @@
 //! What kicks leave out of oscillators, and what a system wins that gives it as local compliance.
 
 use crate::problems::*;
-use gearbench_integrators::{
-    At, Layout, ModalSplit, NullSink, SecondOrderSystem, State, Work, method,
-};
+use crate::unit_masses;
+use gearbench_integrators::{At, Layout, ModalSplit, SecondOrderSystem, State};
 
 /// Oscillators pressed at one point by a two-sided spring that stands on a local compliance.
 struct Pressed {
@@ -79,12 +78,8 @@ impl Pressed {
         [half, -half].map(|x| (0.5 * sum + x).acos() / h)
     }
 
-    fn after(&mut self, mut s: State, h: f64, n: f64) -> State {
-        let mut m = method("trigonometric").unwrap();
-        let (mut sink, mut work) = (NullSink, Work::default());
-        m.run(self, &mut s, &steps(n * h, n), &mut sink, &mut work)
-            .unwrap();
-        s
+    fn after(&mut self, s: State, h: f64, n: f64) -> State {
+        solve(by_id("trigonometric"), self, s, &steps(n * h, n)).0
     }
 }
 
@@ -114,32 +109,16 @@ impl ModalSplit for Pressed {
 }
 
 impl SecondOrderSystem for Pressed {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: self.omega.len(),
-            event_functions: 0,
-            discrete: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit);
+
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.remainder(at, f);
         for i in 0..f.len() {
             f[i] -= self.omega[i] * self.omega[i] * at.q[i];
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
         unreachable!("an explicit method only")
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
 }
 

@@ -14,6 +14,7 @@ mod hammer;
 mod kicks;
 mod linear_oscillator;
 mod modal;
+mod modes;
 mod observers;
 mod problems;
 mod smooth_order;

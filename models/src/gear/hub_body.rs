@@ -1,10 +1,29 @@
 //! What every gear says of its hub and body as plain data, and what follows from it for all of them.
 
-use super::model::{HubState, Magnitudes};
 use crate::Vec3;
 use crate::kinematics::{Hub, Row};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
+
+/// Typical magnitudes that turn a relative tolerance into absolute ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Magnitudes {
+    /// Deflection along the line of action [m].
+    pub deflection: f64,
+    /// Speed along the line of action [m/s].
+    pub speed: f64,
+}
+
+/// Quantities of the hub and the whole body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HubState {
+    /// Angle [rad] or displacement [m] of the hub from the assembled position.
+    pub displacement: f64,
+    /// Its rate.
+    pub speed: f64,
+    /// Angular momentum about the axis [kg m^2/s], or momentum along the slide [kg m/s].
+    pub momentum: f64,
+}
 
 /// The hub that carries a gear, with the data of a rigid body on it until a model says otherwise.
 #[derive(Clone, Debug, PartialEq)]

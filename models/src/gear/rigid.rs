@@ -2,7 +2,8 @@
 //!
 //! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the effective base radius arm is the base radius.
 
-use super::capabilities::{LinearMotion, Oscillators, work_on_hub};
+use super::any::work_on_hub;
+use super::capabilities::{LinearMotion, Oscillators};
 use super::free_flight::FreeFlight;
 use super::hub_body::HubBody;
 use super::model::GearModel;

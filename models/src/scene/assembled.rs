@@ -3,7 +3,7 @@
 use super::members::{SceneGear, SceneMesh};
 use super::workspace::Workspace;
 use crate::gear::{FreeFlight, Magnitudes};
-use crate::spec::{Load, Mount, Profile};
+use crate::spec::{Mount, Profile};
 use gearbench_integrators::system::State;
 
 /// The assembled system.
@@ -63,11 +63,6 @@ impl Scene {
     /// deflected teeth.
     pub fn on_lines_of_action(&self) -> bool {
         self.locates
-    }
-
-    /// Replaces the loads of a gear, for sweeps.
-    pub fn set_loads(&mut self, gear: usize, loads: Vec<Load>) {
-        self.gears[gear].loads = loads;
     }
 
     /// Puts a fixed or driven gear where it has moved by `displacement` [rad] or [m] from the assembled position and

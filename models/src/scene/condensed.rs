@@ -15,7 +15,7 @@
 use super::active::Active;
 use super::members::SceneGear;
 use crate::cholesky::{backward, cholesky, dot, forward};
-use crate::gear::capabilities::{add_response, condensed};
+use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 

@@ -32,8 +32,7 @@
 
 use super::assembled::Scene;
 use crate::contact::LineClearance;
-use crate::gear::FreeFlight;
-use crate::gear::capabilities::work_on_hub;
+use crate::gear::{FreeFlight, work_on_hub};
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Events, State};
 

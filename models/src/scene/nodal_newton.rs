@@ -3,7 +3,7 @@
 
 use super::assembled::Scene;
 use super::nodal::{Entry, NodalActive, Reduced, rows_of};
-use crate::gear::capabilities::{add_response, condensed};
+use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};

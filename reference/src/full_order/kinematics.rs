@@ -112,3 +112,17 @@ impl FullOrder {
 pub(super) fn dot3(a: [f64; 3], b: &[f64]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+
+/// The three components of a node.
+#[inline]
+pub(super) fn node3(x: &[f64], node: usize) -> [f64; 3] {
+    [x[3 * node], x[3 * node + 1], x[3 * node + 2]]
+}
+
+/// Adds three components from a place on.
+#[inline]
+pub(super) fn add3(y: &mut [f64], from: usize, x: [f64; 3]) {
+    for (y, x) in y[from..from + 3].iter_mut().zip(x) {
+        *y += x;
+    }
+}

@@ -3,7 +3,7 @@
 use super::body::Body;
 use super::gear::FullOrder;
 use crate::assembly::tie::MassKind;
-use crate::mesh_source::{self, MeshParameters, Reader, Source};
+use crate::mesh_source::{self, MeshParameters, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
@@ -14,11 +14,10 @@ use serde::{Deserialize, Serialize};
 const MODEL: &str = "fe";
 
 /// Parameters of the model.
-const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[ParameterInfo {
-    key: "mass",
-    meaning: "\"consistent\" (default) or \"lumped\", which explicit methods want",
-    required: false,
-}]);
+const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[optional(
+    "mass",
+    "\"consistent\" (default) or \"lumped\", which explicit methods want",
+)]);
 
 /// Its parameters as a struct; the row of its table says what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -47,7 +47,6 @@ pub struct Impacts<'a> {
 
 impl<'a> Impacts<'a> {
     /// Prepares the impacts of a gear; `effective_radius` is the base radius [m], or `cos(alpha)` for a rack.
-    #[must_use]
     pub fn new(basis: &'a Basis, effective_radius: f64, even_over_width: bool) -> Self {
         let mut impacts = Impacts {
             basis,
@@ -81,7 +80,6 @@ impl<'a> Impacts<'a> {
 
     /// Estimated relative L2 error of a contact-force history with these modes and the static compliance of all
     /// others.
-    #[must_use]
     pub fn error(&self, kept: &[usize]) -> f64 {
         let mut sum = 0.0;
         for probe in &self.probes {
@@ -97,9 +95,6 @@ impl<'a> Impacts<'a> {
     }
 
     /// The fewest modes of a choice's ranking whose estimate meets a target.
-    ///
-    /// # Errors
-    /// A target that no modes of the choice meet.
     pub fn fewest(&self, choice: &Choice, target: f64) -> Result<Vec<usize>, ReductionError> {
         let families: Vec<Family> = ranked(self.basis, choice);
         let first = |count: usize| -> Vec<usize> {

@@ -47,7 +47,6 @@ pub struct Toothing {
 
 impl Toothing {
     /// Looks at the flanks of a basis; `teeth` of the whole gear.
-    #[must_use]
     pub fn of(basis: &Basis, motion: Motion, teeth: u32) -> Self {
         let grids = basis.flanks.grids();
         let positions: Vec<Vec3> = grids

@@ -16,7 +16,6 @@ pub struct Mounting {
 
 impl Mounting {
     /// A gear, whose hub turns about z.
-    #[must_use]
     pub fn gear(free: bool, added_inertia: f64) -> Self {
         Mounting {
             motion: HubMotion::Turn,
@@ -26,7 +25,6 @@ impl Mounting {
     }
 
     /// A rack, whose hub travels along its own y.
-    #[must_use]
     pub fn rack(free: bool, added_mass: f64) -> Self {
         Mounting {
             motion: HubMotion::Slide(Vec3::y()),
@@ -36,7 +34,6 @@ impl Mounting {
     }
 
     /// The motions that are free: one or none.
-    #[must_use]
     pub fn motions(&self) -> Vec<HubMotion> {
         if self.free {
             vec![self.motion]
@@ -46,7 +43,6 @@ impl Mounting {
     }
 
     /// Rigid motion of all nodes by a unit of the hub's, three components each.
-    #[must_use]
     pub fn rigid(&self, nodes: &[Vec3]) -> Vec<f64> {
         (nodes.iter())
             .flat_map(|x| -> [f64; 3] { self.motion.of(x).into() })

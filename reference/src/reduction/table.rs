@@ -4,7 +4,7 @@ use super::choose::{self, Choice, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::{Basis, Wanted, open, shared};
-use crate::mesh_source::{self, Reader};
+use crate::mesh_source::{self, Reader, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
@@ -16,14 +16,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(super) const MODEL: &str = "elastic";
-
-const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning,
-        required: false,
-    }
-}
 
 /// Parameters of the model.
 pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
@@ -42,7 +34,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     ),
     optional(
         "residual",
-        "true (default): modes that are cut stay as static compliance; false: plain truncation",
+        "true (default): truncated modes stay as static compliance; false: plain truncation",
     ),
     optional(
         "target_error",
@@ -55,7 +47,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     ),
     optional(
         "step_s",
-        "longest step that shall carry the modes: those above 0.64 pi / step are cut; default 1e-6",
+        "longest step that shall carry the modes: those above 0.64 pi / step are truncated; default 1e-6",
     ),
     optional(
         "spin_terms",
@@ -259,28 +251,16 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gearbench_models::Vec3;
-    use gearbench_models::geometry::{Gear, GearParams};
-    use gearbench_models::kinematics::{Hub, Placement};
+    use crate::test_support;
     use gearbench_models::spec::{Mount, Parameters, Value};
-    use gearbench_models::stiffness::Material;
 
     fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {
-        let gear = Gear::new(GearParams {
-            teeth: 18,
-            module: 2e-3,
-            face_width: 5e-3,
-            bore_radius: 6e-3,
-            ..GearParams::default()
+        let gear = test_support::gear(18, 2e-3, |p| {
+            p.face_width = 5e-3;
+            p.bore_radius = 6e-3;
         });
-        let gear = gear.unwrap();
-        let effective_radius = gear.r_base();
-        let hub = Hub {
-            mount,
-            centre: Vec3::zeros(),
-            slide: None,
-            inertia: 1.0,
-        };
+        let radius = gear.r_base();
+        let (body, hub) = (Toothing::Gear(gear), test_support::hub(mount, None));
         let mut all: Parameters = [
             ("flank_elements", 3.0),
             ("fillet_elements", 2.0),
@@ -293,16 +273,8 @@ mod tests {
         .collect();
         all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
         let context = GearContext {
-            name: "pinion",
-            body: &Toothing::Gear(gear),
-            material: Material::STEEL,
-            hub: &hub,
-            added_inertia: 0.0,
-            placement: Placement::new(&hub, 0.1),
-            effective_radius,
-            meshes: &[],
-            speed: 0.0,
-            parameters: &all,
+            effective_radius: radius,
+            ..test_support::context(&body, &hub, &all)
         };
         ROW.build(&context).map(|g| g.hub().own)
     }

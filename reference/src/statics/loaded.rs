@@ -26,58 +26,35 @@ const TANGENT_STEP: f64 = 5e-3;
 
 /// Why a position has no static contact to report.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum StaticsError {
-    /// The scene cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The scene is not one mesh of two gears.
     #[error(
         "static tooth contact is that of one mesh of two gears, but the scene has {gears} gears and {meshes} meshes; leave the others out"
     )]
-    NotAPair {
-        /// Gears of the scene.
-        gears: usize,
-        /// Meshes of the scene.
-        meshes: usize,
-    },
-    /// No equilibrium.
+    NotAPair { gears: usize, meshes: usize },
     #[error("at s = {s:.6e} m, approach {approach:.4e} m: {source}")]
     Equilibrium {
-        /// Position [m].
         s: f64,
-        /// Approach [m].
         approach: f64,
-        /// Why.
         source: EquilibriumError,
     },
-    /// No approach carries the force.
     #[error(
         "at s = {s:.6e} m no approach up to {approach:.4e} m carries {force:.4e} N: the last one carried {reached:.4e} N; ask for less load"
     )]
     Force {
-        /// Position [m].
         s: f64,
-        /// Force asked for [N].
         force: f64,
-        /// Largest approach tried [m].
         approach: f64,
-        /// Force there [N].
         reached: f64,
     },
-    /// No tooth pair carries a force.
     #[error("no tooth pair presses on the path of contact at an approach of {approach:.4e} m")]
-    NoContact {
-        /// Approach [m].
-        approach: f64,
-    },
-    /// A position, approach or force that is no usable number.
+    NoContact { approach: f64 },
     #[error("{what} is {value}; it must be finite{and}")]
     Value {
-        /// Which.
         what: &'static str,
-        /// What was given.
         value: f64,
-        /// What else it must be.
         and: &'static str,
     },
 }
@@ -106,7 +83,6 @@ pub struct LoadedContact {
 
 impl LoadedContact {
     /// Part of the force that the pair `offset` base pitches ahead carries [N].
-    #[must_use]
     pub fn pair(&self, offset: i64) -> f64 {
         let of = self.pairs.iter().find(|p| p.offset == offset);
         of.map_or(0.0, |p| p.force)
@@ -131,9 +107,6 @@ pub struct LoadedPair {
 impl LoadedPair {
     /// Takes gears, models and contact of a scene with one mesh. Mounts, loads and speeds are replaced by held
     /// hubs, damping and friction are left out; the flank that carries is the one of the mesh's start.
-    ///
-    /// # Errors
-    /// [`StaticsError::NotAPair`], or what the assembly refuses.
     pub fn new(
         spec: &SceneSpec,
         modelling: &Modelling,
@@ -191,27 +164,21 @@ impl LoadedPair {
     }
 
     /// The mesh that does not depend on models: path of contact, pitch point, base pitch, common width.
-    #[must_use]
     pub fn layout(&self) -> &MeshLayout {
         &self.layout
     }
 
     /// Coordinates that are solved for.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         self.state.q.len()
     }
 
     /// Equilibria found so far, and the Newton iterations they took.
-    #[must_use]
     pub fn work(&self) -> [u64; 2] {
         [self.equilibria, self.iterations]
     }
 
     /// Equilibrium at a position `s` [m] and an approach [m].
-    ///
-    /// # Errors
-    /// [`StaticsError`] when there is none.
     pub fn at_approach(&mut self, s: f64, approach: f64) -> Result<LoadedContact, StaticsError> {
         finite("the position [m]", s)?;
         finite("the approach [m]", approach)?;
@@ -240,9 +207,6 @@ impl LoadedPair {
 
     /// Equilibrium at a position `s` [m] under a force [N] along the line of action, by the approach that carries
     /// it (secant, held inside a bracket).
-    ///
-    /// # Errors
-    /// [`StaticsError`] when there is none.
     pub fn under_force(&mut self, s: f64, force: f64) -> Result<LoadedContact, StaticsError> {
         finite("the force [N]", force)?;
         if force <= 0.0 {
@@ -311,9 +275,6 @@ impl LoadedPair {
     }
 
     /// Tangent stiffness `dF/dd` [N/m] at an equilibrium, by central differences of half a per cent.
-    ///
-    /// # Errors
-    /// [`StaticsError`] when a neighbour has no equilibrium.
     pub fn tangent(&mut self, at: &LoadedContact) -> Result<f64, StaticsError> {
         let h = TANGENT_STEP * at.approach;
         let above = self.at_approach(at.s, at.approach + h)?.force;

@@ -26,7 +26,7 @@ fn bearings_balance_a_torque_at_rest() {
     spec.gears[1].mount = Mount::Fixed;
     let force = torque / effective_radius(&spec.gears[0].body);
     for model in models() {
-        let both = [usual(&model, 20), usual(&model, 30)];
+        let both = [usual(&model), usual(&model)];
         let mut scene = build(&spec, &both, &contact(5e10));
         let mut s = scene.initial();
         equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
@@ -65,7 +65,7 @@ fn the_torque_of_a_drive_is_its_power_over_its_speed() {
             if driven == 1 {
                 spec.meshes[0].start = start(gearbench_models::geometry::Side::Right, 2e-6);
             }
-            let both = [usual(&model, 20), usual(&model, 30)];
+            let both = [usual(&model), usual(&model)];
             let mut scene = build(&spec, &both, &contact(5e10));
             let mut touched = 0;
             for end in [2e-5, 4e-5, 6e-5] {

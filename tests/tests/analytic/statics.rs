@@ -41,8 +41,7 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
     let spec = held(torque, Mount::Fixed);
     let (force, k) = force_and_stiffness(&spec, torque);
     for model in models() {
-        let usual_of = |teeth| usual(&model, teeth);
-        let (mut scene, s) = at_rest(&spec, &[usual_of(20), usual_of(30)]);
+        let (mut scene, s) = at_rest(&spec, &[usual(&model), usual(&model)]);
         let found = channel(&mut scene, &s, "force:0");
         assert!(
             (found - force).abs() < 1e-9 * force,
@@ -77,7 +76,7 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
 #[test]
 fn gears_that_nothing_holds_are_named() {
     for model in models() {
-        let both = [usual(&model, 20), usual(&model, 30)];
+        let both = [usual(&model), usual(&model)];
         let at_rest = |spec: &SceneSpec| {
             let mut scene = build(spec, &both, &contact(PER_WIDTH));
             let mut s = scene.initial();
@@ -119,7 +118,7 @@ fn driven_gears_stand_where_their_motion_has_brought_them() {
     });
     let (_, k) = force_and_stiffness(&spec, 1.0);
     for model in models() {
-        let both = [usual(&model, 20), usual(&model, 30)];
+        let both = [usual(&model), usual(&model)];
         let mut scene = build(&spec, &both, &contact(PER_WIDTH));
         let mut s = scene.initial();
         s.t = 2.0;

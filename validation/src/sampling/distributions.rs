@@ -16,7 +16,6 @@ const TOOTH_FREQUENCY: f64 = 244.0;
 /// What happens in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// One impact.
     Impact,
     /// Several impacts within the backlash.
     Hammer,
@@ -30,7 +29,6 @@ impl Kind {
     pub const ALL: [Kind; 3] = [Kind::Impact, Kind::Hammer, Kind::Load];
 
     /// The word of records.
-    #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
             Kind::Impact => "one impact",
@@ -41,7 +39,6 @@ impl Kind {
 
     /// Metrics that are asked for. After several impacts a history is all phase, so hammering is validated by numbers
     /// of the whole; under load the speed swings about a mean, and where it ends says little.
-    #[must_use]
     pub fn metrics(self) -> &'static [Metric] {
         match self {
             Kind::Impact => &[

@@ -48,7 +48,6 @@ const PATH_MARGIN: f64 = 0.1;
 pub struct Sample {
     /// Its number in the set, from 1.
     pub number: usize,
-    /// What happens.
     pub kind: Kind,
     /// Metric that is asked for.
     pub metric: Metric,
@@ -56,7 +55,6 @@ pub struct Sample {
     pub tolerance: f64,
     /// Length of an impact by the estimate above [s].
     pub contact_time: f64,
-    /// The scene file.
     pub text: String,
     /// What the text says; its models are read, not built.
     pub scene: SceneFile,
@@ -104,9 +102,6 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
 }
 
 /// Numbers of the scenes of a set that are validated against full finite elements: the first that have one impact.
-///
-/// # Errors
-/// As [`sample`].
 pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
     let mut found = Vec::new();
     for number in 1..=set.scenes {

@@ -19,13 +19,11 @@ fn mix(mut z: u64) -> u64 {
 
 impl Random {
     /// The stream that starts at a state.
-    #[must_use]
     pub fn new(state: u64) -> Self {
         Random { state }
     }
 
     /// The stream of an attempt at a scene of a set.
-    #[must_use]
     pub fn of(seed: u64, number: usize, attempt: u32) -> Self {
         let scene = mix(seed.wrapping_add(GAMMA.wrapping_mul(number as u64 + 1)));
         Random::new(mix(
@@ -66,13 +64,11 @@ impl Random {
 }
 
 /// A number with four significant digits: what a scene file says is what was sampled.
-#[must_use]
 pub fn short(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
 /// A number with ten significant digits, for what follows from sampled ones and must fit them.
-#[must_use]
 pub fn fitting(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }

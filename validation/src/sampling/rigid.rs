@@ -52,9 +52,6 @@ impl Sink for Contacts {
 
 /// Peak force [N] of rigid gears, and when their contacts begin and end [s]; an impact takes about `contact_time`. The
 /// peak is not a number where the run does not reach the end.
-///
-/// # Errors
-/// [`SampleError`] when the scene cannot be built.
 pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), SampleError> {
     let (method, tolerance, max_steps) = METHOD;
     let Some(choice) = scene

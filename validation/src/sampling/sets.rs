@@ -15,7 +15,6 @@ pub const MOST_SAMPLES: u32 = 200;
 pub struct Set {
     /// `tuning` or `held-out`.
     pub name: String,
-    /// Seed.
     pub seed: u64,
     /// Number of scenes, counted from 1.
     pub scenes: usize,
@@ -26,7 +25,6 @@ pub struct Set {
 /// Why there is no such scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SampleError {
-    /// No such set.
     #[error("there is no set `{name}`; there are {}", known.join(" and "))]
     Set {
         /// What was asked for.
@@ -34,10 +32,8 @@ pub enum SampleError {
         /// What there is.
         known: Vec<String>,
     },
-    /// No such scene.
     #[error("the set `{set}` has scenes 1 to {last}, not {number}")]
     Number {
-        /// The set.
         set: String,
         /// Its last scene.
         last: usize,
@@ -50,9 +46,7 @@ pub enum SampleError {
     /// Nothing sound was found.
     #[error("scene {number} of `{set}`: none of {MOST_SAMPLES} samples is sound; the last: {last}")]
     Unsound {
-        /// The set.
         set: String,
-        /// The scene.
         number: usize,
         /// Why the last was not.
         last: String,

@@ -87,9 +87,6 @@ impl Toothing {
     }
 
     /// Deflection on the line of action per hub coordinate: base radii [m], of a rack `cos(alpha)`.
-    ///
-    /// # Errors
-    /// A gear that cannot be cut.
     pub fn effective_radii(&self) -> Result<[f64; 2], GeometryError> {
         let first = self.gear(0)?;
         let second = if self.rack {
@@ -101,7 +98,6 @@ impl Toothing {
     }
 
     /// Radius of curvature of the two flanks against each other at the pitch point [m].
-    #[must_use]
     pub fn curvature(&self, effective_radii: [f64; 2]) -> f64 {
         let tangent = GearParams::default().pressure_angle.tan();
         let [a, b] = effective_radii;
@@ -110,7 +106,6 @@ impl Toothing {
 
     /// Inertia [kg m^2] of the ring from bore to reference circle, or mass [kg] of a rack of mean height; rounded,
     /// and near what the toothing has.
-    #[must_use]
     pub fn inertia(&self, i: usize) -> f64 {
         let z = f64::from(self.teeth[i]);
         if self.rack && i == 1 {
@@ -122,7 +117,6 @@ impl Toothing {
     }
 
     /// Stiffness of a tooth pair [N/m].
-    #[must_use]
     pub fn stiffness(&self) -> f64 {
         PER_WIDTH * self.width
     }

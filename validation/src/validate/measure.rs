@@ -1,11 +1,11 @@
 //! What is measured on whole scenes: the times of histories, errors, the time of a run without observers.
 
 use gearbench::experiment::machine::cpu_time;
-use gearbench::studies::choose::requirement::Metric;
 use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Sink, TimePlan, Work};
+use gearbench_reports::Metric;
 use std::time::{Duration, Instant};
 
 /// Bound of one integration of a reference.

@@ -20,7 +20,7 @@ use gearbench::experiment::run::RunError;
 use gearbench::studies::choose::level::Level;
 use gearbench::studies::choose::plan::{Candidate, candidates};
 use gearbench::studies::choose::problem::Problem;
-use gearbench::studies::choose::requirement::{Metric, Requirement};
+use gearbench::studies::choose::requirement::Requirement;
 use gearbench::studies::choose::run::{ChooseError, choose};
 use gearbench::studies::choose::trial::{Outcome as Seen, Trial};
 use gearbench_integrators::Resolution;
@@ -42,27 +42,16 @@ const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 /// Why a scene could not be validated, or a set not be gone through.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
-    /// The sampling.
     #[error(transparent)]
     Sample(#[from] SampleError),
     /// A run could not start, or was stopped.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// Candidates or choice.
     #[error(transparent)]
     Choose(#[from] ChooseError),
     /// The reference did not reach the end.
     #[error("the reference under {method} did not reach the end: {why}")]
-    Reference {
-        /// Its method.
-        method: String,
-        /// How it ended.
-        why: String,
-    },
-    /// A metric that choices do not know.
-    #[error("there is no requirement for the metric `{0}`")]
-    Metric(gearbench_reports::Metric),
-    /// The journal.
+    Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
 }
@@ -114,9 +103,7 @@ fn validate_into(
     sample: &Sample,
     full_order: bool,
 ) -> Result<(), ValidationError> {
-    let metric = (Metric::ALL.into_iter())
-        .find(|m| m.key() == Some(sample.metric))
-        .ok_or(ValidationError::Metric(sample.metric))?;
+    let metric = sample.metric;
     let problem = Problem::of(&sample.scene);
     let times = grid(problem.duration, sample.contact_time);
 

@@ -4,12 +4,12 @@ use super::ValidationError;
 use super::measure::{PATIENCE, error};
 use gearbench::studies::choose::plan::{DENSEST, densest, elastic, full};
 use gearbench::studies::choose::problem::Problem;
-use gearbench::studies::choose::requirement::Metric;
 use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::Modelling;
+use gearbench_reports::Metric;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.
 const FEWER: usize = 200;
@@ -21,11 +21,9 @@ const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 500.0), (HHT_ALPHA.with_value(0.
 /// Parts of its step that the densest elastic model is given, likewise.
 const FINER: [f64; 2] = [1.0, 0.25];
 
-/// A reference.
 pub struct Reference {
     /// In words.
     pub name: &'static str,
-    /// Its run.
     pub run: Outcome,
     /// The larger of what twice the step and fewer modes change; for the densest elastic model.
     pub own_error: Option<f64>,
@@ -38,10 +36,6 @@ pub const DENSEST_NAME: &str = "densest elastic model";
 /// See [`DENSEST_NAME`].
 pub const FULL_NAME: &str = "full finite elements";
 
-/// Runs the reference.
-///
-/// # Errors
-/// A model that cannot be built or does not reach the end.
 pub fn reference(
     problem: &Problem,
     metric: Metric,
@@ -92,10 +86,7 @@ pub fn reference(
             Err(e) => return Err(e),
         }
     }
-    let step = match dense_method.resolution {
-        Resolution::Step(h) => Some(h),
-        Resolution::Tolerance(_) => None,
-    };
+    let step = dense_method.resolution.step();
     // What does not reach the end says nothing of the one that does.
     let coarse = run(&dense.modelling, &scaled(dense_method, 2.0)).ok();
     let fewer = run(&elastic(problem, FEWER, step), dense_method).ok();
@@ -116,11 +107,8 @@ pub fn reference(
 
 /// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.
 fn scaled(method: &Scheme, part: f64) -> Scheme {
-    Scheme {
-        method: method.method,
-        resolution: match method.resolution {
-            Resolution::Step(h) => Resolution::Step(part * h),
-            Resolution::Tolerance(r) => Resolution::Tolerance(r * 10f64.powf(part.log2())),
-        },
-    }
+    method.method.at(match method.resolution {
+        Resolution::Step(h) => Resolution::Step(part * h),
+        Resolution::Tolerance(r) => Resolution::Tolerance(r * 10f64.powf(part.log2())),
+    })
 }

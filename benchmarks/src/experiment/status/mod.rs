@@ -105,7 +105,6 @@ pub struct RunMonitor {
 
 impl RunMonitor {
     /// Watches a scene on an ascending grid of times [s]; `also_steps` records the accepted steps in contact as well.
-    #[must_use]
     pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         RunMonitor {
             history: History::new(scene, grid, also_steps),

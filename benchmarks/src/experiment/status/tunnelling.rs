@@ -9,8 +9,8 @@
 //! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return,
 //!   but the speeds changed as they would have without: the step went over it.
 
-use super::super::run::approach;
 use super::Finding;
+use crate::experiment::record::approach;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
 use gearbench_models::kinematics::Hub;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
@@ -73,7 +73,6 @@ pub struct TunnellingDetector {
 
 impl TunnellingDetector {
     /// The meshes of a scene; those whose geometry rigid displacements do not tell are left out.
-    #[must_use]
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let pair = |m: usize| {
             let mesh = &spec.meshes[m];

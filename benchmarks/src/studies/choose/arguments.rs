@@ -1,8 +1,9 @@
 //! Arguments of `choose`.
 
-use super::requirement::Metric;
 use crate::cli::arguments::Output;
+use crate::cli::values::metric;
 use clap::Args;
+use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -31,13 +32,6 @@ pub struct Choose {
     pub output: Output,
 }
 
-fn metric(text: &str) -> Result<Metric, String> {
-    Metric::named(text.trim()).ok_or_else(|| {
-        let known = Metric::ALL.map(Metric::name);
-        format!("expected one of {}", known.join(", "))
-    })
-}
-
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
@@ -58,7 +52,7 @@ mod tests {
         let Some(Command::Choose(c)) = given.command else {
             panic!("another command");
         };
-        assert_eq!((c.metric, c.tolerance), (Metric::Peak, 0.02));
+        assert_eq!((c.metric, c.tolerance), (Metric::PeakForceRel, 0.02));
         for (bad, says) in [
             (["hammer", "--metric", "speed"], "force-aligned"),
             (["hammer", "--tolerance", "5"], "between 0 and 1"),

@@ -63,7 +63,7 @@ fn remarks(choice: &Choice, requirement: &Requirement, command: &str) -> Vec<Str
         format!("Chosen by `{command}`:"),
         format!(
             "estimated error of the {} {}, of {} allowed; {} on the machine where it was chosen.",
-            requirement.metric.title(),
+            requirement.title(),
             per_cent(choice.predicted_error),
             per_cent(requirement.tolerance),
             seconds(choice.predicted_cost_s)

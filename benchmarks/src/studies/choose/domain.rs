@@ -17,7 +17,6 @@ pub const FREQUENCY: f64 = 2500.0;
 pub const LONGEST: f64 = 20e-3;
 
 /// Sentences on what is unusual about a scene; none when nothing is.
-#[must_use]
 pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
     let mut found = Vec::new();
     let scene = &problem.scene;

@@ -36,7 +36,6 @@ pub enum Level {
 
 impl Level {
     /// Name for tables.
-    #[must_use]
     pub fn name(&self) -> String {
         match self {
             Level::Rigid(Stiffness::Norm) => "rigid, ISO 6336".into(),
@@ -51,7 +50,6 @@ impl Level {
     }
 
     /// Family for charts: the gear model, or `quasi-static`.
-    #[must_use]
     pub fn family(&self) -> &'static str {
         match self {
             Level::Rigid(_) => rigid::MODEL,
@@ -62,7 +60,6 @@ impl Level {
     }
 
     /// Modes per gear where gears are elastic.
-    #[must_use]
     pub fn modes(&self) -> Option<usize> {
         match self {
             Level::QuasiStatic => Some(0),

@@ -5,7 +5,6 @@
 
 use super::plan::Fixed;
 use super::problem::Problem;
-use super::requirement::Metric;
 use super::run::ChooseError;
 use super::statics::Swing;
 use super::trial::{Outcome, Trial};
@@ -13,6 +12,7 @@ use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
 use gearbench_models::spec::{effective_radius, mesh_layout};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use gearbench_reports::Metric;
 
 /// Steps and samples of a pilot run per contact time.
 const STEPS: f64 = 32.0;
@@ -57,7 +57,6 @@ pub struct Window {
 
 impl Window {
     /// The first `end` seconds, recorded evenly every `spacing` seconds.
-    #[must_use]
     pub fn to(end: f64, spacing: f64) -> Window {
         let n = (end / spacing).clamp(200.0, MOST_SAMPLES) as usize;
         Window {
@@ -72,7 +71,6 @@ impl Window {
     }
 
     /// What it is, in words.
-    #[must_use]
     pub fn describe(&self) -> String {
         let spells = |n: usize| match n {
             1 => "one spell of contact".to_string(),
@@ -163,9 +161,6 @@ fn cycle(problem: &Problem) -> f64 {
 }
 
 /// The window of a scene.
-///
-/// # Errors
-/// A scene that cannot be run.
 pub fn window(
     problem: &Problem,
     level: &Fixed,
@@ -213,7 +208,7 @@ pub fn window(
 /// Distance of samples around contacts [s].
 fn spacing(problem: &Problem, swing: &Swing, metric: Metric) -> f64 {
     let contact = swing.contact_time() / SAMPLES;
-    if metric == Metric::Peak {
+    if metric == Metric::PeakForceRel {
         contact.min(1.0 / (RINGING * problem.tooth_frequency()))
     } else {
         contact
@@ -236,9 +231,6 @@ fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f
 
 /// How much larger the effect of a little more stiffness is in the whole scene than in the window, at least 1: errors
 /// of phase add up from impact to impact.
-///
-/// # Errors
-/// A scene that cannot be run.
 pub fn growth(
     problem: &Problem,
     level: &Fixed,

@@ -46,7 +46,6 @@ pub struct Candidate {
 
 impl Candidate {
     /// Name for tables: level, integrator, step or tolerance.
-    #[must_use]
     pub fn name(&self) -> String {
         let resolution = match self.method.resolution {
             Resolution::Step(h) => format!("{:.3} us", 1e6 * h),
@@ -101,13 +100,9 @@ const ELASTIC: Menu = Menu {
 impl Menu {
     /// Methods, the cheapest first.
     fn methods(&self, contact_time: f64) -> impl Iterator<Item = Scheme> + '_ {
-        let method = |resolution| Scheme {
-            method: self.method,
-            resolution,
-        };
         let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
         let tolerances = self.tolerances.iter().map(|r| Resolution::Tolerance(*r));
-        steps.chain(tolerances).map(method)
+        steps.chain(tolerances).map(|r| self.method.at(r))
     }
 }
 
@@ -119,7 +114,6 @@ fn short(x: f64) -> f64 {
 
 /// Full finite elements on the meshes of the elastic gears of a problem, with their contact. Damping of modes is not
 /// in them.
-#[must_use]
 pub fn full(problem: &Problem) -> Modelling {
     let gears = (problem.flexible.gears.iter())
         .map(|p| {
@@ -137,7 +131,6 @@ pub fn full(problem: &Problem) -> Modelling {
 }
 
 /// The elastic gears of a problem with some modes, for a fixed step or for a tolerance.
-#[must_use]
 pub fn elastic(problem: &Problem, modes: usize, step: Option<f64>) -> Modelling {
     let gears = (problem.flexible.gears.iter())
         .map(|p| {
@@ -179,9 +172,6 @@ pub struct Prepared {
 
 impl Prepared {
     /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
-    ///
-    /// # Errors
-    /// [`ChooseError`] when the scene cannot be assembled.
     pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
         let swing = Swing::of(&problem.scene)?;
         let scene = Arc::new(problem.scene.clone());
@@ -244,14 +234,12 @@ impl Prepared {
     }
 
     /// The rigid level that is nearest to the elastic gears.
-    #[must_use]
     pub fn best_rigid(&self) -> &Fixed {
         let is = |f: &&Fixed| f.level == Level::Rigid(Stiffness::Static);
         self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
     }
 
     /// All candidates, the cheapest family first, within a level the longest step first.
-    #[must_use]
     pub fn candidates(&self, problem: &Problem) -> Vec<Candidate> {
         let time = self.swing.contact_time();
         let mut all = Vec::new();
@@ -286,10 +274,8 @@ impl Prepared {
         modes: usize,
         method: Scheme,
     ) -> Candidate {
-        let step = match method.resolution {
-            Resolution::Step(h) => h,
-            Resolution::Tolerance(_) => short(self.swing.contact_time() / TOLERANCE_STEPS),
-        };
+        let usual = || short(self.swing.contact_time() / TOLERANCE_STEPS);
+        let step = method.resolution.step().unwrap_or_else(usual);
         Candidate {
             level: match modes {
                 0 => Level::QuasiStatic,
@@ -302,7 +288,6 @@ impl Prepared {
     }
 
     /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
-    #[must_use]
     pub fn at_steps(&self, problem: &Problem, modes: usize, steps: f64) -> Candidate {
         let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
         let step = (self.swing.contact_time() / steps).min(tooth);
@@ -312,18 +297,12 @@ impl Prepared {
 }
 
 /// All candidates of a scene, the cheapest family first.
-///
-/// # Errors
-/// [`ChooseError`] when the scene cannot be assembled.
 pub fn candidates(problem: &Problem) -> Result<Vec<Candidate>, ChooseError> {
     Ok(Prepared::of(problem)?.candidates(problem))
 }
 
 /// The densest elastic model, finer than anything of the hierarchy: what choices are validated against where full finite
 /// elements would take too long.
-///
-/// # Errors
-/// [`ChooseError`] when the scene cannot be assembled.
 pub fn densest(problem: &Problem) -> Result<Candidate, ChooseError> {
     let prepared = Prepared {
         swing: Swing::of(&problem.scene)?,

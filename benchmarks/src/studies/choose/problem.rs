@@ -81,7 +81,6 @@ pub struct Problem {
 impl Problem {
     /// The problem of a scene file: its first elastic model with residual compliance, and its rigid and movable-teeth
     /// models as further levels.
-    #[must_use]
     pub fn of(file: &SceneFile) -> Problem {
         let elastic = file.models.iter().find(|m| is_elastic(m));
         let own: Vec<Own> = (file.models.iter())
@@ -126,7 +125,6 @@ impl Problem {
 
     /// Time by which the force of a mesh runs ahead of the approach of its gears, the damper of a pair over its
     /// stiffness `k` [N/m], under a force [N]; see the head of the module [s].
-    #[must_use]
     pub fn relaxation(&self, mesh: usize, k: f64, force: f64) -> f64 {
         let ratio = (self.flexible.gears.iter())
             .filter_map(|p| p.damping_ratio)
@@ -158,7 +156,6 @@ impl Problem {
     }
 
     /// First frequency of a tooth, by its size [Hz].
-    #[must_use]
     pub fn tooth_frequency(&self) -> f64 {
         let module = |g: &gearbench_models::spec::GearSpec| match &g.body {
             Body::Gear(g) => g.params().module,

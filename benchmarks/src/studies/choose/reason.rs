@@ -7,13 +7,11 @@ use super::run::Choice;
 use gearbench_reports::numbers::percent;
 
 /// A ratio in per cent, with the unit.
-#[must_use]
 pub fn per_cent(x: f64) -> String {
     format!("{} %", percent(x, 2))
 }
 
 /// Seconds with a fitting unit.
-#[must_use]
 pub fn seconds(s: f64) -> String {
     match s {
         s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
@@ -23,11 +21,10 @@ pub fn seconds(s: f64) -> String {
 }
 
 /// Sentences on why a choice is what it is.
-#[must_use]
 pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinement) -> Vec<String> {
     let mut said = Vec::new();
     let limit = per_cent(requirement.tolerance);
-    let metric = requirement.metric.title();
+    let metric = requirement.title();
     let top = refinement
         .top()
         .map_or(String::new(), |l| l.candidate.level.name());

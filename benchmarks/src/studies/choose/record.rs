@@ -4,12 +4,10 @@ use super::problem::Problem;
 use super::requirement::Requirement;
 use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::machine;
-use gearbench_integrators::Resolution;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
-use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
+use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 
 /// The record of a choice.
-#[must_use]
 pub fn results(
     problem: &Problem,
     (title, command): (&str, &str),
@@ -21,8 +19,8 @@ pub fn results(
             .position(|t| t.candidate.level == c.level && t.candidate.method == c.method)
     };
     let answer = ChoiceRecord {
-        metric: requirement.metric.name().into(),
-        metric_title: requirement.metric.title().into(),
+        metric: requirement.name().into(),
+        metric_title: requirement.title().into(),
         tolerance: requirement.tolerance,
         chosen: choice.candidate.as_ref().and_then(place),
         predicted_error: finite(choice.predicted_error),
@@ -45,8 +43,9 @@ pub fn results(
         header: machine::header(&problem.name, title, command),
         part: Part::Choose(Box::new(ChooseRecord { choice: answer })),
         settings: settings(problem, choice),
-        tolerance: requirement.metric.key().map(|key| Tolerance {
-            metric: key,
+        // The energy lost is no metric of a record.
+        tolerance: (requirement.metric != Metric::EnergyDrift).then(|| Tolerance {
+            metric: requirement.metric,
             limit: requirement.tolerance,
             against: "top".into(),
         }),
@@ -70,16 +69,12 @@ fn level(r: &LevelTried, cheapest: Option<usize>) -> LevelRecord {
 }
 
 fn tried(t: &Tried) -> TriedRecord {
-    let (step_s, rtol) = match t.candidate.method.resolution {
-        Resolution::Step(h) => (Some(h), None),
-        Resolution::Tolerance(r) => (None, Some(r)),
-    };
     TriedRecord {
         level: t.candidate.level.name(),
         family: t.candidate.level.family().into(),
         integrator: t.candidate.method.method.to_string(),
-        step_s,
-        rtol,
+        step_s: t.candidate.method.resolution.step(),
+        rtol: t.candidate.method.resolution.tolerance(),
         error: finite(t.error),
         cost_s: finite(t.cost_s),
         steps: t.work[0],

@@ -8,9 +8,10 @@
 use super::pilot::Window;
 use super::plan::{Candidate, MODES, Prepared};
 use super::problem::Problem;
-use super::requirement::{Metric, Requirement};
+use super::requirement::{Requirement, is_scalar};
 use super::run::ChooseError;
 use super::trial::{Outcome, Trial};
+use gearbench_reports::Metric;
 
 /// Steps per contact time of the refinement, for tolerances up to a limit: their own error is not to show beside it.
 const STEPS: [(f64, f64); 3] = [(0.015, 512.0), (0.04, 256.0), (f64::INFINITY, 128.0)];
@@ -29,7 +30,6 @@ const RATIO: [f64; 2] = [0.3, 0.5];
 pub struct RefinedLevel {
     /// How it was run.
     pub candidate: Candidate,
-    /// What it gave.
     pub outcome: Outcome,
     /// Set-up [s].
     pub setup_s: f64,
@@ -52,7 +52,6 @@ pub struct Refinement {
 
 impl Refinement {
     /// The top level.
-    #[must_use]
     pub fn top(&self) -> Option<&RefinedLevel> {
         self.levels.last()
     }
@@ -92,8 +91,8 @@ pub fn refine(
         let setup_s = trial.setup.as_secs_f64();
         if let Some(below) = levels.last_mut() {
             below.step_up = Some(below.outcome.error(requirement.metric, &outcome));
-            if requirement.metric.is_scalar() {
-                apart.push(below.outcome.error(Metric::ForceAligned, &outcome));
+            if is_scalar(requirement.metric) {
+                apart.push(below.outcome.error(Metric::ForceL2Aligned, &outcome));
             }
         }
         levels.push(RefinedLevel {
@@ -108,7 +107,7 @@ pub fn refine(
         let small = SETTLED * requirement.tolerance / growth;
         settled = last(&differences, small)
             && remaining(&differences) <= small
-            && (!requirement.metric.is_scalar() || last(&apart, HISTORY * requirement.tolerance));
+            && (!is_scalar(requirement.metric) || last(&apart, HISTORY * requirement.tolerance));
         if settled {
             break;
         }
@@ -116,7 +115,7 @@ pub fn refine(
     if levels.len() < 2 {
         return Err(ChooseError::Hierarchy(failure));
     }
-    let floor = FLOOR[usize::from(requirement.metric.is_scalar())];
+    let floor = FLOOR[usize::from(is_scalar(requirement.metric))];
     let remaining = remaining(&differences(&levels)).max(floor);
     Ok(Refinement {
         levels,

@@ -14,7 +14,6 @@ use super::refinement::Refinement;
 use super::requirement::Requirement;
 use super::run::{Choice, ChooseError, LevelTried, Parts, Tried};
 use super::trial::{Outcome, Trial};
-use gearbench_integrators::Resolution;
 use gearbench_integrators::modal::resonance::SAFE;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 
@@ -125,7 +124,7 @@ impl Selector<'_, '_> {
     ) -> Result<Option<(Candidate, f64)>, ChooseError> {
         let mut best: Option<(Candidate, f64)> = None;
         let same = |a: &Candidate, b: &Candidate| {
-            let by_step = |c: &Candidate| matches!(c.method.resolution, Resolution::Step(_));
+            let by_step = |c: &Candidate| c.method.resolution.step().is_some();
             a.method.method == b.method.method && by_step(a) == by_step(b)
         };
         let mut kept = match fine {
@@ -140,10 +139,8 @@ impl Selector<'_, '_> {
                 }
                 (self.progress)(&candidate.name());
                 // A step that carries all modes of the fine run leaves the model as it is.
-                let carries = |hz: f64| match candidate.method.resolution {
-                    Resolution::Step(h) => SAFE / (2.0 * h) > hz,
-                    Resolution::Tolerance(_) => false,
-                };
+                let step = candidate.method.resolution.step();
+                let carries = |hz: f64| step.is_some_and(|h| SAFE / (2.0 * h) > hz);
                 let reused = fine.is_some_and(|(_, hz)| carries(hz));
                 let mut own;
                 let trial = match kept.as_mut().filter(|_| reused) {
@@ -194,9 +191,7 @@ impl Selector<'_, '_> {
 
     /// Keeps what a step of elastic gears costs.
     fn learn(&mut self, candidate: &Candidate, cost: f64) {
-        if let (Some(_), Resolution::Step(h)) =
-            (candidate.level.modes(), candidate.method.resolution)
-        {
+        if let (Some(_), Some(h)) = (candidate.level.modes(), candidate.method.resolution.step()) {
             let per_step = cost * h;
             self.per_step = Some(self.per_step.map_or(per_step, |p: f64| p.min(per_step)));
         }
@@ -205,12 +200,9 @@ impl Selector<'_, '_> {
     /// Elastic gears whose steps alone cost more than the cheapest that is known to do: the confirming next shorter step
     /// of something cheaper may still run.
     fn too_dear(&self, candidate: &Candidate) -> bool {
-        match (candidate.level.modes(), candidate.method.resolution) {
-            (Some(_), Resolution::Step(h)) => {
-                self.per_step.is_some_and(|p| p / (2.0 * h) > self.cheapest)
-            }
-            _ => false,
-        }
+        let step =
+            (candidate.method.resolution.step()).filter(|_| candidate.level.modes().is_some());
+        step.is_some_and(|h| self.per_step.is_some_and(|p| p / (2.0 * h) > self.cheapest))
     }
 }
 

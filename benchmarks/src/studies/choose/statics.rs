@@ -20,8 +20,8 @@ use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
-    ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
-    PairStiffness, RootLength, ToothModel, compliance_table,
+    ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness,
+    RootLength, ToothModel, compliance_table,
 };
 use gearbench_reference::statics::{LoadedPair, StaticsError};
 
@@ -36,8 +36,6 @@ const IN_TEETH: f64 = 0.8;
 /// Mass that moves with the tip of a clamped bar over the mass of the bar.
 const BAR: f64 = 33.0 / 140.0;
 
-/// Stiffness of the norm.
-#[must_use]
 pub fn norm() -> PairStiffness {
     PairStiffness::Iso6336 {
         variation: IsoVariation::default(),
@@ -51,7 +49,6 @@ const ANALYTIC: (ToothModel, Foundation, Hertz) = (
 );
 
 /// Stiffness from analytic compliances.
-#[must_use]
 pub fn analytic() -> PairStiffness {
     let (tooth, foundation, hertz) = ANALYTIC;
     PairStiffness::Compliance {
@@ -62,7 +59,6 @@ pub fn analytic() -> PairStiffness {
 }
 
 /// Rigid gears with a contact for all meshes.
-#[must_use]
 pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
     Modelling {
         gears: vec![rigid::spec(); scene.gears.len()],
@@ -71,7 +67,6 @@ pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
 }
 
 /// A contact between tooth pairs.
-#[must_use]
 pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> ContactSpec {
     ContactSpec {
         stiffness,
@@ -86,17 +81,13 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
 /// Where the stiffness of a contact between rigid gears is from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// The norm.
     Norm,
-    /// Analytic compliances.
     Analytic,
-    /// Static solves.
     Static(&'a Calibrated),
 }
 
 impl Source<'_> {
     /// The contact with the damper that goes with the relaxation time `tau` [s].
-    #[must_use]
     pub fn contact(self, tau: f64, swing: &Swing) -> ContactSpec {
         match self {
             Source::Norm => contact(norm(), 1.0, damper(tau, swing.stiffness)),
@@ -107,7 +98,6 @@ impl Source<'_> {
 }
 
 /// The damper of a tooth pair with a stiffness [N/m] and the relaxation time `tau` [s].
-#[must_use]
 pub fn damper(tau: f64, stiffness: f64) -> Damping {
     if tau > 0.0 {
         Damping::KelvinVoigt { c: tau * stiffness }
@@ -127,9 +117,6 @@ pub struct Swing {
 
 impl Swing {
     /// Of the stiffest mesh of a scene.
-    ///
-    /// # Errors
-    /// A scene that cannot be assembled.
     pub fn of(scene: &SceneSpec) -> Result<Swing, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
@@ -148,14 +135,12 @@ impl Swing {
     }
 
     /// Half a period: how long a tooth pair touches in an impact [s].
-    #[must_use]
     pub fn contact_time(&self) -> f64 {
         std::f64::consts::PI * (self.mass / self.stiffness).sqrt()
     }
 }
 
 /// Time `tau = c/k` of the damper of a tooth pair [s]; `None` for laws that are no dampers.
-#[must_use]
 pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
     let swing = Swing::of(scene).ok()?;
     match contact.damping {
@@ -185,13 +170,11 @@ pub struct Calibrated {
 
 impl Calibrated {
     /// As the stiffness of a contact.
-    #[must_use]
     pub fn stiffness(&self) -> PairStiffness {
         table(self.s.clone(), self.k.clone())
     }
 
     /// Secant stiffness of the pair in the middle of the path at the approach that it is for [N/m].
-    #[must_use]
     pub fn secant(&self) -> f64 {
         self.k[self.k.len() / 2] * self.approach.powf(self.exponent - 1.0)
     }
@@ -319,7 +302,7 @@ fn compliances(
     distance: f64,
     width: f64,
 ) -> Result<Vec<ComplianceRow>, BuildError> {
-    use gearbench_models::geometry::{Pair, RackPair};
+    use gearbench_models::geometry::Pair;
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let Body::Gear(one) = &a.body else {
         return Err(error(
@@ -328,23 +311,12 @@ fn compliances(
         ));
     };
     let materials = [a.material, b.material];
-    let rows = |mate: Mate<'_>| {
-        compliance_table(one, mate, ANALYTIC, materials, width, 33)
-            .map(|t| t.rows)
-            .map_err(|e| error(MeshPart::Stiffness, e.reason()))
-    };
-    match &b.body {
-        Body::Gear(two) => {
-            let pair =
-                Pair::new(one, two, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
-            rows(Mate::Gear(two, &pair))
-        }
-        Body::Rack(rack) => {
-            let pair = RackPair::new(one, rack, distance)
-                .map_err(|e| error(MeshPart::Layout, e.reason()))?;
-            rows(Mate::Rack(rack, &pair))
-        }
-    }
+    let pair =
+        Pair::new(one, &b.body, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
+    let mate = ((&b.body).into(), &pair);
+    compliance_table(one, mate, ANALYTIC, materials, width, 33)
+        .map(|t| t.rows)
+        .map_err(|e| error(MeshPart::Stiffness, e.reason()))
 }
 
 /// Spring of a tooth whose compliance along the line of action is given [N/m], on the radius that it acts at.

@@ -9,7 +9,7 @@ use crate::cli::terminal::say;
 pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
     let wanted = format!(
         "{} within {}",
-        requirement.metric.title(),
+        requirement.title(),
         per_cent(requirement.tolerance)
     );
     match &choice.candidate {

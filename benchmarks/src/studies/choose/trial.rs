@@ -2,7 +2,7 @@
 
 use super::pilot::Window;
 use super::problem::Problem;
-use super::requirement::Metric;
+use super::requirement;
 use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, RunError, run_in};
 use gearbench_integrators::Scheme;
@@ -10,6 +10,7 @@ use gearbench_integrators::{NullSink, TimePlan, Work};
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::Metric;
 use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Run};
 use gearbench_reports::series::TimeSeries;
@@ -46,7 +47,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// It reached the end and its numbers may be used.
-    #[must_use]
     pub fn usable(&self) -> bool {
         !self.row.status.is_failure()
     }
@@ -57,16 +57,13 @@ impl Outcome {
         let times = [reached, self.row.end_s.unwrap_or(reached)];
         (self.usable().then_some(()))
             .and_then(|()| Finished::reached(&self.series, &self.ledger, times).ok())
-            .and_then(|run| metric.error(run, (&reference.series, &reference.ledger)))
+            .and_then(|run| requirement::error(metric, run, (&reference.series, &reference.ledger)))
             .unwrap_or(f64::INFINITY)
     }
 }
 
 impl<'a> Trial<'a> {
     /// Sets a model up.
-    ///
-    /// # Errors
-    /// A scene that cannot be assembled.
     pub fn new(
         problem: &'a Problem,
         spec: &'a SceneSpec,
@@ -85,9 +82,6 @@ impl<'a> Trial<'a> {
     }
 
     /// Runs a method to the end of a window.
-    ///
-    /// # Errors
-    /// A method that the model does not take.
     pub fn run(&mut self, method: &Scheme, window: &Window) -> Result<Outcome, RunError> {
         // The characteristic time of modes and of movable teeth is far finer than any jump of a dashpot asks for.
         self.observe(method, (window.end, &window.grid), self.rigid, PATIENCE)

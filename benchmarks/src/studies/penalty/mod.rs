@@ -10,5 +10,5 @@ mod plan;
 mod run;
 mod summary;
 
-pub use plan::{PenaltyError, Plan};
+pub use plan::Plan;
 pub use run::study;

@@ -1,9 +1,10 @@
 //! Arguments of `precision`.
 
 use crate::cli::arguments::Output;
-use crate::cli::values::{DEFAULT_REPEATS, positive};
+use crate::cli::values::{DEFAULT_REPEATS, metric, positive};
 use clap::Args;
-use gearbench_integrators::spec::seconds;
+use gearbench_integrators::scheme::seconds;
+use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -35,8 +36,8 @@ pub struct Precision {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
     /// Metrics between commas, the first above all [default: that of the scene's tolerance]
-    #[arg(long, visible_alias = "metrics", value_name = "M,N")]
-    pub metric: Option<String>,
+    #[arg(long, visible_alias = "metrics", value_name = "M,N", value_delimiter = ',', value_parser = metric)]
+    pub metric: Vec<Metric>,
     /// References between commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     pub against: Vec<String>,
@@ -108,8 +109,16 @@ mod tests {
             "1e-3,1e-5",
             "--modes",
             "0,35",
+            "--metric",
+            "force-aligned, peak,energy_drift_rel",
         ])
         .unwrap();
+        let metrics = [
+            Metric::ForceL2Aligned,
+            Metric::PeakForceRel,
+            Metric::EnergyDrift,
+        ];
+        assert_eq!(p.metric, metrics);
         assert_eq!(p.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
         assert_eq!((p.rtols, p.modes), (vec![1e-3, 1e-5], vec![0, 35]));
         for wrong in [
@@ -118,6 +127,8 @@ mod tests {
             ["--rtols", "2"],
             ["--modes", "-1"],
             ["--timeout", "0"],
+            ["--metric", "farce"],
+            ["--metric", " ,"],
         ] {
             let e = parse(&["hammer", wrong[0], wrong[1]]).unwrap_err();
             assert_eq!(e.exit_code(), 2, "{wrong:?}");

@@ -9,13 +9,12 @@
 
 pub(crate) mod arguments;
 pub(crate) mod command;
-mod metric;
 mod plan;
 mod references;
 mod resolutions;
 mod run;
+pub mod scene;
 mod summary;
 
-pub use metric::metrics_of;
 pub use plan::{Asked, Plan};
 pub use run::study;

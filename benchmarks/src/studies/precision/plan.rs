@@ -6,7 +6,7 @@ use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
 use crate::scene_file::{ModelChoice, SceneFile};
-use gearbench_integrators::spec::SchemeRequest;
+use gearbench_integrators::scheme::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_reference::ExternalReference;
@@ -28,22 +28,18 @@ const MOST_STEPS: u64 = 20_000_000;
 pub struct Asked {
     /// Integrators, as [`Scheme::list`] takes them; those with `@` have that step or tolerance alone.
     pub integrators: Option<String>,
-    /// The metrics.
     pub metrics: Vec<Metric>,
     /// Ids of the references.
     pub against: Vec<String>,
-    /// Numbers of modes.
     pub modes: Vec<usize>,
     /// Steps [s].
     pub steps: Vec<f64>,
-    /// Tolerances.
     pub rtols: Vec<f64>,
 }
 
 /// A model with a number of modes, and its series.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// The model.
     pub entry: Configuration,
     /// Modes per gear, where they are the study's choice.
     pub modes: Option<usize>,
@@ -70,7 +66,6 @@ impl Variant {
 pub struct Full {
     /// Its id in metrics.
     pub id: String,
-    /// The model.
     pub entry: Configuration,
     /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
     /// gears with modes.
@@ -82,13 +77,10 @@ pub struct Full {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What all runs share.
     pub conditions: Conditions<'a>,
     /// Models with their series.
     pub variants: Vec<Variant>,
-    /// Computed references.
     pub fulls: Vec<Full>,
-    /// Stored reference.
     pub external: Option<ReferenceSeries>,
     /// The metrics, the first above all.
     pub metrics: Vec<Metric>,

@@ -7,7 +7,6 @@ use gearbench_integrators::{Resolution, Stepping};
 pub const FACTORS: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 /// The same of full finite elements, whose runs take seconds: the step of the scene is near what they can bear.
 pub const FULL_FACTORS: [f64; 3] = [4.0, 2.0, 1.0];
-/// Tolerances.
 pub const RTOLS: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 /// Tolerances of the method that is exact for modes: of second order at contacts, it pays tenfold for the last.
 pub const EXACT_RTOLS: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5];
@@ -21,7 +20,6 @@ pub struct Resolutions {
     pub factors: Option<Vec<f64>>,
     /// Steps [s], in place of factors.
     pub steps: Option<Vec<f64>>,
-    /// Tolerances.
     pub rtols: Option<Vec<f64>>,
     /// The model has full finite elements.
     pub full: bool,
@@ -33,16 +31,10 @@ impl Resolutions {
     pub fn of(&self, method: &Scheme) -> Vec<Scheme> {
         let info = method.method.info();
         let both = info.stepping == Stepping::Both && info.linear_part;
-        let with = |resolution| Scheme {
-            method: method.method,
-            resolution,
-        };
+        let with = |resolution| method.method.at(resolution);
         let mut series = Vec::new();
         if info.stepping == Stepping::Fixed || both {
-            let base = match method.resolution {
-                Resolution::Step(h) => h,
-                Resolution::Tolerance(_) => STEP,
-            };
+            let base = method.resolution.step().unwrap_or(STEP);
             let usual: &[f64] = if self.full { &FULL_FACTORS } else { &FACTORS };
             let steps = match (&self.steps, &self.factors) {
                 (Some(steps), _) => steps.clone(),
@@ -50,29 +42,21 @@ impl Resolutions {
                 (None, Some(factors)) if !self.full => factors.iter().map(|f| f * base).collect(),
                 _ => usual.iter().map(|f| f * base).collect(),
             };
-            series.extend(
-                descending(steps)
-                    .into_iter()
-                    .map(|h| with(Resolution::Step(h))),
-            );
+            series.extend(descending(steps).map(Resolution::Step));
         }
         if info.stepping != Stepping::Fixed {
             let usual: &[f64] = if both { &EXACT_RTOLS } else { &RTOLS };
             let rtols = self.rtols.clone().unwrap_or_else(|| usual.to_vec());
-            series.extend(
-                descending(rtols)
-                    .into_iter()
-                    .map(|r| with(Resolution::Tolerance(r))),
-            );
+            series.extend(descending(rtols).map(Resolution::Tolerance));
         }
-        series
+        series.into_iter().map(with).collect()
     }
 }
 
-fn descending(mut all: Vec<f64>) -> Vec<f64> {
+fn descending(mut all: Vec<f64>) -> impl Iterator<Item = f64> {
     all.sort_by(|a, b| b.total_cmp(a));
     all.dedup();
-    all
+    all.into_iter()
 }
 
 #[cfg(test)]
@@ -86,7 +70,7 @@ mod tests {
         method: MethodSpec,
         resolution: Resolution,
     ) -> Vec<Resolution> {
-        let method = Scheme { method, resolution };
+        let method = method.at(resolution);
         let all = resolutions.of(&method);
         assert!(all.iter().all(|m| m.method == method.method));
         all.iter().map(|m| m.resolution).collect()

@@ -93,7 +93,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
                     none.insert(found.map(|s| Held::new(s, &study.grid)))
                 }
             };
-            let steps = matches!(method.resolution, Resolution::Step(_));
+            let steps = method.resolution.step().is_some();
             if row.status == Status::Timeout && !finest(variant, method) {
                 let kind = if steps { "steps" } else { "tolerances" };
                 note(
@@ -230,7 +230,6 @@ fn measure_against(
     row.series = None;
 }
 
-/// What all runs share.
 struct Study<'a> {
     plan: &'a Plan<'a>,
     grid: Vec<f64>,
@@ -349,17 +348,10 @@ impl Study<'_> {
             return converged(&job, row.dofs, &tight());
         }
         // A full model: its own integrator on half the finest step.
-        let steps = variant.methods.iter().filter_map(|m| match m.resolution {
-            Resolution::Step(h) => Some((h, m)),
-            Resolution::Tolerance(_) => None,
-        });
+        let steps = (variant.methods.iter()).filter_map(|m| Some((m.resolution.step()?, m)));
         let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             return Ok(None);
         };
-        let finer = Scheme {
-            method: method.method,
-            resolution: Resolution::Step(FINER * h),
-        };
-        converged(&job, 1, &[(finer, u64::MAX)])
+        converged(&job, 1, &[(method.method.at_step(FINER * h), u64::MAX)])
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::cli::arguments::Bounded;
 use crate::cli::values::positive_load;
-use crate::scene_file::stability::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use crate::studies::stability::axis::{Axis, spaced};
+use crate::studies::stability::scene::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use clap::Args;
 
 const EXAMPLES: &str = "\

@@ -5,8 +5,8 @@
 //! another method, agrees with it to a fifth of the tolerance that cells are judged by. Where none is to be had the
 //! energy ledger alone judges, and the cells say so.
 
-use super::axis::Setup;
 use super::plan::{MapPlan, Plan};
+use super::setup::Setup;
 use crate::experiment::conditions::even;
 use crate::experiment::run::{Job, RunError, run};
 use gearbench_integrators::Resolution;
@@ -36,7 +36,6 @@ const SMALL: [[(MethodSpec, f64); 2]; 2] = [
 const WITH_MODES: [[(MethodSpec, f64); 2]; 1] = [[(TRIGONOMETRIC, 1e-4), (DOPRI5, 1e-5)]];
 
 /// The tolerance of the cells: that of the scene, against the model's own converged solution.
-#[must_use]
 pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
     let own = scene.filter(|t| t.metric.is_error());
     Tolerance {
@@ -78,9 +77,6 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
 }
 
 /// The converged solution of a setup.
-///
-/// # Errors
-/// [`RunError`] when the scene cannot be built.
 pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
     let any = |has: fn(Properties) -> bool| {
         let mut gears = setup.modelling.gears.iter();
@@ -140,9 +136,6 @@ pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Refere
 }
 
 /// Runs a cell at a step or tolerance and labels it; also the wall time.
-///
-/// # Errors
-/// [`RunError`] when the scene cannot be built or the method not be run.
 pub fn cell(
     plan: &Plan<'_>,
     map: &MapPlan,
@@ -151,13 +144,10 @@ pub fn cell(
     reference: &Reference,
 ) -> Result<(Cell, Duration), RunError> {
     let begin = Instant::now();
-    let method = Scheme {
-        method: setup.method,
-        resolution: match map.columns {
-            Columns::Step => Resolution::Step(at),
-            Columns::Tolerance => Resolution::Tolerance(at),
-        },
-    };
+    let method = setup.method.at(match map.columns {
+        Columns::Step => Resolution::Step(at),
+        Columns::Tolerance => Resolution::Tolerance(at),
+    });
     let row = run_one(plan, map, setup, &method, map.max_steps)?;
     let (mut status, mut message) = (row.status, row.message.clone());
     let mut distance = None;

@@ -1,21 +1,22 @@
 //! `gearbench stability SCENE`: maps of where methods fail.
 
 use super::arguments::Stability;
-use super::axis::{Axis, AxisError, Setup, spaced};
+use super::axis::{Axis, spaced};
 use super::cell::tolerance;
 use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
+use super::run::{Means, Timings, study};
+use super::setup::{AxisError, Setup};
 use super::summary::summarise;
-use super::{Means, StabilityError, Timings, study};
-use crate::cli::terminal::{Refusal, folder, refuse_run, say, with_progress, write};
+use crate::cli::terminal::{Refusal, folder, refuse_run, refuse_study, say, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::models::models;
-use crate::scene_file::stability::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
+use crate::studies::stability::scene::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::table::{
     DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4, TRIGONOMETRIC, VELOCITY_VERLET,
@@ -71,18 +72,10 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
         };
         study(&plan, means)
     });
-    let (results, timings) = made.map_err(refuse)?;
+    let (results, timings) = made.map_err(|e| refuse_study(&scene, e))?;
     write(&results, (out, &scene.name), summarise)?;
     write_timings(&folder, &timings)?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn refuse(e: StabilityError) -> Refusal {
-    match e {
-        StabilityError::Run(e) => refuse_run(e),
-        e @ StabilityError::Axis(..) => Refusal::Input(miette::miette!("{e}")),
-        StabilityError::Journal(e) => Refusal::Files(e.to_string()),
-    }
 }
 
 fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {

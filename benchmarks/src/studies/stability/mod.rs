@@ -22,7 +22,7 @@ mod journal;
 pub mod limits;
 mod plan;
 mod run;
+pub mod scene;
+mod setup;
 mod summary;
 mod theory;
-
-pub use run::{Means, StabilityError, Timings, study};

@@ -9,7 +9,6 @@ use gearbench_reports::stability::{Columns, LineKind as Kind, MapLine};
 
 /// The lines of all maps that share their converged solutions with map `first` (one model over one set of axes), by
 /// place in the plan. A row that cannot be linearised has no lines.
-#[must_use]
 pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     let mut all: Vec<(usize, Vec<MapLine>)> = maps.iter().map(|m| (*m, Vec::new())).collect();
     let mut linearised: Vec<(String, Option<Linearised>)> = Vec::new();
@@ -82,7 +81,6 @@ fn put(
 }
 
 /// The places of maps that share their linearised scenes.
-#[must_use]
 pub fn shared(plan: &Plan<'_>) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
     for (m, map) in plan.maps.iter().enumerate() {

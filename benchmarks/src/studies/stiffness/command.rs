@@ -5,7 +5,8 @@ use super::csv::summary_csv;
 use super::plan::{Entry, formulas, includes};
 use super::run::{Row, solve};
 use super::summary::summarise;
-use crate::cli::terminal::{Refusal, folder, progress_bar, refuse_statics, say};
+use crate::cli::terminal::{Refusal, folder, progress_bar, refuse_study, say};
+use crate::experiment::error::StudyError;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
 use gearbench_models::spec::effective_radius;
@@ -27,7 +28,6 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
             modelling: c.modelling.clone(),
         })
         .collect();
-    let own = entries.len();
     let first = &entries[0];
     if first.spec.gears.len() != 2 || first.spec.meshes.len() != 1 {
         return Err(Refusal::Input(miette::miette!(
@@ -52,12 +52,7 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
         });
         let row = row.map_err(|e| {
             bar.finish_and_clear();
-            // Of what formulas add there is no line in the scene.
-            if i < own {
-                refuse_statics(&scene, &entry.label, &e)
-            } else {
-                Refusal::Failed(format!("{}: {e}", entry.label))
-            }
+            refuse_study(&scene, StudyError::Statics(entry.label.clone(), e))
         })?;
         load_text = format!(
             "{:.4} N along the line of action, {:.4} N/mm",

@@ -4,7 +4,6 @@ use super::run::Row;
 
 impl Row {
     /// The cycle as a table, SI units in the header.
-    #[must_use]
     pub fn csv(&self) -> String {
         let c = &self.cycle;
         let offsets = c.positions.iter().flat_map(|p| &p.pairs).map(|p| p.offset);
@@ -36,7 +35,6 @@ impl Row {
 }
 
 /// One line per row, SI units in the header.
-#[must_use]
 pub fn summary_csv(rows: &[Row]) -> String {
     let mut text = String::from(
         "model,single_stiffness_n_per_m2,at_pitch_point_n_per_m2,mesh_stiffness_n_per_m2,mesh_tangent_n_per_m2,transmission_error_mean_m,transmission_error_peak_to_peak_m,unknowns,equilibria,newton_iterations,setup_s,solve_s,includes\n",

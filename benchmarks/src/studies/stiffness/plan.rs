@@ -9,19 +9,15 @@ use gearbench_models::stiffness::{
 
 /// A model to load.
 pub struct Entry {
-    /// Label.
     pub label: String,
     /// What its stiffness includes.
     pub includes: String,
-    /// Gears and mesh.
     pub spec: SceneSpec,
-    /// Models and contact.
     pub modelling: Modelling,
 }
 
 /// Rigid gears with the stiffness of the norm, and with the analytic compliance of teeth, bodies and contact, in
 /// place of a model of the same gears.
-#[must_use]
 pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
     let with = |label: &str, includes: &str, stiffness: PairStiffness| {
         let mut modelling = modelling.clone();
@@ -59,7 +55,6 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
 }
 
 /// What the stiffness of a modelling includes, in words.
-#[must_use]
 pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
     let mut gears = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
     let all_rigid = gears.clone().all(|p| p.rigid);

@@ -13,20 +13,14 @@ pub struct Row {
     pub label: String,
     /// What its stiffness includes.
     pub includes: String,
-    /// Equilibria over the cycle.
     pub cycle: MeshCycle,
     /// Coordinates that were solved for.
     pub unknowns: usize,
-    /// Equilibria and Newton iterations.
     pub work: [u64; 2],
     /// Wall time of the set-up (meshes, factors) and of all equilibria [s].
     pub wall: [f64; 2],
 }
 
-/// Solves one entry.
-///
-/// # Errors
-/// [`StaticsError`] of its assembly or of a position.
 pub fn solve(
     entry: &Entry,
     models: &[Model],
@@ -56,7 +50,6 @@ impl Row {
     }
 
     /// What the chart draws.
-    #[must_use]
     pub fn curve(&self) -> StiffnessCurve {
         let c = &self.cycle;
         let mut share: Vec<(f64, f64)> = Vec::new();

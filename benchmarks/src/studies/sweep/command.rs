@@ -2,8 +2,8 @@
 
 use super::arguments::Sweep;
 use super::summary::summarise;
-use super::{Plan, SweepError, mesh_resonance, sweep};
-use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_progress, write};
+use super::{Plan, mesh_resonance, sweep};
+use crate::cli::terminal::{Refusal, exit_code, refuse_study, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
@@ -45,20 +45,12 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
         standing: standing.iter().map(entry).collect(),
         method: (scene.study.integrators.first().cloned()).unwrap_or(VELOCITY_VERLET.at_step(2e-7)),
         frequencies: Vec::new(),
-        cycles: args.cycles.map_or(told.cycles, |n| n as usize),
-        settle: told.settle,
+        cycles: args.cycles.map_or(told.cycles(), |n| n as usize),
+        settle: told.settle(),
         positions: args.positions,
     };
-    let refuse = |e: SweepError| match e {
-        SweepError::Run(e) => refuse_run(e),
-        SweepError::Scene(message) => Refusal::Input(miette::miette!(
-            help = "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how",
-            "the scene `{}` cannot be swept: {message}",
-            scene.name
-        )),
-        SweepError::Statics(label, e) => refuse_statics(&scene, &label, &e),
-    };
-    let range = match (args.from, args.to, told.range) {
+    let refuse = |e| refuse_study(&scene, e);
+    let range = match (args.from, args.to, told.range()) {
         (Some(from), Some(to), _) if from < to => [from, to],
         (Some(from), Some(to), _) => {
             return Err(Refusal::Input(miette::miette!(
@@ -74,7 +66,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
             AROUND.map(|x| x * f)
         }
     };
-    let points = args.points.map_or(told.points, |n| n as usize).max(2);
+    let points = args.points.map_or(told.points(), |n| n as usize).max(2);
     plan.frequencies = (0..points)
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();

@@ -8,8 +8,9 @@ pub(crate) mod arguments;
 pub(crate) mod command;
 mod plan;
 mod run;
+pub mod scene;
 pub mod steady;
 mod summary;
 
-pub use plan::{Plan, SweepError};
+pub use plan::Plan;
 pub use run::{mesh_resonance, sweep};

@@ -1,9 +1,10 @@
 //! Runs over the speed.
 
-use super::plan::{Plan, SweepError};
+use super::plan::Plan;
 use super::steady::{Histories, measure};
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::error::StudyError;
 use crate::experiment::run::{Job, run};
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::{Model, properties_of};
@@ -110,6 +111,17 @@ impl Pair {
         })
     }
 
+    /// That of a model, or why there is none.
+    fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
+        Pair::of(&entry.scene).map_err(|why| {
+            let name = &plan.conditions.name;
+            let why = format!("the scene `{name}` cannot be swept: {why}");
+            let help =
+                "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how";
+            StudyError::Scene(why, help)
+        })
+    }
+
     /// Speeds of both gears at a mesh frequency [rad/s].
     fn speeds(&self, frequency: f64) -> [f64; 2] {
         let first = self.sign * TAU * frequency / self.teeth;
@@ -206,9 +218,9 @@ fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<
 }
 
 /// Equilibria over one base pitch under the force of the loads.
-fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, SweepError> {
-    let fail = |e| SweepError::Statics(entry.label.clone(), e);
-    let pair = Pair::of(&entry.scene).map_err(SweepError::Scene)?;
+fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, StudyError> {
+    let fail = |e| StudyError::Statics(entry.label.clone(), e);
+    let pair = Pair::of_entry(plan, entry)?;
     let mut loaded =
         LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
     let load = StaticLoad::Force(pair.force);
@@ -231,17 +243,17 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Sweep
 /// Mesh resonance of a model at the loads of its scene [Hz]: for the choice of speeds.
 ///
 /// # Errors
-/// [`SweepError`] when there is no static contact.
-pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, SweepError> {
+/// [`StudyError`] when there is no static contact.
+pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, StudyError> {
     Ok(standing(plan, entry)?.resonance_hz)
 }
 
 /// Runs the sweep. `progress` is told the runs done and the name of the next.
 ///
 /// # Errors
-/// [`SweepError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
+/// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
 /// are rows.
-pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, SweepError> {
+pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyError> {
     let mut statics = Vec::new();
     let total = plan.frequencies.len() * plan.entries.len();
     for entry in plan.entries.iter().chain(&plan.standing) {
@@ -250,7 +262,7 @@ pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, SweepEr
     }
     let mut runs = Vec::new();
     for entry in &plan.entries {
-        let pair = Pair::of(&entry.scene).map_err(SweepError::Scene)?;
+        let pair = Pair::of_entry(plan, entry)?;
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())
             .unwrap_or(&plan.method);
@@ -273,7 +285,7 @@ fn one(
     pair: &Pair,
     method: &Scheme,
     frequency: f64,
-) -> Result<Run, SweepError> {
+) -> Result<Run, StudyError> {
     let period = frequency.recip();
     let settle = plan.settle.max(LEAST_CYCLES * period);
     // One cycle more: whole cycles begin where a pair's do.

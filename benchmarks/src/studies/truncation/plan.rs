@@ -84,23 +84,18 @@ pub(super) const WAYS: [Way; 5] = [
 /// What to study.
 #[derive(Clone, Debug)]
 pub(super) struct Plan<'a> {
-    /// What all runs share.
     pub conditions: Conditions<'a>,
     /// The elastic model; modes, `choose` and `residual` are the study's.
     pub elastic: Configuration,
-    /// Its integrator.
     pub method: Scheme,
     /// Integrator of plain truncation, whose contact is stiff.
     pub truncated: Scheme,
     /// The full model on the same mesh.
     pub full: Configuration,
-    /// Its integrator.
     pub full_method: Scheme,
-    /// Numbers of modes.
     pub counts: Vec<usize>,
     /// Halve the distance to the fewest modes.
     pub refine: bool,
-    /// External reference.
     pub external: Option<ReferenceSeries>,
 }
 
@@ -112,7 +107,6 @@ pub(super) struct Case {
     pub mark: Option<&'static str>,
 }
 
-/// How many modes.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kept {
     /// At most so many.
@@ -187,23 +181,17 @@ impl Plan<'_> {
         } else {
             &self.truncated
         };
-        Scheme {
-            method: scene.method,
-            resolution: match scene.resolution {
-                Resolution::Step(h) => Resolution::Step(case.way.step * h),
-                Resolution::Tolerance(r) => Resolution::Tolerance(case.way.step * r),
-            },
-        }
+        scene.method.at(match scene.resolution {
+            Resolution::Step(h) => Resolution::Step(case.way.step * h),
+            Resolution::Tolerance(r) => Resolution::Tolerance(case.way.step * r),
+        })
     }
 
     /// The elastic model with the modes of a case.
     pub fn modelling(&self, case: &Case) -> Modelling {
         let mut modelling = self.elastic.modelling.clone();
         // Modes that the step cannot carry are cut.
-        let step = match self.method(case).resolution {
-            Resolution::Step(h) => Some(h / case.way.step),
-            Resolution::Tolerance(_) => None,
-        };
+        let step = (self.method(case).resolution.step()).map(|h| h / case.way.step);
         ElasticParameters::change(&mut modelling, |p| {
             (p.modes, p.max_frequency_hz, p.target_error) = match case.modes {
                 Kept::Count(n) => (Some(n), None, None),
@@ -255,10 +243,7 @@ fn first(choice: &ModelChoice, usual: MethodSpec, step: f64) -> Scheme {
 fn truncated(scene: &SceneFile, elastic: &ModelChoice) -> Scheme {
     let own = (scene.models.iter()).find(|m| m.model == ELASTIC && is_truncated(m));
     own.map_or_else(
-        || Scheme {
-            resolution: Resolution::Step(TRUNCATED_STEP),
-            ..first(elastic, TRIGONOMETRIC, STEP)
-        },
+        || (first(elastic, TRIGONOMETRIC, STEP).method).at_step(TRUNCATED_STEP),
         |m| first(m, VELOCITY_VERLET, TRUNCATED_STEP),
     )
 }
@@ -277,9 +262,6 @@ fn full_method(
         }
     }
     let own = first(full, NEWMARK, FULL_STEP);
-    let step = match own.resolution {
-        Resolution::Step(h) => h,
-        Resolution::Tolerance(_) => FULL_STEP,
-    };
+    let step = own.resolution.step().unwrap_or(FULL_STEP);
     Ok(NEWMARK.at_step(FINER * step))
 }

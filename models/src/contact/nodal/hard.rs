@@ -13,7 +13,8 @@
 //! should that cycle, one by one (C. L. Lawson, R. J. Hanson, *Solving Least Squares Problems*, 1974, ch. 23). As
 //! everywhere the result is that of the final set, wherever the search began.
 
-use super::solve::{Block, Spring};
+use super::compliance::Block;
+use super::spring::Spring;
 use crate::cholesky::{backward, cholesky, dot, forward};
 use gearbench_integrators::system::Singular;
 

@@ -29,12 +29,16 @@
 //! The solve for `u` works on the nodes, of which there are fewer than points ([`NodalSolve`]): the massless residual
 //! compliance is condensed with the contact as in quasi-static mode acceleration.
 
+mod compliance;
 mod hard;
 mod nodes;
 mod points;
 mod solve;
+mod spring;
 
+pub use compliance::Block;
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};
-pub use solve::{Block, NodalSolve, Spring, UNUSED};
+pub use solve::NodalSolve;
+pub use spring::{Spring, UNUSED};

@@ -1,6 +1,6 @@
 //! What a search hands over: points with the nodes that they lie on.
 
-use super::GearNodes;
+use super::nodes::GearNodes;
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::FlankDisplacement;

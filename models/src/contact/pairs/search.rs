@@ -1,6 +1,6 @@
 //! The lines of action as a contact search: candidates, gaps, event functions of the contact zone.
 
-use super::{LinesOfAction, Mover, ZONE_EVENTS, all_open};
+use super::lines::{LinesOfAction, Mover, ZONE_EVENTS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::{Party, Wanted, ZoneChange};
@@ -114,10 +114,10 @@ impl LinesOfAction {
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point: the line is shown as far as the path of contact reaches.
-        let end = if self.views[1].base_radius.is_some() {
-            self.length
+        let end = if self.mesh.views[1].base_radius.is_some() {
+            self.mesh.length
         } else {
-            1.2 * self.zone[1]
+            1.2 * self.mesh.zone[1]
         };
         Some([line.origin, line.origin + end * line.transverse])
     }

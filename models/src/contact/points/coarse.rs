@@ -19,7 +19,7 @@
 //! ```
 
 use super::flanked::{Flanked, Near};
-use super::search::FlankPoints;
+use super::mesh_flanks::MeshFlanks;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -43,7 +43,7 @@ pub(super) trait CoarseStep: Debug + Send {
     /// The pairs of a side at finite displacements of both hubs, appended to `scratch.pairs`.
     fn pairs(
         &self,
-        of: &FlankPoints,
+        of: &MeshFlanks,
         side: Side,
         displacements: [f64; 2],
         scratch: &mut CoarseScratch,
@@ -57,7 +57,7 @@ pub(super) struct ToothIndices;
 impl CoarseStep for ToothIndices {
     fn pairs(
         &self,
-        of: &FlankPoints,
+        of: &MeshFlanks,
         side: Side,
         displacements: [f64; 2],
         scratch: &mut CoarseScratch,
@@ -192,7 +192,7 @@ fn in_space(pose: &Pose) -> math::Pose {
 impl CoarseStep for FlankBoxes {
     fn pairs(
         &self,
-        of: &FlankPoints,
+        of: &MeshFlanks,
         side: Side,
         displacements: [f64; 2],
         scratch: &mut CoarseScratch,

@@ -6,31 +6,18 @@
 
 use super::generated;
 use super::involute::{deviation_bound, off_involute, outermost, path_at_zero};
-use super::search::MOST_PAST;
-use super::surface::{Rule, Shape};
+use super::owner::Owner;
+use super::projection::MOST_PAST;
+use super::rule::Rule;
+use super::surface::Shape;
 use crate::error::Reason;
-use crate::gear::GearModel;
 use crate::geometry::{Flanks, Side};
-use crate::kinematics::{MeshView, Placement};
+use crate::kinematics::Placement;
 use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
 
 /// Part of the base pitch by which the nodes of a flank may lie off one involute and still be found as lying on it.
 const OFF_INVOLUTE: f64 = 0.1;
-/// What a point search needs to know of a gear.
-#[derive(Clone, Copy)]
-pub struct Owner<'a> {
-    /// Toothing.
-    pub body: &'a Body,
-    /// The model; its flanks are taken where it has some.
-    pub gear: &'a dyn GearModel,
-    /// Angle [rad] (displacement [m] of a rack) of tooth 0 at the assembled position.
-    pub phase: f64,
-    /// How the mesh sees it.
-    pub view: MeshView,
-    /// The mesh's index in the gear's own count.
-    pub mesh: u8,
-}
 
 /// A flank's place in the sorted list of its side.
 #[derive(Clone, Copy, Debug)]

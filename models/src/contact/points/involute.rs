@@ -1,6 +1,6 @@
 //! Where a flank stands on the path coordinate, and how far it is from the involute that stands there.
 
-use super::flanked::Owner;
+use super::owner::Owner;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Side, inv};

@@ -6,7 +6,8 @@
 //! that both send a point to the other the closest point is their common edge.
 
 use super::projection::{NEAR_EDGE, OVERLAP, RIM};
-use super::surface::{Rule, Shape};
+use super::rule::Rule;
+use super::surface::Shape;
 use crate::geometry::Side;
 
 /// A point or direction in the transverse plane.
@@ -106,7 +107,7 @@ impl Profile {
             knots.clone()
         } else {
             let faces = 0..shape.rows - 1;
-            let of_face = |row| rule.along().iter().map(move |&(a, _)| (row, a));
+            let of_face = |row| rule.along.iter().map(move |&(a, _)| (row, a));
             faces
                 .flat_map(of_face)
                 .map(|(row, a)| flat(row, 0, [a, 0.0]))

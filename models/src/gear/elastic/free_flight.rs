@@ -9,8 +9,9 @@
 //!
 //! bounds how far a node stands off its rigid flank for the whole flight.
 
-use super::gear::Elastic;
+use super::body::Elastic;
 use crate::error::Reason;
+use crate::gear::capabilities::{LinearMotion, Oscillators};
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
 use gearbench_integrators::FlightPath;
@@ -55,8 +56,32 @@ impl Elastic {
         }
         [swinging, resting]
     }
+}
 
-    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+impl LinearMotion for Elastic {
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        // Coriolis forces couple the modes.
+        self.spinning().is_none().then_some(Oscillators {
+            omega: &self.omega,
+            zeta: &self.zeta,
+        })
+    }
+
+    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
+        let acceleration = self.hub.prescribed_acceleration(t);
+        if acceleration == 0.0 {
+            return;
+        }
+        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
+            *f -= acceleration * l;
+        }
+    }
+
+    fn set_quasi_static_correction(&self, missing: Option<&[f64]>) {
+        self.correct_by(missing);
+    }
+
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         if self.spinning().is_some() {
             return None;
         }
@@ -70,13 +95,7 @@ impl Elastic {
         })
     }
 
-    pub(super) fn add_oscillators(
-        &self,
-        at: At<'_>,
-        load: f64,
-        first: usize,
-        path: &mut FlightPath,
-    ) {
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
         self.hub.add_to_path(at, load, first, path);
         for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
             path.oscillator(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
@@ -84,7 +103,14 @@ impl Elastic {
         }
     }
 
-    pub(super) fn rest_modes(&self, t: f64, load: f64, q: &mut [f64], v: &mut [f64]) -> bool {
+    fn cut_off_vibrations(
+        &self,
+        t: f64,
+        load: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        _discrete: &mut [f64],
+    ) -> bool {
         let at = At {
             t,
             q: &*q,
@@ -103,7 +129,7 @@ impl Elastic {
     }
 
     /// Of a prescribed acceleration on the modes, besides what loads do.
-    pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         if self.own > 0 {
             return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);
         }

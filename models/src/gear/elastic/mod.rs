@@ -18,6 +18,7 @@
 //! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
 //! steel tooth. Gears that turn fast have the centrifugal and Coriolis terms of [`inertia`] as well.
 
+mod body;
 mod free_flight;
 mod gear;
 pub mod inertia;
@@ -26,5 +27,5 @@ mod quasi_static;
 pub mod reduced;
 mod spin;
 
-pub use gear::Elastic;
+pub use body::Elastic;
 pub use inertia::SpinTerms;

@@ -11,29 +11,12 @@
 //! whatever the step. It is of the size of `h^2 / 12` over the mass that follows at once, and as local as that mass:
 //! nodes more than [`NEAR`] teeth apart are left as they are.
 
-use super::gear::Elastic;
-use super::reduced::{FlankCompliance, Reduced};
+use super::body::Elastic;
+use super::reduced::FlankCompliance;
 use crate::cholesky::dot;
 
 /// Teeth up to which nodes are near each other.
 const NEAR: usize = 2;
-
-/// Compliance between flank nodes for a method that leaves something out.
-#[derive(Clone, Debug, Default)]
-pub(super) struct QuasiStatic {
-    /// What is missing; it is made once for a run after run with one step.
-    missing: Vec<f64>,
-    flanks: Option<FlankCompliance>,
-    /// The method of this run leaves something out.
-    on: bool,
-}
-
-impl QuasiStatic {
-    pub(super) fn flanks<'a>(&'a self, data: &'a Reduced) -> Option<&'a FlankCompliance> {
-        let made = self.flanks.as_ref().filter(|_| self.on);
-        made.or(data.residual.as_ref().map(|r| &r.flanks))
-    }
-}
 
 impl Elastic {
     pub(super) fn correct_by(&self, missing: Option<&[f64]>) {

@@ -67,16 +67,6 @@ impl Deviations {
         HEAD + 2 * index.rem_euclid(self.teeth as i64) as usize
     }
 
-    /// Deviation of a tooth at time `t`.
-    pub fn of(&self, p: &ToothSprings, t: f64, discrete: &[f64], index: i64) -> f64 {
-        let i = self.cell(index);
-        if discrete[i] == 0.0 && discrete[i + 1] == 0.0 {
-            return 0.0;
-        }
-        let m = propagator(p, t - discrete[0]);
-        m[0] * discrete[i] + m[1] * discrete[i + 1]
-    }
-
     /// Calls `f` with `[d, d', d'']` at time `t` of every tooth that deviates.
     pub fn each(
         &self,

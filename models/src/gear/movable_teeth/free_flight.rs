@@ -11,7 +11,8 @@
 //! and on a hub whose motion is prescribed `theta = phi`, `x'' + c/m x' + k/m x = -phi''`. So teeth in flight are not
 //! integrated at all. The deviations of teeth outside the windows from their mean are in closed form already.
 
-use super::MovableTeeth;
+use super::teeth::MovableTeeth;
+use crate::gear::capabilities::LinearMotion;
 use crate::gear::free_flight::FreeFlight;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
@@ -128,8 +129,10 @@ impl MovableTeeth {
             && v.abs() <= parts.own_omega * rounding + 4.0 * f64::EPSILON * at.v[i].abs();
         if rests { [0.0; 2] } else { [d, v] }
     }
+}
 
-    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+impl LinearMotion for MovableTeeth {
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         let parts = self.parts(at, load)?;
         let resting = parts.resting();
         let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
@@ -159,13 +162,7 @@ impl MovableTeeth {
         })
     }
 
-    pub(super) fn add_oscillators(
-        &self,
-        at: At<'_>,
-        load: f64,
-        first: usize,
-        path: &mut FlightPath,
-    ) {
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
         let Some(parts) = self.parts(at, load) else {
             return;
         };
@@ -191,7 +188,7 @@ impl MovableTeeth {
         }
     }
 
-    pub(super) fn rest_teeth(
+    fn cut_off_vibrations(
         &self,
         t: f64,
         load: f64,
@@ -237,7 +234,7 @@ impl MovableTeeth {
     }
 
     /// On a prescribed hub the springs take `sum m S''` from it.
-    pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         if self.first() > 0 {
             return load
                 * (self.hub.displacement(to.t, to.q) - self.hub.displacement(from.t, from.q));

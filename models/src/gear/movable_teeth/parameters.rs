@@ -1,7 +1,7 @@
 //! Parameters of the model and its construction.
 
 use super::springs::{RadiusStiffness, ToothSprings};
-use super::{Integrated, MovableTeeth};
+use super::teeth::{Integrated, MovableTeeth};
 use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;

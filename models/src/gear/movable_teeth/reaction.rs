@@ -10,7 +10,7 @@
 //! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`.
 //! The torque of a held mount is what the springs exert on the body.
 
-use super::{Integrated, MovableTeeth};
+use super::teeth::{Integrated, MovableTeeth};
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use crate::spec::Mount;

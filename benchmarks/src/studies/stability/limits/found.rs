@@ -50,9 +50,6 @@ const WIDTH: f64 = 1e-3;
 /// The largest stable step [s] of a method at the scene's closed state, by stepping its linear system; `damped: false`
 /// leaves its dampers out. `None` where no step up to a thousand times the fastest mode's is unstable, for methods
 /// without a fixed step, and for systems that are too large to be stepped this way.
-///
-/// # Errors
-/// [`LimitError`]
 pub fn found(
     linearised: &mut Linearised,
     method: MethodSpec,

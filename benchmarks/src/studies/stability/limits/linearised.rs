@@ -35,9 +35,6 @@ pub struct Linearised {
 
 impl Linearised {
     /// Assembles a scene and runs it through its first contact.
-    ///
-    /// # Errors
-    /// [`LimitError::Build`]
     pub fn new(
         spec: &SceneSpec,
         modelling: &Modelling,
@@ -59,15 +56,11 @@ impl Linearised {
     }
 
     /// The state with closed contacts, if the scene came into contact.
-    #[must_use]
     pub fn closed(&self) -> Option<&State> {
         self.closed.as_ref()
     }
 
     /// The scene around its closed state; around its start where it did not touch.
-    ///
-    /// # Errors
-    /// [`LimitError::Matrices`]
     pub fn linear(&mut self) -> Result<Linear, LimitError> {
         let s = self.closed.as_ref().unwrap_or(&self.start);
         if self.scene.layout().n > DENSE {
@@ -81,7 +74,6 @@ impl Linearised {
 
     /// Frequencies [rad/s] of the oscillators that the scene's coordinates are, zero for bodies; `None` for a scene
     /// that is not oscillators and a rest, or too large.
-    #[must_use]
     pub fn oscillators(&mut self) -> Option<Vec<f64>> {
         let n = self.scene.layout().n;
         let (mut omega, mut zeta) = (vec![0.0; n], vec![0.0; n]);
@@ -94,9 +86,6 @@ impl Linearised {
 
     /// The stiffness of the rest that a method with these kicks sees at a step `h` [s]: `K - Omega^2` for unit masses.
     /// `omega` are [`Self::oscillators`].
-    ///
-    /// # Errors
-    /// [`LimitError::Matrices`]
     pub fn rest(
         &mut self,
         omega: &[f64],
@@ -122,7 +111,6 @@ impl Linearised {
 
     /// Frequency of the bodies' masses on the penalty of the contact alone [rad/s]; `None` without a penalty that
     /// carries a force.
-    #[must_use]
     pub fn penalty_frequency(&mut self) -> Option<f64> {
         let s = self.closed.as_ref()?;
         let mut stiffness = vec![0.0; self.scene.meshes().len()];

@@ -17,9 +17,6 @@ const RESONANCES: u32 = 3;
 /// [`LineKind::Stability`] for those that are stable at every step.
 ///
 /// [`Linearised::lines`] serves several methods of one scene without running it again.
-///
-/// # Errors
-/// [`LimitError`]
 pub fn theory(
     scene: &SceneSpec,
     modelling: &Modelling,
@@ -37,9 +34,6 @@ pub fn theory(
 
 impl Linearised {
     /// As [`theory`].
-    ///
-    /// # Errors
-    /// [`LimitError`]
     pub fn lines(&mut self, method: MethodSpec) -> Result<Vec<StepLine>, LimitError> {
         let stability = method.stability();
         let mut lines = Vec::new();
@@ -80,9 +74,6 @@ impl Linearised {
 
     /// The largest stable step [s]; `None` where every step is, or where none is marked: for the trigonometric method
     /// no limit below the first resonance.
-    ///
-    /// # Errors
-    /// [`LimitError`]
     pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match stability {
             Stability::Kicks(kicks) => self.largest_kick(*kicks),

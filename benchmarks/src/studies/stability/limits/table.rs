@@ -33,7 +33,6 @@ pub struct StepLimit {
 
 impl StepLimit {
     /// Found over theory.
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         self.found_s / self.theory_s
     }
@@ -54,7 +53,6 @@ pub struct Case {
 
 impl Case {
     /// A model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or contacts.
-    #[must_use]
     pub fn of(entry: &Configuration) -> Case {
         let mut modelling = entry.modelling.clone();
         let own = modelling.gears.iter().any(damps) || modelling.contacts.iter().any(dissipates);
@@ -124,9 +122,6 @@ fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
 /// Limits of methods on models, without dampers and with those of the case. Methods and models without a limit have no
 /// row, nor have scenes too large to be stepped for it; the trigonometric method has rows without dampers only.
 /// `progress` is told what comes next.
-///
-/// # Errors
-/// [`LimitError`]
 pub fn table(
     cases: &[Case],
     models: &[Model],

@@ -1,6 +1,6 @@
 use super::*;
 use crate::contact::solve::{CompliantSolve, SolvePoint};
-use crate::law::Damping;
+use crate::law::{Damping, Law, LawForce};
 
 /// Numbers in [-1, 1), always the same.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {

@@ -1,5 +1,8 @@
 //! "Did you mean": nearest known word, and keys whose unit is not the one of the scene format.
 
+/// Keys of earlier versions and what they are called now, for the tables that have the new key.
+const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cut_off")];
+
 /// Units that people write, what the format takes instead, and the factor between them.
 const UNITS: &[(&str, &str, f64)] = &[
     ("mm", "m", 1e-3),
@@ -35,7 +38,7 @@ const UNITS: &[(&str, &str, f64)] = &[
 ];
 
 /// Known key for an unknown one that differs in its unit only, with the factor to the known unit.
-pub(super) fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
+fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
     for &key in known {
         for (from, to, factor) in UNITS {
             let stem = unknown.strip_suffix(from).and_then(|s| s.strip_suffix('_'));
@@ -49,7 +52,7 @@ pub(super) fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k st
 }
 
 /// Known key for an unknown one that lacks the unit: `module` for `module_m`.
-pub(super) fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
+fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     let mut found = known.iter().filter(|k| {
         k.strip_prefix(unknown).is_some_and(|rest| {
             rest.strip_prefix('_')
@@ -66,7 +69,7 @@ pub(super) fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k s
 const LONGEST: usize = 64;
 
 /// The known word that is nearest to an unknown one, if any is near.
-pub(super) fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
+fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     known
         .iter()
         .filter(|_| unknown.len() <= LONGEST)
@@ -79,26 +82,42 @@ pub(super) fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
         .map(|(_, k)| k)
 }
 
+/// "did you mean" with the nearest known word, if any is near.
+pub(in super::super) fn did_you_mean(unknown: &str, known: &[&str]) -> String {
+    nearest(unknown, known).map_or(String::new(), |n| format!("did you mean `{n}`? "))
+}
+
+/// The nearest known word, if any is near, and all of them.
+pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> String {
+    let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    format!(
+        "{}there are {}",
+        did_you_mean(unknown, &known),
+        words(&known)
+    )
+}
+
 /// Words in a sentence: `a`, `b` or `c`.
-pub(super) fn words(known: &[&str]) -> String {
-    match known {
+pub(in super::super) fn words<K: AsRef<str>>(known: &[K]) -> String {
+    let known: Vec<String> = known.iter().map(|k| format!("`{}`", k.as_ref())).collect();
+    match known.as_slice() {
         [] => "nothing".into(),
-        [one] => format!("`{one}`"),
-        [most @ .., last] => {
-            let most: Vec<String> = most.iter().map(|k| format!("`{k}`")).collect();
-            format!("{} or `{last}`", most.join(", "))
-        }
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} or {last}", most.join(", ")),
     }
 }
 
 /// What to write in place of an unknown key with a value, if that is a number.
-pub(super) fn help_for(
+pub(in super::super) fn help_for(
     unknown: &str,
     value: Option<f64>,
     known: &[&str],
     meaning: &dyn Fn(&str) -> &'static str,
 ) -> String {
-    if let Some((name, factor)) = other_unit(unknown, known) {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == unknown);
+    if let Some((_, name)) = renamed.filter(|(_, new)| known.contains(new)) {
+        format!("`{unknown}` is called `{name}` now: {}", meaning(name))
+    } else if let Some((name, factor)) = other_unit(unknown, known) {
         // Multiplying 4 by 1e-3 leaves binary digits behind that nobody wrote.
         let written = value.map_or(String::new(), |x| {
             let short = format!("{:.12e}", x * factor).parse::<f64>();
@@ -146,5 +165,11 @@ mod tests {
         assert_eq!(nearest("eteth", &known), Some("teeth"));
         assert_eq!(nearest(&"teeth".repeat(20), &known), None);
         assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
+        let help = help_for("sleep", Some(0.1), &["vibration_cut_off"], &|_| "a share");
+        assert_eq!(help, "`sleep` is called `vibration_cut_off` now: a share");
+        assert_eq!(
+            help_for("sleep", None, &["teeth"], &|_| ""),
+            "known are teeth"
+        );
     }
 }
