@@ -62,40 +62,28 @@ struct Menu {
     tolerances: &'static [f64],
 }
 
+const fn at_steps(method: MethodSpec, steps: &'static [f64]) -> Menu {
+    Menu {
+        method,
+        steps,
+        tolerances: &[],
+    }
+}
+
 const RIGID: [Menu; 5] = [
-    Menu {
-        method: SEMI_IMPLICIT_EULER,
-        steps: &[16.0, 32.0, 64.0, 128.0, 256.0],
-        tolerances: &[],
-    },
-    Menu {
-        method: VELOCITY_VERLET,
-        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
-        tolerances: &[],
-    },
-    Menu {
-        method: RK4,
-        steps: &[4.0, 8.0, 16.0, 32.0],
-        tolerances: &[],
-    },
+    at_steps(SEMI_IMPLICIT_EULER, &[16.0, 32.0, 64.0, 128.0, 256.0]),
+    at_steps(VELOCITY_VERLET, &[8.0, 16.0, 32.0, 64.0, 128.0]),
+    at_steps(RK4, &[4.0, 8.0, 16.0, 32.0]),
     Menu {
         method: DOPRI5,
         steps: &[],
         tolerances: &[1e-2, 1e-3, 1e-4],
     },
-    Menu {
-        method: TRIGONOMETRIC,
-        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
-        tolerances: &[],
-    },
+    at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0]),
 ];
 /// Those that need no oscillators.
 const TEETH: std::ops::Range<usize> = 1..4;
-const ELASTIC: Menu = Menu {
-    method: TRIGONOMETRIC,
-    steps: &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
-    tolerances: &[],
-};
+const ELASTIC: Menu = at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
 
 impl Menu {
     /// Methods, the cheapest first.
