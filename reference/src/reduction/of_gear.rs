@@ -1,11 +1,12 @@
 //! Which reduction a gear of a scene needs: its mesh and its mount.
 
-use super::Mounting;
+use super::{Mounting, Request, Wanted};
 use crate::mesh::GearMesh;
 use crate::mesh_source::{MeshParameters, Reader, Source};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::GearContext;
 use gearbench_models::spec::Body;
+use gearbench_models::stiffness::Material;
 
 /// The mesh of a gear, how its hub is mounted.
 #[derive(Clone, Debug)]
@@ -16,6 +17,19 @@ pub struct OfGear {
     pub sector: bool,
     /// The mount.
     pub mounting: Mounting,
+}
+
+impl OfGear {
+    /// What its basis is computed from.
+    pub fn request(&self, material: Material, wanted: Wanted) -> Request<'_> {
+        Request {
+            mesh: &self.mesh,
+            sector: self.sector,
+            material,
+            mounting: self.mounting,
+            wanted,
+        }
+    }
 }
 
 /// The mesh and mount of a gear, by the parameters of its model.

@@ -4,10 +4,8 @@
 //! Who comes second waits for the first. A basis with more modes serves those who want fewer; they take the lowest
 //! of it, so a result does not depend on who came before.
 
-use super::{Basis, Mounting, ReductionError, Request, Wanted, cache};
+use super::{Basis, ReductionError, Request, Wanted, cache};
 use crate::hash::Hash;
-use crate::mesh::GearMesh;
-use gearbench_models::stiffness::Material;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::HashMap;
 use std::panic::resume_unwind;
@@ -31,22 +29,9 @@ impl Wanted {
     }
 }
 
-/// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once, and not at all
-/// where the cache has it.
-pub fn basis_of(
-    mesh: &GearMesh,
-    sector: bool,
-    material: &Material,
-    mounting: &Mounting,
-    wanted: Wanted,
-) -> Result<Arc<Basis>, ReductionError> {
-    let request = Request {
-        mesh,
-        sector,
-        material: *material,
-        mounting: *mounting,
-        wanted,
-    };
+/// The basis of a request, computed at most once, and not at all where the cache has it.
+pub fn basis_of(request: &Request<'_>) -> Result<Arc<Basis>, ReductionError> {
+    let wanted = request.wanted;
     // A basis that was not finished leaves an empty slot: nothing is lost with a poisoned lock.
     let slot = {
         let mut all = BASES.lock().unwrap_or_else(PoisonError::into_inner);
@@ -61,7 +46,7 @@ pub fn basis_of(
     {
         return Ok(found.clone());
     }
-    let cached = apart(|| cache::in_use().basis(&request, "a scene", || request.compute()))?;
+    let cached = apart(|| cache::in_use().basis(request, "a scene", || request.compute()))?;
     let found = cached.basis;
     *slot = Some((wanted, found.clone()));
     Ok(found)
@@ -99,17 +84,25 @@ pub fn lowest(basis: &Basis, wanted: Wanted) -> usize {
 mod tests {
     use super::*;
     use crate::mesh;
+    use crate::reduction::Mounting;
     use crate::test_support::{coarse, stub};
+    use gearbench_models::stiffness::Material;
     use rayon::prelude::*;
 
     /// More gears than threads, all of them in the pool that the computation would use too.
     #[test]
     fn gears_that_are_built_in_parallel_share_a_basis_and_do_not_wait_for_each_other() {
         let sector = mesh::sector(&stub(8, 0.0), &coarse(1, 1)).unwrap();
-        let (steel, mounting) = (Material::STEEL, Mounting::gear(true, 0.0));
+        let request = Request {
+            mesh: &sector,
+            sector: true,
+            material: Material::STEEL,
+            mounting: Mounting::gear(true, 0.0),
+            wanted: Wanted::Count(20),
+        };
         let found: Vec<_> = (0..64)
             .into_par_iter()
-            .map(|_| basis_of(&sector, true, &steel, &mounting, Wanted::Count(20)).unwrap())
+            .map(|_| basis_of(&request).unwrap())
             .collect();
         assert!(found.iter().all(|b| Arc::ptr_eq(b, &found[0])));
     }

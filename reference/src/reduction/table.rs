@@ -132,8 +132,7 @@ fn computed(
         }
     };
     let of = super::of_gear(MODEL, reader.context, &given.mesh)?;
-    let material = &reader.context.material;
-    let basis = shared::basis_of(&of.mesh, of.sector, material, &of.mounting, wanted)
+    let basis = shared::basis_of(&of.request(reader.context.material, wanted))
         .map_err(|e| reader.error("mesh", e.to_string()))?;
     let candidates = shared::lowest(&basis, wanted);
     Ok((basis, count, candidates))

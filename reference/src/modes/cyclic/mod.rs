@@ -169,7 +169,7 @@ impl Sector {
             Target::Above(_) => teeth,
         };
         let guess = (count.div_ceil(teeth) + 1).min(self.unknowns());
-        let states = self.each(harmonics, |n| {
+        let mut states = self.each(harmonics, |n| {
             let mut state = Harmonic::new(self, n as u32, 2 * guess, &symbolic, options)?;
             state.find(Target::Count(guess), keep)?;
             Ok(state)
@@ -179,7 +179,11 @@ impl Sector {
             Target::Count(_) => last_wanted(&states, count, f64::INFINITY),
             Target::Above(omega2) => omega2,
         };
-        let states = self.each_of(states, |state| state.find(Target::Above(bound), keep))?;
+        let further = states.par_iter_mut();
+        let further: Vec<_> = further
+            .map(|state| state.find(Target::Above(bound), keep))
+            .collect();
+        further.into_iter().collect::<Result<(), _>>()?;
         let bound = match target {
             Target::Count(_) => last_wanted(&states, count, bound),
             Target::Above(omega2) => omega2,
@@ -225,17 +229,6 @@ impl Sector {
     ) -> Result<Vec<S>, ModesError> {
         let done: Vec<_> = (0..count).into_par_iter().map(job).collect();
         done.into_iter().collect()
-    }
-
-    /// Runs a job on each state, in parallel.
-    fn each_of(
-        &self,
-        mut states: Vec<Harmonic>,
-        job: impl Fn(&mut Harmonic) -> Result<(), ModesError> + Send + Sync,
-    ) -> Result<Vec<Harmonic>, ModesError> {
-        let done: Vec<_> = states.par_iter_mut().map(job).collect();
-        done.into_iter().collect::<Result<(), _>>()?;
-        Ok(states)
     }
 }
 

@@ -67,14 +67,8 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     w.finish()
 }
 
-fn pairs(x: &[f64]) -> Vec<[f64; 2]> {
-    x.chunks_exact(2).map(|x| [x[0], x[1]]).collect()
-}
-
 fn vectors(x: &[f64]) -> Vec<Vec3> {
-    x.chunks_exact(3)
-        .map(|x| Vec3::new(x[0], x[1], x[2]))
-        .collect()
+    x.chunks_exact(3).map(Vec3::from_column_slice).collect()
 }
 
 /// Reads the arrays and finds them fit.
@@ -103,7 +97,12 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
         shapes: r.f64s(SHAPES, &[Axis::Is(nodes), Axis::Is(modes)])?.1,
         hub: r.f64s(HUB, &[Axis::Is(modes)])?.1,
         participation: r.f64s(PARTICIPATION, &[Axis::Is(modes)])?.1,
-        momentum: pairs(&r.f64s(MOMENTUM, &[Axis::Is(modes), Axis::Is(2)])?.1),
+        momentum: (r
+            .f64s(MOMENTUM, &[Axis::Is(modes), Axis::Is(2)])?
+            .1
+            .as_chunks()
+            .0)
+            .to_vec(),
         unbalance: {
             let x = r.f64s(UNBALANCE, &[Axis::Is(2)])?.1;
             [x[0], x[1]]
