@@ -51,7 +51,6 @@ pub enum Interpolation {
 pub struct StiffnessCurve {
     of: PairOrMesh,
     ends: Ends,
-    smooth: bool,
     range: [f64; 2],
     pieces: Vec<Piece>,
     last: f64,
@@ -78,7 +77,6 @@ impl StiffnessCurve {
         Ok(StiffnessCurve {
             of,
             ends: Ends::Clamped,
-            smooth: true,
             range: [0.0; 2],
             pieces: Vec::new(),
             last: k,
@@ -146,7 +144,6 @@ impl StiffnessCurve {
         let curve = StiffnessCurve {
             of,
             ends,
-            smooth: interpolation == Interpolation::Cubic,
             range: [s[0], s[n]],
             pieces,
             last: k[n],
@@ -173,19 +170,6 @@ impl StiffnessCurve {
     /// Path coordinates (m) between which the curve varies; `None` for a constant one.
     pub fn range(&self) -> Option<[f64; 2]> {
         (!self.is_constant()).then_some(self.range)
-    }
-
-    /// Path coordinates (m) at which the slope jumps: every knot of a linear table, only the ends of
-    /// a clamped cubic, none of a constant or periodic cubic. Event location may stop here.
-    pub fn kinks(&self) -> Vec<f64> {
-        match self.range() {
-            None => Vec::new(),
-            Some([_, end]) if !self.smooth => {
-                self.pieces.iter().map(|p| p.begin).chain([end]).collect()
-            }
-            Some(range) if self.ends == Ends::Clamped => range.to_vec(),
-            Some(_) => Vec::new(),
-        }
     }
 
     /// Stiffness (N/m) and its slope (N/m^2) at `s` (m). Constant time, no allocation.
