@@ -1,25 +1,20 @@
-//! What adaptivity inside a run saves and what it changes: `cargo bench -p gearbench --bench adaptivity [-- --store FILE]`.
+//! What adaptivity inside a run saves and what it changes: `cargo bench --bench adaptivity [-- --store FILE]`.
 //!
 //! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
 //! one step of the closed form (`coast`), then with teeth and modes put to rest in flight (`sleep`): steps, force
 //! evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far the impulse of
 //! the contact force and the last speeds are from those without the switch.
 
-use gearbench::scene_file::{self, SceneFile};
+mod support;
+
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
-use gearbench_integrators::{
-    AcceptedStep, Control, NullSink, Resolution, Sink, State, TimePlan, Work,
-};
+use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan, Work};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
-use gearbench_models::spec;
 use serde_json::{Value, json};
-use std::time::Instant;
-
-/// Repeats by turns: at least so many, and for so long [s].
-const REPEATS: u32 = 5;
-const LONG: f64 = 1.0;
+use support::ratio::{Ratios, by_turns, ratios};
+use support::scenes::{built, file, method, run, store};
 
 /// Impulse of the contact force by the trapezoid rule over accepted steps.
 #[derive(Default)]
@@ -47,8 +42,6 @@ impl Sink for Impulse {
 struct Candidate {
     scene: Scene,
     method: String,
-    /// Least wall time [s].
-    least: f64,
 }
 
 /// What a run is judged by.
@@ -60,14 +53,6 @@ struct Found {
     residual: f64,
 }
 
-fn run(scene: &mut Scene, text: &str, plan: &TimePlan<'_>, sink: &mut dyn Sink) -> (State, Work) {
-    let mut method = gearbench_integrators::method(text).unwrap_or_else(|e| panic!("{e}"));
-    let (mut state, mut work) = (scene.initial(), Work::default());
-    let done = method.run(scene, &mut state, plan, sink, &mut work);
-    done.unwrap_or_else(|e| panic!("{text}: {e}"));
-    (state, work)
-}
-
 fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     let scene = &mut candidate.scene;
     let mut ledger = Ledger::default();
@@ -76,7 +61,8 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
         ..Impulse::default()
     };
     let mut sinks = Tee(vec![&mut ledger, &mut impulse]);
-    let (state, work) = run(scene, &candidate.method, plan, &mut sinks);
+    let mut method = method(&candidate.method);
+    let (state, work, _) = run(scene, method.as_mut(), plan, &mut sinks);
     ledger.close(scene, &state);
     let pinion = &scene.gears()[0];
     let momentum = pinion.model.hub_state(pinion.at(state.at())).momentum;
@@ -89,40 +75,23 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     }
 }
 
-fn built(file: &SceneFile, label: &str, sleep: f64) -> Scene {
-    let choice = file
-        .model(label)
-        .unwrap_or_else(|| panic!("no model {label}"));
-    let mut modelling = choice.modelling.clone();
-    for gear in &mut modelling.gears {
-        if sleep > 0.0 {
-            let value = spec::Value::Number(sleep);
-            gear.parameters.insert("sleep".into(), value);
-        }
-    }
-    let scene = Scene::build(
-        &file.spec_for(choice),
-        &modelling,
-        gearbench::models::models(),
-    );
-    scene.unwrap_or_else(|e| panic!("{e}"))
-}
-
 #[allow(clippy::print_stdout)]
-fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
+fn compare(
+    criterion: &mut Ratios,
+    what: &str,
+    plan: &TimePlan<'_>,
+    mut pair: [Candidate; 2],
+) -> Value {
     let found = [0, 1].map(|k| judged(&mut pair[k], plan));
-    // By turns, so that both see the same machine.
-    let started = Instant::now();
-    let mut turns = 0;
-    while turns < REPEATS || started.elapsed().as_secs_f64() < LONG {
-        turns += 1;
-        for candidate in &mut pair {
-            let begin = Instant::now();
-            run(&mut candidate.scene, &candidate.method, plan, &mut NullSink);
-            candidate.least = candidate.least.min(begin.elapsed().as_secs_f64());
-        }
-    }
-    let [off, on] = pair.map(|c| c.least);
+    let [off, on] = by_turns(criterion, "off / on", what, || {
+        [0, 1].map(|k| {
+            let Candidate {
+                scene,
+                method: text,
+            } = &mut pair[k];
+            run(scene, method(text).as_mut(), plan, &mut NullSink).2
+        })
+    });
     let relative = |of: &dyn Fn(&Found) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
     let (impulse, speed) = (relative(&|f| f.impulse), relative(&|f| f.speed));
     let [a, b] = &found;
@@ -155,14 +124,8 @@ fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
 
 #[allow(clippy::print_stdout)]
 fn main() {
-    let mut words = std::env::args().skip(1);
-    let mut store = None;
-    while let Some(word) = words.next() {
-        if word == "--store" {
-            store = words.next();
-        }
-    }
-    let file = scene_file::load("hammer").unwrap_or_else(|e| panic!("{e:?}"));
+    let file = file("hammer");
+    let mut criterion = ratios(1.0);
     println!(
         "{:<58} {:>16} {:>8} {:>17} {:>18} {:>7} {:>9} {:>9} {:>9}",
         "hammer: off and on",
@@ -177,9 +140,11 @@ fn main() {
     );
     let mut rows = Vec::new();
     let candidate = |label: &str, method: &str, sleep: f64| Candidate {
-        scene: built(&file, label, sleep),
+        scene: match sleep {
+            0.0 => built(&file, label, &[]),
+            _ => built(&file, label, &[("sleep", sleep)]),
+        },
         method: method.to_owned(),
-        least: f64::INFINITY,
     };
     let (step, rtol) = (Resolution::Step, Resolution::Tolerance);
     let cases = [
@@ -204,7 +169,7 @@ fn main() {
             candidate(label, &format!("{method}(coast=1)"), 0.0),
         ];
         let what = format!("coast, {label}, {method}, {resolution:?}");
-        rows.push(compare(&what, &plan, pair));
+        rows.push(compare(&mut criterion, &what, &plan, pair));
     }
     for (label, method, resolution, sleep) in [
         (
@@ -222,17 +187,10 @@ fn main() {
             candidate(label, method, sleep),
         ];
         let what = format!("sleep {sleep:.0e}, {label}, {method}");
-        rows.push(compare(&what, &plan, pair));
+        rows.push(compare(&mut criterion, &what, &plan, pair));
     }
-    if let Some(file) = store {
-        let figures = json!({
-            "command": "cargo bench -p gearbench --bench adaptivity -- --store FILE",
-            "machine": gearbench::experiment::machine::machine(),
-            "date": gearbench::experiment::machine::now(),
-            "commit": gearbench::experiment::machine::COMMIT,
-            "rows": rows,
-        });
-        let text = format!("{figures:#}\n");
-        std::fs::write(&file, text).unwrap_or_else(|e| panic!("{file}: {e}"));
-    }
+    store(
+        "cargo bench --bench adaptivity -- --store FILE",
+        json!({ "rows": rows }),
+    );
 }

@@ -1,11 +1,12 @@
-//! What a product `y = K x` costs beside reading its bytes once: `cargo bench -p gearbench-reference --bench sparse_product`.
+//! What a product `y = K x` costs beside reading its bytes once: `cargo bench --bench sparse_product`.
 //!
 //! The bound is the time of one pass over an array of as many bytes as the matrix stores, in the same run:
-//! a sum (reads only). Times are medians of repeats; the pass and the product alternate, so that a neighbour on
-//! the machine slows both. Beside it: assembly, the product with the mass, and the bound `2/omega` of explicit steps.
+//! a sum (reads only), by turns with the product. Beside it: assembly, the product with the mass, and the bound `2/omega` of explicit steps.
 //!
 //! The product needs some 56 instructions per 3x3 block (36 of them arithmetic, two numbers at once where the
 //! compiler can): from the second-level cache these take longer than reading, from memory they hide behind it.
+
+mod support;
 
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -15,7 +16,7 @@ use gearbench_reference::deck::{gears, read};
 use gearbench_reference::mesh::{ElementKind, Mesh};
 use std::collections::BTreeMap;
 use std::hint::black_box;
-use std::time::Instant;
+use support::ratio::{Ratios, by_turns, median, ratios, seconds};
 
 /// A box of `cells` eight-node elements of 1 mm.
 fn brick(cells: [u32; 3]) -> Mesh {
@@ -64,19 +65,8 @@ fn sum(x: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-fn seconds(mut work: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
 #[allow(clippy::print_stdout)]
-fn report(name: &str, mesh: &Mesh, bore: &[u32]) {
+fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh, bore: &[u32]) {
     let (mut times, mut last) = (Vec::new(), None);
     for _ in 0..5 {
         times.push(seconds(|| last = Some(assemble(mesh, &Material::STEEL))));
@@ -93,18 +83,13 @@ fn report(name: &str, mesh: &Mesh, bore: &[u32]) {
     let x: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
     let mut y = vec![0.0; n];
     let stream = vec![1.0; stiffness.bytes() / 8];
-    let repeats = (4e9 / stiffness.bytes() as f64) as usize;
-    let [mut pass, mut product, mut of_mass] = [const { Vec::new() }; 3];
-    for _ in 0..repeats.clamp(15, 400) {
-        pass.push(seconds(|| {
-            black_box(sum(black_box(&stream)));
-        }));
-        product.push(seconds(|| {
-            stiffness.apply(black_box(&x), black_box(&mut y))
-        }));
-        of_mass.push(seconds(|| mass.apply3(black_box(&x), black_box(&mut y))));
-    }
-    let (pass, product, of_mass) = (median(pass), median(product), median(of_mass));
+    let mut of_mass = f64::INFINITY;
+    let [product, pass] = by_turns(criterion, "product / pass", name, || {
+        let pass = seconds(|| sum(black_box(&stream)));
+        let product = seconds(|| stiffness.apply(black_box(&x), black_box(&mut y)));
+        of_mass = of_mass.min(seconds(|| mass.apply3(black_box(&x), black_box(&mut y))));
+        [product, pass]
+    });
     let tie = Tie::new(&mesh.nodes, bore, &[]);
     let mut highest = 0.0;
     let of_highest = seconds(|| highest = highest_frequency(&a, &tie));
@@ -126,6 +111,7 @@ fn report(name: &str, mesh: &Mesh, bore: &[u32]) {
 
 #[allow(clippy::print_stdout)]
 fn main() {
+    let mut criterion = ratios(2.0);
     println!(
         "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10} {:>10} {:>8}",
         "mesh",
@@ -147,12 +133,13 @@ fn main() {
     );
     let deck = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/calculix/case-a-fine/AF8_d05.inp.gz"
+        "/../reference/calculix/case-a-fine/AF8_d05.inp.gz"
     );
     match read(deck).and_then(|deck| gears(&deck)) {
         Ok(found) => {
             for (i, gear) in found.iter().enumerate() {
                 report(
+                    &mut criterion,
                     &format!("case A fine, gear {}", i + 1),
                     &gear.mesh.mesh,
                     &gear.mesh.bore,
@@ -161,6 +148,6 @@ fn main() {
         }
         Err(error) => println!("{error}"),
     }
-    report("brick 30x30x22", &brick([30, 30, 22]), &[]);
-    report("brick 60x50x40", &brick([60, 50, 40]), &[]);
+    report(&mut criterion, "brick 30x30x22", &brick([30, 30, 22]), &[]);
+    report(&mut criterion, "brick 60x50x40", &brick([60, 50, 40]), &[]);
 }
