@@ -65,16 +65,15 @@ fn sum(x: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-#[allow(clippy::print_stdout)]
-fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh, bore: &[u32]) {
+/// A row of the table.
+fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh, bore: &[u32]) -> String {
     let (mut times, mut last) = (Vec::new(), None);
     for _ in 0..5 {
         times.push(seconds(|| last = Some(assemble(mesh, &Material::STEEL))));
     }
     let assembling = median(times);
     let Some(Ok(a)) = last else {
-        println!("{name}: an element is turned inside out");
-        return;
+        return format!("{name}: an element is turned inside out");
     };
     let Assembly {
         stiffness, mass, ..
@@ -93,7 +92,7 @@ fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh, bore: &[u32]) {
     let tie = Tie::new(&mesh.nodes, bore, &[]);
     let mut highest = 0.0;
     let of_highest = seconds(|| highest = highest_frequency(&a, &tie));
-    println!(
+    format!(
         "{name:<20} {:>7} {:>8.1} {:>10.1} {:>10.1} {:>10.1} {:>6.2} {:>7.1} {:>10.1} {:>10.1} {:>10.2} {:>8.1}",
         n,
         stiffness.bytes() as f64 / 1e6,
@@ -106,12 +105,42 @@ fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh, bore: &[u32]) {
         1e6 * of_mass,
         2e9 / highest,
         1e3 * of_highest,
-    );
+    )
 }
 
 #[allow(clippy::print_stdout)]
 fn main() {
     let mut criterion = ratios(2.0);
+    let mut rows = Vec::new();
+    let deck = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../reference/calculix/case-a-fine/AF8_d05.inp.gz"
+    );
+    match read(deck).and_then(|deck| gears(&deck)) {
+        Ok(found) => {
+            for (i, gear) in found.iter().enumerate() {
+                rows.push(report(
+                    &mut criterion,
+                    &format!("case A fine, gear {}", i + 1),
+                    &gear.mesh.mesh,
+                    &gear.mesh.bore,
+                ));
+            }
+        }
+        Err(error) => rows.push(error.to_string()),
+    }
+    rows.push(report(
+        &mut criterion,
+        "brick 30x30x22",
+        &brick([30, 30, 22]),
+        &[],
+    ));
+    rows.push(report(
+        &mut criterion,
+        "brick 60x50x40",
+        &brick([60, 50, 40]),
+        &[],
+    ));
     println!(
         "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10} {:>10} {:>8}",
         "mesh",
@@ -131,23 +160,5 @@ fn main() {
         "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10} {:>10} {:>8}",
         "", "", "", "ms", "us", "us", "", "", "", "us", "ns", "ms"
     );
-    let deck = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../reference/calculix/case-a-fine/AF8_d05.inp.gz"
-    );
-    match read(deck).and_then(|deck| gears(&deck)) {
-        Ok(found) => {
-            for (i, gear) in found.iter().enumerate() {
-                report(
-                    &mut criterion,
-                    &format!("case A fine, gear {}", i + 1),
-                    &gear.mesh.mesh,
-                    &gear.mesh.bore,
-                );
-            }
-        }
-        Err(error) => println!("{error}"),
-    }
-    report(&mut criterion, "brick 30x30x22", &brick([30, 30, 22]), &[]);
-    report(&mut criterion, "brick 60x50x40", &brick([60, 50, 40]), &[]);
+    println!("{}", rows.join("\n"));
 }
