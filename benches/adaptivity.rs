@@ -1,9 +1,9 @@
 //! What adaptivity inside a run saves and what it changes: `cargo bench --bench adaptivity [-- --store FILE]`.
 //!
 //! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
-//! one step of the closed form (`coast`), then with teeth and modes put to rest in flight (`sleep`): steps, force
-//! evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far the impulse of
-//! the contact force and the last speeds are from those without the switch.
+//! one step of the closed form (`free_flight`), then with teeth and modes put to rest in flight (`vibration_cut_off`):
+//! steps, force evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far
+//! the impulse of the contact force and the last speeds are from those without the switch.
 
 mod support;
 
@@ -38,7 +38,7 @@ impl Sink for Impulse {
     }
 }
 
-/// A scene with a method, and whether its gears may sleep.
+/// A scene with a method, and whether its gears may lose their vibration.
 struct Candidate {
     scene: Scene,
     method: String,
@@ -128,10 +128,10 @@ fn main() {
     let file = file("hammer");
     let mut criterion = ratios(1.0);
     let mut rows = Vec::new();
-    let candidate = |label: &str, method: &str, sleep: f64| Candidate {
-        scene: match sleep {
+    let candidate = |label: &str, method: &str, cut_off: f64| Candidate {
+        scene: match cut_off {
             0.0 => built(&file, label, &[]),
-            _ => built(&file, label, &[("sleep", sleep)]),
+            _ => built(&file, label, &[("vibration_cut_off", cut_off)]),
         },
         method: method.to_owned(),
     };
@@ -155,27 +155,27 @@ fn main() {
         let plan = TimePlan::new(part * file.duration, resolution);
         let pair = [
             candidate(label, method, 0.0),
-            candidate(label, &format!("{method}(coast=1)"), 0.0),
+            candidate(label, &format!("{method}(free_flight=1)"), 0.0),
         ];
-        let what = format!("coast, {label}, {method}, {resolution:?}");
+        let what = format!("free_flight, {label}, {method}, {resolution:?}");
         rows.push(compare(&mut criterion, &what, &plan, pair));
     }
-    for (label, method, resolution, sleep) in [
+    for (label, method, resolution, vibration_cut_off) in [
         (
             "movable-teeth",
-            "velocity-verlet(coast=1)",
+            "velocity-verlet(free_flight=1)",
             step(1e-6),
             1e-6,
         ),
-        ("movable-teeth", "dopri5(coast=1)", rtol(1e-6), 1e-6),
+        ("movable-teeth", "dopri5(free_flight=1)", rtol(1e-6), 1e-6),
         ("elastic", "trigonometric", step(1e-6), 1e-4),
     ] {
         let plan = TimePlan::new(file.duration, resolution);
         let pair = [
             candidate(label, method, 0.0),
-            candidate(label, method, sleep),
+            candidate(label, method, vibration_cut_off),
         ];
-        let what = format!("sleep {sleep:.0e}, {label}, {method}");
+        let what = format!("vibration_cut_off {vibration_cut_off:.0e}, {label}, {method}");
         rows.push(compare(&mut criterion, &what, &plan, pair));
     }
     println!(

@@ -151,8 +151,7 @@ fn main() {
                 ..Options::default()
             };
             let (start, processor) = (Instant::now(), processor_s());
-            let modes =
-                lowest(r.stiffness.as_ref(), r.mass.as_ref(), count, &options).expect("modes");
+            let modes = lowest(&r, count, &options).expect("modes");
             let seconds = start.elapsed().as_secs_f64();
             let residual = modes.residuals.iter().copied().fold(0.0, f64::max);
             println!(

@@ -74,7 +74,7 @@ fn evaluations(scene: &mut Scene, states: &[State]) -> f64 {
     let mut a = vec![0.0; scene.layout().n];
     let time = seconds(|| {
         for s in states {
-            scene.modal().unwrap().rest(black_box(s.at()), &mut a);
+            scene.modal().unwrap().remainder(black_box(s.at()), &mut a);
         }
     });
     time / states.len() as f64

@@ -4,9 +4,7 @@
 
 use criterion::Criterion;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
-use gearbench_reference::mesh::{
-    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, RackMeshParams, Tooth,
-};
+use gearbench_reference::mesh::{self, ElementKind, FineTeeth, GearMesh, GearMeshParams, Tooth};
 
 fn bytes(m: &GearMesh) -> usize {
     let sets: usize = m.mesh.node_sets.values().map(|s| 4 * s.capacity()).sum();
@@ -98,6 +96,6 @@ fn main() {
     })
     .expect("a rack that can be cut");
     row("rack, 20 teeth, C3D8I", &|| {
-        mesh::rack(&rack, &RackMeshParams::default()).expect("a sound mesh")
+        mesh::rack(&rack, &GearMeshParams::default()).expect("a sound mesh")
     });
 }

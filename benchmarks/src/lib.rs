@@ -6,7 +6,7 @@
 //! | [`scene_file`] | the scene format, the shipped scenes, calibrations |
 //! | [`experiment`] | one model under one integrator: what is run, its row of the record, how it ended |
 //! | [`studies`] | a study in one room: arguments, plan, runs, summary |
-//! | [`tools`] | what the command does beside studies |
+//! | `tools` | what the command does beside studies |
 //! | [`cli`] | the table of commands; messages, files, exit codes |
 
 pub mod cli;
@@ -14,4 +14,4 @@ pub mod experiment;
 pub mod models;
 pub mod scene_file;
 pub mod studies;
-pub mod tools;
+mod tools;

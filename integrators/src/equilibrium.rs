@@ -98,7 +98,7 @@ fn force(
         t: s.t,
         q,
         v: &s.v,
-        memory: &s.memory,
+        discrete: &s.discrete,
     };
     sys.force(at, f);
     work.force_evaluations += 1;
@@ -127,7 +127,7 @@ fn shift(sys: &mut dyn SecondOrderSystem, s: &State, f: &[f64]) -> Result<f64, S
 /// Moves the coordinates of `s` to static equilibrium at its time; velocities become zero.
 ///
 /// The search starts at `s.q`: where only a contact holds a gear, that contact has to be closed there. Prescribed
-/// mounts stand where they are at `s.t`. The memory of `s` is prepared for clipped contacts.
+/// mounts stand where they are at `s.t`. The discrete state of `s` is prepared for clipped contacts.
 ///
 /// # Errors
 /// [`EquilibriumError`]; `s.q` is then the last iterate.

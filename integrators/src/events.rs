@@ -1,55 +1,55 @@
-//! Where guards fall through zero inside a step.
+//! Where event functions fall through zero inside a step.
 //!
-//! A guard is falling when it is not positive at the end of the step and lower than at its start. So a
-//! guard that starts at its root (it was switched there, and rounding may have left it a hair below) may
+//! An event function is falling when it is not positive at the end of the step and lower than at its start. So a
+//! event function that starts at its root (it was switched there, and rounding may have left it a hair below) may
 //! rise freely; it counts again once it has been positive or falls from the start. Roots are found on an
 //! interpolant of the step by regula falsi (Illinois variant: M. Dowell, P. Jarratt, *BIT* 11 (1971) 168)
 //! with bisection where that stalls.
 
-/// Points of a step that are looked at when a guard starts at its root, where two ends do not tell a guard
-/// that falls at once from one that rises and falls again.
+/// Points of a step that are looked at when an event function starts at its root, where two ends do not tell an event
+/// function that falls at once from one that rises and falls again.
 const PROBES: [f64; 6] = [1e-3, 1.0 / 64.0, 0.125, 0.25, 0.5, 0.75];
 
 /// Where the first event of a step lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Root {
-    /// At the start of the step: the guard was at its root and falls from there.
+    /// At the start of the step: the event function was at its root and falls from there.
     Start,
     /// At this fraction of the step.
     Inside(f64),
 }
 
-/// Guards at both ends of a step and which of them fell.
+/// Event functions at both ends of a step and which of them fell.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Watch {
-    /// Guards at the start of the step.
+    /// Event functions at the start of the step.
     pub(crate) before: Vec<f64>,
-    /// Guards at its end.
+    /// Event functions at its end.
     pub(crate) after: Vec<f64>,
-    /// Guards at a point looked at last.
+    /// Event functions at a point looked at last.
     pub(crate) here: Vec<f64>,
-    /// Guards that fell, by index; after [`Watch::select`] the ones to switch.
+    /// Event functions that fell, by index; after [`Watch::select`] the ones to switch.
     pub(crate) falling: Vec<usize>,
-    /// One over the drop of each falling guard over the step. Guards have different units (a gap of
+    /// One over the drop of each falling event function over the step. Event functions have different units (a gap of
     /// micrometres, a position in pitches): divided by their drop they all fall by one.
     per_drop: Vec<f64>,
     peak: Vec<f64>,
 }
 
 impl Watch {
-    /// Buffers for a number of guards.
-    pub(crate) fn new(guards: usize) -> Self {
+    /// Buffers for a number of event functions.
+    pub(crate) fn new(event_functions: usize) -> Self {
         Watch {
-            before: vec![1.0; guards],
-            after: vec![1.0; guards],
-            here: vec![1.0; guards],
-            falling: Vec::with_capacity(guards),
-            per_drop: vec![1.0; guards],
-            peak: vec![0.0; guards],
+            before: vec![1.0; event_functions],
+            after: vec![1.0; event_functions],
+            here: vec![1.0; event_functions],
+            falling: Vec::with_capacity(event_functions),
+            per_drop: vec![1.0; event_functions],
+            peak: vec![0.0; event_functions],
         }
     }
 
-    /// Reads which guards fell between `before` and `after`.
+    /// Reads which event functions fell between `before` and `after`.
     #[inline]
     pub(crate) fn any_fell(&mut self) -> bool {
         self.falling.clear();
@@ -62,7 +62,7 @@ impl Watch {
         !self.falling.is_empty()
     }
 
-    /// The lowest of the falling guards in `here`, each over its drop: positive before the first event, not
+    /// The lowest of the falling event functions in `here`, each over its drop: positive before the first event, not
     /// after it, and about the distance to it as a fraction of the step.
     pub(crate) fn lowest_here(&self) -> f64 {
         self.lowest(&self.here)
@@ -74,12 +74,12 @@ impl Watch {
             .fold(f64::INFINITY, |m, &i| m.min(g[i] * self.per_drop[i]))
     }
 
-    /// The first root on an interpolant, to `tolerance` (a fraction of the step). `guards_at` evaluates all
-    /// guards at a fraction of the step. May drop guards from `falling` that fall later.
+    /// The first root on an interpolant, to `tolerance` (a fraction of the step). `events_at` evaluates all
+    /// event functions at a fraction of the step. May drop event functions from `falling` that fall later.
     pub(crate) fn first_root(
         &mut self,
         tolerance: f64,
-        mut guards_at: impl FnMut(f64, &mut [f64]),
+        mut events_at: impl FnMut(f64, &mut [f64]),
     ) -> Root {
         let (mut lo, mut hi) = (0.0, 1.0);
         let mut f_lo = self.lowest(&self.before);
@@ -87,7 +87,7 @@ impl Watch {
         if f_lo <= 0.0 {
             self.peak.fill(f64::NEG_INFINITY);
             for theta in PROBES {
-                guards_at(theta, &mut self.here);
+                events_at(theta, &mut self.here);
                 for &i in &self.falling {
                     self.peak[i] = self.peak[i].max(self.here[i]);
                 }
@@ -98,15 +98,15 @@ impl Watch {
                 self.falling.retain(|&i| at_once(i));
                 return Root::Start;
             }
-            // Every guard is positive somewhere: bracket the first that falls from there. `peak` holds the
-            // guards at the previous point from here on.
+            // Every event function is positive somewhere: bracket the first that falls from there. `peak` holds the
+            // event functions at the previous point from here on.
             self.peak.copy_from_slice(&self.before);
             let mut previous = 0.0;
             for theta in PROBES.into_iter().chain([1.0]) {
                 if theta == 1.0 {
                     self.here.copy_from_slice(&self.after);
                 } else {
-                    guards_at(theta, &mut self.here);
+                    events_at(theta, &mut self.here);
                 }
                 let (was, is) = (&self.peak, &self.here);
                 let fell = |i: usize| was[i] > 0.0 && is[i] <= 0.0;
@@ -126,7 +126,7 @@ impl Watch {
         let mut bracket = Bracket::new((lo, f_lo), (hi, f_hi));
         let mut x = bracket.propose();
         for _ in 0..100 {
-            guards_at(x, &mut self.here);
+            events_at(x, &mut self.here);
             let f = self.lowest_here();
             bracket.update(x, f);
             let next = bracket.propose();
@@ -135,7 +135,7 @@ impl Watch {
             }
             let moved = (next - x).abs();
             x = next;
-            // A small move alone does not make a root: regula falsi creeps where the guard is flat.
+            // A small move alone does not make a root: regula falsi creeps where the event function is flat.
             if (moved <= tolerance && f.abs() <= 10.0 * tolerance) || bracket.width() <= tolerance {
                 break;
             }
@@ -143,7 +143,7 @@ impl Watch {
         Root::Inside(x)
     }
 
-    /// Keeps in `falling` the guards that are at their root in `here`: equal tooth pairs touch together.
+    /// Keeps in `falling` the event functions that are at their root in `here`: equal tooth pairs touch together.
     pub(crate) fn select(&mut self) {
         let floor = self.lowest_here().max(0.0);
         let (g, per_drop) = (&self.here, &self.per_drop);
@@ -223,7 +223,7 @@ impl Bracket {
 mod tests {
     use super::*;
 
-    /// Guards given as functions of the fraction of a step.
+    /// Event functions given as functions of the fraction of a step.
     fn watch(g: &[&dyn Fn(f64) -> f64]) -> Watch {
         let mut w = Watch::new(g.len());
         for (i, g) in g.iter().enumerate() {
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn guards_of_different_size_do_not_hide_each_other() {
+    fn event_functions_of_different_size_do_not_hide_each_other() {
         // A gap of micrometres that closes early, a zone in pitches that is left far behind by the end.
         let g: [&dyn Fn(f64) -> f64; 3] = [&|x| 2e-5 * (0.1 - x), &|x| 0.3 - 12.0 * x * x, &|x| {
             1e-6 * (0.1 - x)
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_guard_that_starts_at_its_root_may_rise_first() {
+    fn an_event_function_that_starts_at_its_root_may_rise_first() {
         let g: [&dyn Fn(f64) -> f64; 1] = [&|x| x * (0.4 - x) - 1e-20];
         let mut w = watch(&g);
         let Root::Inside(x) = root(&mut w, &g) else {
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn a_guard_that_falls_from_its_root_is_switched_at_the_start() {
+    fn an_event_function_that_falls_from_its_root_is_switched_at_the_start() {
         let g: [&dyn Fn(f64) -> f64; 2] = [&|x| -x, &|x| 0.5 - x];
         let mut w = watch(&g);
         assert_eq!(root(&mut w, &g), Root::Start);
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rising_guard_is_no_event() {
+    fn a_rising_event_function_is_no_event() {
         let g: [&dyn Fn(f64) -> f64; 1] = [&|x| x - 1e-3];
         assert!(!watch(&g).any_fell());
         let g: [&dyn Fn(f64) -> f64; 1] = [&|x| 0.5 * x - 1.0];

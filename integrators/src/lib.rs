@@ -3,17 +3,17 @@
 //! The system is
 //!
 //! ```text
-//! q' = v,    M(t, q) v' = f(t, q, v; memory)
+//! q' = v,    M(t, q) v' = f(t, q, v; discrete)
 //! ```
 //!
 //! ([`SecondOrderSystem`]), in SI units. It knows nothing of gears. What has history (contact modes, impact
-//! speeds, tooth slots) lives in [`State::memory`] and changes only between steps, so that inside a step
+//! speeds, tooth slots) lives in [`State::discrete`] and changes only between steps, so that inside a step
 //! the force is one smooth function and a method keeps its declared order through contact events.
 //!
-//! **Events.** The system tells by *guards* how long its branch is valid: guard `i` is positive until its
-//! part of the branch ends. The loop finds where a guard falls through zero, ends the step there, calls
-//! [`Events::switch`] and starts the method afresh. With [`TimePlan::events`] off the system
-//! clips its force instead, and orders above one are lost at damped contacts.
+//! **Events.** The system tells by *event functions* how long its branch is valid: event function `i` is positive until
+//! its part of the branch ends. The loop finds where an event function falls through zero, ends the step there, calls
+//! [`Events::transition`] and starts the method afresh. With [`TimePlan::events`] off the system clips its force
+//! instead, and orders above one are lost at damped contacts.
 //!
 //! **Steps.** A method declares in [`MethodInfo`] whether it runs at a fixed step, under a tolerance, or
 //! both ([`Resolution`]). A tolerance `rtol` bounds the estimated error of each step by `rtol` times the
@@ -26,19 +26,19 @@
 //!
 //! | room | owns |
 //! |---|---|
-//! | [`system`] | the system seam: state, force, mass, tangent, guards |
+//! | [`system`] | the system seam: state, force, mass, tangent, event functions |
 //! | [`method`] | the method seam: [`Integrator`], [`OneStep`], plans, work counters, errors |
-//! | [`stepped`] | the loop of all one-step methods: step control, event location, table knots |
+//! | [`stepped`] | the loop of all one-step methods: step control, event location, table breakpoints |
 //! | [`explicit`] | semi-implicit Euler, velocity Verlet, RK4, Dormand-Prince 5(4), Tsitouras 5(4) |
 //! | [`implicit`] | the generalised-alpha family (Newmark-beta, HHT-alpha), BDF, TR-BDF2, ESDIRK 3(4) |
 //! | [`modal`] | the trigonometric method: exact for linear oscillators, flight in one step |
-//! | [`coast`] | motion without contact in closed form, for the loops of all methods |
+//! | [`free_flight`] | motion without contact in closed form, for the loops of all methods |
 //! | [`diffsol_adapter`] | the loop of the methods that diffsol provides |
 //! | [`interpolation`], [`dense_solve`] | Hermite interpolants; small dense linear algebra |
 //! | [`linear_stability`] | the largest stable step of each method on linear systems |
 //! | [`mod@equilibrium`] | static equilibrium by Newton's method on the system's own tangent |
 //! | [`observers`] | energy ledger, grid recorder: what watches a run without changing it |
-//! | [`spec`] | which method at which step, as data and as text |
+//! | [`spec`], [`scheme`] | which method, at which step, as data and as text |
 //! | [`table`] | the table of methods: a new method is one file and one line there |
 //!
 //! # Example
@@ -61,7 +61,7 @@
 //!         q[0] = 1.0; // [m]
 //!         v[0] = 1.0; // [m/s]
 //!     }
-//!     fn pace(&self, _at: At<'_>) -> f64 {
+//!     fn characteristic_time(&self, _at: At<'_>) -> f64 {
 //!         1.0 // sqrt(m / k) [s]
 //!     }
 //!     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
@@ -96,30 +96,32 @@
 //! ```
 
 mod bounds;
-pub mod coast;
 pub mod dense_solve;
 pub mod diffsol_adapter;
 pub mod equilibrium;
 mod events;
 pub mod explicit;
+pub mod free_flight;
 pub mod implicit;
 pub mod interpolation;
 pub mod linear_stability;
 pub mod method;
 pub mod modal;
 pub mod observers;
+pub mod scheme;
 pub mod spec;
 pub mod stepped;
 pub mod system;
 pub mod table;
 
-pub use coast::Coast;
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
+pub use free_flight::FlightPath;
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
     Sink, StepError, Stepping, TimePlan, Work,
 };
-pub use spec::{MethodError, MethodSpec, Scheme};
+pub use scheme::Scheme;
+pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Events, FreeFlight, Layout, ModalSplit, Outputs, Power, Report,

@@ -67,6 +67,24 @@ pub enum Resolution {
     Tolerance(f64),
 }
 
+impl Resolution {
+    /// The fixed step [s].
+    pub fn step(self) -> Option<f64> {
+        match self {
+            Resolution::Step(h) => Some(h),
+            Resolution::Tolerance(_) => None,
+        }
+    }
+
+    /// The relative tolerance.
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            Resolution::Step(_) => None,
+            Resolution::Tolerance(rtol) => Some(rtol),
+        }
+    }
+}
+
 /// What to integrate and within which bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct TimePlan<'a> {
@@ -226,11 +244,11 @@ pub trait Dense {
     fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]);
 }
 
-/// An accepted step, before events switch or commit the memory.
+/// An accepted step, before events switch or commit the discrete state.
 pub struct AcceptedStep<'a> {
-    /// State at the start of the step; its memory held through the step.
+    /// State at the start of the step; its discrete state held through the step.
     pub from: &'a State,
-    /// State at its end, with the memory of the step.
+    /// State at its end, with the discrete state of the step.
     pub to: &'a State,
     /// The solution in between.
     pub dense: &'a dyn Dense,
@@ -280,9 +298,9 @@ pub trait Integrator {
     /// What the method declares.
     fn info(&self) -> &'static MethodInfo;
 
-    /// Crosses flights in one step of the system's own closed form ([`SecondOrderSystem::coast`]), or steps through
-    /// them; false where the method cannot do what is asked.
-    fn coast(&mut self, on: bool) -> bool {
+    /// Crosses flights in one step of the system's own closed form ([`SecondOrderSystem::flight_path`]), or steps
+    /// through them; false where the method cannot do what is asked.
+    fn free_flight(&mut self, on: bool) -> bool {
         !on
     }
 
@@ -315,7 +333,7 @@ pub trait OneStep {
     /// Sizes buffers and evaluates what the first step needs; called again after every restart.
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work);
 
-    /// One step of size `h` [s]. `to` has the right lengths and the memory of `from`. Returns the error
+    /// One step of size `h` [s]. `to` has the right lengths and the discrete state of `from`. Returns the error
     /// estimate scaled by `tolerance` (accepted when <= 1), or 0 for methods without one.
     fn step(
         &mut self,
@@ -329,12 +347,12 @@ pub trait OneStep {
 
     /// A time up to which the method goes from `s` in one step, whatever step `h` is asked for, because nothing
     /// touches until then; at most `s.t + h` where it does not.
-    fn reach(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
+    fn free_flight_end(&mut self, _sys: &mut dyn SecondOrderSystem, s: &State, _h: f64) -> f64 {
         s.t
     }
 
     /// The step of at most this size that the method likes best under a tolerance.
-    fn favoured(&self, h: f64) -> f64 {
+    fn preferred_step(&self, h: f64) -> f64 {
         h
     }
 

@@ -1,9 +1,10 @@
-//! Methods as data: which one, with which parameters ([`MethodSpec`]), at which step or tolerance ([`Scheme`]), and
-//! how people write them: `rk4`, `newmark(beta=0.3)`, `trigonometric@1us`, `dopri5@1e-6`. Nothing else parses that.
+//! Methods as data: which one, with which parameters, and how people write them: `rk4`, `newmark(beta=0.3)`. Nothing
+//! else parses that.
 
 use crate::linear_stability::Stability;
-use crate::method::{Integrator, MethodInfo, Resolution, Stepping};
-use crate::table::{COAST, METHODS, Method};
+use crate::method::{Integrator, MethodInfo, Resolution};
+use crate::scheme::Scheme;
+use crate::table::{FREE_FLIGHT, METHODS, Method};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -18,8 +19,8 @@ pub struct MethodSpec {
     row: &'static Method,
     /// Given values of its own parameters, in declared order.
     given: [Option<f64>; MOST_PARAMETERS],
-    /// Given value of [`COAST`].
-    coast: Option<bool>,
+    /// Given value of [`FREE_FLIGHT`].
+    free_flight: Option<bool>,
 }
 
 /// What is wrong with a method, a step or a tolerance that somebody asked for.
@@ -50,7 +51,7 @@ impl MethodSpec {
         Self {
             row,
             given: [None; MOST_PARAMETERS],
-            coast: None,
+            free_flight: None,
         }
     }
 
@@ -65,16 +66,16 @@ impl MethodSpec {
         self
     }
 
-    /// The same method with a parameter at another value: one of its own, or [`COAST`].
+    /// The same method with a parameter at another value: one of its own, or [`FREE_FLIGHT`].
     pub fn with(mut self, name: &str, value: f64) -> Result<Self, MethodError> {
         let info = self.row.info;
         let wrong = |why: String| Err(MethodError::Parameter(why));
-        if name == COAST.name {
+        if name == FREE_FLIGHT.name {
             if value != 0.0 && value != 1.0 {
                 return wrong(format!("{} {name} = {value} is neither 0 nor 1", info.id));
             }
             let on = value == 1.0;
-            if !self.build().coast(on) {
+            if !self.build().free_flight(on) {
                 let what = if on {
                     "steps through flights"
                 } else {
@@ -82,19 +83,22 @@ impl MethodSpec {
                 };
                 return wrong(format!("{} {what}; leave `{name}` out", info.id));
             }
-            self.coast = Some(on);
+            self.free_flight = Some(on);
             return Ok(self);
+        }
+        if name == "coast" {
+            return wrong(format!("`coast` is called `{}`", FREE_FLIGHT.name));
         }
         let Some(i) = info.parameters.iter().position(|p| p.name == name) else {
             let known: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
             return wrong(if known.is_empty() {
                 format!(
                     "{} has no parameters of its own, but `{name}` was given; all methods take `{}`",
-                    info.id, COAST.name
+                    info.id, FREE_FLIGHT.name
                 )
             } else {
                 let known = known.join(", ");
-                let (id, all) = (info.id, COAST.name);
+                let (id, all) = (info.id, FREE_FLIGHT.name);
                 format!("{id} has no parameter `{name}`; it has {known} and {all}")
             });
         };
@@ -134,8 +138,8 @@ impl MethodSpec {
     /// The method, ready to run.
     pub fn build(&self) -> Box<dyn Integrator> {
         let mut built = (self.row.make)(&self.values());
-        if let Some(on) = self.coast {
-            built.coast(on);
+        if let Some(on) = self.free_flight {
+            built.free_flight(on);
         }
         built
     }
@@ -145,26 +149,28 @@ impl MethodSpec {
         (self.row.stability)(&self.values())
     }
 
-    /// The method at a fixed step [s].
-    pub const fn at_step(self, h: f64) -> Scheme {
+    /// The method at a step or under a tolerance.
+    pub const fn at(self, resolution: Resolution) -> Scheme {
         Scheme {
             method: self,
-            resolution: Resolution::Step(h),
+            resolution,
         }
+    }
+
+    /// The method at a fixed step [s].
+    pub const fn at_step(self, h: f64) -> Scheme {
+        self.at(Resolution::Step(h))
     }
 
     /// The method under a tolerance.
     pub const fn at_tolerance(self, rtol: f64) -> Scheme {
-        Scheme {
-            method: self,
-            resolution: Resolution::Tolerance(rtol),
-        }
+        self.at(Resolution::Tolerance(rtol))
     }
 }
 
 impl PartialEq for MethodSpec {
     fn eq(&self, other: &Self) -> bool {
-        (self.id(), self.given, self.coast) == (other.id(), other.given, other.coast)
+        (self.id(), self.given, self.free_flight) == (other.id(), other.given, other.free_flight)
     }
 }
 
@@ -174,7 +180,7 @@ impl fmt::Display for MethodSpec {
         let mut given: Vec<String> = own
             .filter_map(|(p, value)| Some(format!("{}={}", p.name, value?)))
             .collect();
-        given.extend((self.coast).map(|on| format!("{}={}", COAST.name, u8::from(on))));
+        given.extend((self.free_flight).map(|on| format!("{}={}", FREE_FLIGHT.name, u8::from(on))));
         // Padding is for the whole.
         f.pad(&match given.is_empty() {
             true => self.id().to_owned(),
@@ -236,156 +242,20 @@ impl<'de> Deserialize<'de> for MethodSpec {
     }
 }
 
-/// A method at a step or under a tolerance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scheme {
-    /// Method and parameters.
-    pub method: MethodSpec,
-    /// Step or tolerance.
-    pub resolution: Resolution,
-}
-
-impl Scheme {
-    /// A list between commas, as on a command line: `id`, `id(name=value)`, each optionally followed by `@` and a step
-    /// with its unit (`500ns`, `1us`, `2e-7s`) or a bare number, which is a step in seconds for methods of fixed steps
-    /// and a tolerance for adaptive ones. Without `@` the resolution of that method among the known ones is taken, or
-    /// that of its nearest kin.
-    pub fn list(text: &str, known: &[Scheme]) -> Result<Vec<Scheme>, MethodError> {
-        let asked = SchemeRequest::list(text)?;
-        if asked.is_empty() {
-            return Err(MethodError::Empty);
-        }
-        Ok(asked.iter().map(|a| a.or_known(known)).collect())
-    }
-}
-
-/// A method, and the step or tolerance that somebody asked for with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SchemeRequest {
-    /// Method and parameters.
-    pub method: MethodSpec,
-    /// What stands after the `@`.
-    pub resolution: Option<Resolution>,
-}
-
-impl SchemeRequest {
-    /// A list between commas; see [`Scheme::list`].
-    pub fn list(text: &str) -> Result<Vec<SchemeRequest>, MethodError> {
-        split_outside_brackets(text).map(str::parse).collect()
-    }
-
-    /// With the resolution of that method among the known ones, or of its nearest kin, where none was asked for.
-    pub fn or_known(&self, known: &[Scheme]) -> Scheme {
-        let Self { method, resolution } = *self;
-        let fixed = method.info().stepping == Stepping::Fixed;
-        let adaptive = |s: &&Scheme| matches!(s.resolution, Resolution::Tolerance(_));
-        let nearest = (known.iter().find(|s| s.method == method))
-            .or_else(|| known.iter().find(|s| s.method.id() == method.id()))
-            .or_else(|| known.iter().find(|s| adaptive(s) != fixed));
-        let usual = match fixed {
-            true => Resolution::Step(1e-6),
-            false => Resolution::Tolerance(1e-6),
-        };
-        Scheme {
-            method,
-            resolution: resolution
-                .or(nearest.map(|s| s.resolution))
-                .unwrap_or(usual),
-        }
-    }
-}
-
-impl FromStr for SchemeRequest {
-    type Err = MethodError;
-
-    fn from_str(part: &str) -> Result<Self, MethodError> {
-        let Some((name, value)) = part.split_once('@') else {
-            let method = part.parse()?;
-            return Ok(Self {
-                method,
-                resolution: None,
-            });
-        };
-        let wrong = |why: String| Err(MethodError::Resolution(format!("`{part}`: {why}")));
-        // A number with a unit of time, or a bare one.
-        let bare = value.trim().parse::<f64>().ok();
-        let Some(x) = bare.or_else(|| seconds(value)) else {
-            return wrong(format!("`{value}` after @ is not a number"));
-        };
-        let method: MethodSpec = name.parse()?;
-        let (id, stepping) = (method.id(), method.info().stepping);
-        if !(x > 0.0 && x.is_finite()) {
-            return wrong("a step or tolerance must be positive".into());
-        }
-        let resolution = match (bare.is_some(), stepping) {
-            (false, Stepping::Adaptive) => {
-                let name = name.trim();
-                return wrong(format!(
-                    "{id} chooses its steps; give a tolerance, for example {name}@1e-6"
-                ));
-            }
-            (false, _) | (true, Stepping::Fixed) => Resolution::Step(x),
-            // Of a method that can do both a bare number is the tolerance.
-            (true, _) if x < 1.0 => Resolution::Tolerance(x),
-            (true, _) => {
-                return wrong("a tolerance is less than 1; a step has a unit, as in @1us".into());
-            }
-        };
-        Ok(Self {
-            method,
-            resolution: Some(resolution),
-        })
-    }
-}
-
-/// A time with its unit: `500ns`, `1us`, `0.5 ms`, `2e-7s` [s].
-pub fn seconds(text: &str) -> Option<f64> {
-    const UNITS: [(&str, f64); 6] = [
-        ("ns", 1e-9),
-        ("us", 1e-6),
-        ("\u{b5}s", 1e-6),
-        ("\u{3bc}s", 1e-6),
-        ("ms", 1e-3),
-        ("s", 1.0),
-    ];
-    UNITS.iter().find_map(|(unit, factor)| {
-        let number = text.trim().strip_suffix(unit)?.trim_end();
-        Some(factor * number.parse::<f64>().ok()?)
-    })
-}
-
-/// Splits at commas that are not inside brackets.
-fn split_outside_brackets(text: &str) -> impl Iterator<Item = &str> {
-    let mut depth = 0i32;
-    let parts = text.split(move |c| {
-        depth += i32::from(c == '(') - i32::from(c == ')');
-        c == ',' && depth == 0
-    });
-    parts.map(str::trim).filter(|p| !p.is_empty())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4};
-
-    fn scene() -> [Scheme; 2] {
-        [RK4.at_step(2e-6), DOPRI5.at_tolerance(1e-5)]
-    }
-
-    fn list(text: &str) -> Vec<(String, Resolution)> {
-        let all = Scheme::list(text, &scene()).unwrap();
-        all.iter()
-            .map(|s| (s.method.to_string(), s.resolution))
-            .collect()
-    }
+    use crate::table::{GENERALISED_ALPHA, NEWMARK, RK4};
 
     #[test]
     fn text_and_back() {
         for m in METHODS {
             let spec: MethodSpec = m.info.id.parse().unwrap();
             assert_eq!((spec, spec.build().info()), (MethodSpec::of(m), m.info));
-            for text in [m.info.id.to_owned(), format!("{}(coast=1)", m.info.id)] {
+            for text in [
+                m.info.id.to_owned(),
+                format!("{}(free_flight=1)", m.info.id),
+            ] {
                 let spec: MethodSpec = text.parse().unwrap();
                 assert_eq!(spec.to_string(), text);
                 let json = serde_json::to_string(&spec).unwrap();
@@ -393,8 +263,8 @@ mod tests {
                 assert_eq!(serde_json::from_str::<MethodSpec>(&json).unwrap(), spec);
             }
         }
-        let spec: MethodSpec = " newmark( coast = 1,beta=0.30 ) ".parse().unwrap();
-        assert_eq!(spec.to_string(), "newmark(beta=0.3, coast=1)");
+        let spec: MethodSpec = " newmark( free_flight = 1,beta=0.30 ) ".parse().unwrap();
+        assert_eq!(spec.to_string(), "newmark(beta=0.3, free_flight=1)");
         assert_eq!("newmark()".parse(), Ok(NEWMARK));
         assert_eq!(format!("{RK4:>5}|"), "  rk4|");
     }
@@ -417,8 +287,9 @@ mod tests {
         for (text, says) in [
             ("rk5", "semi-implicit-euler"),
             ("rk4(h=1)", "no parameters"),
-            ("rk4(coast=0.5)", "neither 0 nor 1"),
-            ("trigonometric(coast=0)", "always crosses"),
+            ("rk4(free_flight=0.5)", "neither 0 nor 1"),
+            ("rk4(coast=1)", "is called `free_flight`"),
+            ("trigonometric(free_flight=0)", "always crosses"),
             ("newmark(gamma=0.5)", "it has beta"),
             ("newmark(beta=2)", "outside [0, 0.5]"),
             ("newmark(beta=NaN)", "outside"),
@@ -428,49 +299,6 @@ mod tests {
         ] {
             let error = text.parse::<MethodSpec>().unwrap_err().to_string();
             assert!(error.contains(says), "{text}: {error}");
-        }
-    }
-
-    #[test]
-    fn integrators_from_the_command_line() {
-        let found = list("rk4, generalised-alpha(rho_inf=0.5), dopri5@1e-8,hht-alpha@1e-7");
-        let want = [
-            ("rk4", Resolution::Step(2e-6)),
-            ("generalised-alpha(rho_inf=0.5)", Resolution::Step(2e-6)),
-            ("dopri5", Resolution::Tolerance(1e-8)),
-            ("hht-alpha", Resolution::Step(1e-7)),
-        ];
-        assert_eq!(found, want.map(|(text, r)| (text.to_owned(), r)));
-    }
-
-    #[test]
-    fn a_unit_makes_it_a_step() {
-        let found = list(
-            "trigonometric@1us,dopri5@2e-7s, rk4@500ns,hht-alpha@0.5 \u{b5}s,trigonometric@1e-4,bdf@1e-6",
-        );
-        let want = [
-            Resolution::Step(1e-6),
-            Resolution::Step(2e-7),
-            Resolution::Step(500.0 * 1e-9),
-            Resolution::Step(0.5 * 1e-6),
-            Resolution::Tolerance(1e-4),
-            Resolution::Tolerance(1e-6),
-        ];
-        assert_eq!(found.iter().map(|(_, r)| *r).collect::<Vec<_>>(), want);
-        for (text, says) in [
-            ("rk5", "rk4"),
-            ("bdf@1us", "chooses its steps"),
-            ("rk4@-1us", "positive"),
-            ("rk4@-1", "positive"),
-            ("dopri5@2", "less than 1"),
-            ("rk4@x", "not a number"),
-            ("rk4@1 furlong", "not a number"),
-            ("rk4@us", "not a number"),
-            ("rk4@infs", "positive"),
-            (",", "dopri5"),
-        ] {
-            let e = Scheme::list(text, &scene()).unwrap_err().to_string();
-            assert!(e.contains(says), "{text}: {e}");
         }
     }
 }

@@ -1,18 +1,18 @@
-//! The system seam: `q' = v`, `M v' = f(t, q, v; memory)`.
+//! The system seam: `q' = v`, `M v' = f(t, q, v; discrete)`.
 //!
 //! Conventions, stated once:
 //!
 //! - `q`, `v` hold the free generalised coordinates and their rates only. A prescribed motion is a
 //!   function of time inside the system, not a coordinate.
 //! - [`SecondOrderSystem::force`] is pure in [`At`]: the same arguments give the same bits.
-//! - **Guards**: the system's current branch (which contacts are closed, which tooth pairs lie on the
-//!   path of contact) is held in the memory. Guard `i` is positive while its part of the branch is valid;
-//!   an integrator that locates events stops where a guard falls through zero and calls
-//!   [`Events::switch`]. Without event location the system uses its clipped,
-//!   memory-free force instead ([`Events::begin`] says which).
-//! - Only `begin`, `switch` and `commit` change a state's memory, and only between steps.
+//! - **Event functions**: the system's current branch (which contacts are closed, which tooth pairs lie on the
+//!   path of contact) is held in the discrete state. Event function `i` is positive while its part of the branch is
+//!   valid; an integrator that locates events stops where an event function falls through zero and calls
+//!   [`Events::transition`]. Without event location the system uses its clipped force instead, without discrete
+//!   state ([`Events::begin`] says which).
+//! - Only `begin`, `transition` and `commit` change the discrete state, and only between steps.
 
-use crate::coast::Coast;
+use crate::free_flight::FlightPath;
 
 /// A state: time [s], generalised coordinates, their rates, and what has history.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,7 +24,7 @@ pub struct State {
     /// Generalised velocities [rad/s or m/s], length `n`.
     pub v: Vec<f64>,
     /// Contact modes, impact speeds, tooth slots; constant within a step.
-    pub memory: Vec<f64>,
+    pub discrete: Vec<f64>,
 }
 
 impl State {
@@ -35,7 +35,7 @@ impl State {
             t: self.t,
             q: &self.q,
             v: &self.v,
-            memory: &self.memory,
+            discrete: &self.discrete,
         }
     }
 
@@ -45,7 +45,7 @@ impl State {
         self.t = other.t;
         self.q.clone_from(&other.q);
         self.v.clone_from(&other.v);
-        self.memory.clone_from(&other.memory);
+        self.discrete.clone_from(&other.discrete);
     }
 }
 
@@ -58,8 +58,8 @@ pub struct At<'a> {
     pub q: &'a [f64],
     /// Generalised velocities.
     pub v: &'a [f64],
-    /// Memory, constant within a step.
-    pub memory: &'a [f64],
+    /// Discrete state, constant within a step.
+    pub discrete: &'a [f64],
 }
 
 /// Sizes of a system.
@@ -67,10 +67,10 @@ pub struct At<'a> {
 pub struct Layout {
     /// Number of free generalised coordinates.
     pub n: usize,
-    /// Number of guards (fixed; a guard that does not apply is held at +1).
-    pub guards: usize,
-    /// Length of the memory.
-    pub memory: usize,
+    /// Number of event functions (fixed; an event function that does not apply is held at +1).
+    pub event_functions: usize,
+    /// Length of the discrete state.
+    pub discrete: usize,
 }
 
 /// Weights of the Newton matrix `m M + d D + k K` with `D = -df/dv`, `K = -df/dq`.
@@ -139,8 +139,8 @@ pub struct Outputs {
 #[error("the Newton matrix is singular")]
 pub struct Singular;
 
-/// A system that is oscillators, one per coordinate, and a rest:
-/// `a = -omega^2 q - 2 zeta omega v + rest(t, q, v)`.
+/// A system that is oscillators, one per coordinate, and a remainder:
+/// `a = -omega^2 q - 2 zeta omega v + remainder(t, q, v)`.
 ///
 /// Lengths: all slices have length [`Layout::n`].
 pub trait ModalSplit {
@@ -148,19 +148,19 @@ pub trait ModalSplit {
     /// rigid body.
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]);
 
-    /// Tells how much less than `1/omega^2` the method lets each oscillator give to a rest that lasts, per unit of
+    /// Tells how much less than `1/omega^2` the method lets each oscillator give to a remainder that lasts, per unit of
     /// acceleration [s^2]; zeros for methods that resolve the oscillators. A system that solves for a local
-    /// compliance can add it there, `B diag(lag) B^T`. Called at the start of a run, after
+    /// compliance can add it there, `B diag(quasi_static) B^T`. Called at the start of a run, after
     /// [`Events::begin`], which forgets what an earlier run told.
     fn prepare(&mut self, _lag: &[f64]) {}
 
-    /// The rest of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]);
+    /// The remainder of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]);
 
-    /// The rest that steady loads make while nothing touches; the time until which it is constant.
+    /// The remainder that steady loads make while nothing touches; the time until which it is constant.
     fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64;
 
-    /// A time until which the rest surely is that of [`Self::steady`], were the system to move on from `s` without
+    /// A time until which the remainder surely is that of [`Self::steady`], were the system to move on from `s` without
     /// contact; `s.t` where something touches or nothing is known.
     fn free_until(&mut self, s: &State) -> f64;
 }
@@ -178,11 +178,11 @@ pub trait SecondOrderSystem {
 
     /// A time in which the force changes noticeably [s]: first step after a restart of an adaptive
     /// method. Infinite when nothing is fast.
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         f64::INFINITY
     }
 
-    /// Generalised forces `f(t, q, v; memory)` without inertia. Pure and bitwise repeatable.
+    /// Generalised forces `f(t, q, v; discrete)` without inertia. Pure and bitwise repeatable.
     fn force(&mut self, at: At<'_>, f: &mut [f64]);
 
     /// `f <- M^-1 f`.
@@ -230,17 +230,17 @@ pub trait SecondOrderSystem {
 
 /// The branches of a system: how long the present one is valid, and what comes after it.
 pub trait Events {
-    /// Prepares the memory at the start of a run. `located`: the integrator locates events and relies on
-    /// guards; otherwise the force must be clipped and free of branches in memory.
+    /// Prepares the discrete state at the start of a run. `located`: the integrator locates events and relies on
+    /// event functions; otherwise the force must be clipped and free of branches in discrete state.
     fn begin(&mut self, _s: &mut State, _located: bool) {}
 
-    /// Guards of the current branch; `out` has length [`Layout::guards`].
-    fn guards(&mut self, _at: At<'_>, out: &mut [f64]) {
+    /// Event functions of the current branch; `out` has length [`Layout::event_functions`].
+    fn event_functions(&mut self, _at: At<'_>, out: &mut [f64]) {
         out.fill(1.0);
     }
 
-    /// Flips the part of the branch that guard `i` watches.
-    fn switch(&mut self, _s: &mut State, _guard: usize) -> Change {
+    /// Flips the part of the branch that event function `i` watches.
+    fn transition(&mut self, _s: &mut State, _event: usize) -> Change {
         Change::None
     }
 
@@ -249,20 +249,20 @@ pub trait Events {
         Change::None
     }
 
-    /// Next time after `t` at which a load has a knot, or infinity.
-    fn next_knot(&self, _t: f64) -> f64 {
+    /// Next time after `t` at which a load has a breakpoint, or infinity.
+    fn next_breakpoint(&self, _t: f64) -> f64 {
         f64::INFINITY
     }
 }
 
 /// Motion while nothing touches and all loads are steady.
 pub trait FreeFlight {
-    /// The motion from `s` on in closed form: the time until which it surely holds, with the motion in `coast` where the
-    /// time is `later` than a time; `s.t` where something touches or nothing is known.
-    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64;
+    /// The motion from `s` on in closed form: the time until which it surely holds, with the motion in `path`
+    /// where the time is `later` than a time; `s.t` where something touches or nothing is known.
+    fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64;
 
     /// Work [J] of steady loads and prescribed motions between two states of one flight, where it is known in closed
-    /// form; `from` and `to` have the memory of the flight.
+    /// form; `from` and `to` have the discrete state of the flight.
     fn steady_work(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
         None
     }
@@ -291,7 +291,7 @@ pub trait Report {
     fn output(&mut self, at: At<'_>, out: &mut Outputs);
 }
 
-/// What a system without a capability does: no guard ever falls, nothing flies, nothing is reported.
+/// What a system without a capability does: no event function ever falls, nothing flies, nothing is reported.
 impl dyn SecondOrderSystem + '_ {
     /// [`Events::begin`].
     pub fn begin(&mut self, s: &mut State, located: bool) {
@@ -300,17 +300,17 @@ impl dyn SecondOrderSystem + '_ {
         }
     }
 
-    /// [`Events::guards`].
-    pub fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    /// [`Events::event_functions`].
+    pub fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         match self.events() {
-            Some(events) => events.guards(at, out),
+            Some(events) => events.event_functions(at, out),
             None => out.fill(1.0),
         }
     }
 
-    /// [`Events::switch`].
-    pub fn switch(&mut self, s: &mut State, guard: usize) -> Change {
-        (self.events()).map_or(Change::None, |e| e.switch(s, guard))
+    /// [`Events::transition`].
+    pub fn transition(&mut self, s: &mut State, event: usize) -> Change {
+        (self.events()).map_or(Change::None, |e| e.transition(s, event))
     }
 
     /// [`Events::commit`].
@@ -318,14 +318,15 @@ impl dyn SecondOrderSystem + '_ {
         self.events().map_or(Change::None, |e| e.commit(s))
     }
 
-    /// [`Events::next_knot`].
-    pub fn next_knot(&mut self, t: f64) -> f64 {
-        self.events().map_or(f64::INFINITY, |e| e.next_knot(t))
+    /// [`Events::next_breakpoint`].
+    pub fn next_breakpoint(&mut self, t: f64) -> f64 {
+        self.events()
+            .map_or(f64::INFINITY, |e| e.next_breakpoint(t))
     }
 
-    /// [`FreeFlight::coast`].
-    pub fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
-        (self.free_flight()).map_or(s.t, |f| f.coast(s, later, coast))
+    /// [`FreeFlight::flight_path`].
+    pub fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64 {
+        (self.free_flight()).map_or(s.t, |f| f.flight_path(s, later, path))
     }
 
     /// [`FreeFlight::steady_work`].

@@ -23,8 +23,8 @@ pub struct Method {
 }
 
 /// The parameter that all methods take beside their own.
-pub static COAST: Parameter = Parameter {
-    name: "coast",
+pub static FREE_FLIGHT: Parameter = Parameter {
+    name: "free_flight",
     default: 0.0,
     range: (0.0, 1.0),
     meaning: "1: flights, where nothing touches under steady loads, are crossed in one step of the system's own closed form, exact up to rounding; 0: they are stepped through. The trigonometric method always crosses them",

@@ -11,6 +11,7 @@
 use gearbench_integrators::system::{At, Energy, Power};
 use gearbench_models::Vec3;
 use gearbench_models::error::BuildError;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::gear::{GearModel, HubBody, HubState, ToothCoordinates};
 use gearbench_models::kinematics::{Point, Row, Tooth, Wrench};
@@ -25,6 +26,7 @@ pub const MODEL: Model = Model {
         ParameterInfo::required("rim_share", "share of the rim in the inertia"),
         ParameterInfo::required("damping_ratio", "of the rim, hub held"),
     ],
+    properties: Properties::NONE,
     build,
 };
 
@@ -52,10 +54,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     Ok(Box::new(ElasticWeb {
         hub: HubBody {
             own: 1,
-            contact_mass: rim / context.lever.powi(2),
+            contact_mass: rim / context.effective_radius.powi(2),
             characteristic_time: (1.0 - share).sqrt() / omega,
             masses,
-            ..HubBody::new(context.hub.clone(), context.lever)
+            ..HubBody::new(context.hub.clone(), context.effective_radius)
         },
         rim,
         stiffness: rim * omega * omega,
@@ -67,14 +69,14 @@ impl ElasticWeb {
     /// Stretch of the web, its rate and its torque on the hub.
     fn stretch(&self, at: At<'_>) -> [f64; 3] {
         let rim = self.hub.first();
-        let x = at.q[rim] - self.hub.travel_at(at);
+        let x = at.q[rim] - self.hub.displacement_at(at);
         let v = at.v[rim] - self.hub.speed_at(at);
         [x, v, self.stiffness * x + self.damping * v]
     }
 }
 
 impl ToothCoordinates for ElasticWeb {
-    fn travel(&self, at: At<'_>, _tooth: Tooth) -> f64 {
+    fn displacement(&self, at: At<'_>, _tooth: Tooth) -> f64 {
         at.q[self.hub.first()]
     }
 }
@@ -97,7 +99,7 @@ impl GearModel for ElasticWeb {
     }
 
     fn row(&self, _at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
-        row.push(self.hub.first(), self.hub.lever(&p.x, n));
+        row.push(self.hub.first(), self.hub.effective_radius(&p.x, n));
         0.0
     }
 

@@ -43,6 +43,26 @@ impl<C: Into<String>, H: Into<String>> From<(C, H)> for Reason {
     }
 }
 
+/// Errors that hold numbers and give them words by `reason()`: text and conversion follow from that.
+macro_rules! reasoned {
+    ($error:ty) => {
+        impl std::fmt::Display for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                self.reason().fmt(f)
+            }
+        }
+
+        impl std::error::Error for $error {}
+
+        impl From<&$error> for $crate::error::Reason {
+            fn from(e: &$error) -> Self {
+                e.reason()
+            }
+        }
+    };
+}
+pub(crate) use reasoned;
+
 /// What of a gear is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GearPart {

@@ -56,7 +56,6 @@ impl Hash {
     }
 
     /// Reads 32 hexadecimal digits.
-    #[must_use]
     pub fn from_hex(text: &str) -> Option<Hash> {
         let digits = text.len() == 32 && text.bytes().all(|b| b.is_ascii_hexdigit());
         digits.then(|| u128::from_str_radix(text, 16).ok().map(Hash))?

@@ -4,13 +4,15 @@
 //! |---|---|
 //! | [`mesh`] | structured hexahedral meshes of gears and racks, their quality, VTU |
 //! | [`deck`] | Abaqus and CalculiX decks: reading, checking, writing |
-//! | [`element`], [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
+//! | `element`, [`assembly`] | element matrices, sparse stiffness and mass, the bore tied to the hub |
 //! | [`solve`], [`modes`] | sparse Cholesky; eigenmodes by Lanczos and by cyclic symmetry |
 //! | [`reduction`] | modes, static compliance and their reduction to the data of the elastic gear |
 //! | [`statics`] | loaded tooth contact: load sharing, mesh stiffness, transmission error |
 //! | `mesh_source` | where a model of finite elements takes its mesh from: its parameters |
 //! | [`full_order`] | the gear model `fe`: all nodal displacements, in the same scenes as every other model |
 //! | [`stored`] | references of other programs, embedded in this one: what they carry, and how they are read |
+//! | `vector` | sums and turns of vectors that several modules need |
+//! | [`Refused`] | why a file is refused, a deck or a stored reduction |
 //! | [`hash`] | the hash that names stored results |
 //!
 //! The data lie beside the sources in `reference/calculix/`, each case with its deck, results, parameters
@@ -19,20 +21,23 @@
 
 pub mod assembly;
 pub mod deck;
-pub mod element;
+mod element;
 pub mod full_order;
 pub mod hash;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;
 pub mod reduction;
+mod refusal;
 pub mod solve;
 pub mod statics;
 pub mod stored;
 #[cfg(test)]
 mod test_support;
+mod vector;
 
 pub use mesh_source::MeshParameters;
+pub use refusal::Refused;
 pub use stored::{ExternalReference, REFERENCES, reference};
 
 use gearbench_models::gear::table::Model;

@@ -1,6 +1,6 @@
 //! Where the mesh of a gear comes from: the parameters of the models that are made of finite elements.
 
-use crate::mesh::{ElementKind, GearMesh, GearMeshParams, RackMeshParams};
+use crate::mesh::{ElementKind, GearMesh, GearMeshParams};
 use crate::{deck, mesh};
 use gearbench_models::error::{BuildError, Reason};
 use gearbench_models::gear::parameters::whole;
@@ -9,7 +9,8 @@ use gearbench_models::spec::Body as Toothing;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
+/// A parameter that may be left out.
+pub const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
     ParameterInfo {
         key,
         meaning,
@@ -50,7 +51,6 @@ pub const PARAMETERS: [ParameterInfo; 7] = [
 ];
 
 /// The parameters of a mesh and `own` ones of a model: `N` are those of both.
-#[must_use]
 pub const fn with_own<const N: usize>(own: &[ParameterInfo]) -> [ParameterInfo; N] {
     let mut all = [PARAMETERS[0]; N];
     assert!(
@@ -80,15 +80,11 @@ pub struct Reader<'a> {
 
 impl Reader<'_> {
     /// An error about a parameter.
-    #[must_use]
     pub fn error(&self, key: &str, why: impl Into<Reason>) -> BuildError {
         BuildError::parameter(self.model, key, why)
     }
 
     /// A number above 0, if one is given.
-    ///
-    /// # Errors
-    /// Anything else.
     pub fn positive(&self, key: &str, value: Option<f64>) -> Result<Option<f64>, BuildError> {
         match value {
             Some(x) if !(x.is_finite() && x > 0.0) => {
@@ -99,9 +95,6 @@ impl Reader<'_> {
     }
 
     /// A number of 0 or more; 0 when none is given.
-    ///
-    /// # Errors
-    /// Anything else.
     pub fn not_negative(&self, key: &str, value: Option<f64>) -> Result<f64, BuildError> {
         match value {
             Some(x) if !(x.is_finite() && x >= 0.0) => {
@@ -112,9 +105,6 @@ impl Reader<'_> {
     }
 
     /// A whole number from `least` to `most`, if one is given.
-    ///
-    /// # Errors
-    /// Anything else.
     pub fn count(
         &self,
         key: &str,
@@ -175,9 +165,6 @@ pub enum Source {
 
 impl Source {
     /// Where the mesh of a gear comes from.
-    ///
-    /// # Errors
-    /// What of the parameters is wrong, or of the deck.
     pub fn read(reader: &Reader<'_>, given: &MeshParameters) -> Result<Source, BuildError> {
         let element = match &given.element {
             None => None,
@@ -199,9 +186,6 @@ impl Source {
     }
 
     /// The whole mesh in the gear's own frame.
-    ///
-    /// # Errors
-    /// A gear that cannot be meshed so.
     pub fn whole(self, reader: &Reader<'_>) -> Result<GearMesh, BuildError> {
         let params = match self {
             Source::Deck(mesh) => return Ok(*mesh),
@@ -209,24 +193,12 @@ impl Source {
         };
         let mesh = match reader.context.body {
             Toothing::Gear(g) => mesh::gear(g, &params),
-            Toothing::Rack(r) => mesh::rack(
-                r,
-                &RackMeshParams {
-                    kind: params.kind,
-                    tooth: params.tooth,
-                    body: params.rim,
-                    width: params.width,
-                    ..RackMeshParams::default()
-                },
-            ),
+            Toothing::Rack(r) => mesh::rack(r, &params),
         };
         mesh.map_err(|e| reader.error("mesh", e.to_string()))
     }
 
     /// The sector of tooth 0 where the gear is made of equal ones: a generated gear of three teeth or more.
-    ///
-    /// # Errors
-    /// As [`Source::whole`].
     pub fn sector(&self, reader: &Reader<'_>) -> Result<Option<GearMesh>, BuildError> {
         match (self, reader.context.body) {
             (Source::Generated(params), Toothing::Gear(g)) if g.teeth() >= 3 => {

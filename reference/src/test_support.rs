@@ -1,7 +1,30 @@
 //! Bodies, meshes and numbers that several tests share.
 
-use crate::mesh::{ElementKind, GearMeshParams, RackMeshParams, Tooth};
+use crate::assembly::assemble;
+use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
+use crate::deck::{self, Deck};
+use crate::element::natural_corner;
+use crate::mesh::{ElementKind, GearMesh, GearMeshParams, Mesh, Tooth};
+use faer::sparse::SparseColMat;
+use gearbench_models::Vec3;
+use gearbench_models::gear::table::GearContext;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Body, Mount, Parameters};
+use gearbench_models::stiffness::Material;
+
+/// A deck of the stored references.
+pub(crate) fn calculix(name: &str) -> Deck {
+    deck::read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// A deck from its text, without includes.
+pub(crate) fn parsed(name: &str, text: &str) -> Deck {
+    let read = deck::read_str(name, text, &mut |_| {
+        Err(std::io::Error::other("no includes"))
+    });
+    read.unwrap_or_else(|e| panic!("{e}"))
+}
 
 /// A gear of the default toothing, changed where a test needs it.
 pub(crate) fn gear(teeth: u32, module: f64, change: impl FnOnce(&mut GearParams)) -> Gear {
@@ -39,7 +62,7 @@ pub(crate) fn stub(teeth: u32, helix_angle: f64) -> Gear {
 }
 
 /// Few elements, for what does not depend on how many.
-pub(crate) fn coarse_gear(rim: usize, width: usize) -> GearMeshParams {
+pub(crate) fn coarse(rim: usize, width: usize) -> GearMeshParams {
     GearMeshParams {
         kind: ElementKind::C3D8,
         tooth: Tooth::coarse(),
@@ -50,16 +73,93 @@ pub(crate) fn coarse_gear(rim: usize, width: usize) -> GearMeshParams {
     }
 }
 
-/// Few elements for a rack.
-pub(crate) fn coarse_rack(body: usize) -> RackMeshParams {
-    RackMeshParams {
-        kind: ElementKind::C3D8,
-        tooth: Tooth::coarse(),
-        layers: 1,
-        body,
-        width: 1,
-        ..RackMeshParams::default()
+/// A box from the origin, cut into equal cells; nodes ascend along z first, x last.
+pub(crate) fn brick(kind: ElementKind, cells: [usize; 3], size: [f64; 3]) -> Mesh {
+    let points = cells.map(|c| 2 * c + 1);
+    let at = |i: [usize; 3]| (i[0] * points[1] + i[1]) * points[2] + i[2];
+    let mut number = vec![u32::MAX; points.iter().product()];
+    let mut nodes = Vec::new();
+    for x in 0..points[0] {
+        for y in 0..points[1] {
+            for z in 0..points[2] {
+                let odd = x % 2 + y % 2 + z % 2;
+                if odd == 0 || (odd == 1 && kind.nodes() == 20) {
+                    number[at([x, y, z])] = nodes.len() as u32;
+                    let part = |i: usize, k: usize| size[k] * i as f64 / (points[k] - 1) as f64;
+                    nodes.push(Vec3::new(part(x, 0), part(y, 1), part(z, 2)));
+                }
+            }
+        }
     }
+    let mut connectivity = Vec::new();
+    for x in 0..cells[0] {
+        for y in 0..cells[1] {
+            for z in 0..cells[2] {
+                connectivity.extend((0..kind.nodes()).map(|a| {
+                    let n = natural_corner(a).map(|c| (c + 1.0) as usize);
+                    number[at([2 * x + n[0], 2 * y + n[1], 2 * z + n[2]])]
+                }));
+            }
+        }
+    }
+    Mesh::new(kind, nodes, connectivity)
+}
+
+/// A hub away from the origin, with unit inertia.
+pub(crate) fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
+    Hub {
+        mount,
+        centre: Vec3::new(0.1, -0.2, 0.0),
+        slide,
+        inertia: 1.0,
+    }
+}
+
+/// What a steel gear in no mesh is built from.
+pub(crate) fn context<'a>(
+    body: &'a Body,
+    hub: &'a Hub,
+    parameters: &'a Parameters,
+) -> GearContext<'a> {
+    GearContext {
+        name: "pinion",
+        body,
+        material: Material::STEEL,
+        hub,
+        added_inertia: 0.0,
+        placement: Placement::new(hub, 0.1),
+        effective_radius: 1.0,
+        meshes: &[],
+        speed: 0.0,
+        parameters,
+    }
+}
+
+/// Largest absolute value.
+pub(crate) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// `A x` of a lower triangle.
+pub(crate) fn product(a: &SparseColMat<usize, f64>, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    for j in 0..a.ncols() {
+        for (i, v) in a.row_idx_of_col(j).zip(a.val_of_col(j)) {
+            y[i] += v * x[j];
+            if i != j {
+                y[j] += v * x[i];
+            }
+        }
+    }
+    y
+}
+
+/// A mesh on its hub: the tie, stiffness and consistent mass.
+pub(crate) fn tied(gear: &GearMesh, motions: &[HubMotion], added: &[f64]) -> (Tie, Reduced) {
+    let assembly = assemble(&gear.mesh, &Material::STEEL).unwrap();
+    let tie = Tie::new(&gear.mesh.nodes, &gear.bore, motions);
+    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
+    (tie, reduced)
 }
 
 /// Numbers that look random and repeat.

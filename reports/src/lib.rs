@@ -5,7 +5,7 @@
 //! This crate knows neither models nor integrators; its tables iterate the records.
 
 mod csv_table;
-pub mod drawing;
+mod drawing;
 mod markup;
 pub mod metrics;
 pub mod numbers;
@@ -14,9 +14,10 @@ pub mod series;
 pub mod store;
 pub mod studies;
 mod view;
+mod words;
 
 pub use csv_table::CsvTable;
-pub use drawing::Chart;
+pub use drawing::{Chart, DrawError};
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, Part, ReferenceSeries,
@@ -24,7 +25,7 @@ pub use record::{
 };
 pub use series::{Column, TimeSeries, decimate};
 pub use store::{ReportError, load_results, report_from, write_results};
-pub use studies::choose::{ChoiceRecord, ChooseRecord, RungRecord, TriedRecord};
+pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
     StudyReport, choice_check, compare as comparison, precision, stability, sweep, truncation,

@@ -19,7 +19,6 @@ pub struct Group<'a> {
 
 /// A record seen by the report.
 pub struct View<'a> {
-    /// The record.
     pub results: &'a Results,
     /// Models in order of appearance.
     pub groups: Vec<Group<'a>>,

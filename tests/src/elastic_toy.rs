@@ -10,6 +10,7 @@ use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Reduced, Residual};
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model};
 use gearbench_models::geometry::Side;
 use gearbench_models::spec::Body;
@@ -27,8 +28,9 @@ pub const ELASTIC_TOY: Model = Model {
         takes("residual_m_per_n", "residual compliance of a node; 0: none"),
         takes("damping_ratio", "of all modes"),
         takes("spread_m", "length of the local kernel"),
-        takes("sleep", "share of an impact's energy"),
+        takes("vibration_cut_off", "share of an impact's energy"),
     ],
+    properties: Properties::NONE,
     build: build_toy,
 };
 
@@ -36,11 +38,11 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     let data = toy(context);
     let model = Elastic::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         context.placement,
         Arc::new(data),
     )
-    .and_then(|model| model.with_sleep(number(context, "sleep", 0.0)))
+    .and_then(|model| model.with_vibration_cut_off(number(context, "vibration_cut_off", 0.0)))
     .map_err(|e| BuildError::gear(context.name, GearPart::Model, e))?;
     Ok(Box::new(model))
 }

@@ -1,23 +1,15 @@
-//! Two small gears that bring flanks as grids of nodes, for tests of the contact of flank points.
-//!
-//! [`RIGID`]: a rigid gear whose nodes follow the hub. [`NODAL`]: every node is a point mass with three free
-//! coordinates on a spring to its place on the hub,
-//!
-//! ```text
-//! m x_i'' = -k (x_i - a_i(phi)) - d (x_i' - a_i'(phi)) + contact,     a_i = c + R(phi) X_i
-//! J phi'' = T + sum_i (k (x_i - a_i) + d (x_i' - a_i')) . da_i/dphi,  J = total - sum_i m r_i^2
-//! ```
-//!
-//! with the displacements from the assembled positions as coordinates: linear masses, exact momentum.
+//! Grids of flank nodes from the geometry of a gear or a rack, and a rigid gear that brings them, for tests of the
+//! contact of flank points.
 
-use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use gearbench_integrators::system::{At, Coeffs, Singular};
 use gearbench_models::Vec3;
-use gearbench_models::error::{BuildError, GearPart};
+use gearbench_models::error::BuildError;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::rigid::Rigid;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
-use gearbench_models::gear::{FlankNodes, FlankSurface, GearModel, HubBody, HubState, LargeGear};
+use gearbench_models::gear::{FlankNodes, FlankSurface, GearModel, HubBody};
 use gearbench_models::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
-use gearbench_models::kinematics::{Locus, Placement, Point, Row};
+use gearbench_models::kinematics::Placement;
 use gearbench_models::spec::{Body, Value};
 
 pub(crate) const fn takes(key: &'static str, meaning: &'static str) -> ParameterInfo {
@@ -37,22 +29,8 @@ pub const RIGID: Model = Model {
         takes("columns", "nodes over the width"),
         takes("lean_pitches", "how far tips stand off their involutes"),
     ],
+    properties: Properties::NONE,
     build: build_rigid,
-};
-
-/// A gear of point masses.
-pub const NODAL: Model = Model {
-    id: "nodal-test",
-    title: "flank nodes as point masses on springs (test)",
-    parameters: &[
-        takes("rows", "nodes along the profile"),
-        takes("columns", "nodes over the width"),
-        takes("stiffness_n_per_m", "spring of a node"),
-        takes("mass_kg", "of a node"),
-        takes("damping_ns_per_m", "dashpot of a node"),
-        takes("condensed", "1: asks for the condensed correction"),
-    ],
-    build: build_nodal,
 };
 
 pub(crate) fn number(context: &GearContext<'_>, key: &str, default: f64) -> f64 {
@@ -62,21 +40,21 @@ pub(crate) fn number(context: &GearContext<'_>, key: &str, default: f64) -> f64 
     }
 }
 
-/// Grids of all flanks of a gear: involute from the form circle to the tip, equal steps of the length of roll.
-pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
+/// Grids of all flanks of a body: `place(tooth, side, t, w)` of a node at `t` from 0 at the form circle to 1 at the tip
+/// and at `w` from -1/2 to 1/2 over the width.
+fn all_flanks(
+    teeth: u32,
+    [rows, columns]: [usize; 2],
+    place: impl Fn(u32, Side, f64, f64) -> Vec3,
+) -> Flanks {
     let mut all = Vec::new();
-    for tooth in 0..gear.teeth() {
+    for tooth in 0..teeth {
         for side in Side::BOTH {
             let first = (all.len() * rows * columns) as u32;
-            let point = |r: usize, c: usize| {
-                let t = r as f64 / (rows - 1) as f64;
-                let (low, high) = (gear.roll_length_form(), gear.roll_length_tip());
-                let radius = gear.r_base().hypot(low + t * (high - low));
-                let z = gear.face_width() * (c as f64 / (columns - 1) as f64 - 0.5);
-                let angle = f64::from(tooth) * gear.pitch_angle()
-                    + z * gear.base_helix_angle().tan() / gear.r_base()
-                    + side.sign() * gear.half_angle_at(radius);
-                Vec3::new(radius * angle.cos(), radius * angle.sin(), z)
+            let position = |i: usize| {
+                let t = (i / columns) as f64 / (rows - 1) as f64;
+                let w = (i % columns) as f64 / (columns - 1) as f64 - 0.5;
+                place(tooth, side, t, w)
             };
             all.push(FlankGrid {
                 tooth,
@@ -84,43 +62,36 @@ pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
                 rows,
                 columns,
                 nodes: (first..).take(rows * columns).collect(),
-                positions: (0..rows * columns)
-                    .map(|i| point(i / columns, i % columns))
-                    .collect(),
+                positions: (0..rows * columns).map(position).collect(),
             });
         }
     }
     Flanks::new(all)
 }
 
+/// Grids of all flanks of a gear: involute from the form circle to the tip, equal steps of the length of roll.
+pub fn grids(gear: &Gear, rows: usize, columns: usize) -> Flanks {
+    let (low, high) = (gear.roll_length_form(), gear.roll_length_tip());
+    all_flanks(gear.teeth(), [rows, columns], |tooth, side, t, w| {
+        let radius = gear.r_base().hypot(low + t * (high - low));
+        let z = gear.face_width() * w;
+        let angle = f64::from(tooth) * gear.pitch_angle()
+            + z * gear.base_helix_angle().tan() / gear.r_base()
+            + side.sign() * gear.half_angle_at(radius);
+        Vec3::new(radius * angle.cos(), radius * angle.sin(), z)
+    })
+}
+
 /// The same for a rack, in the frame of its geometry; teeth counted from the lowest.
-pub fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
-    let mut all = Vec::new();
-    for tooth in 0..rack.teeth() {
-        for side in Side::BOTH {
-            let first = (all.len() * rows * columns) as u32;
-            let point = |r: usize, c: usize| {
-                let t = r as f64 / (rows - 1) as f64;
-                let height = t * rack.tip_height() - (1.0 - t) * rack.form_depth();
-                let z = rack.face_width() * (c as f64 / (columns - 1) as f64 - 0.5);
-                let y = (rack.first_tooth() + i64::from(tooth)) as f64 * rack.pitch()
-                    - z * rack.params().helix_angle.tan()
-                    - side.sign() * rack.half_thickness_at(height);
-                Vec3::new(-height, y, z)
-            };
-            all.push(FlankGrid {
-                tooth,
-                side,
-                rows,
-                columns,
-                nodes: (first..).take(rows * columns).collect(),
-                positions: (0..rows * columns)
-                    .map(|i| point(i / columns, i % columns))
-                    .collect(),
-            });
-        }
-    }
-    Flanks::new(all)
+fn rack_grids(rack: &Rack, rows: usize, columns: usize) -> Flanks {
+    all_flanks(rack.teeth(), [rows, columns], |tooth, side, t, w| {
+        let height = t * rack.tip_height() - (1.0 - t) * rack.form_depth();
+        let z = rack.face_width() * w;
+        let y = (rack.first_tooth() + i64::from(tooth)) as f64 * rack.pitch()
+            - z * rack.params().helix_angle.tan()
+            - side.sign() * rack.half_thickness_at(height);
+        Vec3::new(-height, y, z)
+    })
 }
 
 pub(crate) fn flanks_of(context: &GearContext<'_>) -> Flanks {
@@ -138,7 +109,7 @@ fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildErr
         flanks = leaning(gear, flanks, number(context, "lean_pitches", 0.0));
     }
     Ok(Box::new(RigidFlanks {
-        rigid: Rigid::new(context.hub.clone(), context.lever),
+        rigid: Rigid::new(context.hub.clone(), context.effective_radius),
         placement: context.placement,
         positions: undeformed(&flanks),
         flanks,
@@ -156,7 +127,7 @@ fn leaning(gear: &Gear, flanks: Flanks, pitches: f64) -> Flanks {
     Flanks::new(grids)
 }
 
-fn undeformed(flanks: &Flanks) -> Vec<Vec3> {
+pub(crate) fn undeformed(flanks: &Flanks) -> Vec<Vec3> {
     flanks
         .grids()
         .iter()
@@ -199,320 +170,9 @@ impl GearModel for RigidFlanks {
 
 impl FlankNodes for RigidFlanks {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub().travel_at(at));
+        let pose = self.placement.pose(self.hub().displacement_at(at));
         for (x, &i) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[i as usize]);
         }
-    }
-}
-
-/// See [`NODAL`].
-struct Nodal {
-    hub: HubBody,
-    placement: Placement,
-    flanks: Flanks,
-    /// Undeformed nodes in the own frame.
-    positions: Vec<Vec3>,
-    body: f64,
-    k: f64,
-    m: f64,
-    d: f64,
-    condensed: bool,
-}
-
-fn build_nodal(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
-    if matches!(context.body, Body::Rack(_)) {
-        return Err(BuildError::gear(
-            context.name,
-            GearPart::Model,
-            "the nodal test gear is no rack",
-        ));
-    }
-    let flanks = flanks_of(context);
-    let positions = undeformed(&flanks);
-    let m = number(context, "mass_kg", 1e-7);
-    let of_nodes: f64 = positions.iter().map(|x| m * (x.x * x.x + x.y * x.y)).sum();
-    let body = context.hub.inertia - of_nodes;
-    if body <= 0.0 {
-        return Err(BuildError::gear(
-            context.name,
-            GearPart::Inertia,
-            "the nodes are too heavy",
-        ));
-    }
-    let k = number(context, "stiffness_n_per_m", 1e8);
-    let (first, own) = (context.hub.coordinates(), 3 * positions.len());
-    let on_hub = |x: f64, of_node: f64| {
-        let hub = std::iter::repeat_n(x, first);
-        hub.chain(std::iter::repeat_n(of_node, own)).collect()
-    };
-    let hub = HubBody {
-        own,
-        contact_mass: m,
-        characteristic_time: (m / k).sqrt(),
-        scales: on_hub(context.lever, 1.0),
-        masses: on_hub(body, m),
-        ..HubBody::new(context.hub.clone(), context.lever)
-    };
-    Ok(Box::new(Nodal {
-        hub,
-        placement: context.placement,
-        flanks,
-        positions,
-        body,
-        k,
-        m,
-        d: number(context, "damping_ns_per_m", 0.0),
-        condensed: number(context, "condensed", 0.0) != 0.0,
-    }))
-}
-
-impl Nodal {
-    fn first(&self) -> usize {
-        self.hub.coordinates()
-    }
-
-    /// Three entries of node `i`.
-    fn node(&self, x: &[f64], i: usize) -> Vec3 {
-        let at = self.first() + 3 * i;
-        Vec3::new(x[at], x[at + 1], x[at + 2])
-    }
-
-    /// Per node: index, place on the hub seen from the centre, its derivative by the angle, displacement from
-    /// there.
-    fn springs<'a>(&'a self, at: At<'a>) -> impl Iterator<Item = (usize, Vec3, Vec3, Vec3)> + 'a {
-        let start = self.placement.pose(0.0);
-        let now = self.placement.pose(self.hub.travel(at.t, at.q));
-        self.positions.iter().enumerate().map(move |(i, x)| {
-            let arm = now.turn(x);
-            let off = start.turn(x) + self.node(at.q, i) - arm;
-            (i, arm, Vec3::new(-arm.y, arm.x, 0.0), off)
-        })
-    }
-
-    /// What a smooth surface rises above the face at a point.
-    fn bulge(&self, at: At<'_>, p: &Point) -> Vec3 {
-        let Locus::Quadrature { face, xi } = p.locus else {
-            panic!("the point search gives points on faces")
-        };
-        let mut corners = [Vec3::zeros(); 4];
-        self.positions(at, &self.flanks.corners(face), &mut corners);
-        let mut bulge = p.x;
-        for (x, n) in corners.iter().zip(Flanks::weights(xi)) {
-            bulge -= n * x;
-        }
-        bulge
-    }
-}
-
-impl GearModel for Nodal {
-    fn hub(&self) -> &HubBody {
-        &self.hub
-    }
-    fn hub_mut(&mut self) -> &mut HubBody {
-        &mut self.hub
-    }
-    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], _memory: &mut [f64]) {
-        q.fill(0.0);
-        v.fill(0.0);
-        if self.first() > 0 {
-            v[0] = speed;
-        }
-        let start = self.placement.pose(0.0);
-        for (x, v) in self
-            .positions
-            .iter()
-            .zip(v[self.first()..].chunks_exact_mut(3))
-        {
-            let arm = start.turn(x);
-            (v[0], v[1]) = (-speed * arm.y, speed * arm.x);
-        }
-    }
-    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
-        let Locus::Quadrature { face, xi } = p.locus else {
-            panic!("the point search gives points on faces")
-        };
-        let bulge = self.bulge(at, p);
-        let mut prescribed = bulge.x * n.y - bulge.y * n.x;
-        if self.first() > 0 {
-            row.push(0, prescribed);
-            prescribed = 0.0;
-        }
-        prescribed *= self.hub.speed(at.t, at.v);
-        for (&node, w) in self.flanks.corners(face).iter().zip(Flanks::weights(xi)) {
-            let values = [w * n.x, w * n.y, w * n.z];
-            row.push_span(self.first() + 3 * node as usize, values);
-        }
-        prescribed
-    }
-    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
-        let first = self.first();
-        let speed = self.hub.speed(at.t, at.v);
-        let mut torque = 0.0;
-        for (i, _, t, off) in self.springs(at) {
-            let force = self.k * off + self.d * (self.node(at.v, i) - speed * t);
-            torque += force.dot(&t);
-            for (f, x) in f[first + 3 * i..].iter_mut().zip(force.iter()) {
-                *f -= x;
-            }
-        }
-        if first > 0 {
-            f[0] += torque;
-        }
-    }
-    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-        assert_eq!(self.d, 0.0, "the tangent of the dashpots is not written");
-        let first = self.first();
-        let turn = if first > 0 { dq[0] } else { 0.0 };
-        let _ = dv;
-        let mut torque = 0.0;
-        for (i, arm, t, off) in self.springs(at) {
-            let force = self.k * (self.node(dq, i) - turn * t);
-            torque += force.dot(&t) - self.k * turn * off.dot(&arm);
-            for (f, x) in df[first + 3 * i..].iter_mut().zip(force.iter()) {
-                *f -= x;
-            }
-        }
-        if first > 0 {
-            df[0] += torque;
-        }
-    }
-    fn correct(
-        &mut self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        self.solve(at, c, hub_damping, x)
-    }
-    fn energy(&self, at: At<'_>) -> Energy {
-        let mut e = Energy::default();
-        if self.first() > 0 {
-            e.kinetic += 0.5 * self.body * at.v[0] * at.v[0];
-        }
-        for (i, _, _, off) in self.springs(at) {
-            e.kinetic += 0.5 * self.m * self.node(at.v, i).norm_squared();
-            e.strain += 0.5 * self.k * off.norm_squared();
-        }
-        e
-    }
-    fn powers(&self, at: At<'_>) -> Power {
-        let speed = self.hub.speed(at.t, at.v);
-        let lost = |(i, _, t, _): (usize, Vec3, Vec3, Vec3)| {
-            self.d * (self.node(at.v, i) - speed * t).norm_squared()
-        };
-        Power {
-            dissipated: self.springs(at).map(lost).sum(),
-            ..Power::default()
-        }
-    }
-    fn hub_state(&self, at: At<'_>) -> HubState {
-        let speed = self.hub.speed(at.t, at.v);
-        let mut momentum = self.body * speed;
-        for (i, arm, _, off) in self.springs(at) {
-            let (r, v) = (arm + off, self.node(at.v, i));
-            momentum += self.m * (r.x * v.y - r.y * v.x);
-        }
-        HubState {
-            travel: self.hub.travel(at.t, at.q),
-            speed,
-            momentum,
-        }
-    }
-    fn surface(&self) -> Option<FlankSurface<'_>> {
-        Some(FlankSurface {
-            flanks: &self.flanks,
-            nodes: self,
-            displacement: None,
-        })
-    }
-    fn large(&self) -> Option<&dyn LargeGear> {
-        self.condensed.then_some(self)
-    }
-}
-
-impl FlankNodes for Nodal {
-    fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let start = self.placement.pose(0.0);
-        for (x, &i) in out.iter_mut().zip(nodes) {
-            let i = i as usize;
-            *x = start.point(&self.positions[i]) + self.node(at.q, i);
-        }
-    }
-}
-
-impl LargeGear for Nodal {
-    fn condensed(
-        &self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        coordinates: &[u32],
-        g: &mut [f64],
-    ) -> Result<(), Singular> {
-        let mut x = vec![0.0; at.q.len()];
-        for (j, &unit) in coordinates.iter().enumerate() {
-            x.fill(0.0);
-            x[unit as usize] = 1.0;
-            self.solve(at, c, hub_damping, &mut x)?;
-            for (line, &i) in g.chunks_exact_mut(coordinates.len()).zip(coordinates) {
-                line[j] = x[i as usize];
-            }
-        }
-        Ok(())
-    }
-    fn add_response(
-        &self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        (coordinates, forces): (&[u32], &[f64]),
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        let mut y = vec![0.0; at.q.len()];
-        for (&i, f) in coordinates.iter().zip(forces) {
-            y[i as usize] += f;
-        }
-        self.solve(at, c, hub_damping, &mut y)?;
-        x.iter_mut().zip(y).for_each(|(x, y)| *x += y);
-        Ok(())
-    }
-    fn factorisations(&self) -> u64 {
-        0
-    }
-}
-
-impl Nodal {
-    fn solve(
-        &self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        let first = self.first();
-        let node = c.m * self.m + c.k * self.k + c.d * self.d;
-        let coupling = c.k * self.k + c.d * self.d;
-        if node == 0.0 {
-            return Err(Singular);
-        }
-        if first > 0 {
-            let mut hub = c.m * self.body + c.d * hub_damping;
-            let mut rhs = x[0];
-            for (i, arm, t, off) in self.springs(at) {
-                hub += coupling * t.dot(&t) + c.k * self.k * off.dot(&arm);
-                hub -= coupling * coupling * t.dot(&t) / node;
-                rhs += coupling / node * t.dot(&self.node(x, i));
-            }
-            x[0] = rhs / hub;
-        }
-        let turn = if first > 0 { x[0] } else { 0.0 };
-        for (i, _, t, _) in self.springs(at) {
-            for (x, t) in x[first + 3 * i..].iter_mut().zip(t.iter()) {
-                *x = (*x + coupling * turn * t) / node;
-            }
-        }
-        Ok(())
     }
 }

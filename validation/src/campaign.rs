@@ -1,4 +1,4 @@
-//! A set of scenes, gone through by several threads, with a journal: one line per scene as soon as it is judged, so that
+//! A set of scenes, gone through by several threads, with a journal: one line per scene as soon as it is validated, so that
 //! a check that was stopped goes on where it ended.
 
 use crate::sampling::{Set, full_order, sample};
@@ -6,7 +6,7 @@ use crate::validate::{ValidationError, validate};
 use gearbench::experiment::journal::{Finished, JOURNAL, Journal};
 use gearbench::experiment::machine::COMMIT;
 use gearbench::experiment::parallel::{in_parallel, lock};
-use gearbench_reports::choice_check::JudgedChoice;
+use gearbench_reports::choice_check::ValidatedChoice;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -14,24 +14,20 @@ use std::sync::Mutex;
 /// What to check.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The set.
     pub set: Set,
-    /// First and last scene.
     pub scenes: [usize; 2],
-    /// Scenes that are judged at the same time.
+    /// Scenes that are validated at the same time.
     pub threads: usize,
-    /// Folder of the journal.
     pub folder: PathBuf,
-    /// Start over.
     pub fresh: bool,
 }
 
-/// A judged scene in the journal.
+/// A validated scene in the journal.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(transparent)]
-struct Judged(JudgedChoice);
+struct Validated(ValidatedChoice);
 
-impl Finished for Judged {
+impl Finished for Validated {
     fn key(&self) -> String {
         self.0.number.to_string()
     }
@@ -51,20 +47,20 @@ impl Plan {
     }
 }
 
-/// Judges the scenes of a plan; `progress` is told each as it is done, and how many are.
+/// Validates the scenes of a plan; `progress` is told each as it is done, and how many are.
 ///
 /// # Errors
-/// [`ValidationError`]: a drawing that fails, a journal that cannot be written, an interruption. Scenes that cannot be judged
+/// [`ValidationError`]: a sampling that fails, a journal that cannot be written, an interruption. Scenes that cannot be validated
 /// are rows.
 pub fn check(
     plan: &Plan,
-    progress: impl Fn(&JudgedChoice, usize) + Sync,
-) -> Result<Vec<JudgedChoice>, ValidationError> {
+    progress: impl Fn(&ValidatedChoice, usize) + Sync,
+) -> Result<Vec<ValidatedChoice>, ValidationError> {
     let [first, last] = plan.scenes;
     let full = full_order(&plan.set)?;
     // A version with changes is not told by its commit.
     let fresh = plan.fresh || COMMIT.ends_with('+');
-    let journal = Journal::<Judged>::open(&plan.folder.join(JOURNAL), &plan.echo(), fresh)?;
+    let journal = Journal::<Validated>::open(&plan.folder.join(JOURNAL), &plan.echo(), fresh)?;
     let all: Vec<usize> = (first..=last).collect();
     let left: Vec<usize> = (all.iter().copied())
         .filter(|n| journal.get(&n.to_string()).is_none())
@@ -75,13 +71,13 @@ pub fn check(
         let (journal, done) = &mut *lock(&journal);
         *done += 1;
         progress(&row, *done);
-        journal.store(&Judged(row))?;
+        journal.store(&Validated(row))?;
         Ok::<(), ValidationError>(())
     })?;
     let (journal, _) = &*lock(&journal);
     Ok(all
         .iter()
         .filter_map(|n| journal.get(&n.to_string()))
-        .map(|judged| judged.0.clone())
+        .map(|validated| validated.0.clone())
         .collect())
 }

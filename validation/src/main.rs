@@ -18,7 +18,7 @@ use clap::Parser;
 use gearbench::cli::terminal::{self, FELL_SHORT, Refusal, progress_bar, say, write};
 use gearbench::experiment::machine;
 use gearbench_reference::reduction::cache::{self, Cache};
-use gearbench_reports::choice_check::{CheckRecord, JudgedChoice, Outcome, share};
+use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
@@ -63,7 +63,7 @@ fn print(set: &str, number: usize) -> Result<ExitCode, Refusal> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Judges choices on a set of random scenes and writes the folder.
+/// Validates choices on a set of random scenes and writes the folder.
 fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
@@ -96,7 +96,7 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
     for row in &mut choices {
         row.tried.clear();
     }
-    let redraws: u32 = choices.iter().map(|c| c.redraws).sum();
+    let rejected: u32 = choices.iter().map(|c| c.rejected).sum();
     let results = Results {
         header: machine::header(
             name,
@@ -111,21 +111,24 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
                 "against full finite elements".into(),
                 format!("the first {} scenes of one impact", set.full_order),
             ),
-            ("judged at the same time".into(), args.threads.to_string()),
-            ("drawn again, because not sound".into(), redraws.to_string()),
+            (
+                "validated at the same time".into(),
+                args.threads.to_string(),
+            ),
+            ("rejected, because not sound".into(), rejected.to_string()),
         ],
         ..Results::default()
     };
-    write(&results, (&Some(out.clone()), name), summarise)?;
+    write(&results, (Some(&out), name), summarise)?;
     let path: PathBuf = out.join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     say(&format!("candidates: {}", path.display()));
-    Ok(verdict(&results))
+    Ok(exit_code(&results))
 }
 
-fn verdict(results: &Results) -> ExitCode {
-    let all: Vec<&JudgedChoice> = results.choices().iter().collect();
+fn exit_code(results: &Results) -> ExitCode {
+    let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
     let s = share("all", &all);
     let met = s.met as f64 >= ASKED.0 * s.scenes as f64;
     let cheap = s.cost_ratio[1].is_none_or(|r| r <= ASKED.1);
@@ -137,7 +140,7 @@ fn verdict(results: &Results) -> ExitCode {
 }
 
 fn summarise(results: &Results) {
-    let all: Vec<&JudgedChoice> = results.choices().iter().collect();
+    let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
     for s in gearbench_reports::choice_check::shares(results.choices()) {
         let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
         say(&format!(
@@ -163,17 +166,17 @@ fn summarise(results: &Results) {
             row.chosen.as_deref().unwrap_or("none")
         ));
     }
-    let unjudged = all
+    let unvalidated = all
         .iter()
-        .filter(|r| r.outcome == Outcome::NotJudged)
+        .filter(|r| r.outcome == Outcome::NotValidated)
         .count();
-    if unjudged > 0 {
-        say(&format!("{unjudged} scenes could not be judged"));
+    if unvalidated > 0 {
+        say(&format!("{unvalidated} scenes could not be validated"));
     }
 }
 
 /// All candidates of all scenes.
-fn candidates_csv(rows: &[JudgedChoice]) -> String {
+fn candidates_csv(rows: &[ValidatedChoice]) -> String {
     let mut out = String::from("scene,metric,tolerance,candidate,status,error,cost_s\n");
     let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.6e}"));
     for row in rows {

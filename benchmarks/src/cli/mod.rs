@@ -1,8 +1,9 @@
 //! The command line: the table of commands, messages, files and exit codes. What the commands do is the business of
 //! studies and tools.
 
+pub(crate) mod arguments;
 pub mod terminal;
-pub mod values;
+pub(crate) mod values;
 
 use crate::studies::choose::{self, arguments::Choose};
 use crate::studies::compare::{self, arguments::Compare};
@@ -53,12 +54,12 @@ Exit codes:
 pub struct Cli {
     /// What to do; left out, `compare spur_impact`.
     #[command(subcommand)]
-    pub command: Option<Command>,
+    pub(crate) command: Option<Command>,
 }
 
 /// The commands.
 #[derive(Clone, Debug, Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Compare the models and integrators of a scene, against its reference
     Compare(Compare),
     /// Error against cost of every model, integrator and resolution of a scene, with its Pareto front
@@ -176,7 +177,7 @@ mod tests {
             (
                 c.scene.as_str(),
                 c.models.as_deref(),
-                c.repeats,
+                c.run.repeats,
                 c.no_events
             ),
             ("hammer", Some("rigid"), 5, true)

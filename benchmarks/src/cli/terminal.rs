@@ -4,6 +4,7 @@
 //! finish. Nothing is written when the input is refused.
 
 use crate::experiment::conditions::Progress;
+use crate::experiment::error::StudyError;
 use crate::experiment::run::RunError;
 use crate::scene_file::{SceneError, SceneFile};
 use gearbench_reference::ExternalReference;
@@ -75,14 +76,18 @@ pub fn told(program: &str) -> String {
     format!("{program} {}", arguments.join(" "))
 }
 
+/// The folder of a study.
+pub fn folder(out: Option<&Path>, scene: &str, study: &str) -> PathBuf {
+    out.map_or_else(|| Path::new("out").join(scene).join(study), Path::to_owned)
+}
+
 /// Writes the folder of a study, prints its summary and where everything lies.
 pub fn write(
     results: &Results,
-    (out, scene): (&Option<PathBuf>, &str),
+    (out, scene): (Option<&Path>, &str),
     summarise: impl FnOnce(&Results),
 ) -> Result<(), Refusal> {
-    let study = results.study().as_str();
-    let dir = (out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
+    let dir = folder(out, scene, results.study().as_str());
     let page = gearbench_reports::write_results(&dir, results)
         .map_err(|e| Refusal::Files(e.to_string()))?;
     summarise(results);
@@ -151,9 +156,6 @@ pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) ->
 }
 
 /// The stored reference of a scene.
-///
-/// # Errors
-/// A reference that is not known or not readable.
 pub fn stored_reference(scene: &SceneFile) -> Result<Option<ExternalReference>, Refusal> {
     (scene
         .reference
@@ -163,10 +165,15 @@ pub fn stored_reference(scene: &SceneFile) -> Result<Option<ExternalReference>, 
     .map_err(|e| Refusal::Files(e.to_string()))
 }
 
-/// Refuses a static equilibrium: at its line where the scene cannot be assembled.
-pub fn refuse_statics(scene: &SceneFile, label: &str, e: &StaticsError) -> Refusal {
+/// Why a study ended, for the user: an error of assembly at its line of the scene.
+pub fn refuse_study(scene: &SceneFile, e: StudyError) -> Refusal {
     match e {
-        StaticsError::Build(b) => Refusal::from(scene.locate_in(label, b)),
-        _ => Refusal::Failed(format!("{label}: {e}")),
+        StudyError::Run(e) => refuse_run(e),
+        StudyError::Statics(label, StaticsError::Build(e)) if scene.model(&label).is_some() => {
+            Refusal::from(scene.locate_in(&label, &e))
+        }
+        StudyError::Statics(..) => Refusal::Failed(e.to_string()),
+        StudyError::Scene(why, help) => Refusal::from(SceneError::plain(why, help)),
+        StudyError::Journal(e) => Refusal::Files(e.to_string()),
     }
 }

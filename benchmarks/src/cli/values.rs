@@ -1,5 +1,7 @@
 //! Values that several commands take, and what they are when nobody says.
 
+use gearbench_reports::Metric;
+
 /// The scene that is compared when none is named.
 pub const DEFAULT_SCENE: &str = "spur_impact";
 /// Timed repeats when the command line does not say.
@@ -35,4 +37,16 @@ pub fn positions(text: &str) -> Result<usize, String> {
         Ok(n) if (2..=2000).contains(&n) => Ok(n),
         _ => Err("expected a whole number from 2 to 2000".into()),
     }
+}
+
+/// A relative error, by its name on the command line or by its key in records.
+pub fn metric(text: &str) -> Result<Metric, String> {
+    let found = text.trim().parse::<Metric>().ok();
+    found.filter(|m| m.is_error()).ok_or_else(|| {
+        let names: Vec<&str> = Metric::ALL.into_iter().filter_map(Metric::option).collect();
+        format!(
+            "there is no metric `{text}`; there are {}",
+            names.join(", ")
+        )
+    })
 }

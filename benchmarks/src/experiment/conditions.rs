@@ -44,7 +44,6 @@ pub type Progress<'a> = &'a (dyn Fn(usize, usize, &str) + Sync);
 pub fn silent(_: usize, _: usize, _: &str) {}
 
 /// Even times from zero to an end [s].
-#[must_use]
 pub fn even(samples: usize, end: f64) -> Vec<f64> {
     let n = samples.max(2) - 1;
     (0..=n).map(|i| end * i as f64 / n as f64).collect()
@@ -52,7 +51,6 @@ pub fn even(samples: usize, end: f64) -> Vec<f64> {
 
 impl Conditions<'static> {
     /// Those of a scene: one timed repeat, no bound of time.
-    #[must_use]
     pub fn of(scene: &SceneFile) -> Self {
         Conditions {
             name: scene.name.clone(),
@@ -72,13 +70,11 @@ impl Conditions<'static> {
 
 impl Conditions<'_> {
     /// Even times of the histories [s].
-    #[must_use]
     pub fn grid(&self) -> Vec<f64> {
         even(self.samples, self.duration)
     }
 
     /// The same with the times of a reference.
-    #[must_use]
     pub fn grid_with(&self, reference: Option<&ReferenceSeries>) -> Vec<f64> {
         let own = (reference.into_iter())
             .flat_map(|r| r.series.time_s.iter().copied())
@@ -90,7 +86,6 @@ impl Conditions<'_> {
     }
 
     /// A run under these conditions.
-    #[must_use]
     pub fn job<'j>(
         &'j self,
         (scene, modelling): (&'j SceneSpec, &'j Modelling),
@@ -114,7 +109,6 @@ impl Conditions<'_> {
     }
 
     /// The record of a study with its own part, so far without what it found.
-    #[must_use]
     pub fn record(&self, part: Part) -> Results {
         Results {
             header: machine::header(&self.name, &self.title, &self.command),

@@ -4,6 +4,7 @@
 use super::run::{Job, RunError, run};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
+use gearbench_reports::record::Run;
 use gearbench_reports::series::TimeSeries;
 
 /// Tolerances tried for the converged solution, and the steps times coordinates that each may take; long stiff scenes get
@@ -24,6 +25,27 @@ pub fn exact_for_modes(rtol: f64) -> Scheme {
 
 /// Coordinates up to which a converged solution is computed: beyond, it costs more than all the runs.
 pub const SMALL: usize = 2000;
+
+/// The converged solution of the model that a `row` of the record is of, which says how large it is: of gears with modes by
+/// one of the methods that are `exact` for these. Where terms of rotation couple the modes there is none that is, and they
+/// are taken as others are.
+pub fn of_model<'a>(
+    job: &impl Fn(&'a Scheme) -> Job<'a>,
+    row: &Run,
+    exact: &'a [(Scheme, u64)],
+    tight: &'a [(Scheme, u64)],
+) -> Result<Option<TimeSeries>, RunError> {
+    if row.modes.is_some() {
+        match converged(job, 1, exact) {
+            Err(RunError::NoLinearPart(_)) => {}
+            found => return found,
+        }
+    }
+    if row.dofs > SMALL {
+        return Ok(None);
+    }
+    converged(job, row.dofs, tight)
+}
 
 /// The model's own converged solution by the first of these methods that reaches the end with its work,
 /// steps times `coordinates`; `None` when none does.

@@ -105,11 +105,11 @@ impl Sink for History {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         let (t0, t1) = (step.from.t, step.to.t);
         let h = t1 - t0;
-        // A long step through a contact is resolved as finely as the contact's own pace asks. Where no damper lets the
-        // force jump the grid shows all of it; in flight there is no force.
+        // A long step through a contact is resolved as finely as the contact's own characteristic time asks. Where no
+        // damper lets the force jump the grid shows all of it; in flight there is no force.
         let finely = self.also_steps && sys.has_jumps() && !step.flight;
         let parts = if finely && self.rows.len() < self.grid.len() + MOST_STEPS {
-            (h / (SAMPLES_PER_PACE * sys.pace(step.to.at())))
+            (h / (SAMPLES_PER_PACE * sys.characteristic_time(step.to.at())))
                 .ceil()
                 .clamp(1.0, MOST_PARTS)
         } else {

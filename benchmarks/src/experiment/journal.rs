@@ -161,9 +161,6 @@ impl<L: Finished> Journal<L> {
 
     /// Stores a finished run. What is kept is what the file says, so that a map that was resumed holds the same
     /// numbers to the last bit.
-    ///
-    /// # Errors
-    /// [`JournalError`].
     pub fn store(&mut self, line: &L) -> Result<(), JournalError> {
         let text = self.append(line)?;
         let kept: L = serde_json::from_str(&text).map_err(|e| JournalError::Damaged {
@@ -176,19 +173,16 @@ impl<L: Finished> Journal<L> {
     }
 
     /// A finished run by its name.
-    #[must_use]
     pub fn get(&self, key: &str) -> Option<&L> {
         self.lines.get(key)
     }
 
     /// Number of finished runs.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.lines.len()
     }
 
     /// Whether nothing is finished.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }

@@ -4,28 +4,32 @@
 //! |---|---|
 //! | [`conditions`] | what all runs of a study share, and what heads its record |
 //! | [`configuration`] | what is run: a model of a scene |
-//! | [`converged`] | the converged solution of a model |
-//! | [`external`] | stored references as records keep them |
-//! | [`history`] | channels of a run over time |
+//! | `converged` | the converged solution of a model |
+//! | [`error`] | why a study ends before its end |
+//! | `external` | stored references as records keep them |
+//! | `history` | channels of a run over time |
 //! | [`journal`] | finished runs on disk, so that a killed study goes on where it was |
 //! | [`machine`] | where and when a record was made |
 //! | [`parallel`] | pieces of work on several threads |
+//! | `record` | what a record keeps of a run |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
-//! | [`parameters`] | parameters of a run for its record |
-//! | [`settings`] | what a reader must know of a scene |
+//! | `parameters` | parameters of a run for its record |
+//! | `settings` | what a reader must know of a scene |
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
-//! | [`thin`] | histories as records keep them |
+//! | `thin` | histories as records keep them |
 
 pub mod conditions;
 pub mod configuration;
-pub mod converged;
-pub mod external;
-pub mod history;
+pub(crate) mod converged;
+pub mod error;
+pub(crate) mod external;
+pub(crate) mod history;
 pub mod journal;
 pub mod machine;
 pub mod parallel;
-pub mod parameters;
+pub(crate) mod parameters;
+pub(crate) mod record;
 pub mod run;
-pub mod settings;
+pub(crate) mod settings;
 pub mod status;
-pub mod thin;
+pub(crate) mod thin;

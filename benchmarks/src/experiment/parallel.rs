@@ -12,9 +12,6 @@ pub fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 ///
 /// Threads of their own, not those of rayon: work is timed and holds locks, and a thread of rayon that waits inside a
 /// solver takes up another piece meanwhile.
-///
-/// # Errors
-/// The first error of the work.
 pub fn in_parallel<T: Sync, E: Send>(
     threads: usize,
     items: &[T],

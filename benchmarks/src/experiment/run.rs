@@ -2,23 +2,18 @@
 
 use super::history::History;
 use super::parameters::parameters;
-use super::status::Witness;
+use super::record::{ledger_record, momenta, reduction, snapshot, time_series};
+use super::status::RunMonitor;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
-use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::system::{Outputs, Report, SecondOrderSystem};
+use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{
-    Integrator, MethodError, NullSink, Resolution, Scheme, Sink, State, StepError, TimePlan, Work,
+    Integrator, MethodError, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work,
 };
 use gearbench_models::error::BuildError;
-use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::table::Model;
-use gearbench_models::geometry::Side;
-use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
-use gearbench_models::spec::{Body, Modelling, SceneSpec, lever};
-use gearbench_reference::reduction::ElasticParameters;
-use gearbench_reports::metrics::TRANSMISSION_ERROR;
-use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
-use gearbench_reports::series::{Column, TimeSeries};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::record::Run;
 use std::time::{Duration, Instant};
 
 /// A run that took longer [s] is not repeated without observers: what they cost is small beside it.
@@ -127,21 +122,21 @@ fn timed_in(
         return Err(RunError::NoLinearPart(info.id.into()));
     }
 
-    let mut witness = Witness::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
+    let mut monitor = RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
     let mut state = scene.initial();
     let start_momenta = momenta(scene, &state);
     let mut work = Work::default();
     let begin = Instant::now();
-    let outcome = method.run(scene, &mut state, &job.plan(), &mut witness, &mut work);
+    let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
     let observed = begin.elapsed().as_secs_f64();
     if let Err(StepError::Unsupported { .. }) = outcome {
         return Err(RunError::Unsupported(outcome.unwrap_err().to_string()));
     }
 
-    let (status, mut message) = witness.verdict(scene, &state, &outcome);
-    let Witness {
+    let (status, mut message) = monitor.status(scene, &state, &outcome);
+    let RunMonitor {
         history, ledger, ..
-    } = &witness;
+    } = &monitor;
     let series = time_series(job, scene, history);
     let end_momenta = momenta(scene, &state);
 
@@ -176,18 +171,13 @@ fn timed_in(
     walls.sort_by(f64::total_cmp);
     let wall_s = walls[walls.len() / 2];
 
-    let reduction = reduction(scene, job.modelling);
-    let (step, rtol) = match job.method.resolution {
-        Resolution::Step(h) => (Some(h), None),
-        Resolution::Tolerance(r) => (None, Some(r)),
-    };
     Ok(Run {
         parameters: parameters(job.scene, job.modelling),
         integrator: job.method.method.to_string(),
         implicit: info.implicit,
         exact_linear: info.linear_part,
-        step,
-        rtol,
+        step: job.method.resolution.step(),
+        rtol: job.method.resolution.tolerance(),
         status,
         message,
         wall_s,
@@ -203,10 +193,6 @@ fn timed_in(
         factorisations: work.factorisations,
         events: work.events,
         dofs: scene.layout().n,
-        modes: reduction.modes,
-        residual: reduction.residual,
-        choose: reduction.choose,
-        highest_hz: reduction.highest_hz,
         ledger: ledger_record(
             job,
             ledger,
@@ -220,38 +206,8 @@ fn timed_in(
             .as_ref()
             .map(|s| snapshot(job.scene, scene, s)),
         series: Some(series),
-        ..Run::default()
+        ..reduction(scene, job.modelling)
     })
-}
-
-/// What a record says of the modes of elastic gears.
-#[derive(Default)]
-struct Reduction {
-    modes: Option<usize>,
-    residual: Option<bool>,
-    choose: Option<String>,
-    highest_hz: Option<f64>,
-}
-
-fn reduction(scene: &Scene, modelling: &Modelling) -> Reduction {
-    let mut found = Reduction::default();
-    for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
-        let Some(field) = gear.model.displacement() else {
-            continue;
-        };
-        let kept = gear.model.hub().own;
-        // The pace of such a gear is that of its fastest mode.
-        let highest = (std::f64::consts::TAU * gear.model.hub().characteristic_time).recip();
-        found.modes = found.modes.max(Some(kept));
-        found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
-        if kept > 0 {
-            found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
-        }
-        if let Some(way) = ElasticParameters::of(spec).and_then(|p| p.choose) {
-            found.choose = Some(way.id().into());
-        }
-    }
-    found
 }
 
 /// Integrates without timing or judging and returns the force at the grid times: for fits.
@@ -276,9 +232,7 @@ pub fn force_on_grid(
 
 /// What a reader must know of modes that resonate with a fixed step of a method that is exact for them.
 fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option<String> {
-    let Resolution::Step(h) = job.method.resolution else {
-        return None;
-    };
+    let h = job.method.resolution.step()?;
     let n = scene.layout().n;
     let (mut omega, mut zeta) = (vec![0.0; n], vec![0.0; n]);
     scene
@@ -292,225 +246,4 @@ fn resonance_note(job: &Job<'_>, scene: &mut Scene, linear_part: bool) -> Option
             safe_step(&omega)
         )
     })
-}
-
-fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
-    let spec = job.scene;
-    let values =
-        |channel: Channel| (scene.channel(channel)).map_or_else(Vec::new, |c| history.column(c));
-    let of_gear = |g: usize, what: OfGear| values(Channel::Gear(g, what));
-    let mut series = TimeSeries {
-        time_s: history.time.clone(),
-        contact_force_n: history.force(),
-        omega1_rad_s: turning(spec, 0, of_gear(0, OfGear::Speed)),
-        omega2_rad_s: turning(spec, 1, of_gear(1, OfGear::Speed)),
-        columns: Vec::new(),
-    };
-    let mut put = |name: String, values: Vec<f64>| series.columns.push(Column { name, values });
-    let column = |channel: Channel| (channel.column(spec), values(channel));
-    let (gears, meshes) = (0..spec.gears.len(), 0..spec.meshes.len());
-    let mut add = |channel: Channel| {
-        let (name, values) = column(channel);
-        put(name, values);
-    };
-    gears
-        .clone()
-        .for_each(|g| add(Channel::Gear(g, OfGear::Travel)));
-    if let Some(values) = transmission_error(spec, |g| of_gear(g, OfGear::Travel)) {
-        put(TRANSMISSION_ERROR.into(), values);
-    }
-    let mut add = |channel: Channel| {
-        let (name, values) = column(channel);
-        put(name, values);
-    };
-    if job.forces {
-        for (force, bearing) in [(OfMesh::X, OfGear::BearingX), (OfMesh::Y, OfGear::BearingY)] {
-            meshes.clone().for_each(|m| add(Channel::Mesh(m, force)));
-            gears.clone().for_each(|g| add(Channel::Gear(g, bearing)));
-        }
-    }
-    for m in meshes {
-        if m > 0 {
-            add(Channel::Mesh(m, OfMesh::Force));
-        }
-        add(Channel::Mesh(m, OfMesh::Transverse));
-    }
-    // The first two gears have columns of their own, but in [rad/s].
-    for (g, gear) in spec.gears.iter().enumerate() {
-        if g > 1 || matches!(gear.body, Body::Rack(_)) {
-            add(Channel::Gear(g, OfGear::Speed));
-        }
-    }
-    series.finite_prefix()
-}
-
-/// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
-fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
-    let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
-        return speed;
-    };
-    let mate = scene.meshes.iter().find_map(|m| match m.gears {
-        [a, b] if a == gear => Some(b),
-        [a, b] if b == gear => Some(a),
-        _ => None,
-    });
-    if let Some(Body::Gear(mate)) = mate.map(|i| &scene.gears[i].body) {
-        speed.iter_mut().for_each(|v| *v /= mate.r_reference());
-    }
-    speed
-}
-
-/// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
-/// rigid ones would have touched [m].
-fn transmission_error(scene: &SceneSpec, travel: impl Fn(usize) -> Vec<f64>) -> Option<Vec<f64>> {
-    let mesh = scene.meshes.first()?;
-    let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
-    let [x, y] = mesh.gears.map(travel);
-    let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;
-    Some(x.iter().zip(&y).map(error).collect())
-}
-
-/// Approach of the flanks of one side by the travels of two gears [m].
-pub(super) fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
-    let along_b = if matches!(b, Body::Gear(_)) {
-        1.0
-    } else {
-        -1.0
-    };
-    let [pa, pb] = [side.sign() * lever(a), side.sign() * along_b * lever(b)];
-    move |x, y| pa * x + pb * y
-}
-
-/// Momentum of each gear along its line of action, `L / r_b` [N s].
-fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
-    let mut out = Outputs::default();
-    scene.output(state.at(), &mut out);
-    scene
-        .gears()
-        .iter()
-        .map(|g| g.model.hub_state(g.at(state.at())).momentum)
-        .collect()
-}
-
-fn ledger_record(
-    job: &Job<'_>,
-    ledger: &Ledger,
-    series: &TimeSeries,
-    momenta: Option<[Vec<f64>; 2]>,
-) -> record::Ledger {
-    // Momenta lie along the lines of action in the transverse plane, and so does their exchange.
-    let name = Channel::Mesh(0, OfMesh::Transverse).column(job.scene);
-    let transverse = series.columns.iter().find(|c| c.name == name);
-    let transverse = transverse.map_or(&[][..], |c| &c.values);
-    let impulse: f64 = series
-        .time_s
-        .windows(2)
-        .zip(transverse.windows(2))
-        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
-        .sum();
-    // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
-    // its forces stay on the lines of action.
-    let two_free = job.scene.gears.len() == 2
-        && job.scene.gears.iter().all(|g| {
-            g.loads.is_empty()
-                && matches!(
-                    g.mount,
-                    gearbench_models::spec::Mount::Revolute
-                        | gearbench_models::spec::Mount::Prismatic
-                )
-        });
-    let drift = momenta.filter(|_| two_free).map(|[start, end]| {
-        let r = [
-            lever(&job.scene.gears[0].body),
-            lever(&job.scene.gears[1].body),
-        ];
-        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) {
-            -1.0
-        } else {
-            1.0
-        };
-        let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
-        let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);
-        (change[0] / r[0] + sign * change[1] / r[1]) / moved
-    });
-    let e = ledger.end;
-    record::Ledger {
-        energy_start_j: ledger.start.and_then(|e| finite(e.total())),
-        energy_end_j: finite(e.total()),
-        kinetic_j: finite(e.kinetic),
-        strain_j: finite(e.strain),
-        contact_j: finite(e.contact),
-        external_work_j: finite(ledger.external),
-        // What a damper leaves in the contact when it lets go is lost there and then.
-        dissipated_j: finite(ledger.dissipated - ledger.jumps),
-        parametric_work_j: finite(ledger.parametric),
-        residual_j: finite(ledger.residual()),
-        residual_rel: finite(ledger.residual_relative()),
-        impulse_ns: finite(impulse),
-        invariant_drift_rel: drift.and_then(finite),
-    }
-}
-
-/// The mesh at one state: outlines turned and placed, contacts with their forces.
-fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
-    let phases = scene.phases().to_vec();
-    let mut outlines = Vec::new();
-    for ((g, s), phase) in spec.gears.iter().zip(scene.gears()).zip(&phases) {
-        let travel = s.model.hub_state(s.at(state.at())).travel;
-        let (turn, shift, points) = match &g.body {
-            Body::Gear(gear) => (phase + travel, 0.0, gear.outline(24)),
-            Body::Rack(rack) => {
-                // Outline: teeth towards -x, travel along +y.
-                (
-                    g.facing + std::f64::consts::PI,
-                    phase + travel,
-                    rack.outline(24),
-                )
-            }
-        };
-        let (sin, cos) = turn.sin_cos();
-        let points = points
-            .into_iter()
-            .map(|[x, y]| {
-                let y = y + shift;
-                [
-                    g.position[0] + cos * x - sin * y,
-                    g.position[1] + sin * x + cos * y,
-                ]
-            })
-            .collect();
-        outlines.push(Outline {
-            gear: g.name.clone(),
-            points,
-        });
-    }
-    let forces = scene.contact_forces(state.at());
-    let line = forces.first().and_then(|f| scene.line_of_action(f));
-    let contacts = forces
-        .iter()
-        .map(|f| ContactPoint {
-            point: [f.x.x, f.x.y],
-            force: [f.force.x, f.force.y],
-            pair: pair_name(spec, f),
-        })
-        .collect();
-    ContactSnapshot {
-        time_s: state.t,
-        outlines,
-        line_of_action: line,
-        contacts,
-    }
-}
-
-/// Teeth of a contact, counted from 1 within each gear.
-fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
-    let gears = spec.meshes[f.mesh].gears;
-    let name = |k: usize| {
-        let teeth = match &spec.gears[gears[k]].body {
-            Body::Gear(g) => i64::from(g.teeth()),
-            Body::Rack(r) => i64::from(r.teeth()),
-        };
-        f.teeth[k].index.rem_euclid(teeth) + 1
-    };
-    format!("{}-{}", name(0), name(1))
 }

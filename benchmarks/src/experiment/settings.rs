@@ -2,11 +2,11 @@
 
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_models::geometry::{Pair, RackPair};
+use gearbench_models::geometry::Pair;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, lever, mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, effective_radius, mesh_layout,
 };
-use gearbench_models::stiffness::{Mate, build_with_warnings};
+use gearbench_models::stiffness::build_with_warnings;
 use gearbench_reports::numbers::short;
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
@@ -51,7 +51,7 @@ pub fn settings(
         if no_events || !scene.study.events {
             "not located: contact opens and closes inside steps".into()
         } else {
-            "contact opening and closing, ends of the path of contact and table knots are located"
+            "contact opening and closing, ends of the path of contact and breakpoints of tables are located"
                 .into()
         },
     );
@@ -177,30 +177,13 @@ fn warnings(spec: &SceneSpec, gears: [usize; 2], contact: &ContactSpec) -> Vec<S
     let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
         return Vec::new();
     };
-    debug_assert!(lever(&a.body) > 0.0);
+    debug_assert!(effective_radius(&a.body) > 0.0);
     let materials = [a.material, b.material];
-    let built = match &b.body {
-        Body::Gear(gb) => Pair::new(ga, gb, l.distance).ok().and_then(|pair| {
-            build_with_warnings(
-                &contact.stiffness,
-                ga,
-                Mate::Gear(gb, &pair),
-                materials,
-                l.face_width,
-            )
-            .ok()
-        }),
-        Body::Rack(rack) => RackPair::new(ga, rack, l.distance).ok().and_then(|pair| {
-            build_with_warnings(
-                &contact.stiffness,
-                ga,
-                Mate::Rack(rack, &pair),
-                materials,
-                l.face_width,
-            )
-            .ok()
-        }),
-    };
+    let pair = Pair::new(ga, &b.body, l.distance).ok();
+    let built = pair.and_then(|pair| {
+        let stiffness = &contact.stiffness;
+        build_with_warnings(stiffness, ga, &b.body, &pair, materials, l.face_width).ok()
+    });
     built.map_or_else(Vec::new, |b| {
         b.warnings.iter().map(|w| format!("note: {w}")).collect()
     })

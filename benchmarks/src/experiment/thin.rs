@@ -6,7 +6,7 @@ use gearbench_reports::series::TimeSeries;
 const CLOSE_UP: f64 = 0.012;
 /// Buckets of a history in the record.
 const KEPT_BUCKETS: usize = 700;
-/// Samples up to which a record keeps the further columns (travels) as well.
+/// Samples up to which a record keeps the further columns (displacements) as well.
 const FULL_COLUMNS: usize = 5000;
 
 /// A history fit for the record: peaks stay, and the surroundings of the highest one stay whole.

@@ -1,19 +1,32 @@
 //! `calibration` of a model: whose fitted constants it takes.
 
-use super::calibration::{Calibration, Constants, NAMES};
+use super::calibration::{Calibration, Constants};
 use super::error::SceneError;
 use super::model::Context;
-use super::reader::{Entry, Key, key};
-use super::suggest;
+use super::reading::keys::keys;
+use super::reading::values::CalibrationName;
+use super::reading::{Place, suggest};
+use serde::Deserialize;
 
-pub(super) static CALIBRATION: &[Key] = &[
-    key("name", "\"impact\" or \"static\""),
-    key(
-        "scene",
-        "scene whose calibration is taken, default this one",
-    ),
-    key("label", "label in that scene, default this model's"),
-];
+keys! {
+    pub(super) struct CalibrationKeys {
+        /// "impact" or "static"
+        name: CalibrationName,
+        /// scene whose calibration is taken, default this one
+        scene: Option<String>,
+        /// label in that scene, default this model's
+        label: Option<String>,
+    }
+}
+
+/// Its own calibration, or that of another scene or label.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) enum CalibrationChoice {
+    #[serde(rename = "<text>")]
+    Own(CalibrationName),
+    #[serde(rename = "<table>")]
+    Other(CalibrationKeys),
+}
 
 /// A calibration asked for by a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,65 +44,48 @@ pub struct CalibrationUse {
 /// Finds the calibrations of a scene by its name, if there are any.
 pub(super) type FindCalibration<'a> = dyn Fn(&str) -> Result<Option<Calibration>, SceneError> + 'a;
 
-/// Reads a calibration, for the model with a label.
+/// Finds the constants for the model with a label.
 pub(super) fn calibration(
-    entry: &Entry<'_>,
+    choice: CalibrationChoice,
     context: &Context<'_>,
     label: &str,
+    at: &Place<'_>,
 ) -> Result<CalibrationUse, SceneError> {
-    let names = NAMES.map(|n| (n, n));
-    let (name, scene, label) = if entry.is_table() {
-        let s = entry.section("`calibration`", CALIBRATION)?;
-        let text = |key: &str, default: &str| {
-            s.get(key)
-                .map_or(Ok(default.to_owned()), |e| e.text().map(str::to_owned))
+    let (name, scene, other) = match choice {
+        CalibrationChoice::Own(name) => (name.0, None, None),
+        CalibrationChoice::Other(keys) => (keys.name.0, keys.scene, keys.label),
+    };
+    let scene = scene.unwrap_or_else(|| context.scene.to_owned());
+    let label = other.unwrap_or_else(|| label.to_owned());
+    let mut constants = None;
+    if let Some(find) = context.calibrations {
+        let file = find(&scene)?.unwrap_or_default();
+        let Some(found) = file.get(&name, &label) else {
+            let labels: Vec<&String> = file
+                .sets
+                .get(&name)
+                .into_iter()
+                .flat_map(|l| l.keys())
+                .collect();
+            let there = match labels.is_empty() {
+                true => String::new(),
+                false => format!("; there is one for {}", suggest::words(&labels)),
+            };
+            return at.refuse(
+                format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
+                "not there",
+                format!("fit it with `gearbench identify {scene} --model {label} --write`{there}"),
+            );
         };
-        (
-            s.need("name")?.word(&names)?,
-            text("scene", context.scene)?,
-            text("label", label)?,
-        )
-    } else {
-        (
-            entry.word(&names)?,
-            context.scene.to_owned(),
-            label.to_owned(),
-        )
-    };
-    let constants = match context.calibrations {
-        None => None,
-        Some(find) => {
-            let file = find(&scene)?;
-            let found = file.as_ref().and_then(|c| c.get(name, &label));
-            let mut found = found.cloned().ok_or_else(|| {
-                let labels = file
-                    .as_ref()
-                    .and_then(|c| c.sets.get(name))
-                    .map_or(Vec::new(), |labels| {
-                        labels.keys().map(String::as_str).collect()
-                    });
-                let there = if labels.is_empty() {
-                    String::new()
-                } else {
-                    format!("; there is one for {}", suggest::words(&labels))
-                };
-                entry.error(
-                    format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
-                    "not there",
-                    format!(
-                        "fit it with `gearbench identify {scene} --model {label} --write`{there}"
-                    ),
-                )
-            })?;
-            if scene != context.scene {
-                // Another scene's gap is that of its own start.
-                found.gap = None;
-            }
-            Some(found)
+        let mut found = found.clone();
+        if scene != context.scene {
+            // Another scene's gap is that of its own start.
+            found.gap = None;
         }
-    };
+        constants = Some(found);
+    }
     Ok(CalibrationUse {
-        name: name.to_owned(),
+        name,
         scene,
         label,
         constants,

@@ -14,16 +14,15 @@
 //! Shipped scenes have theirs embedded (`benchmarks/calibrations/NAME.toml`); a scene file of one's own has
 //! it beside itself, as `NAME.calibration.toml`.
 
-use super::error::{SceneError, Source};
-use super::reader::in_order;
+use super::error::SceneError;
+use super::reading::{Document, suggest};
 use gearbench_models::spec::{Modelling, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use toml::de::DeTable;
 
 /// The names a calibration can have.
-pub const NAMES: [&str; 2] = ["impact", "static"];
+pub(super) const NAMES: [&str; 2] = ["impact", "static"];
 
 /// Fitted constants of one model.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,35 +92,31 @@ impl Calibration {
     /// # Errors
     /// [`SceneError`] for anything but tables of positive numbers (a gap may have any sign).
     pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
-        let source = Source::new(name, text);
-        let document =
-            DeTable::parse(source.text()).map_err(|e| super::syntax_error(&source, &e))?;
+        type Sets = BTreeMap<String, BTreeMap<String, BTreeMap<String, f64>>>;
+        let (document, sets): (_, Sets) = Document::read(name, text, |_| Vec::new())?;
         let mut calibration = Calibration::default();
-        for set in in_order(&source, document.get_ref()) {
-            if !NAMES.contains(&set.name) {
-                return Err(set.unknown(
-                    &format!("unknown calibration `{}`", set.name),
-                    &NAMES,
-                    &|_| "a calibration",
-                ));
+        for (set, labels) in sets {
+            if !NAMES.contains(&set.as_str()) {
+                return document.at(&set).refuse(
+                    format!("unknown calibration `{set}`"),
+                    "not known here",
+                    suggest::there_are(&set, &NAMES),
+                );
             }
-            let mut labels = BTreeMap::new();
-            for label in in_order(&source, set.raw_table()?) {
-                let mut values = Vec::new();
-                for entry in in_order(&source, label.raw_table()?) {
-                    let x = entry.number()?;
-                    if entry.name != GAP && x <= 0.0 {
-                        return Err(entry.error(
-                            format!("`{}` is {x}", entry.name),
-                            "expected more than zero",
-                            "write the file again with `gearbench identify SCENE --write`",
-                        ));
-                    }
-                    values.push((entry.name, x));
+            let mut constants = BTreeMap::new();
+            for (label, values) in labels {
+                let at = document.at("").key(&set).key(&label);
+                if let Some((key, x)) = values.iter().find(|(key, x)| *key != GAP && **x <= 0.0) {
+                    return at.key(key).refuse(
+                        format!("`{key}` is {x}"),
+                        "expected more than zero",
+                        "write the file again with `gearbench identify SCENE --write`",
+                    );
                 }
-                labels.insert(label.name.to_owned(), Constants::of(values));
+                let values = values.iter().map(|(key, x)| (key.as_str(), *x));
+                constants.insert(label, Constants::of(values));
             }
-            calibration.sets.insert(set.name.to_owned(), labels);
+            calibration.sets.insert(set, constants);
         }
         Ok(calibration)
     }

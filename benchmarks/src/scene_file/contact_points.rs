@@ -1,10 +1,13 @@
 //! The keys of `contact = { .. }` for models that touch with the points of their flanks.
 
-use super::contact::word_or;
+use super::contact::ContactKeys;
 use super::error::SceneError;
-use super::reader::{Entry, Key, Section, key};
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::Count;
 use gearbench_models::error::Reason;
-use gearbench_models::spec::{MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind};
+use gearbench_models::spec::{MAX_POINTS, PointContact, PointRule};
+use serde::Deserialize;
 
 /// Keys that only flank points have.
 const OF_POINTS: [&str; 6] = [
@@ -16,150 +19,133 @@ const OF_POINTS: [&str; 6] = [
     "reach_m",
 ];
 
-pub(super) static POINTS: &[Key] = &[
-    key("along", "quadrature points of a face along the profile"),
-    key("across", "quadrature points of a face over the width"),
-];
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum PointLaw {
+    Penalty,
+    Hard,
+}
+
+/// The points of a face.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum PointsChoice {
+    Quadrature,
+    Nodes,
+    Mortar,
+    #[serde(rename = "<table>")]
+    Grid(PointKeys),
+}
+
+keys! {
+    pub(super) struct PointKeys {
+        /// quadrature points of a face along the profile, 8 are usual
+        along: Count<1, { MAX_POINTS as u32 }>,
+        /// quadrature points of a face over the width, 2 are usual
+        across: Count<1, { MAX_POINTS as u32 }>,
+    }
+}
 
 /// The contact of flank points; none without a penalty.
-pub(super) fn points(s: &Section<'_>) -> Result<Option<PointContact>, SceneError> {
-    if let Some(law) = s.get("law")
-        && law.word(&[("penalty", false), ("hard", true)])?
-    {
-        return hard(s, &law).map(Some);
-    }
-    let per_node = s.get("penalty_n_per_m");
-    if let (Some(a), Some(b)) = (s.get("penalty_pa_per_m"), &per_node) {
-        return Err(s
-            .source
-            .error(
-                b.key_range(),
-                "two penalties are given",
-                "and this",
-                "give one: `penalty_pa_per_m` per area, or `penalty_n_per_m` per node",
-            )
-            .and(a.key_range(), "this"));
-    }
-    let Some(penalty) = s.get("penalty_pa_per_m").or(per_node) else {
-        return match OF_POINTS.iter().find_map(|k| s.get(k)) {
-            None => Ok(None),
-            Some(e) => Err(e.error(
-                format!(
-                    "`{}` belongs to flank points, which have no penalty",
-                    e.name
-                ),
-                "remove this",
-                "or add `penalty_pa_per_m`, for steel for example 1e15",
-            )),
-        };
-    };
-    let rule = match s.get("points") {
-        None => PointRule::default(),
-        Some(e) if e.as_text().is_some() => e.word(&[
-            ("quadrature", PointRule::default()),
-            ("nodes", PointRule::Nodes),
-        ])?,
-        Some(e) => {
-            let rule = e.section("`points`", POINTS)?;
-            let count = |name: &str| -> Result<usize, SceneError> {
-                let entry = rule.need(name)?;
-                match entry.whole()? {
-                    n if (1..=MAX_POINTS as i64).contains(&i64::from(n)) => Ok(n as usize),
-                    n => Err(entry.error(
-                        format!("`{name}` is {n}"),
-                        format!("expected 1 to {MAX_POINTS}"),
-                        "8 along the profile and 2 across are usual",
-                    )),
-                }
-            };
-            PointRule::Quadrature {
-                along: count("along")?,
-                across: count("across")?,
+pub(super) fn points(
+    keys: &ContactKeys,
+    at: &Place<'_>,
+) -> Result<Option<PointContact>, SceneError> {
+    let (base, key) = if keys.law == Some(PointLaw::Hard) {
+        (hard(keys, at)?, "law")
+    } else {
+        match (keys.penalty_pa_per_m, keys.penalty_n_per_m) {
+            (Some(_), Some(_)) => {
+                return Err(at.key("penalty_n_per_m").against(
+                    (&at.key("penalty_pa_per_m"), "this"),
+                    "two penalties are given",
+                    "and this",
+                    "give one: `penalty_pa_per_m` per area, or `penalty_n_per_m` per node",
+                ));
+            }
+            (Some(penalty), None) => {
+                let rule = rule(keys, at)?;
+                let contact = PointContact::new(penalty);
+                (PointContact { rule, ..contact }, "penalty_pa_per_m")
+            }
+            (None, Some(penalty)) => (per_node(penalty, keys, at)?, "penalty_n_per_m"),
+            (None, None) => {
+                return match OF_POINTS.into_iter().find(|key| at.has(key)) {
+                    None => Ok(None),
+                    Some(key) => at.key(key).refuse(
+                        format!("`{key}` belongs to flank points, which have no penalty"),
+                        "remove this",
+                        "or add `penalty_pa_per_m`, for steel for example 1e15",
+                    ),
+                };
             }
         }
     };
-    let rule = match (per_node.is_some(), rule) {
-        (false, rule) => rule,
-        (true, PointRule::Nodes) => PointRule::EachNode,
-        (true, _) => {
-            return Err(penalty.error(
-                "`penalty_n_per_m` is the penalty of a node",
-                "but the points are not nodes",
-                "add points = \"nodes\", or give `penalty_pa_per_m`",
-            ));
-        }
-    };
     let settings = PointContact {
-        rule,
-        surface: surface(s)?,
-        passes: passes(s)?,
-        damping: s.number_or("damping_ns_per_m3", 0.0)?,
-        reach: s.get("reach_m").map(|e| e.number()).transpose()?,
-        ..PointContact::new(penalty.number()?)
+        surface: keys.surface.unwrap_or_default(),
+        passes: keys.passes.unwrap_or_default(),
+        damping: keys.damping_ns_per_m3.unwrap_or(0.0),
+        reach: keys.reach_m,
+        ..base
     };
-    checked(settings, &penalty).map(Some)
+    match settings.problem() {
+        None => Ok(Some(settings)),
+        Some(Reason { cause, help }) => at.key(key).refuse(cause, "in this contact", help),
+    }
 }
 
-fn checked(settings: PointContact, entry: &Entry<'_>) -> Result<PointContact, SceneError> {
-    match settings.problem() {
-        None => Ok(settings),
-        Some(Reason { cause, help }) => Err(entry.error(cause, "in this contact", help)),
+/// The points of a penalty law.
+fn rule(keys: &ContactKeys, at: &Place<'_>) -> Result<PointRule, SceneError> {
+    Ok(match &keys.points {
+        None | Some(PointsChoice::Quadrature) => PointRule::default(),
+        Some(PointsChoice::Nodes) => PointRule::Nodes,
+        Some(PointsChoice::Grid(keys)) => PointRule::Quadrature {
+            along: keys.along.0,
+            across: keys.across.0,
+        },
+        Some(PointsChoice::Mortar) => {
+            return at.key("points").refuse(
+                "\"mortar\" belongs to hard contact, but the law is a penalty",
+                "expected \"quadrature\", \"nodes\" or { along, across }",
+                "or add law = \"hard\" and leave out the penalty",
+            );
+        }
+    })
+}
+
+/// The same penalty at every node.
+fn per_node(penalty: f64, keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
+    match rule(keys, at)? {
+        PointRule::Nodes => Ok(PointContact {
+            rule: PointRule::EachNode,
+            ..PointContact::new(penalty)
+        }),
+        _ => at.key("penalty_n_per_m").refuse(
+            "`penalty_n_per_m` is the penalty of a node",
+            "but the points are not nodes",
+            "add points = \"nodes\", or give `penalty_pa_per_m`",
+        ),
     }
 }
 
 /// Contact without a penalty.
-fn hard(s: &Section<'_>, law: &Entry<'_>) -> Result<PointContact, SceneError> {
-    for name in ["penalty_pa_per_m", "penalty_n_per_m"] {
-        if let Some(e) = s.get(name) {
-            return Err(e.error(
-                format!("`{name}` belongs to a penalty law, but the law is hard"),
-                "remove this",
-                "or leave out law = \"hard\"",
-            ));
-        }
+fn hard(keys: &ContactKeys, at: &Place<'_>) -> Result<PointContact, SceneError> {
+    let penalties = ["penalty_pa_per_m", "penalty_n_per_m"];
+    if let Some(key) = penalties.into_iter().find(|key| at.has(key)) {
+        return at.key(key).refuse(
+            format!("`{key}` belongs to a penalty law, but the law is hard"),
+            "remove this",
+            "or leave out law = \"hard\"",
+        );
     }
-    let rule = match s.get("points") {
-        None => PointRule::default(),
-        Some(e) if e.as_text().is_some_and(|t| t != "quadrature") => e.word(&[
-            ("mortar", PointRule::default()),
-            ("nodes", PointRule::Nodes),
-        ])?,
-        Some(e) => {
-            return Err(e.error(
-                "quadrature points have no forces of their own in hard contact: there are more of them than nodes that give way",
-                "expected \"mortar\" or \"nodes\"",
-                "\"mortar\" averages their gaps at the nodes",
-            ));
-        }
-    };
-    let settings = PointContact {
-        surface: surface(s)?,
-        passes: passes(s)?,
-        damping: s.number_or("damping_ns_per_m3", 0.0)?,
-        reach: s.get("reach_m").map(|e| e.number()).transpose()?,
-        ..PointContact::hard(rule)
-    };
-    checked(settings, law)
-}
-
-fn surface(s: &Section<'_>) -> Result<SurfaceKind, SceneError> {
-    word_or(
-        s,
-        "surface",
-        &[
-            ("smooth", SurfaceKind::Smooth),
-            ("faceted", SurfaceKind::Faceted),
-        ],
-    )
-}
-
-fn passes(s: &Section<'_>) -> Result<Passes, SceneError> {
-    match s.get("passes") {
-        None => Ok(Passes::Auto),
-        Some(e) => e.word(&[
-            ("first", Passes::First),
-            ("second", Passes::Second),
-            ("both", Passes::Both),
-        ]),
+    match keys.points {
+        None | Some(PointsChoice::Mortar) => Ok(PointContact::hard(PointRule::default())),
+        Some(PointsChoice::Nodes) => Ok(PointContact::hard(PointRule::Nodes)),
+        Some(PointsChoice::Quadrature | PointsChoice::Grid(_)) => at.key("points").refuse(
+            "quadrature points have no forces of their own in hard contact: there are more of them than nodes that \
+             give way",
+            "expected \"mortar\" or \"nodes\"",
+            "\"mortar\" averages their gaps at the nodes",
+        ),
     }
 }

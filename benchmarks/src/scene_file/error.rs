@@ -99,6 +99,10 @@ impl Source {
         }
     }
 
+    pub(super) fn name(&self) -> &str {
+        self.named.name()
+    }
+
     pub(super) fn text(&self) -> &str {
         self.named.inner()
     }

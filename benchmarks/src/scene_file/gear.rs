@@ -2,145 +2,148 @@
 
 use super::error::SceneError;
 use super::geometry::geometry;
-use super::profile;
-use super::reader::{Entry, Key, Section, key};
+use super::profile::{GearLoad, GearMount, RackLoad, RackMount};
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
-use gearbench_models::spec::{Body, GearSpec, Mount};
+use gearbench_models::spec::{Body, GearSpec, Load, Mount};
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
-use std::collections::BTreeMap;
-use std::ops::Range;
+use serde::Deserialize;
 
-const KIND: Key = key("kind", "\"gear\" (default) or \"rack\"");
-const TEETH: Key = key("teeth", "number of teeth, for example 20");
-const MODULE: Key = key("module_m", "normal module in metres, for example 0.004");
-const PRESSURE_ANGLE: Key = key(
-    "pressure_angle_deg",
-    "normal pressure angle in degrees, default 20",
-);
-const HELIX_ANGLE: Key = key(
-    "helix_angle_deg",
-    "helix angle in degrees, right hand positive, default 0",
-);
-const FACE_WIDTH: Key = key("face_width_m", "face width in metres, for example 0.01");
-const ADDENDUM: Key = key("addendum_factor", "addendum over module, default 1");
-const DEDENDUM: Key = key("dedendum_factor", "dedendum over module, default 1.25");
-const TIP_RADIUS: Key = key(
-    "tip_radius_factor",
-    "tip radius of the rack tool over module, default 0.38",
-);
-const THINNING: Key = key(
-    "thinning_m",
-    "reduction of the tooth thickness at the reference circle in metres, default 0",
-);
-const MATERIAL: Key = key(
-    "material",
-    "\"steel\" (default), \"steel-iso6336\", or { young_pa, poisson, density_kg_m3 }",
-);
-const LOADS: Key = key("loads", "list of loads, for example [{ torque_nm = 10.0 }]");
-const POSITION: Key = key(
-    "position_m",
-    "[x, y] of the axis in metres; left out, the mesh places the gear",
-);
+/// A gear or a rack of the file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "<kind=gear>", rename_all = "kebab-case")]
+pub(super) enum ToothedKeys {
+    Gear(GearKeys),
+    Rack(RackKeys),
+}
 
-pub(super) static GEAR: &[Key] = &[
-    KIND,
-    TEETH,
-    MODULE,
-    PRESSURE_ANGLE,
-    key("profile_shift", "profile shift coefficient x, default 0"),
-    HELIX_ANGLE,
-    FACE_WIDTH,
-    ADDENDUM,
-    DEDENDUM,
-    TIP_RADIUS,
-    THINNING,
-    key("bore_radius_m", "bore radius in metres, default 0 (solid)"),
-    key(
-        "tip_relief",
-        "{ amount_m, start_radius_m, shape = \"linear\" or \"parabolic\" }",
-    ),
-    key(
-        "profile_crowning_m",
-        "material removed at tip and root by profile crowning in metres, default 0",
-    ),
-    key(
-        "lead_crowning_m",
-        "material removed at both face ends by lead crowning in metres, default 0",
-    ),
-    MATERIAL,
-    key(
-        "inertia_kgm2",
-        "inertia about the axis in kg m^2; left out, that of the toothing",
-    ),
-    key(
-        "added_inertia_kgm2",
-        "inertia added at the hub in kg m^2, default 0",
-    ),
-    key(
-        "mount",
-        "\"revolute\" (default), \"fixed\" or { driven = { speed_rad_s = 100.0 } }",
-    ),
-    POSITION,
-    key(
-        "speed_rad_s",
-        "initial angular velocity in rad/s, counter-clockwise positive, default 0",
-    ),
-    LOADS,
-];
+keys! {
+    pub(super) struct GearKeys {
+        /// number of teeth, for example 20
+        teeth: u32,
+        /// normal module in metres, for example 0.004
+        module_m: f64,
+        /// normal pressure angle in degrees, default 20
+        pressure_angle_deg: Option<Degrees>,
+        /// profile shift coefficient x, default 0
+        #[serde(default)]
+        profile_shift: f64,
+        /// helix angle in degrees, right hand positive, default 0
+        helix_angle_deg: Option<Degrees>,
+        /// face width in metres, for example 0.01
+        face_width_m: f64,
+        /// addendum over module, default 1
+        addendum_factor: Option<f64>,
+        /// dedendum over module, default 1.25
+        dedendum_factor: Option<f64>,
+        /// tip radius of the rack tool over module, default 0.38
+        tip_radius_factor: Option<f64>,
+        /// reduction of the tooth thickness at the reference circle in metres, default 0
+        #[serde(default)]
+        thinning_m: f64,
+        /// bore radius in metres, default 0 (solid)
+        #[serde(default)]
+        bore_radius_m: f64,
+        /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
+        tip_relief: Option<ReliefKeys>,
+        /// material removed at tip and root by profile crowning in metres, default 0
+        #[serde(default)]
+        profile_crowning_m: f64,
+        /// material removed at both face ends by lead crowning in metres, default 0
+        #[serde(default)]
+        lead_crowning_m: f64,
+        /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
+        #[serde(default)]
+        material: MaterialChoice,
+        /// inertia about the axis in kg m^2; left out, that of the toothing
+        inertia_kgm2: Option<Positive>,
+        /// inertia added at the hub in kg m^2, default 0
+        added_inertia_kgm2: Option<NotNegative>,
+        /// "revolute" (default), "fixed" or { driven = { speed_rad_s = 100.0 } }
+        #[serde(default)]
+        mount: GearMount,
+        /// [x, y] of the axis in metres; left out, the mesh places the gear
+        position_m: Option<[f64; 2]>,
+        /// initial angular velocity in rad/s, counter-clockwise positive, default 0
+        speed_rad_s: Option<f64>,
+        /// list of loads, for example [{ torque_nm = 10.0 }]
+        loads: Option<Vec<GearLoad>>,
+    }
 
-pub(super) static RACK: &[Key] = &[
-    KIND,
-    TEETH,
-    MODULE,
-    PRESSURE_ANGLE,
-    HELIX_ANGLE,
-    FACE_WIDTH,
-    ADDENDUM,
-    DEDENDUM,
-    TIP_RADIUS,
-    THINNING,
-    key(
-        "body_height_m",
-        "height of the body below the root line in metres, default one and a half modules",
-    ),
-    MATERIAL,
-    key("mass_kg", "mass in kg; left out, that of the toothed body"),
-    key("added_mass_kg", "mass added in kg, default 0"),
-    key(
-        "mount",
-        "\"prismatic\" (default), \"fixed\" or { driven = { speed_m_s = 1.0 } }",
-    ),
-    POSITION,
-    key(
-        "facing_deg",
-        "direction from the body to the teeth in degrees; left out, towards the gear",
-    ),
-    key(
-        "speed_m_s",
-        "initial speed in m/s, counter-clockwise positive as seen from the gear, default 0",
-    ),
-    LOADS,
-];
+    pub(super) struct RackKeys {
+        /// number of teeth, for example 20
+        teeth: u32,
+        /// normal module in metres, for example 0.004
+        module_m: f64,
+        /// normal pressure angle in degrees, default 20
+        pressure_angle_deg: Option<Degrees>,
+        /// helix angle in degrees, right hand positive, default 0
+        helix_angle_deg: Option<Degrees>,
+        /// face width in metres, for example 0.01
+        face_width_m: f64,
+        /// addendum over module, default 1
+        addendum_factor: Option<f64>,
+        /// dedendum over module, default 1.25
+        dedendum_factor: Option<f64>,
+        /// tip radius of the rack tool over module, default 0.38
+        tip_radius_factor: Option<f64>,
+        /// reduction of the tooth thickness at the reference circle in metres, default 0
+        #[serde(default)]
+        thinning_m: f64,
+        /// height of the body below the root line in metres, default one and a half modules
+        body_height_m: Option<f64>,
+        /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
+        #[serde(default)]
+        material: MaterialChoice,
+        /// mass in kg; left out, that of the toothed body
+        mass_kg: Option<Positive>,
+        /// mass added in kg, default 0
+        added_mass_kg: Option<NotNegative>,
+        /// "prismatic" (default), "fixed" or { driven = { speed_m_s = 1.0 } }
+        #[serde(default)]
+        mount: RackMount,
+        /// [x, y] of the axis in metres; left out, the mesh places the gear
+        position_m: Option<[f64; 2]>,
+        /// direction from the body to the teeth in degrees; left out, towards the gear
+        facing_deg: Option<Degrees>,
+        /// initial speed in m/s, counter-clockwise positive as seen from the gear, default 0
+        speed_m_s: Option<f64>,
+        /// list of loads, for example [{ force_n = 10.0 }]
+        loads: Option<Vec<RackLoad>>,
+    }
 
-pub(super) static RELIEF: &[Key] = &[
-    key(
-        "amount_m",
-        "material removed at the tip, normal to the flank, in metres",
-    ),
-    key(
-        "start_radius_m",
-        "radius at which the relief starts in metres",
-    ),
-    key("shape", "\"linear\" (default) or \"parabolic\""),
-];
+    pub(super) struct ReliefKeys {
+        /// material removed at the tip, normal to the flank, in metres
+        amount_m: f64,
+        /// radius at which the relief starts in metres
+        start_radius_m: f64,
+        /// "linear" (default) or "parabolic"
+        shape: Option<ReliefShape>,
+    }
 
-pub(super) static ELASTIC: &[Key] = &[
-    key("young_pa", "Young's modulus in pascal, for example 2.1e11"),
-    key("poisson", "Poisson's ratio, for example 0.3"),
-    key("density_kg_m3", "density in kg/m^3, for example 7850"),
-];
+    pub(super) struct MaterialKeys {
+        /// Young's modulus in pascal, for example 2.1e11
+        young_pa: f64,
+        /// Poisson's ratio, for example 0.3
+        poisson: f64,
+        /// density in kg/m^3, for example 7850
+        density_kg_m3: f64,
+    }
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum MaterialChoice {
+    #[default]
+    Steel,
+    SteelIso6336,
+    #[serde(rename = "<table>")]
+    Own(MaterialKeys),
+}
 
 /// A gear as read, before the meshes have placed it.
 #[derive(Clone, Debug)]
@@ -150,210 +153,147 @@ pub(super) struct GearDraft {
     pub(super) position: Option<[f64; 2]>,
     /// Facing of a rack given in the file [rad].
     pub(super) facing: Option<f64>,
-    pub(super) place: Place,
 }
 
-/// Where a table and its keys stand in the file.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Place {
-    pub(super) header: Range<usize>,
-    pub(super) keys: BTreeMap<String, Range<usize>>,
+/// What gears and racks have in common.
+struct Hub {
+    mount: Mount,
+    /// Initial speed, its key and its value.
+    speed: (&'static str, Option<f64>),
+    inertia: Option<Positive>,
+    added_inertia: Option<NotNegative>,
+    material: MaterialChoice,
+    position: Option<[f64; 2]>,
+    facing: Option<Degrees>,
+    loads: Vec<Load>,
 }
 
-impl Place {
-    pub(super) fn of(entry: &Entry<'_>) -> Result<Self, SceneError> {
-        let keys = super::reader::in_order(entry.source(), entry.raw_table()?)
-            .iter()
-            .map(|e| (e.name.to_owned(), e.key_range().start..e.span().end))
-            .collect();
-        Ok(Place {
-            header: entry.span(),
-            keys,
-        })
-    }
-
-    /// The first of several keys that is in the file, else the header.
-    pub(super) fn first(&self, keys: &[&str]) -> Range<usize> {
-        keys.iter()
-            .find_map(|k| self.keys.get(*k))
-            .unwrap_or(&self.header)
-            .clone()
-    }
-}
-
-/// Reads one gear or rack.
-pub(super) fn gear(entry: &Entry<'_>) -> Result<GearDraft, SceneError> {
-    let name = entry.name;
-    let kind = super::reader::in_order(entry.source(), entry.raw_table()?)
-        .into_iter()
-        .find(|e| e.name == "kind");
-    let rack = match kind {
-        Some(kind) => kind.word(&[("gear", false), ("rack", true)])?,
-        None => false,
+/// Checks and builds one gear or rack.
+pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<GearDraft, SceneError> {
+    let body = match &keys {
+        ToothedKeys::Gear(keys) => Gear::new(keys.params()).map(Body::Gear),
+        ToothedKeys::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
     };
-    let section = entry.section(format!("[gears.{name}]"), if rack { RACK } else { GEAR })?;
-    let place = Place::of(entry)?;
-    let body = if rack {
-        read_rack(&section, &place)?
-    } else {
-        read_gear(&section, &place)?
-    };
-    let mount = match section.get("mount") {
-        Some(m) => profile::mount(&m, rack)?,
-        None if rack => Mount::Prismatic,
-        None => Mount::Revolute,
-    };
-    let (inertia, added, speed) = if rack {
-        ("mass_kg", "added_mass_kg", "speed_m_s")
-    } else {
-        ("inertia_kgm2", "added_inertia_kgm2", "speed_rad_s")
-    };
-    let speed = match section.get(speed) {
-        Some(s) => moving(&s, &mount)?,
-        None => 0.0,
-    };
-    let bounded = |key: &str, least: &str, ok: &dyn Fn(f64) -> bool| match section.get(key) {
-        None => Ok(None),
-        Some(e) => match e.number()? {
-            x if ok(x) => Ok(Some(x)),
-            x => Err(e.error(
-                format!("`{key}` is {x}, expected {least}"),
-                format!("expected {least}"),
-                "leave it out to take the default",
-            )),
+    let body = body.map_err(|e| geometry(at, &e))?;
+    let hub = match keys {
+        ToothedKeys::Gear(keys) => Hub {
+            mount: keys.mount.into(),
+            speed: ("speed_rad_s", keys.speed_rad_s),
+            inertia: keys.inertia_kgm2,
+            added_inertia: keys.added_inertia_kgm2,
+            material: keys.material,
+            position: keys.position_m,
+            facing: None,
+            loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
+        },
+        ToothedKeys::Rack(keys) => Hub {
+            mount: keys.mount.into(),
+            speed: ("speed_m_s", keys.speed_m_s),
+            inertia: keys.mass_kg,
+            added_inertia: keys.added_mass_kg,
+            material: keys.material,
+            position: keys.position_m,
+            facing: keys.facing_deg,
+            loads: keys.loads.into_iter().flatten().map(Load::from).collect(),
         },
     };
-    let spec = GearSpec {
-        name: name.to_owned(),
-        body,
-        material: section
-            .get("material")
-            .map_or(Ok(Material::STEEL), |e| material(&e))?,
-        inertia: bounded(inertia, "more than zero", &|x| x > 0.0)?,
-        added_inertia: bounded(added, "zero or more", &|x| x >= 0.0)?.unwrap_or(0.0),
-        mount,
-        position: [0.0; 2],
-        facing: 0.0,
-        speed,
-        loads: section
-            .get("loads")
-            .map_or(Ok(Vec::new()), |e| profile::loads(&e, rack))?,
-    };
-    let position = section
-        .get("position_m")
-        .map(|e| e.fixed::<2>())
-        .transpose()?;
-    let facing = if rack {
-        section.maybe_number("facing_deg")?.map(f64::to_radians)
-    } else {
-        None
-    };
+    let (key, speed) = hub.speed;
     Ok(GearDraft {
-        spec,
-        position,
-        facing,
-        place,
+        position: hub.position,
+        facing: hub.facing.map(|f| f.0),
+        spec: GearSpec {
+            name: name.to_owned(),
+            body,
+            material: material(&hub.material, &at.key("material"))?,
+            inertia: hub.inertia.map(f64::from),
+            added_inertia: hub.added_inertia.map_or(0.0, f64::from),
+            speed: initial_speed(speed, &hub.mount, key, at)?,
+            mount: hub.mount,
+            position: [0.0; 2],
+            facing: 0.0,
+            loads: hub.loads,
+        },
     })
 }
 
 /// An initial speed, which only a free hub has.
-fn moving(entry: &Entry<'_>, mount: &Mount) -> Result<f64, SceneError> {
-    let speed = entry.number()?;
-    match mount {
-        Mount::Driven(_) => Err(entry.error(
-            format!(
-                "`{}` stands beside a driven mount, which sets the speed",
-                entry.name
-            ),
+fn initial_speed(
+    speed: Option<f64>,
+    mount: &Mount,
+    key: &str,
+    at: &Place<'_>,
+) -> Result<f64, SceneError> {
+    match (speed, mount) {
+        (Some(_), Mount::Driven(_)) => at.key(key).refuse(
+            format!("`{key}` stands beside a driven mount, which sets the speed"),
             "remove this",
             "the motion stands in `mount = { driven = .. }`",
-        )),
-        Mount::Fixed if speed != 0.0 => Err(entry.error(
-            format!("`{}` is {speed}, but the mount is fixed", entry.name),
+        ),
+        (Some(speed), Mount::Fixed) if speed != 0.0 => at.key(key).refuse(
+            format!("`{key}` is {speed}, but the mount is fixed"),
             "remove this",
             "use the mount \"revolute\" (a rack: \"prismatic\") for a body that moves freely",
-        )),
-        _ => Ok(speed),
+        ),
+        (speed, _) => Ok(speed.unwrap_or(0.0)),
     }
 }
 
-fn read_gear(s: &Section<'_>, place: &Place) -> Result<Body, SceneError> {
-    let default = GearParams::default();
-    let params = GearParams {
-        teeth: s.need("teeth")?.whole()?,
-        module: s.number("module_m")?,
-        pressure_angle: degrees(s, "pressure_angle_deg", default.pressure_angle)?,
-        profile_shift: s.number_or("profile_shift", 0.0)?,
-        helix_angle: degrees(s, "helix_angle_deg", 0.0)?,
-        face_width: s.number("face_width_m")?,
-        addendum: s.number_or("addendum_factor", default.addendum)?,
-        dedendum: s.number_or("dedendum_factor", default.dedendum)?,
-        tip_radius: s.number_or("tip_radius_factor", default.tip_radius)?,
-        thinning: s.number_or("thinning_m", 0.0)?,
-        bore_radius: s.number_or("bore_radius_m", 0.0)?,
-        modifications: Modifications {
-            tip_relief: s.get("tip_relief").map(|e| tip_relief(&e)).transpose()?,
-            profile_crowning: s.number_or("profile_crowning_m", 0.0)?,
-            lead_crowning: s.number_or("lead_crowning_m", 0.0)?,
-        },
-    };
-    Gear::new(params)
-        .map(Body::Gear)
-        .map_err(|e| geometry(s, place, &e))
-}
-
-fn read_rack(s: &Section<'_>, place: &Place) -> Result<Body, SceneError> {
-    let default = RackParams::default();
-    let module = s.number("module_m")?;
-    let params = RackParams {
-        teeth: s.need("teeth")?.whole()?,
-        module,
-        pressure_angle: degrees(s, "pressure_angle_deg", default.pressure_angle)?,
-        face_width: s.number("face_width_m")?,
-        addendum: s.number_or("addendum_factor", default.addendum)?,
-        dedendum: s.number_or("dedendum_factor", default.dedendum)?,
-        tip_radius: s.number_or("tip_radius_factor", default.tip_radius)?,
-        thinning: s.number_or("thinning_m", 0.0)?,
-        body_height: s.number_or("body_height_m", 1.5 * module)?,
-        helix_angle: degrees(s, "helix_angle_deg", 0.0)?,
-    };
-    Rack::new(params)
-        .map(Body::Rack)
-        .map_err(|e| geometry(s, place, &e))
-}
-
-/// An angle, degrees in the file and radians inside.
-fn degrees(s: &Section<'_>, name: &str, default: f64) -> Result<f64, SceneError> {
-    Ok(s.maybe_number(name)?.map_or(default, f64::to_radians))
-}
-
-fn tip_relief(entry: &Entry<'_>) -> Result<TipRelief, SceneError> {
-    let s = entry.section("`tip_relief`", RELIEF)?;
-    Ok(TipRelief {
-        amount: s.number("amount_m")?,
-        start_radius: s.number("start_radius_m")?,
-        shape: match s.get("shape") {
-            Some(e) => e.word(&[
-                ("linear", ReliefShape::Linear),
-                ("parabolic", ReliefShape::Parabolic),
-            ])?,
-            None => ReliefShape::Linear,
-        },
-    })
-}
-
-fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
-    if !entry.is_table() {
-        return entry.word(&[
-            ("steel", Material::STEEL),
-            ("steel-iso6336", Material::STEEL_ISO),
-        ]);
+impl GearKeys {
+    fn params(&self) -> GearParams {
+        let default = GearParams::default();
+        GearParams {
+            teeth: self.teeth,
+            module: self.module_m,
+            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
+            profile_shift: self.profile_shift,
+            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
+            face_width: self.face_width_m,
+            addendum: self.addendum_factor.unwrap_or(default.addendum),
+            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
+            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
+            thinning: self.thinning_m,
+            bore_radius: self.bore_radius_m,
+            modifications: Modifications {
+                tip_relief: self.tip_relief.as_ref().map(|relief| TipRelief {
+                    amount: relief.amount_m,
+                    start_radius: relief.start_radius_m,
+                    shape: relief.shape.unwrap_or(ReliefShape::Linear),
+                }),
+                profile_crowning: self.profile_crowning_m,
+                lead_crowning: self.lead_crowning_m,
+            },
+        }
     }
-    let s = entry.section("`material`", ELASTIC)?;
+}
+
+impl RackKeys {
+    fn params(&self) -> RackParams {
+        let default = RackParams::default();
+        RackParams {
+            teeth: self.teeth,
+            module: self.module_m,
+            pressure_angle: (self.pressure_angle_deg).map_or(default.pressure_angle, |a| a.0),
+            face_width: self.face_width_m,
+            addendum: self.addendum_factor.unwrap_or(default.addendum),
+            dedendum: self.dedendum_factor.unwrap_or(default.dedendum),
+            tip_radius: self.tip_radius_factor.unwrap_or(default.tip_radius),
+            thinning: self.thinning_m,
+            body_height: self.body_height_m.unwrap_or(1.5 * self.module_m),
+            helix_angle: self.helix_angle_deg.map_or(0.0, |a| a.0),
+        }
+    }
+}
+
+fn material(choice: &MaterialChoice, at: &Place<'_>) -> Result<Material, SceneError> {
+    let keys = match choice {
+        MaterialChoice::Steel => return Ok(Material::STEEL),
+        MaterialChoice::SteelIso6336 => return Ok(Material::STEEL_ISO),
+        MaterialChoice::Own(keys) => keys,
+    };
     let material = Material {
-        young: s.number("young_pa")?,
-        poisson: s.number("poisson")?,
-        density: s.number("density_kg_m3")?,
+        young: keys.young_pa,
+        poisson: keys.poisson,
+        density: keys.density_kg_m3,
     };
     material.check().map_err(|e| {
         let key = match &e {
@@ -364,14 +304,8 @@ fn material(entry: &Entry<'_>) -> Result<Material, SceneError> {
             },
             _ => "young_pa",
         };
-        match s.get(key) {
-            Some(at) => at.error(
-                e.to_string(),
-                "this value",
-                "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850",
-            ),
-            None => s.error(e.to_string(), "here", ""),
-        }
+        let help = "steel has young_pa = 2.1e11, poisson = 0.3, density_kg_m3 = 7850";
+        at.key(key).error(e.to_string(), "this value", help)
     })?;
     Ok(material)
 }

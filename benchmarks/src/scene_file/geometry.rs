@@ -1,21 +1,16 @@
 //! Refusals of the geometry, at the keys that cause them.
 
 use super::error::SceneError;
-use super::gear::Place;
-use super::reader::Section;
+use super::reading::Place;
 use gearbench_models::error::Reason;
 use gearbench_models::geometry::{GeometryError, Quantity};
 
 /// A refusal of the geometry at the key that causes it.
-pub(super) fn geometry(s: &Section<'_>, place: &Place, e: &GeometryError) -> SceneError {
+pub(super) fn geometry(at: &Place<'_>, e: &GeometryError) -> SceneError {
     let Reason { cause, help } = e.reason();
-    let span = place.first(keys_of(e));
-    s.source.error(
-        span,
-        format!("{}: {cause}", s.place),
-        "this cannot be cut",
-        help,
-    )
+    let message = format!("{}: {cause}", at.header());
+    at.first(keys_of(e))
+        .error(message, "this cannot be cut", help)
 }
 
 /// The keys that can cause a geometry error, the likeliest first.

@@ -1,7 +1,8 @@
 //! Scenes by name or path, and the calibrations beside them.
 
+use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
-use super::{Calibration, Origin, SceneError, SceneFile, suggest};
+use super::{Calibration, Origin, SceneError, SceneFile};
 use std::path::Path;
 
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
@@ -83,8 +84,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     let is_path = path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1;
     if !is_path {
         let names: Vec<&str> = SHIPPED.iter().map(|s| s.name).collect();
-        let near = suggest::nearest(path_or_name, &names)
-            .map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        let near = suggest::did_you_mean(path_or_name, &names);
         return Err(SceneError::plain(
             format!("there is no scene `{path_or_name}`"),
             format!(

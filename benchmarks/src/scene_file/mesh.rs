@@ -4,60 +4,39 @@
 //! leaves the normal backlash `backlash_m`, in the direction `direction_deg` from its mate. The first gear
 //! of the first mesh stands at the origin unless it says otherwise.
 
-use super::error::{SceneError, Source};
-use super::gear::{GearDraft, Place};
+use super::error::SceneError;
+use super::gear::GearDraft;
 use super::geometry::keys_of;
-use super::reader::{Entry, Key, Section, key};
-use super::suggest;
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::{Degrees, GearName, Positive};
 use gearbench_models::error::Reason;
-use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, RackPair, Side};
+use gearbench_models::geometry::{Gear, GeometryError, Pair, Rack, Side};
 use gearbench_models::spec::{Body, MeshSpec, Start};
 
-pub(super) static MESH: &[Key] = &[
-    key(
-        "gears",
-        "the two names, for example [\"pinion\", \"wheel\"]; a rack comes second",
-    ),
-    key(
-        "start",
-        "{ flank = \"left\" or \"right\", gap_m, path_coordinate_m }",
-    ),
-    key(
-        "centre_distance_m",
-        "distance of the axes (to the reference line of a rack) in metres",
-    ),
-    key(
-        "backlash_m",
-        "normal backlash in metres, from which the centre distance follows",
-    ),
-    key(
-        "direction_deg",
-        "direction from the first gear to the second in degrees, default 0",
-    ),
-];
+keys! {
+    pub(super) struct MeshKeys {
+        /// the two names, for example ["pinion", "wheel"]; a rack comes second
+        gears: [GearName; 2],
+        /// { flank = "left" or "right", gap_m, path_coordinate_m }
+        start: Option<StartKeys>,
+        /// distance of the axes (to the reference line of a rack) in metres
+        centre_distance_m: Option<Positive>,
+        /// normal backlash in metres, from which the centre distance follows
+        backlash_m: Option<f64>,
+        /// direction from the first gear to the second in degrees, default 0
+        direction_deg: Option<Degrees>,
+    }
 
-pub(super) static START: &[Key] = &[
-    key(
-        "flank",
-        "\"left\" (default; drives when the first gear turns counter-clockwise) or \"right\"",
-    ),
-    key(
-        "gap_m",
-        "gap of that flank along the line of action in metres, default 0",
-    ),
-    key(
-        "path_coordinate_m",
-        "path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point",
-    ),
-];
-
-/// A mesh as read, with its place in the file.
-#[derive(Clone, Debug)]
-pub(super) struct MeshDraft {
-    pub(super) spec: MeshSpec,
-    pub(super) place: Place,
-    /// Place of the start, if it is given.
-    pub(super) start: Option<Place>,
+    pub(super) struct StartKeys {
+        /// "left" (default; drives when the first gear turns counter-clockwise) or "right"
+        flank: Option<Side>,
+        /// gap of that flank along the line of action in metres, default 0
+        #[serde(default)]
+        gap_m: f64,
+        /// path coordinate of the pair from the first gear's tangent point in metres; left out, the pitch point
+        path_coordinate_m: Option<f64>,
+    }
 }
 
 /// Path of contact and backlash, which a start must respect.
@@ -66,140 +45,101 @@ struct Path {
     backlash: f64,
 }
 
-/// Reads all meshes and places the gears.
+/// Checks all meshes and places the gears.
 pub(super) fn meshes(
-    list: &[Entry<'_>],
+    list: &[MeshKeys],
     gears: &mut [GearDraft],
-) -> Result<Vec<MeshDraft>, SceneError> {
-    let mut drafts: Vec<MeshDraft> = Vec::new();
+    root: &Place<'_>,
+) -> Result<Vec<MeshSpec>, SceneError> {
+    let mut meshes: Vec<MeshSpec> = Vec::new();
     let mut placed: Vec<bool> = gears.iter().map(|g| g.position.is_some()).collect();
     let mut seen = vec![false; gears.len()];
-    for entry in list {
-        let section = entry.section("[[meshes]]", MESH)?;
-        let place = Place::of(entry)?;
-        let pair = pair_of(&section, gears)?;
-        if let Some(other) = drafts
-            .iter()
-            .find(|d| d.spec.gears == pair || d.spec.gears == [pair[1], pair[0]])
-        {
-            return Err(section
-                .source
-                .error(
-                    place.first(&["gears"]),
-                    "these two gears mesh twice",
-                    "again here",
-                    "remove one of the two meshes",
-                )
-                .and(other.place.first(&["gears"]), "first here"));
+    let all = root.key("meshes");
+    for (i, keys) in list.iter().enumerate() {
+        let at = all.member(i);
+        let pair = pair_of(keys, gears, &at.key("gears"))?;
+        let same = |m: &MeshSpec| m.gears == pair || m.gears == [pair[1], pair[0]];
+        if let Some(other) = meshes.iter().position(same) {
+            return Err(at.key("gears").against(
+                (&all.member(other).key("gears"), "first here"),
+                "these two gears mesh twice",
+                "again here",
+                "remove one of the two meshes",
+            ));
         }
-        put(&section, &place, gears, pair, &mut placed)?;
-        let path = path_of(section.source, &place, &gears[pair[0]], &gears[pair[1]])?;
-        let [again_a, again_b] = pair.map(|i| std::mem::replace(&mut seen[i], true));
-        let start = section.get("start");
-        if let (Some(start), true, true) = (start, again_a, again_b) {
-            return Err(start.error(
+        put(keys, gears, pair, &mut placed, &at)?;
+        let path = path_of(&gears[pair[0]], &gears[pair[1]], &at)?;
+        let again = pair.map(|i| std::mem::replace(&mut seen[i], true));
+        if keys.start.is_some() && again == [true; 2] {
+            return at.key("start").refuse(
                 "both gears have their angle from earlier meshes",
                 "this start cannot be met",
                 "remove `start` here; the mesh closes a loop and starts where the others put it",
-            ));
+            );
         }
-        drafts.push(MeshDraft {
-            spec: MeshSpec {
-                gears: pair,
-                start: start_of(start, &path)?,
-            },
-            start: start.map(|s| Place::of(&s)).transpose()?,
-            place,
+        meshes.push(MeshSpec {
+            gears: pair,
+            start: start_of(keys.start.as_ref(), &path, &at.key("start"))?,
         });
     }
-    if let Some(i) = seen.iter().position(|s| !s)
-        && let Some(first) = list.first()
-    {
-        let name = &gears[i].spec.name;
-        return Err(first.source().error(
-            gears[i].place.header.clone(),
-            format!("gear `{name}` takes part in no mesh"),
-            "this gear",
-            format!("add a [[meshes]] with `{name}`, or remove the gear"),
-        ));
+    match seen.iter().position(|s| !s) {
+        None => Ok(meshes),
+        Some(i) => {
+            let name = &gears[i].spec.name;
+            root.key("gears").key(name).refuse(
+                format!("gear `{name}` takes part in no mesh"),
+                "this gear",
+                format!("add a [[meshes]] with `{name}`, or remove the gear"),
+            )
+        }
     }
-    Ok(drafts)
 }
 
 /// Indices of the two gears.
-fn pair_of(section: &Section<'_>, gears: &[GearDraft]) -> Result<[usize; 2], SceneError> {
-    let entry = section.need("gears")?;
-    let members = entry.list()?;
-    let [one, two] = members.as_slice() else {
-        return Err(entry.error(
-            format!("a mesh joins two gears, not {}", members.len()),
-            "expected two names",
-            "for example gears = [\"pinion\", \"wheel\"]; a gear may stand in several meshes",
-        ));
-    };
-    let names: Vec<&str> = gears.iter().map(|g| g.spec.name.as_str()).collect();
-    let index = |member: &Entry<'_>| {
-        let name = member.text()?;
-        names.iter().position(|n| *n == name).ok_or_else(|| {
-            let near = suggest::nearest(name, &names)
-                .map_or(String::new(), |n| format!("did you mean `{n}`? "));
-            member.error(
-                format!("there is no gear `{name}`"),
-                "not a gear of this scene",
-                format!("{near}there are {}", names.join(", ")),
-            )
-        })
-    };
-    let pair = [index(one)?, index(two)?];
+fn pair_of(keys: &MeshKeys, gears: &[GearDraft], at: &Place<'_>) -> Result<[usize; 2], SceneError> {
+    let [one, two] = &keys.gears;
+    let index = |name: &GearName| gears.iter().position(|g| g.spec.name == name.0);
+    // Other names are refused when they are read.
+    let pair = [one, two].map(|name| index(name).unwrap_or_default());
     if pair[0] == pair[1] {
-        return Err(entry.error(
+        return at.refuse(
             "a gear cannot mesh with itself",
             "twice the same",
             "name two gears",
-        ));
+        );
     }
     if let [Body::Rack(_), second] = pair.map(|i| &gears[i].spec.body) {
         let way_out = match second {
-            Body::Gear(_) => format!(
-                "write gears = [\"{}\", \"{}\"]",
-                names[pair[1]], names[pair[0]]
-            ),
+            Body::Gear(_) => format!("write gears = [\"{}\", \"{}\"]", two.0, one.0),
             Body::Rack(_) => "two racks do not mesh; one of them must be a gear".to_owned(),
         };
-        return Err(one.error(
-            "the first gear of a mesh may not be a rack",
-            "a rack",
-            way_out,
-        ));
+        let message = "the first gear of a mesh may not be a rack";
+        return at.member(0).refuse(message, "a rack", way_out);
     }
     Ok(pair)
 }
 
 /// Gives positions to gears that have none.
 fn put(
-    section: &Section<'_>,
-    place: &Place,
+    keys: &MeshKeys,
     gears: &mut [GearDraft],
     [a, b]: [usize; 2],
     placed: &mut [bool],
+    at: &Place<'_>,
 ) -> Result<(), SceneError> {
     if !placed[a] && !placed[b] {
         placed[a] = true;
         gears[a].position = Some([0.0; 2]);
     }
     if placed[a] && placed[b] {
-        for name in ["centre_distance_m", "backlash_m", "direction_deg"] {
-            if let Some(entry) = section.get(name) {
-                return Err(section.source.error(
-                    entry.key_range(),
-                    format!("`{name}` is given, but both gears have a position already"),
-                    "too much",
-                    format!(
-                        "remove it, or remove `position_m` of `{}`",
-                        gears[b].spec.name
-                    ),
-                ));
-            }
+        let places = ["centre_distance_m", "backlash_m", "direction_deg"];
+        if let Some(key) = places.into_iter().find(|key| at.has(key)) {
+            let name = &gears[b].spec.name;
+            return at.key(key).refuse(
+                format!("`{key}` is given, but both gears have a position already"),
+                "too much",
+                format!("remove it, or remove `position_m` of `{name}`"),
+            );
         }
         let (pa, pb) = (
             gears[a].position.unwrap_or_default(),
@@ -208,40 +148,27 @@ fn put(
         set_facing(&mut gears[b], (pb[1] - pa[1]).atan2(pb[0] - pa[0]));
         return Ok(());
     }
-    let distance = match (section.get("centre_distance_m"), section.get("backlash_m")) {
-        (Some(d), None) => {
-            let distance = d.number()?;
-            if distance <= 0.0 {
-                return Err(d.error(
-                    format!("the centre distance is {distance} m"),
-                    "expected more than zero",
-                    "give the distance of the axes in metres",
-                ));
-            }
-            distance
-        }
-        (None, Some(j)) => for_backlash(&gears[a].spec.body, &gears[b].spec.body, j.number()?)
-            .map_err(|e| refusal(section.source, place, &gears[a], &gears[b], &e))?,
-        (Some(d), Some(j)) => {
-            return Err(section
-                .source
-                .error(
-                    j.key_range(),
-                    "centre distance and backlash are both given",
-                    "and this",
-                    "remove one: the other follows from it",
-                )
-                .and(d.key_range(), "this"));
+    let distance = match (keys.centre_distance_m, keys.backlash_m) {
+        (Some(distance), None) => distance.0,
+        (None, Some(backlash)) => for_backlash(&gears[a].spec.body, &gears[b].spec.body, backlash)
+            .map_err(|e| refusal(&gears[a], &gears[b], &e, at))?,
+        (Some(_), Some(_)) => {
+            return Err(at.key("backlash_m").against(
+                (&at.key("centre_distance_m"), "this"),
+                "centre distance and backlash are both given",
+                "and this",
+                "remove one: the other follows from it",
+            ));
         }
         (None, None) => {
-            return Err(section.error(
+            return at.refuse(
                 format!("where `{}` stands is not given", gears[b].spec.name),
                 "in this mesh",
                 "add `centre_distance_m` or `backlash_m` here, or `position_m` to the gear",
-            ));
+            );
         }
     };
-    let direction = section.number_or("direction_deg", 0.0)?.to_radians();
+    let direction = keys.direction_deg.map_or(0.0, |d| d.0);
     let (known, new, sign) = if placed[a] { (a, b, 1.0) } else { (b, a, -1.0) };
     let from = gears[known].position.unwrap_or_default();
     gears[new].position = Some([
@@ -288,12 +215,7 @@ fn rack_distance(gear: &Gear, rack: &Rack, backlash: f64) -> f64 {
     nominal + (backlash / gear.base_helix_angle().cos() - thinned) / (2.0 * alpha.sin())
 }
 
-fn path_of(
-    source: &Source,
-    place: &Place,
-    a: &GearDraft,
-    b: &GearDraft,
-) -> Result<Path, SceneError> {
+fn path_of(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Path, SceneError> {
     let (pa, pb) = (
         a.position.unwrap_or_default(),
         b.position.unwrap_or_default(),
@@ -306,7 +228,7 @@ fn path_of(
         }),
         (Body::Gear(gear), Body::Rack(rack)) => {
             let direction = b.spec.facing + std::f64::consts::PI;
-            RackPair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
+            Pair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
                 ends: [p.s_start(), p.s_end()],
                 backlash: p.backlash_base(),
             })
@@ -316,80 +238,58 @@ fn path_of(
             backlash: 0.0,
         }),
     };
-    path.map_err(|e| refusal(source, place, a, b, &e))
+    path.map_err(|e| refusal(a, b, &e, at))
 }
 
 /// A refusal of a pair: at the two keys that disagree, or at what sets the distance.
-fn refusal(
-    source: &Source,
-    place: &Place,
-    a: &GearDraft,
-    b: &GearDraft,
-    e: &GeometryError,
-) -> SceneError {
+fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> SceneError {
     let Reason { cause, help } = e.reason();
     let message = format!("`{}` and `{}`: {cause}", a.spec.name, b.spec.name);
+    let [a, b] = [a, b].map(|g| at.root().key("gears").key(&g.spec.name));
     if matches!(
         e,
         GeometryError::UnequalModules { .. }
             | GeometryError::UnequalPressureAngles { .. }
             | GeometryError::HelixMismatch { .. }
     ) {
-        let keys = keys_of(e);
-        return source
-            .error(b.place.first(keys), message, "this one", help)
-            .and(a.place.first(keys), "differs from this one");
+        let other = (&a.first(keys_of(e)), "differs from this one");
+        return (b.first(keys_of(e))).against(other, message, "this one", help);
     }
     let own = ["centre_distance_m", "backlash_m"];
-    let span = if own.iter().any(|k| place.keys.contains_key(*k)) {
-        place.first(&own)
-    } else if b.place.keys.contains_key("position_m") {
-        b.place.first(&["position_m"])
+    let cause = if !own.iter().any(|key| at.has(key)) && b.has("position_m") {
+        b.key("position_m")
     } else {
-        place.first(&["gears"])
+        at.first(&["centre_distance_m", "backlash_m", "gears"])
     };
-    source.error(span, message, "does not mesh", help)
+    cause.error(message, "does not mesh", help)
 }
 
-fn start_of(entry: Option<Entry<'_>>, path: &Path) -> Result<Start, SceneError> {
-    let Some(entry) = entry else {
-        return Ok(Start {
-            side: Side::Left,
-            gap: 0.0,
-            path_coordinate: None,
-        });
-    };
-    let s = entry.section("`start`", START)?;
-    let side = match s.get("flank") {
-        Some(e) => e.word(&[("left", Side::Left), ("right", Side::Right)])?,
-        None => Side::Left,
-    };
-    let gap = s.number_or("gap_m", 0.0)?;
-    if let Some(e) = s.get("gap_m")
-        && gap > path.backlash * (1.0 + 1e-9)
-    {
-        return Err(e.error(
+fn start_of(keys: Option<&StartKeys>, path: &Path, at: &Place<'_>) -> Result<Start, SceneError> {
+    let side = keys.and_then(|k| k.flank).unwrap_or(Side::Left);
+    let gap = keys.map_or(0.0, |k| k.gap_m);
+    let path_coordinate = keys.and_then(|k| k.path_coordinate_m);
+    if at.has("gap_m") && gap > path.backlash * (1.0 + 1e-9) {
+        return at.key("gap_m").refuse(
             format!(
                 "the gap {gap:.4e} m is larger than the backlash {:.4e} m",
                 path.backlash
             ),
             "the other flanks would overlap",
             "use a smaller gap, a larger centre distance or thinner teeth",
-        ));
+        );
     }
-    let path_coordinate = s.maybe_number("path_coordinate_m")?;
-    if let (Some(e), Some(x)) = (s.get("path_coordinate_m"), path_coordinate)
-        && !(path.ends[0]..=path.ends[1]).contains(&x)
-    {
-        return Err(e.error(
-            format!("the path coordinate {x:.6e} m lies outside the path of contact"),
-            format!("expected {:.6e} to {:.6e} m", path.ends[0], path.ends[1]),
-            "leave it out to start at the pitch point",
-        ));
+    match path_coordinate {
+        Some(x) if !(path.ends[0]..=path.ends[1]).contains(&x) => {
+            at.key("path_coordinate_m").refuse(
+                format!("the path coordinate {x:.6e} m lies outside the path of contact"),
+                format!("expected {:.6e} to {:.6e} m", path.ends[0], path.ends[1]),
+                "leave it out to start at the pitch point",
+            )
+        }
+        _ => Ok(Start {
+            side,
+            gap,
+            path_coordinate,
+        }),
     }
-    Ok(Start {
-        side,
-        gap,
-        path_coordinate,
-    })
 }

@@ -2,13 +2,13 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | `reader`, `suggest`, `error` | typed access with places, "did you mean", refusals with line and way out |
+//! | `reading` | TOML into types by serde, with places, "did you mean", limits and units |
+//! | `error` | refusals with line and way out |
 //! | `load` | scenes by name or path |
 //! | `gear`, `geometry`, `profile`, `mesh` | `[gears.NAME]`, its loads and mount, `[[meshes]]` |
 //! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
-//! | `study_plan`, `precision_plan` | `[study]`, `tolerance` |
-//! | [`stability`] | `[study] stability` |
+//! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
 //! | `locate` | the line that an error of the assembly is about |
 //! | [`shipped`] | the scenes in the program |
 //!
@@ -26,14 +26,11 @@ mod load;
 mod locate;
 mod mesh;
 mod model;
-mod precision_plan;
 mod profile;
-mod reader;
+pub(crate) mod reading;
 pub mod shipped;
-pub mod stability;
 mod stiffness;
-mod study_plan;
-mod suggest;
+pub(crate) mod study_plan;
 #[cfg(test)]
 mod tests;
 
@@ -42,50 +39,88 @@ pub use calibration::Calibration;
 pub use error::SceneError;
 pub use load::{Selection, load, load_for, load_unbuilt, load_uncalibrated};
 pub use model::ModelChoice;
-pub use precision_plan::Precision;
 pub use shipped::SHIPPED;
-pub use study_plan::{Study, Sweep};
+pub use study_plan::Study;
 
 use crate::models::models as model_table;
-use error::Source;
-use gear::Place;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::SceneSpec;
+use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reference::REFERENCES;
 use gearbench_reports::record::Tolerance;
-use model::ModelPlace;
-use reader::{Key, Section, in_order, key};
+use reading::keys::keys;
+use reading::values::{InOrder, Positive, ReferenceId};
+use reading::{Document, suggest};
+use serde::Deserialize;
 use std::path::PathBuf;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
-/// The version of the format this program reads.
+keys! {
+    struct SceneKeys {
+        /// version of the format, 1
+        schema: Schema,
+        /// lower-case letters, digits, `_` and `-`; names the output folder
+        name: SceneName,
+        /// one line for lists and reports
+        #[serde(default)]
+        title: String,
+        /// what the scene shows, several lines
+        #[serde(default)]
+        description: String,
+        /// simulated time in seconds, for example 0.00025
+        duration_s: Positive,
+        /// id of a stored reference, for example "calculix/case-a-fine"
+        reference: Option<ReferenceId>,
+        /// greatest error that is accurate enough, 0.05 or { metric, limit, against }
+        tolerance: Option<study_plan::ToleranceChoice>,
+        /// tables [gears.NAME]
+        gears: InOrder<gear::ToothedKeys>,
+        /// tables [[meshes]]
+        meshes: Vec<mesh::MeshKeys>,
+        /// tables [[models]], the configurations to compare
+        models: Vec<model::ModelKeys>,
+        /// table [study]
+        #[serde(default)]
+        study: study_plan::StudyKeys,
+    }
+}
+
+/// The version of the format that this program reads.
 pub const SCHEMA: u32 = 1;
 
-static SCENE: &[Key] = &[
-    key("schema", "version of the format, 1"),
-    key(
-        "name",
-        "lower-case letters, digits, `_` and `-`; names the output folder",
-    ),
-    key("title", "one line for lists and reports"),
-    key("description", "what the scene shows, several lines"),
-    key(
-        "duration_s",
-        "simulated time in seconds, for example 0.00025",
-    ),
-    key(
-        "reference",
-        "id of a stored reference, for example \"calculix/case-a-fine\"",
-    ),
-    key(
-        "tolerance",
-        "greatest error that is accurate enough, 0.05 or { metric, limit, against }",
-    ),
-    key("gears", "tables [gears.NAME]"),
-    key("meshes", "tables [[meshes]]"),
-    key("models", "tables [[models]], the configurations to compare"),
-    key("study", "table [study]"),
-];
+/// The version of a file, which has to be that one.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "u32")]
+struct Schema;
+
+impl TryFrom<u32> for Schema {
+    type Error = String;
+
+    fn try_from(schema: u32) -> Result<Self, String> {
+        (schema == SCHEMA).then_some(Schema).ok_or_else(|| {
+            format!("the scene has schema {schema}, expected {SCHEMA}: a newer scene needs a newer gearbench")
+        })
+    }
+}
+
+/// A name that can be a folder.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "String")]
+struct SceneName(String);
+
+impl TryFrom<String> for SceneName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
+        if !name.is_empty() && name.len() <= 60 && name.chars().all(fits) {
+            return Ok(SceneName(name));
+        }
+        let shown: String = name.chars().take(60).collect();
+        Err(format!(
+            "the name \"{shown}\" cannot be used: it becomes a folder; the `title` may be any text"
+        ))
+    }
+}
 
 /// Where a scene came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -119,23 +154,7 @@ pub struct SceneFile {
     pub study: Study,
     /// Where it came from.
     pub origin: Origin,
-    source: Source,
-    gears: Vec<Place>,
-    meshes: Vec<mesh::MeshDraft>,
-    model_places: Vec<ModelPlace>,
-}
-
-/// An error of the TOML syntax.
-fn syntax_error(source: &Source, e: &toml::de::Error) -> SceneError {
-    let message = e.message().trim().replace('\n', "; ");
-    let help = "a line is `key = value`, a table begins with `[name]`, text stands in quotes, a name stands once \
-                (https://toml.io)";
-    source.error(
-        e.span().unwrap_or(0..0),
-        format!("not TOML: {message}"),
-        "here",
-        help,
-    )
+    document: Document,
 }
 
 impl SceneFile {
@@ -164,53 +183,23 @@ impl SceneFile {
         origin: Origin,
         calibrated: bool,
     ) -> Result<Self, SceneError> {
-        let source = Source::new(name, text);
-        let document = DeTable::parse(source.text()).map_err(|e| syntax_error(&source, &e))?;
-        let s = Section::open(&source, document.get_ref(), 0..0, name.to_owned(), SCENE)?;
-        let schema = s.need("schema")?;
-        if schema.whole()? != SCHEMA {
-            return Err(schema.error(
-                format!("the scene has schema {}", schema.whole()?),
-                format!("expected {SCHEMA}"),
-                "this program reads schema 1; a newer scene needs a newer gearbench",
-            ));
-        }
-        let scene_name = scene_name(&s)?;
-        let duration = s.need("duration_s")?;
-        if duration.number()? <= 0.0 {
-            return Err(duration.error(
-                "the duration is not positive",
-                "expected more than 0",
-                "give the simulated time in seconds",
-            ));
-        }
-        let reference = s.get("reference").map(|e| {
-            e.word(
-                &REFERENCES
-                    .iter()
-                    .map(|r| (r.id, r.id.to_owned()))
-                    .collect::<Vec<_>>(),
-            )
-        });
-        let reference = reference.transpose()?;
-        let tolerance = s
-            .get("tolerance")
-            .map(|e| study_plan::tolerance(&e, reference.as_deref()))
-            .transpose()?;
-
-        let gear_tables = s.need("gears")?;
-        let mut drafts = in_order(&source, gear_tables.raw_table()?)
-            .iter()
-            .map(gear::gear)
+        let (document, keys): (_, SceneKeys) = Document::read(name, text, known_words)?;
+        let SceneKeys {
+            schema: Schema,
+            name: SceneName(name),
+            ..
+        } = keys;
+        let root = document.at("");
+        let mut drafts = (keys.gears.0.into_iter())
+            .map(|(name, keys)| gear::gear(&name, keys, &root.key("gears").key(&name)))
             .collect::<Result<Vec<_>, _>>()?;
         if drafts.is_empty() {
-            return Err(s.missing("gears"));
+            return Err(root.missing("gears", &SceneKeys::TABLE));
         }
-        let meshes = mesh::meshes(&s.need("meshes")?.list()?, &mut drafts)?;
-
-        let find = |scene: &str| load::find_calibration(scene, &scene_name, &origin);
+        let meshes = mesh::meshes(&keys.meshes, &mut drafts, &root)?;
+        let find = |scene: &str| load::find_calibration(scene, &name, &origin);
         let context = model::Context {
-            scene: &scene_name,
+            scene: &name,
             gears: &drafts,
             meshes: meshes.len(),
             models: model_table(),
@@ -220,63 +209,35 @@ impl SceneFile {
             },
             calibrations: if calibrated { Some(&find) } else { None },
         };
-        let (models, model_places): (Vec<_>, Vec<_>) =
-            model::models(&s.need("models")?.list()?, &context)?
-                .into_iter()
-                .unzip();
-        let labels: Vec<&str> = models
-            .iter()
-            .map(|m: &ModelChoice| m.label.as_str())
-            .collect();
-        let study = study_plan::study(s.get("study"), &labels)?;
-        let tolerance = match (tolerance, &study.reference_model) {
-            (Some(t), Some(label)) if t.against == study_plan::AGAINST_MODEL => Some(Tolerance {
-                against: label.clone(),
-                ..t
-            }),
-            (Some(t), None) if t.against == study_plan::AGAINST_MODEL => {
-                return Err(s.need("tolerance")?.error(
-                    "the tolerance is against a model, but the study names none",
-                    "against nothing",
-                    "add `reference_model = \"LABEL\"` to [study]",
-                ));
-            }
-            (t, _) => t,
-        };
-
-        let text = |key: &str| {
-            s.get(key)
-                .map_or(Ok(String::new()), |e| e.text().map(|t| t.trim().to_owned()))
-        };
-        let (title, description) = (text("title")?, text("description")?);
-        let duration = duration.number()?;
-        let (specs, gears): (Vec<_>, Vec<_>) = drafts
-            .into_iter()
-            .map(|d| {
-                let mut spec = d.spec;
-                spec.position = d.position.unwrap_or_default();
-                (spec, d.place)
-            })
-            .unzip();
-        let spec = SceneSpec {
-            gears: specs,
-            meshes: meshes.iter().map(|m| m.spec.clone()).collect(),
-        };
+        let models = model::models(keys.models, &context, &root.key("models"))?;
+        let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
+        let study = study_plan::study(keys.study, &labels, &root.key("study"))?;
+        let reference = keys.reference.map(|r| r.0);
+        let reference_model = study.reference_model.as_deref();
+        let tolerance = keys.tolerance.map(|choice| {
+            let at = root.key("tolerance");
+            study_plan::tolerance(&choice, reference.as_deref(), reference_model, &at)
+        });
+        let tolerance = tolerance.transpose()?;
+        let gears = drafts.into_iter().map(|draft| GearSpec {
+            position: draft.position.unwrap_or_default(),
+            ..draft.spec
+        });
         Ok(SceneFile {
-            name: scene_name,
-            title,
-            description,
-            duration,
+            name,
+            title: keys.title.trim().to_owned(),
+            description: keys.description.trim().to_owned(),
+            duration: keys.duration_s.0,
             reference,
             tolerance,
-            spec,
+            spec: SceneSpec {
+                gears: gears.collect(),
+                meshes,
+            },
             models,
             study,
             origin,
-            source: source.clone(),
-            gears,
-            meshes,
-            model_places,
+            document,
         })
     }
 
@@ -295,7 +256,7 @@ impl SceneFile {
 
     /// The text that it was read from.
     pub fn text(&self) -> &str {
-        self.source.text()
+        self.document.text()
     }
 
     /// A model by its label.
@@ -327,8 +288,7 @@ impl SceneFile {
             .iter()
             .map(|label| {
                 self.model(label).ok_or_else(|| {
-                    let near = suggest::nearest(label, &known)
-                        .map_or(String::new(), |n| format!("did you mean `{n}`? "));
+                    let near = suggest::did_you_mean(label, &known);
                     SceneError::plain(
                         format!("the scene `{}` has no model `{label}`", self.name),
                         format!("{near}it has {}", known.join(", ")),
@@ -368,19 +328,30 @@ impl SceneFile {
     }
 }
 
-fn scene_name(s: &Section<'_>) -> Result<String, SceneError> {
-    let entry = s.need("name")?;
-    let name = entry.text()?;
-    let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
-    if name.is_empty() || name.len() > 60 || !name.chars().all(fits) {
-        return Err(entry.error(
-            format!(
-                "the name \"{}\" cannot be used",
-                name.chars().take(60).collect::<String>()
-            ),
-            "expected lower-case letters, digits, `_` and `-`",
-            "the name becomes a folder; the `title` may be any text",
-        ));
-    }
-    Ok(name.to_owned())
+/// Words that a scene introduces itself, and those of the tables of models and references.
+fn known_words(scene: &DeTable<'_>) -> Vec<(&'static str, Vec<String>)> {
+    let table = |key: &str| scene.get(key).and_then(|v| v.get_ref().as_table());
+    let gears = table("gears").into_iter().flatten();
+    let list = scene.get("models").and_then(|v| v.get_ref().as_array());
+    let label = |model: &DeValue<'_>| {
+        let model = model.as_table()?;
+        let label = model.get("label").or(model.get("model"))?;
+        label.get_ref().as_str().map(str::to_owned)
+    };
+    let labels = (list.into_iter().flat_map(|l| l.iter())).filter_map(|m| label(m.get_ref()));
+    let ids = model_table().iter().map(|m| m.id.to_owned());
+    let references = REFERENCES.iter().map(|r| r.id.to_owned());
+    vec![
+        (
+            "<gear>",
+            gears.map(|(name, _)| name.get_ref().to_string()).collect(),
+        ),
+        ("<model>", labels.collect()),
+        ("<gear model>", ids.collect()),
+        ("<reference>", references.collect()),
+        (
+            "<calibration>",
+            calibration::NAMES.map(str::to_owned).to_vec(),
+        ),
+    ]
 }

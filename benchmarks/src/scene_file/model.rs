@@ -1,63 +1,96 @@
 //! `[[models]]`: the configurations that a study compares.
 
-use super::calibrated::{CalibrationUse, FindCalibration, calibration};
-use super::contact::contact;
+use super::calibrated::{CalibrationChoice, CalibrationUse, FindCalibration, calibration};
+use super::contact::{ContactKeys, contact};
 use super::error::SceneError;
-use super::gear::{GearDraft, Place};
-use super::reader::{Entry, Key, in_order, key};
-use super::study_plan::integrator;
+use super::gear::GearDraft;
+use super::reading::keys::keys;
+use super::reading::values::{InOrder, ModelId, OneOrMany};
+use super::reading::{Place, suggest};
+use super::study_plan::{IntegratorKeys, schemes};
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
-use std::collections::BTreeMap;
-use std::ops::Range;
+use serde::Deserialize;
 use std::path::Path;
 
-pub(super) static MODEL: &[Key] = &[
-    key(
-        "label",
-        "name of this configuration in reports and on the command line, default the model's id",
-    ),
-    key(
-        "model",
-        "id of the gear model, for example \"rigid\"; `gearbench list` shows all",
-    ),
-    key(
-        "gears",
-        "other models for single gears, for example { wheel = \"rigid\" }",
-    ),
-    key(
-        "contact",
-        "{ stiffness, exponent, damping, friction, slices }, or a list with one per mesh",
-    ),
-    key(
-        "parameters",
-        "parameters of the gear model, SI units in their names",
-    ),
-    key(
-        "gap_m",
-        "gap at the start for this model [m], in place of the scene's",
-    ),
-    key(
-        "integrators",
-        "integrators of this model, in place of the study's",
-    ),
-    key(
-        "published_s",
-        "time in seconds that others publish for such a model, for the timing table",
-    ),
-    key(
-        "calibration",
-        "\"impact\" or \"static\", or { name, scene, label } to take another one's",
-    ),
-];
-pub(super) static OF_GEAR: &[Key] = &[
-    key("model", "id of the gear model"),
-    key(
-        "parameters",
-        "parameters of the gear model, SI units in their names",
-    ),
-];
+keys! {
+    pub(super) struct ModelKeys {
+        /// name of this configuration in reports and on the command line, default the model's id
+        label: Option<OwnLabel>,
+        /// id of the gear model, for example "rigid"; `gearbench list` shows all
+        model: ModelId,
+        /// other models for single gears, for example { wheel = "rigid" }
+        #[serde(default)]
+        gears: InOrder<OfGear>,
+        /// { stiffness, exponent, damping, friction, slices }, or a list with one per mesh
+        contact: OneOrMany<ContactKeys>,
+        /// parameters of the gear model, SI units in their names
+        #[serde(default)]
+        parameters: InOrder<ParameterValue>,
+        /// gap at the start for this model [m], in place of the scene's
+        gap_m: Option<f64>,
+        /// integrators of this model, in place of the study's
+        integrators: Option<Vec<IntegratorKeys>>,
+        /// time in seconds that others publish for such a model, for the timing table
+        published_s: Option<f64>,
+        /// "impact" or "static", or { name, scene, label } to take another one's
+        calibration: Option<CalibrationChoice>,
+    }
+
+    pub(super) struct OfGearKeys {
+        /// id of the gear model
+        model: ModelId,
+        /// parameters of the gear model, SI units in their names
+        #[serde(default)]
+        parameters: InOrder<ParameterValue>,
+    }
+}
+
+/// A label that stands in legends and in `--models a,b`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "String")]
+struct OwnLabel(String);
+
+impl TryFrom<String> for OwnLabel {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let fits = !text.trim().is_empty()
+            && text.len() <= 60
+            && !text.contains([',', '\n'])
+            && text.trim() == text;
+        let shown: String = text.chars().take(60).collect();
+        fits.then_some(OwnLabel(text)).ok_or_else(|| {
+            format!(
+                "the label \"{shown}\" cannot be used: expected 1 to 60 characters without commas"
+            )
+        })
+    }
+}
+
+/// The model of one gear.
+#[derive(Clone, Debug, Deserialize)]
+enum OfGear {
+    #[serde(rename = "<text>")]
+    Id(ModelId),
+    #[serde(rename = "<table>")]
+    Own(OfGearKeys),
+}
+
+/// A value that a gear model reads further.
+#[derive(Clone, Debug, Deserialize)]
+enum ParameterValue {
+    #[serde(rename = "<number>")]
+    Number(f64),
+    #[serde(rename = "<text>")]
+    Text(String),
+    #[serde(rename = "<list>")]
+    List(Vec<f64>),
+    #[serde(rename = "<flag>")]
+    Flag(bool),
+}
+
 /// One configuration of a study.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
@@ -85,22 +118,6 @@ impl ModelChoice {
     }
 }
 
-/// Where a model stands, and its parts by dotted key such as `contact.stiffness`.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ModelPlace {
-    pub(super) header: Range<usize>,
-    pub(super) keys: BTreeMap<String, Range<usize>>,
-}
-
-impl ModelPlace {
-    pub(super) fn first(&self, keys: &[&str]) -> Range<usize> {
-        keys.iter()
-            .find_map(|k| self.keys.get(*k))
-            .unwrap_or(&self.header)
-            .clone()
-    }
-}
-
 /// What models are read against.
 pub(super) struct Context<'a> {
     pub(super) scene: &'a str,
@@ -113,115 +130,94 @@ pub(super) struct Context<'a> {
     pub(super) calibrations: Option<&'a FindCalibration<'a>>,
 }
 
-/// Reads all configurations.
+/// Checks all configurations.
 pub(super) fn models(
-    list: &[Entry<'_>],
+    list: Vec<ModelKeys>,
     context: &Context<'_>,
-) -> Result<Vec<(ModelChoice, ModelPlace)>, SceneError> {
-    let mut read: Vec<(ModelChoice, ModelPlace)> = Vec::new();
-    for entry in list {
-        let (choice, place) = model(entry, context)?;
-        if let Some((_, other)) = read.iter().find(|(c, _)| c.label == choice.label) {
-            return Err(entry
-                .source()
-                .error(
-                    place.first(&["label", "model"]),
-                    format!("two models have the label `{}`", choice.label),
-                    "again here",
-                    "give one of them another `label`",
-                )
-                .and(other.first(&["label", "model"]), "first here"));
+    all: &Place<'_>,
+) -> Result<Vec<ModelChoice>, SceneError> {
+    let mut read: Vec<ModelChoice> = Vec::new();
+    for (i, keys) in list.into_iter().enumerate() {
+        let at = all.member(i);
+        let choice = model(keys, context, &at)?;
+        if let Some(other) = read.iter().position(|c| c.label == choice.label) {
+            let names = ["label", "model"];
+            return Err(at.first(&names).against(
+                (&all.member(other).first(&names), "first here"),
+                format!("two models have the label `{}`", choice.label),
+                "again here",
+                "give one of them another `label`",
+            ));
         }
-        read.push((choice, place));
+        read.push(choice);
     }
     Ok(read)
 }
 
 fn model(
-    entry: &Entry<'_>,
+    keys: ModelKeys,
     context: &Context<'_>,
-) -> Result<(ModelChoice, ModelPlace), SceneError> {
-    let s = entry.section("[[models]]", MODEL)?;
-    let mut place = ModelPlace {
-        header: entry.span(),
-        keys: Place::of(entry)?.keys,
+    at: &Place<'_>,
+) -> Result<ModelChoice, SceneError> {
+    let model = keys.model.0;
+    let label = keys.label.map_or_else(|| model.clone(), |l| l.0);
+    let own = ModelSpec {
+        parameters: parameters(&model, keys.parameters, context, &at.key("parameters"))?,
+        id: model.clone(),
     };
-    let id = s.need("model")?;
-    let row = known(&id, context.models)?;
-    let label = match s.get("label") {
-        Some(e) => label(&e)?,
-        None => row.id.to_owned(),
-    };
-    let parameters = match s.get("parameters") {
-        Some(e) => parameters(&e, row, context, &mut place)?,
-        None => Parameters::new(),
-    };
-    let mut gears = vec![
-        ModelSpec {
-            id: row.id.to_owned(),
-            parameters
+    let mut gears = vec![own; context.gears.len()];
+    for (name, of) in keys.gears.0 {
+        let at = at.key("gears").key(&name);
+        let names: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
+        let Some(found) = names.iter().position(|n| *n == name) else {
+            return at.refuse(
+                format!("there is no gear `{name}`"),
+                "not known here",
+                suggest::there_are(&name, &names),
+            );
         };
-        context.gears.len()
-    ];
-    if let Some(overrides) = s.get("gears") {
-        override_gears(&overrides, context, &mut gears, &mut place)?;
+        let gear = &mut gears[found];
+        match of {
+            // Parameters of the configuration go to the gears that take its model.
+            OfGear::Id(ModelId(id)) if id == model => {}
+            OfGear::Id(ModelId(id)) => {
+                *gear = ModelSpec {
+                    id,
+                    parameters: Parameters::new(),
+                };
+            }
+            OfGear::Own(keys) => {
+                let at = at.key("parameters");
+                let parameters = parameters(&keys.model.0, keys.parameters, context, &at)?;
+                let id = keys.model.0;
+                *gear = ModelSpec { id, parameters };
+            }
+        }
     }
-    let calibration = s
-        .get("calibration")
-        .map(|e| calibration(&e, context, &label))
+    let calibration = keys
+        .calibration
+        .map(|choice| calibration(choice, context, &label, &at.key("calibration")))
         .transpose()?;
-    let contacts = match s.get("contact") {
-        Some(e) => contacts(&e, context.meshes, calibration.is_some(), &mut place)?,
-        None => return Err(s.missing("contact")),
-    };
+    let contacts = contacts(
+        &keys.contact,
+        context.meshes,
+        calibration.is_some(),
+        &at.key("contact"),
+    )?;
     let mut modelling = Modelling { gears, contacts };
     if let Some(constants) = calibration.as_ref().and_then(|c| c.constants.as_ref()) {
-        constants.apply(row.id, &mut modelling);
+        constants.apply(&model, &mut modelling);
     }
-    let own_gap = s.get("gap_m").map(|e| e.number()).transpose()?;
-    let integrators = s
-        .get("integrators")
-        .map(|e| e.list()?.iter().map(integrator).collect())
-        .transpose()?;
-    Ok((
-        ModelChoice {
-            label,
-            model: row.id.to_owned(),
-            modelling,
-            calibration,
-            own_gap,
-            integrators,
-            published: s.maybe_number("published_s")?,
-        },
-        place,
-    ))
-}
-
-fn known<'m>(entry: &Entry<'_>, models: &'m [Model]) -> Result<&'m Model, SceneError> {
-    let id = entry.text()?;
-    models.iter().find(|m| m.id == id).ok_or_else(|| {
-        let ids: Vec<&str> = models.iter().map(|m| m.id).collect();
-        entry.unknown_word(id, &ids)
+    let integrators = (keys.integrators).map(|list| schemes(&list, &at.key("integrators")));
+    Ok(ModelChoice {
+        label,
+        model,
+        modelling,
+        calibration,
+        own_gap: keys.gap_m,
+        integrators: integrators.transpose()?,
+        published: keys.published_s,
     })
-}
-
-fn label(entry: &Entry<'_>) -> Result<String, SceneError> {
-    let text = entry.text()?;
-    let fits = !text.trim().is_empty()
-        && text.len() <= 60
-        && !text.contains([',', '\n'])
-        && text.trim() == text;
-    if fits {
-        return Ok(text.to_owned());
-    }
-    Err(entry.error(
-        format!(
-            "the label \"{}\" cannot be used",
-            text.chars().take(60).collect::<String>()
-        ),
-        "expected 1 to 60 characters without commas",
-        "labels stand in legends and in `--models a,b`",
-    ))
 }
 
 /// The path of a deck or a reduction that lies beside the scene file; other texts as they are.
@@ -239,113 +235,59 @@ fn from_folder(text: &str, folder: Option<&Path>) -> String {
 
 /// Parameters of a model; a key it does not have is refused.
 fn parameters(
-    entry: &Entry<'_>,
-    row: &Model,
+    model: &str,
+    keys: InOrder<ParameterValue>,
     context: &Context<'_>,
-    place: &mut ModelPlace,
+    at: &Place<'_>,
 ) -> Result<Parameters, SceneError> {
-    let names: Vec<&str> = row.parameters.iter().map(|p| p.key).collect();
-    let meaning = |name: &str| {
-        row.parameters
+    let row = context.models.iter().find(|m| m.id == model);
+    let known = row.map_or(&[][..], |row| row.parameters);
+    let meaning = |key: &str| {
+        known
             .iter()
-            .find(|p| p.key == name)
+            .find(|p| p.key == key)
             .map_or("", |p| p.meaning)
     };
     let mut parameters = Parameters::new();
-    for e in in_order(entry.source(), entry.raw_table()?) {
-        if !names.contains(&e.name) {
-            return Err(e.unknown(
-                &format!("the model `{}` has no parameter `{}`", row.id, e.name),
-                &names,
-                &meaning,
-            ));
+    for (key, value) in keys.0 {
+        if !known.iter().any(|p| p.key == key) {
+            let names: Vec<&str> = known.iter().map(|p| p.key).collect();
+            let number = match value {
+                ParameterValue::Number(x) => Some(x),
+                _ => None,
+            };
+            return at.key(&key).refuse(
+                format!("the model `{model}` has no parameter `{key}`"),
+                "not known here",
+                suggest::help_for(&key, number, &names, &meaning),
+            );
         }
-        place.keys.insert(
-            format!("parameters.{}", e.name),
-            e.key_range().start..e.span().end,
-        );
-        let value = if e.is_list() {
-            Value::List(e.numbers()?)
-        } else if let Some(text) = e.as_text() {
-            Value::Text(from_folder(text, context.folder))
-        } else if let Some(flag) = e.as_boolean() {
-            Value::Flag(flag)
-        } else {
-            Value::Number(e.number()?)
+        let value = match value {
+            ParameterValue::Number(x) => Value::Number(x),
+            ParameterValue::Text(text) => Value::Text(from_folder(&text, context.folder)),
+            ParameterValue::List(list) => Value::List(list),
+            ParameterValue::Flag(flag) => Value::Flag(flag),
         };
-        parameters.insert(e.name.to_owned(), value);
+        parameters.insert(key, value);
     }
     Ok(parameters)
 }
 
-fn override_gears(
-    entry: &Entry<'_>,
-    context: &Context<'_>,
-    gears: &mut [ModelSpec],
-    place: &mut ModelPlace,
-) -> Result<(), SceneError> {
-    let names: Vec<&str> = context.gears.iter().map(|g| g.spec.name.as_str()).collect();
-    for e in in_order(entry.source(), entry.raw_table()?) {
-        let Some(i) = names.iter().position(|n| *n == e.name) else {
-            return Err(e.unknown(
-                &format!("there is no gear `{}`", e.name),
-                &names,
-                &|_| "a gear of this scene",
-            ));
-        };
-        place.keys.insert(
-            format!("gears.{}", e.name),
-            e.key_range().start..e.span().end,
-        );
-        gears[i] = if e.is_table() {
-            let s = e.section(format!("`gears.{}`", e.name), OF_GEAR)?;
-            let row = known(&s.need("model")?, context.models)?;
-            let parameters = s.get("parameters").map_or(Ok(Parameters::new()), |p| {
-                parameters(&p, row, context, place)
-            })?;
-            ModelSpec {
-                id: row.id.to_owned(),
-                parameters,
-            }
-        } else {
-            let row = known(&e, context.models)?;
-            // Parameters of the configuration go to the gears that take its model.
-            let parameters = if row.id == gears[i].id {
-                gears[i].parameters.clone()
-            } else {
-                Parameters::new()
-            };
-            ModelSpec {
-                id: row.id.to_owned(),
-                parameters,
-            }
-        };
-    }
-    Ok(())
-}
-
 fn contacts(
-    entry: &Entry<'_>,
+    keys: &OneOrMany<ContactKeys>,
     meshes: usize,
     calibrated: bool,
-    place: &mut ModelPlace,
+    at: &Place<'_>,
 ) -> Result<Vec<ContactSpec>, SceneError> {
-    if !entry.is_list() {
-        for e in in_order(entry.source(), entry.raw_table()?) {
-            place.keys.insert(
-                format!("contact.{}", e.name),
-                e.key_range().start..e.span().end,
-            );
-        }
-        return Ok(vec![contact(entry, calibrated)?; meshes]);
-    }
-    let list = entry.list()?;
-    if list.len() != meshes {
-        return Err(entry.error(
+    match keys {
+        OneOrMany::One(keys) => Ok(vec![contact(keys, calibrated, at)?; meshes]),
+        OneOrMany::Many(list) if list.len() != meshes => at.refuse(
             format!("{} contacts for {meshes} meshes", list.len()),
             format!("expected {meshes}"),
             "give one contact for all meshes, or a list with one per mesh in their order",
-        ));
+        ),
+        OneOrMany::Many(list) => (list.iter().enumerate())
+            .map(|(i, keys)| contact(keys, calibrated, &at.member(i)))
+            .collect(),
     }
-    list.iter().map(|e| contact(e, calibrated)).collect()
 }

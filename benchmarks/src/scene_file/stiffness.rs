@@ -1,252 +1,156 @@
 //! `stiffness` of a contact: of a tooth pair along the path of contact.
 
-use super::contact::{tag, word_or};
 use super::error::SceneError;
-use super::reader::{Entry, Key, Section, key};
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::Positive;
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
     ToothModel,
 };
+use serde::Deserialize;
 
-const KIND: Key = key(
-    "kind",
-    "\"constant\", \"iso6336\", \"compliance\" or \"table\"",
-);
-const OF: Key = key(
-    "of",
-    "\"pair\" (default): one spring per tooth pair; \"mesh\": one for the mesh",
-);
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename = "<kind>", rename_all = "kebab-case")]
+pub(super) enum StiffnessKeys {
+    Constant(ConstantKeys),
+    Iso6336(IsoKeys),
+    Compliance(ComplianceKeys),
+    Table(TableKeys),
+}
 
-pub(super) static CONSTANT: &[Key] = &[
-    KIND,
-    key(
-        "stiffness_n_per_m2",
-        "stiffness per face width in N/m per m; 14 N/(mm um) is 1.4e10",
-    ),
-    OF,
-];
-pub(super) static ISO: &[Key] = &[
-    KIND,
-    key(
-        "variation",
-        "along the path: \"iso-mean\" (default), \"cai-hayashi\" or \"constant\"",
-    ),
-];
-pub(super) static COMPLIANCE: &[Key] = &[
-    KIND,
-    key(
-        "tooth",
-        "\"weber-banaschek\" (default), \"cornell\" or \"energy\"",
-    ),
-    key(
-        "foundation",
-        "\"sainsot-velex\" (default), \"weber-banaschek\", \"cornell\" or \"rigid\"",
-    ),
-    key(
-        "root_length",
-        "S of Sainsot and Velex: \"2 rf theta\" (default), \"2 rf sin theta\" or \"2 rb theta\"",
-    ),
-    key(
-        "hertz",
-        "\"linear\" (default), \"log\", \"weber-banaschek\" or \"rigid\"",
-    ),
-    key(
-        "reference_load_n",
-        "load of the pair in newton at which a logarithmic Hertz law is taken",
-    ),
-];
-pub(super) static TABLE: &[Key] = &[
-    KIND,
-    key(
-        "path_coordinate_m",
-        "list of path coordinates in metres, ascending",
-    ),
-    key(
-        "stiffness_n_per_m",
-        "list of stiffnesses in N/m for the whole face width",
-    ),
-    OF,
-    key(
-        "ends",
-        "outside the table: \"clamped\" (default) or \"periodic\"",
-    ),
-    key("interpolation", "\"cubic\" (default) or \"linear\""),
-];
-
-/// Reads a stiffness.
-pub(super) fn stiffness(entry: &Entry<'_>) -> Result<PairStiffness, SceneError> {
-    if let Some(word) = entry.as_text() {
-        return match word {
-            "iso6336" => Ok(PairStiffness::Iso6336 { variation: IsoVariation::default() }),
-            "compliance" => Ok(PairStiffness::Compliance {
-                tooth: ToothModel::WeberBanaschek,
-                foundation: Foundation::SainsotVelex(RootLength::default()),
-                hertz: Hertz::Linear,
-            }),
-            "constant" | "table" => Err(entry.error(
-                format!("the stiffness \"{word}\" needs its values"),
-                "expected a table",
-                if word == "constant" {
-                    "for example { kind = \"constant\", stiffness_n_per_m2 = 1.4e10 }"
-                } else {
-                    "for example { kind = \"table\", path_coordinate_m = [..], stiffness_n_per_m = [..] }"
-                },
-            )),
-            other => Err(entry.unknown_word(other, &["constant", "iso6336", "compliance", "table"])),
-        };
+keys! {
+    pub(super) struct ConstantKeys {
+        /// stiffness per face width in N/m per m; 14 N/(mm um) is 1.4e10
+        stiffness_n_per_m2: Positive,
+        /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
+        #[serde(default)]
+        of: PairOrMesh,
     }
-    let kinds = [
-        ("constant", 0),
-        ("iso6336", 1),
-        ("compliance", 2),
-        ("table", 3),
-    ];
-    match tag(entry, "kind", &kinds)? {
-        0 => constant(&entry.section("`stiffness`", CONSTANT)?),
-        1 => {
-            let s = entry.section("`stiffness`", ISO)?;
-            let known = [
-                ("iso-mean", IsoVariation::IsoMean),
-                ("cai-hayashi", IsoVariation::CaiHayashi),
-                ("constant", IsoVariation::Constant),
-            ];
-            Ok(PairStiffness::Iso6336 {
-                variation: word_or(&s, "variation", &known)?,
-            })
-        }
-        2 => compliance(&entry.section("`stiffness`", COMPLIANCE)?),
-        _ => table(&entry.section("`stiffness`", TABLE)?),
+
+    pub(super) struct IsoKeys {
+        /// along the path: "iso-mean" (default), "cai-hayashi" or "constant"
+        #[serde(default)]
+        variation: IsoVariation,
+    }
+
+    pub(super) struct ComplianceKeys {
+        /// "weber-banaschek" (default), "cornell" or "energy"
+        tooth: Option<ToothModel>,
+        /// "sainsot-velex" (default), "weber-banaschek", "cornell" or "rigid"
+        #[serde(default)]
+        foundation: FoundationWord,
+        /// S of Sainsot and Velex: "2 rf theta" (default), "2 rf sin theta" or "2 rb theta"
+        root_length: Option<RootLength>,
+        /// "linear" (default), "log", "weber-banaschek" or "rigid"
+        #[serde(default)]
+        hertz: HertzWord,
+        /// load of the pair in newton at which a logarithmic Hertz law is taken, the mean load of a tooth pair
+        reference_load_n: Option<Positive>,
+    }
+
+    pub(super) struct TableKeys {
+        /// list of path coordinates in metres, ascending
+        path_coordinate_m: Vec<f64>,
+        /// list of stiffnesses in N/m for the whole face width
+        stiffness_n_per_m: Vec<f64>,
+        /// "pair" (default): one spring per tooth pair; "mesh": one for the mesh
+        #[serde(default)]
+        of: PairOrMesh,
+        /// outside the table: "clamped" (default) or "periodic"
+        #[serde(default)]
+        ends: Ends,
+        /// "cubic" (default) or "linear"
+        #[serde(default)]
+        interpolation: Interpolation,
     }
 }
 
-fn of(s: &Section<'_>) -> Result<PairOrMesh, SceneError> {
-    word_or(
-        s,
-        "of",
-        &[("pair", PairOrMesh::Pair), ("mesh", PairOrMesh::Mesh)],
-    )
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum FoundationWord {
+    #[default]
+    SainsotVelex,
+    WeberBanaschek,
+    Cornell,
+    Rigid,
 }
 
-fn constant(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
-    let entry = s.need("stiffness_n_per_m2")?;
-    let per_width = entry.number()?;
-    if per_width <= 0.0 {
-        return Err(entry.error(
-            format!("the stiffness per width is {per_width}"),
-            "expected more than zero",
-            "a steel tooth pair has about 1.4e10 N/m per m, 14 N/(mm um)",
-        ));
-    }
-    Ok(PairStiffness::Constant {
-        per_width,
-        of: of(s)?,
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum HertzWord {
+    #[default]
+    Linear,
+    Log,
+    WeberBanaschek,
+    Rigid,
+}
+
+/// The stiffness that is asked for.
+pub(super) fn stiffness(keys: &StiffnessKeys, at: &Place<'_>) -> Result<PairStiffness, SceneError> {
+    Ok(match keys {
+        StiffnessKeys::Constant(keys) => PairStiffness::Constant {
+            per_width: keys.stiffness_n_per_m2.0,
+            of: keys.of,
+        },
+        StiffnessKeys::Iso6336(keys) => PairStiffness::Iso6336 {
+            variation: keys.variation,
+        },
+        StiffnessKeys::Compliance(keys) => PairStiffness::Compliance {
+            tooth: keys.tooth.unwrap_or(ToothModel::WeberBanaschek),
+            foundation: foundation(keys, at)?,
+            hertz: hertz(keys, at)?,
+        },
+        StiffnessKeys::Table(keys) => PairStiffness::Table {
+            s: keys.path_coordinate_m.clone(),
+            k: keys.stiffness_n_per_m.clone(),
+            of: keys.of,
+            ends: keys.ends,
+            interpolation: keys.interpolation,
+        },
     })
 }
 
-fn compliance(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
-    let tooth = word_or(
-        s,
-        "tooth",
-        &[
-            ("weber-banaschek", ToothModel::WeberBanaschek),
-            ("cornell", ToothModel::Cornell),
-            ("energy", ToothModel::Energy),
-        ],
-    )?;
-    let root_length = word_or(
-        s,
-        "root_length",
-        &[
-            ("2 rf theta", RootLength::TwoRfThetaF),
-            ("2 rf sin theta", RootLength::TwoRfSinThetaF),
-            ("2 rb theta", RootLength::TwoRbThetaF),
-        ],
-    )?;
-    let foundation = word_or(
-        s,
-        "foundation",
-        &[
-            ("sainsot-velex", Foundation::SainsotVelex(root_length)),
-            ("weber-banaschek", Foundation::WeberBanaschek),
-            ("cornell", Foundation::Cornell),
-            ("rigid", Foundation::Rigid),
-        ],
-    )?;
-    if let (Some(e), false) = (
-        s.get("root_length"),
-        matches!(foundation, Foundation::SainsotVelex(_)),
-    ) {
-        return Err(e.error(
+fn foundation(keys: &ComplianceKeys, at: &Place<'_>) -> Result<Foundation, SceneError> {
+    let foundation = match keys.foundation {
+        FoundationWord::SainsotVelex => {
+            return Ok(Foundation::SainsotVelex(
+                keys.root_length.unwrap_or_default(),
+            ));
+        }
+        FoundationWord::WeberBanaschek => Foundation::WeberBanaschek,
+        FoundationWord::Cornell => Foundation::Cornell,
+        FoundationWord::Rigid => Foundation::Rigid,
+    };
+    match keys.root_length {
+        None => Ok(foundation),
+        Some(_) => at.key("root_length").refuse(
             format!(
                 "`root_length` does not belong to the foundation \"{}\"",
                 foundation.id()
             ),
             "remove this",
             "only \"sainsot-velex\" has a root length S",
-        ));
+        ),
     }
-    let kind = word_or(
-        s,
-        "hertz",
-        &[
-            ("linear", 0),
-            ("log", 1),
-            ("weber-banaschek", 2),
-            ("rigid", 3),
-        ],
-    )?;
-    let load = s.get("reference_load_n");
-    let hertz = match (kind, load) {
-        (0 | 3, Some(e)) => {
-            return Err(e.error(
+}
+
+fn hertz(keys: &ComplianceKeys, at: &Place<'_>) -> Result<Hertz, SceneError> {
+    let load = keys.reference_load_n.map(f64::from);
+    Ok(match (keys.hertz, load) {
+        (HertzWord::Linear, None) => Hertz::Linear,
+        (HertzWord::Rigid, None) => Hertz::Rigid,
+        (HertzWord::Log, Some(reference_load)) => Hertz::Log { reference_load },
+        (HertzWord::WeberBanaschek, Some(reference_load)) => {
+            Hertz::WeberBanaschek { reference_load }
+        }
+        (_, Some(_)) => {
+            return at.key("reference_load_n").refuse(
                 "`reference_load_n` does not belong to this Hertz law",
                 "remove this",
                 "only \"log\" and \"weber-banaschek\" depend on the load",
-            ));
+            );
         }
-        (0, None) => Hertz::Linear,
-        (3, None) => Hertz::Rigid,
-        (kind, _) => {
-            let entry = s.need("reference_load_n")?;
-            let reference_load = entry.number()?;
-            if reference_load <= 0.0 {
-                return Err(entry.error(
-                    format!("the reference load is {reference_load} N"),
-                    "expected more than zero",
-                    "take the mean load of a tooth pair",
-                ));
-            }
-            if kind == 1 {
-                Hertz::Log { reference_load }
-            } else {
-                Hertz::WeberBanaschek { reference_load }
-            }
-        }
-    };
-    Ok(PairStiffness::Compliance {
-        tooth,
-        foundation,
-        hertz,
-    })
-}
-
-fn table(s: &Section<'_>) -> Result<PairStiffness, SceneError> {
-    Ok(PairStiffness::Table {
-        s: s.need("path_coordinate_m")?.numbers()?,
-        k: s.need("stiffness_n_per_m")?.numbers()?,
-        of: of(s)?,
-        ends: word_or(
-            s,
-            "ends",
-            &[("clamped", Ends::Clamped), ("periodic", Ends::Periodic)],
-        )?,
-        interpolation: word_or(
-            s,
-            "interpolation",
-            &[
-                ("cubic", Interpolation::Cubic),
-                ("linear", Interpolation::Linear),
-            ],
-        )?,
+        (_, None) => return Err(at.missing("reference_load_n", &ComplianceKeys::TABLE)),
     })
 }

@@ -5,19 +5,21 @@
 //! | [`choose`] | the cheapest adequate model, integrator and step for a scene, without finite elements |
 //! | [`compare`] | all models and integrators of a scene against its references |
 //! | [`identify`] | stiffness, tooth mass and touch time fitted to a reference impact |
-//! | [`penalty`] | force, impulse and transmission error over the penalty, beside hard contact |
-//! | [`precision`] | error against cost: models, integrators, resolutions, mode counts |
+//! | `penalty` | force, impulse and transmission error over the penalty, beside hard contact |
+//! | `precision` | error against cost: models, integrators, resolutions, mode counts |
 //! | [`stability`] | where methods fail: maps over step and stiffness, damping, speed, modes; the largest stable step |
-//! | [`stiffness`] | static mesh stiffness of the models beside the norm and the analytic compliance |
-//! | [`sweep`] | running under load at speed after speed: transmission error, bearing forces, spectra |
-//! | [`truncation`] | error of the elastic model over the number of modes, against full finite elements |
+//! | `stiffness` | static mesh stiffness of the models beside the norm and the analytic compliance |
+//! | `sweep` | running under load at speed after speed: transmission error, bearing forces, spectra |
+//! | `truncation` | error of the elastic model over the number of modes, against full finite elements |
 
 pub mod choose;
 pub mod compare;
 pub mod identify;
-pub mod penalty;
-pub mod precision;
+pub(crate) mod penalty;
+pub(crate) mod precision;
 pub mod stability;
-pub mod stiffness;
-pub mod sweep;
-pub mod truncation;
+pub(crate) mod stiffness;
+pub(crate) mod sweep;
+#[cfg(test)]
+mod test_scene;
+pub(crate) mod truncation;

@@ -3,7 +3,7 @@
 use crate::cli::terminal::{Refusal, say};
 use crate::models::models;
 use crate::scene_file::{self, SHIPPED};
-use gearbench_integrators::table::COAST;
+use gearbench_integrators::table::FREE_FLIGHT;
 use gearbench_integrators::{METHODS, Stepping};
 use gearbench_reference::REFERENCES;
 use std::process::ExitCode;
@@ -52,7 +52,7 @@ pub fn run() -> Result<ExitCode, Refusal> {
     }
     say(&format!(
         "  all take {} in {{0, 1}}, default {}; {}",
-        COAST.name, COAST.default, COAST.meaning
+        FREE_FLIGHT.name, FREE_FLIGHT.default, FREE_FLIGHT.meaning
     ));
     say("\nreferences (reference = \"ID\" in a scene)");
     for r in REFERENCES {

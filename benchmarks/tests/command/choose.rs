@@ -1,15 +1,6 @@
 //! `gearbench choose`: what it writes, that its answer runs, what it refuses.
 
-use super::{Folder, gearbench};
-use std::process::Output;
-
-fn told(o: &Output) -> String {
-    format!(
-        "{}{}",
-        String::from_utf8_lossy(&o.stdout),
-        String::from_utf8_lossy(&o.stderr)
-    )
-}
+use super::{Folder, has, stdout};
 
 /// One impact of coarse gears: their reduction takes a fraction of a second.
 fn scene(gap: &str) -> String {
@@ -29,34 +20,17 @@ fn scene(gap: &str) -> String {
 #[test]
 fn a_choice_is_written_and_runs() {
     let folder = Folder::new();
-    std::fs::write(folder.at("small.toml"), scene("1e-6")).unwrap();
-    let out = gearbench(
-        folder.path(),
-        &[
-            "choose",
-            "small.toml",
-            "--metric",
-            "impulse",
-            "--tolerance",
-            "0.05",
-            "--out",
-            "o",
-        ],
+    folder.write("small.toml", &scene("1e-6"));
+    let said = folder.says("choose small.toml --metric impulse --tolerance 0.05 --out o");
+    has(&said, &["predicted error"]);
+    let page = folder.read("o/index.html");
+    has(&page, &["The hierarchy of models", "<svg"]);
+    let table = folder.read("o/choose.csv");
+    assert_eq!(
+        table.lines().filter(|l| l.contains(",true,true,")).count(),
+        1
     );
-    assert_eq!(out.status.code(), Some(0), "{}", told(&out));
-    let said = told(&out);
-    assert!(said.contains("predicted error"), "{said}");
-    let read = |name: &str| std::fs::read_to_string(folder.at("o").join(name)).unwrap();
-    let page = read("index.html");
-    assert!(page.contains("The hierarchy of models") && page.contains("<svg"));
-    assert!(
-        read("choose.csv")
-            .lines()
-            .filter(|l| l.contains(",true,true,"))
-            .count()
-            == 1
-    );
-    let chosen = read("chosen.toml");
+    let chosen = folder.read("o/chosen.toml");
     assert_eq!(chosen.matches("[[models]]").count(), 1, "{chosen}");
     assert!(
         chosen.contains("# Two gears") && !chosen.contains("tolerance ="),
@@ -64,55 +38,31 @@ fn a_choice_is_written_and_runs() {
     );
 
     // The page follows from the record alone.
-    assert_eq!(
-        gearbench(folder.path(), &["report", "o"]).status.code(),
-        Some(0)
-    );
-    assert_eq!(page, read("index.html"));
+    folder.says("report o");
+    assert_eq!(page, folder.read("o/index.html"));
 
     // The choice runs as it stands, and nothing is left of the numbers of another scene.
-    let run = gearbench(
-        folder.path(),
-        &["compare", "o/chosen.toml", "--repeats", "1", "--out", "r"],
-    );
-    assert_eq!(run.status.code(), Some(0), "{}", told(&run));
-    let record = std::fs::read_to_string(folder.at("r/results.json")).unwrap();
-    assert!(record.contains("\"variant\": \"chosen\""), "{record}");
+    folder.says("compare o/chosen.toml --repeats 1 --out r");
+    has(&folder.read("r/results.json"), &["\"variant\": \"chosen\""]);
 }
 
 #[test]
 fn what_cannot_be_kept_is_said() {
     let folder = Folder::new();
-    std::fs::write(folder.at("small.toml"), scene("1e-6")).unwrap();
-    let out = gearbench(
-        folder.path(),
-        &["choose", "small.toml", "--tolerance", "1e-7"],
-    );
-    assert_eq!(out.status.code(), Some(1), "{}", told(&out));
-    assert!(told(&out).contains("nothing is adequate"), "{}", told(&out));
+    folder.write("small.toml", &scene("1e-6"));
+    let out = folder.ends("choose small.toml --tolerance 1e-7", 1);
+    has(&stdout(&out), &["nothing is adequate"]);
     assert!(!folder.at("out/small/choose/chosen.toml").exists());
     assert!(folder.at("out/small/choose/index.html").exists());
 }
 
 #[test]
-fn bad_wishes_and_scenes_are_refused() {
+fn bad_requirements_and_scenes_are_refused() {
     let folder = Folder::new();
-    std::fs::write(folder.at("apart.toml"), scene("7e-5")).unwrap();
-    for (arguments, says) in [
-        (&["choose", "apart.toml"][..], "no teeth touch"),
-        (
-            &["choose", "spur_impact", "--metric", "speed"],
-            "force-aligned",
-        ),
-        (
-            &["choose", "spur_impact", "--tolerance", "0"],
-            "between 0 and 1",
-        ),
-        (&["choose", "nowhere"], "there is no scene `nowhere`"),
-    ] {
-        let out = gearbench(folder.path(), arguments);
-        assert_eq!(out.status.code(), Some(2), "{}", told(&out));
-        assert!(told(&out).contains(says), "{}", told(&out));
-    }
+    folder.write("apart.toml", &scene("7e-5"));
+    folder.refuses("choose apart.toml", &["no teeth touch"]);
+    folder.refuses("choose spur_impact --metric speed", &["force-aligned"]);
+    folder.refuses("choose spur_impact --tolerance 0", &["between 0 and 1"]);
+    folder.refuses("choose nowhere", &["there is no scene `nowhere`"]);
     assert!(!folder.at("out").exists());
 }

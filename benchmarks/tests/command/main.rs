@@ -8,40 +8,82 @@ mod reduce;
 mod stability_kill;
 mod stiffness;
 
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// A folder of its own for a test, removed at the end.
-struct Folder(tempfile::TempDir);
+struct Folder {
+    folder: tempfile::TempDir,
+    /// Reductions are kept in `cache`.
+    cached: bool,
+}
 
 impl Folder {
     fn new() -> Self {
-        Folder(tempfile::tempdir().unwrap())
+        Folder {
+            folder: tempfile::tempdir().unwrap(),
+            cached: false,
+        }
     }
 
     fn path(&self) -> &Path {
-        self.0.path()
+        self.folder.path()
     }
 
     fn at(&self, name: &str) -> PathBuf {
         self.path().join(name)
     }
+
+    fn read(&self, name: &str) -> String {
+        let text = std::fs::read_to_string(self.at(name));
+        text.unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.at(name), text).unwrap();
+    }
+
+    fn files(&self) -> usize {
+        std::fs::read_dir(self.path()).unwrap().count()
+    }
+
+    /// The command with arguments between blanks.
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gearbench"));
+        command
+            .args(arguments.split_whitespace())
+            .current_dir(self.path())
+            .env("NO_COLOR", "1");
+        match self.cached {
+            true => command.env("GEARBENCH_CACHE", self.at("cache")),
+            false => command.env("GEARBENCH_CACHE", "off"),
+        };
+        command
+    }
+
+    /// Runs it to an exit code.
+    fn ends(&self, arguments: &str, code: i32) -> Output {
+        let out = self.command(arguments).output().unwrap();
+        let said = format!("{arguments}: {}{}", stdout(&out), stderr(&out));
+        assert_eq!(out.status.code(), Some(code), "{said}");
+        out
+    }
+
+    /// What it says when it succeeds.
+    fn says(&self, arguments: &str) -> String {
+        stdout(&self.ends(arguments, 0))
+    }
+
+    /// It refuses bad input in some words.
+    fn refuses(&self, arguments: &str, words: &[&str]) {
+        has(&stderr(&self.ends(arguments, 2)), words);
+    }
 }
 
-/// The command in a folder, with a cache of reductions or `off`.
-fn command(folder: &Path, cache: impl AsRef<OsStr>, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gearbench"));
-    command
-        .args(arguments)
-        .current_dir(folder)
-        .env("NO_COLOR", "1")
-        .env("GEARBENCH_CACHE", cache);
-    command
-}
-
-fn gearbench(folder: &Path, arguments: &[&str]) -> Output {
-    command(folder, "off", arguments).output().unwrap()
+fn has(said: &str, words: &[&str]) {
+    for word in words {
+        assert!(said.contains(word), "`{word}` is missing in\n{said}");
+    }
 }
 
 fn stdout(o: &Output) -> String {
@@ -55,50 +97,26 @@ fn stderr(o: &Output) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-fn is_empty(folder: &Path) -> bool {
-    std::fs::read_dir(folder).unwrap().next().is_none()
-}
-
 #[test]
 fn help_and_list_teach() {
     let folder = Folder::new();
-    let help = gearbench(folder.path(), &["--help"]);
-    let text = String::from_utf8_lossy(&help.stdout).to_string();
-    for words in [
-        "Examples:",
-        "compare",
-        "identify",
-        "Exit codes",
-        "results.json",
-    ] {
-        assert!(text.contains(words), "{words} is missing in\n{text}");
-    }
-    let list = gearbench(folder.path(), &["list"]);
-    let text = String::from_utf8_lossy(&list.stdout).to_string();
-    for words in [
-        "spur_impact",
-        "hammer",
-        "movable-teeth",
-        "tooth_mass_kg",
-        "dopri5",
-        "calculix/case-a-fine",
-    ] {
-        assert!(text.contains(words), "{words} is missing in\n{text}");
-    }
-    let wrong = gearbench(folder.path(), &["compare", "--modles", "x"]);
-    assert_eq!(wrong.status.code(), Some(2));
+    let words = "Examples: compare identify Exit results.json";
+    has(
+        &folder.says("--help"),
+        &words.split(' ').collect::<Vec<_>>(),
+    );
+    let words = "spur_impact hammer movable-teeth tooth_mass_kg dopri5 calculix/case-a-fine";
+    has(&folder.says("list"), &words.split(' ').collect::<Vec<_>>());
+    folder.ends("compare --modles x", 2);
 }
 
 /// The name `modes` is kept for the natural modes of an assembled scene.
 #[test]
 fn the_former_name_of_the_truncation_study_is_refused_with_the_new_one() {
     let folder = Folder::new();
-    let out = gearbench(folder.path(), &["modes", "spur_impact", "--counts", "0,25"]);
-    assert_eq!(out.status.code(), Some(2), "{}", stderr(&out));
-    assert!(
-        stderr(&out).contains("`gearbench truncation`"),
-        "{}",
-        stderr(&out)
+    folder.refuses(
+        "modes spur_impact --counts 0,25",
+        &["`gearbench truncation`"],
     );
-    assert!(is_empty(folder.path()));
+    assert_eq!(folder.files(), 0);
 }

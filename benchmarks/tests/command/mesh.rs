@@ -1,34 +1,16 @@
 //! `gearbench mesh`.
 
-use super::{Folder, gearbench, is_empty, stderr, stdout};
+use super::{Folder, has};
 
 #[test]
 fn meshes_are_written_as_decks_and_for_paraview() {
     let folder = Folder::new();
-    let dry = gearbench(folder.path(), &["mesh", "spur_impact"]);
-    assert_eq!(dry.status.code(), Some(0), "{}", stderr(&dry));
-    let said = stdout(&dry);
-    assert!(
-        said.contains("pinion") && said.contains("wheel") && said.contains("nothing was written"),
-        "{said}"
-    );
-    assert!(is_empty(folder.path()));
+    let said = folder.says("mesh spur_impact");
+    has(&said, &["pinion", "wheel", "nothing was written"]);
+    assert_eq!(folder.files(), 0);
 
-    let arguments = [
-        "mesh",
-        "spur_impact",
-        "--width",
-        "1",
-        "--flank",
-        "5",
-        "--element",
-        "c3d20r",
-    ];
-    let out = gearbench(
-        folder.path(),
-        &[&arguments[..], &["--out", "g.inp", "--vtu", "g.vtu"]].concat(),
-    );
-    assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
+    let arguments = "--width 1 --flank 5 --element c3d20r --out g.inp --vtu g.vtu";
+    let said = folder.says(&format!("mesh spur_impact {arguments}"));
     for (name, teeth) in [("pinion", 20), ("wheel", 30)] {
         let deck = gearbench_reference::deck::read(folder.at(&format!("g-{name}.inp"))).unwrap();
         let gears = gearbench_reference::deck::gears(&deck).unwrap();
@@ -36,58 +18,28 @@ fn meshes_are_written_as_decks_and_for_paraview() {
         assert_eq!((gears.len(), mesh.teeth), (1, teeth));
         assert_eq!(mesh.mesh.kind.name(), "C3D20R");
         assert!(mesh.flanks.iter().all(|f| (f.rows, f.columns) == (6, 2)));
-        let counts = format!(
-            "{}  {:>8}",
-            mesh.mesh.nodes.len(),
-            mesh.mesh.element_count()
-        );
-        assert!(stdout(&out).contains(&counts), "{}", stdout(&out));
-        let page = std::fs::read_to_string(folder.at(&format!("g-{name}.vtu"))).unwrap();
-        let head = format!(
-            "NumberOfPoints=\"{}\" NumberOfCells=\"{}\"",
-            mesh.mesh.nodes.len(),
-            mesh.mesh.element_count()
-        );
+        let (nodes, elements) = (mesh.mesh.nodes.len(), mesh.mesh.element_count());
+        has(&said, &[&format!("{nodes}  {elements:>8}")]);
+        let page = folder.read(&format!("g-{name}.vtu"));
+        let head = format!("NumberOfPoints=\"{nodes}\" NumberOfCells=\"{elements}\"");
         assert!(page.contains(&head) && page.ends_with("</VTKFile>\n"));
     }
     // Four files and nothing else.
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
+    assert_eq!(folder.files(), 4);
 
     // A deck brings its own mesh.
-    let again = gearbench(
-        folder.path(),
-        &["mesh", "g-pinion.inp", "--vtu", "again.vtu"],
-    );
-    assert_eq!(again.status.code(), Some(0), "{}", stderr(&again));
+    folder.says("mesh g-pinion.inp --vtu again.vtu");
     assert!(folder.at("again.vtu").exists());
 }
 
 #[test]
 fn a_sector_carries_the_cuts_in_matching_order() {
     let folder = Folder::new();
-    let out = gearbench(
-        folder.path(),
-        &[
-            "mesh",
-            "spur_impact",
-            "--gear",
-            "wheel",
-            "--sector",
-            "--out",
-            "s.inp",
-        ],
-    );
-    assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
-    let text = std::fs::read_to_string(folder.at("s.inp")).unwrap();
+    folder.says("mesh spur_impact --gear wheel --sector --out s.inp");
+    let text = folder.read("s.inp");
     let numbers = |block: &str| -> Vec<Vec<f64>> {
-        let body = text
-            .split_once(block)
-            .unwrap()
-            .1
-            .split_once('\n')
-            .unwrap()
-            .1;
-        let lines = body.lines().take_while(|l| !l.starts_with('*'));
+        let (_, body) = text.split_once(block).unwrap();
+        let lines = (body.lines().skip(1)).take_while(|l| !l.starts_with('*'));
         lines
             .map(|l| l.split(',').filter_map(|w| w.trim().parse().ok()).collect())
             .collect()
@@ -117,65 +69,40 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
         .filter(|l| !l.starts_with("bore_radius_m"))
         .map(|l| format!("{l}\n"))
         .collect();
-    std::fs::write(folder.at("solid.toml"), solid).unwrap();
-    std::fs::write(folder.at("broken.inp"), "*NODE\n1, 2\n").unwrap();
-    let cases: [(&[&str], &[&str]); 9] = [
+    folder.write("solid.toml", &solid);
+    folder.write("broken.inp", "*NODE\n1, 2\n");
+    let cases: [(&str, &[&str]); 9] = [
         (
-            &["solid.toml"],
+            "solid.toml",
             &["is solid", "bore_radius_m = 0.0", "[gears.pinion]"],
         ),
         (
-            &["spur_impact", "--gear", "pinoin"],
+            "spur_impact --gear pinoin",
             &["no gear `pinoin`", "pinion, wheel"],
         ),
         (
-            &["spur_impact", "--element", "C3D4"],
+            "spur_impact --element C3D4",
             &["no element `C3D4`", "C3D20R"],
         ),
         (
-            &["spur_impact", "--across", "2"],
+            "spur_impact --across 2",
             &["across the tooth is 2", "--across"],
         ),
         (
-            &["spur_impact", "--fine-teeth", "1,31"],
+            "spur_impact --fine-teeth 1,31",
             &["fine tooth 30 does not exist", "from 1"],
         ),
-        (&["spur_impact", "--fine-teeth", "0"], &["--fine-teeth"]),
-        (&["broken.inp"], &["broken.inp"]),
-        (
-            &["broken.inp", "--flank", "3"],
-            &["--flank", "brings its own mesh"],
-        ),
-        (&["spur_impact", "--vtu", "x.inp"], &["asked for twice"]),
+        ("spur_impact --fine-teeth 0", &["--fine-teeth"]),
+        ("broken.inp", &["broken.inp"]),
+        ("broken.inp --flank 3", &["--flank", "brings its own mesh"]),
+        ("spur_impact --vtu x.inp", &["asked for twice"]),
     ];
-    for (arguments, expected) in cases {
-        let all = [&["mesh"], arguments, &["--out", "x.inp"]].concat();
-        let out = gearbench(folder.path(), &all);
-        assert_eq!(out.status.code(), Some(2), "{all:?}: {}", stderr(&out));
-        for words in expected {
-            assert!(stderr(&out).contains(words), "{all:?}: {}", stderr(&out));
-        }
-        assert_eq!(
-            std::fs::read_dir(folder.path()).unwrap().count(),
-            2,
-            "{all:?} wrote something"
-        );
+    for (arguments, words) in cases {
+        folder.refuses(&format!("mesh {arguments} --out x.inp"), words);
+        assert_eq!(folder.files(), 2, "{arguments} wrote something");
     }
     // The input itself is never overwritten, and a folder that does not exist is named.
-    for out in ["broken.inp", "nowhere/x.inp"] {
-        let o = gearbench(
-            folder.path(),
-            &["mesh", "spur_impact", "--gear", "pinion", "--out", out],
-        );
-        assert_eq!(
-            o.status.code(),
-            Some(if out == "broken.inp" { 0 } else { 2 })
-        );
-    }
-    let own = gearbench(
-        folder.path(),
-        &["mesh", "broken.inp", "--out", "broken.inp"],
-    );
-    assert_eq!(own.status.code(), Some(2));
-    assert!(stderr(&own).contains("is the input"), "{}", stderr(&own));
+    folder.says("mesh spur_impact --gear pinion --out broken.inp");
+    folder.ends("mesh spur_impact --gear pinion --out nowhere/x.inp", 2);
+    folder.refuses("mesh broken.inp --out broken.inp", &["is the input"]);
 }

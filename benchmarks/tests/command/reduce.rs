@@ -1,50 +1,15 @@
 //! `gearbench reduce` as a user meets it, and `compare` with what it stored: gears from decks of another program.
 
-use super::{Folder, command, stderr, stdout};
+use super::{Folder, has};
 use gearbench_reference::reduction::store::{self, Motion};
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::path::Path;
 
 /// A folder with a cache of its own.
-struct Cached(Folder);
-
-impl Cached {
-    fn new() -> Self {
-        Cached(Folder::new())
-    }
-
-    fn at(&self, name: &str) -> PathBuf {
-        self.0.at(name)
-    }
-
-    fn gearbench(&self, arguments: &[&str]) -> Output {
-        self.gearbench_in(self.0.path(), arguments)
-    }
-
-    fn gearbench_in(&self, folder: &Path, arguments: &[&str]) -> Output {
-        command(folder, self.at("cache"), arguments)
-            .output()
-            .unwrap()
-    }
-
-    /// What a command says that has to succeed.
-    fn says(&self, arguments: &[&str]) -> String {
-        let out = self.gearbench(arguments);
-        assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
-        stdout(&out)
-    }
-
-    /// The refusal of a command that has bad input.
-    fn refuses(&self, arguments: &[&str]) -> String {
-        let out = self.gearbench(arguments);
-        assert_eq!(
-            out.status.code(),
-            Some(2),
-            "{arguments:?}: {}",
-            stderr(&out)
-        );
-        stderr(&out)
+fn cached() -> Folder {
+    Folder {
+        cached: true,
+        ..Folder::new()
     }
 }
 
@@ -69,22 +34,22 @@ fn calculix(table: &str) -> Vec<f64> {
 
 #[test]
 fn foreign_decks_are_reduced_and_compared() {
-    let folder = Cached::new();
+    let folder = cached();
     let decks = [deck("impA_g1_C3D8"), deck("impA_g2_C3D8")];
-    let reduce = [
-        "reduce", &decks[0], &decks[1], "--modes", "200", "--out", "reduced/",
-    ];
+    let reduce = format!(
+        "reduce {} {} --modes 200 --out reduced/",
+        decks[0], decks[1]
+    );
     let said = folder.says(&reduce);
-    for words in [
+    let words = [
         "gear with 20 teeth, tip radius 44.000 mm",
         "module 4.000 mm at 20.0 degrees",
         "40 flanks with 524 nodes and 222 faces",
         "gear with 30 teeth, tip radius 64.000 mm",
         "208 nodes at 15.000 mm tied to the hub, which is free to turn",
         "impA_g2_C3D8.npz",
-    ] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
+    ];
+    has(&said, &words);
     let reduced = |name: &str| folder.at(&format!("reduced/{name}.npz"));
     let before = std::fs::read(reduced("impA_g2_C3D8")).unwrap();
     let stored = store::read(&reduced("impA_g1_C3D8")).unwrap();
@@ -101,23 +66,18 @@ fn foreign_decks_are_reduced_and_compared() {
     // The example of the README, its reductions beside it, from another folder.
     let scene = repository("benchmarks/examples/foreign_gears.toml");
     std::fs::copy(scene, folder.at("foreign_gears.toml")).unwrap();
-    let elsewhere = folder.at("elsewhere");
-    std::fs::create_dir(&elsewhere).unwrap();
-    let arguments = [
-        "compare",
-        "../foreign_gears.toml",
-        "--models",
-        "elastic",
-        "--integrators",
-        "velocity-verlet@5e-7",
-        "--repeats",
-        "1",
-        "--out",
-        "cmp",
-    ];
-    let out = folder.gearbench_in(&elsewhere, &arguments);
-    assert_eq!(out.status.code(), Some(0), "{}", stderr(&out));
-    let record = std::fs::read_to_string(elsewhere.join("cmp/results.json")).unwrap();
+    std::fs::create_dir(folder.at("elsewhere")).unwrap();
+    let arguments = "compare ../foreign_gears.toml --models elastic --integrators velocity-verlet@5e-7 --repeats 1 --out cmp";
+    let mut command = folder.command(arguments);
+    assert!(
+        command
+            .current_dir(folder.at("elsewhere"))
+            .output()
+            .unwrap()
+            .status
+            .success()
+    );
+    let record = folder.read("elsewhere/cmp/results.json");
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     let run = &record["runs"][0];
     assert_eq!(run["status"], "converged");
@@ -129,10 +89,11 @@ fn foreign_decks_are_reduced_and_compared() {
 
 #[test]
 fn held_modes_are_those_of_calculix() {
-    let folder = Cached::new();
+    let folder = cached();
     let input = deck("impA_g1_C3D8");
-    let out = ["--modes", "21", "--mount", "held", "--out", "held.npz"];
-    folder.says(&[&["reduce", &input][..], &out].concat());
+    folder.says(&format!(
+        "reduce {input} --modes 21 --mount held --out held.npz"
+    ));
     let basis = store::read(&folder.at("held.npz")).unwrap().basis;
     assert!(!basis.free && basis.omega.len() >= 20);
     for (w, f) in basis.omega.iter().zip(calculix("eig_impA_g1")) {
@@ -143,82 +104,69 @@ fn held_modes_are_those_of_calculix() {
     let scene = repository("benchmarks/examples/foreign_gears.toml");
     let scene = std::fs::read_to_string(scene).unwrap();
     let wrong = scene.replace("reduced/impA_g1_C3D8.npz", "held.npz");
-    std::fs::write(folder.at("wrong.toml"), wrong).unwrap();
-    let said = folder.refuses(&["compare", "wrong.toml"]);
-    for words in [
+    folder.write("wrong.toml", &wrong);
+    let words = [
         "wrong.toml",
         "held.npz: its hub is held, but the mount of `pinion` leaves it free",
         "`--mount free`",
-    ] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
+    ];
+    folder.refuses("compare wrong.toml", &words);
     let swapped = scene.replace("reduced/impA_g2_C3D8.npz", "held.npz").replace(
         "gears.pinion = { model = \"elastic\", parameters = { reduction = \"reduced/impA_g1_C3D8.npz\" } }",
         "gears.pinion = { model = \"rigid\" }",
     );
-    std::fs::write(folder.at("swapped.toml"), swapped).unwrap();
-    let said = folder.refuses(&["compare", "swapped.toml", "--models", "elastic"]);
-    assert!(
-        said.contains("gear with 20 teeth, but `wheel` is a gear with 30"),
-        "{said}"
-    );
+    folder.write("swapped.toml", &swapped);
+    let words = ["gear with 20 teeth, but `wheel` is a gear with 30"];
+    folder.refuses("compare swapped.toml --models elastic", &words);
     // Nor one that is not there.
-    std::fs::copy(
-        repository("benchmarks/examples/foreign_gears.toml"),
-        folder.at("missing.toml"),
-    )
-    .unwrap();
-    let said = folder.refuses(&["compare", "missing.toml"]);
-    assert!(
-        said.contains("impA_g1_C3D8.npz") && said.contains("gearbench reduce"),
-        "{said}"
+    folder.write("missing.toml", &scene);
+    folder.refuses(
+        "compare missing.toml",
+        &["impA_g1_C3D8.npz", "gearbench reduce"],
     );
     assert!(!folder.at("out").exists(), "nothing is written");
 }
 
 #[test]
 fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
-    let folder = Cached::new();
+    let folder = cached();
     let (gear, beam) = (deck("impA_g1_C3D8"), deck("beam_C3D8"));
-    std::fs::write(folder.at("no.inp"), "*NODE\n1, 0., 0.\n").unwrap();
-    let cases: [(&[&str], &[&str]); 11] = [
+    folder.write("no.inp", "*NODE\n1, 0., 0.\n");
+    let cases: [(String, &[&str]); 11] = [
+        (beam, &["beam_C3D8.inp.gz", "expected a node set `bore`"]),
+        ("no.inp".into(), &["no.inp", "expected"]),
+        ("missing.inp".into(), &["missing.inp", "readable deck"]),
+        ("no_scene".into(), &["there is no scene `no_scene`"]),
         (
-            &[&beam],
-            &["beam_C3D8.inp.gz", "expected a node set `bore`"],
-        ),
-        (&["no.inp"], &["no.inp", "expected"]),
-        (&["missing.inp"], &["missing.inp", "readable deck"]),
-        (&["no_scene"], &["there is no scene `no_scene`"]),
-        (
-            &["spur_impact", "--gear", "sun"],
+            "spur_impact --gear sun".into(),
             &["there is no gear `sun`", "pinion, wheel"],
         ),
         (
-            &[&gear, "--gear", "b"],
+            format!("{gear} --gear b"),
             &["there is no gear `b`", "its gears are gear"],
         ),
         (
-            &[&gear, "--model", "a"],
+            format!("{gear} --model a"),
             &["--model does not go with a deck"],
         ),
         (
-            &["spur_impact", "--model", "nothing"],
+            "spur_impact --model nothing".into(),
             &["no elastic model `nothing`"],
         ),
-        (&[&gear, "--poisson", "0.5"], &["Poisson", "--poisson"]),
-        (&[&gear, "--out", "gear.txt"], &["gear.txt", "ends in .npz"]),
+        (format!("{gear} --poisson 0.5"), &["Poisson", "--poisson"]),
         (
-            &[&gear, &gear, "--out", "reduced/"],
+            format!("{gear} --out gear.txt"),
+            &["gear.txt", "ends in .npz"],
+        ),
+        (
+            format!("{gear} {gear} --out reduced/"),
             &["asked for twice", "one by one"],
         ),
     ];
     for (arguments, words) in cases {
-        let said = folder.refuses(&[&["reduce"], arguments].concat());
-        for words in words {
-            assert!(said.contains(words), "{words}\n{said}");
-        }
+        folder.refuses(&format!("reduce {arguments}"), words);
     }
-    let left: Vec<_> = std::fs::read_dir(folder.0.path())
+    let left: Vec<_> = std::fs::read_dir(folder.path())
         .unwrap()
         .flatten()
         .collect();
@@ -228,7 +176,7 @@ fn what_cannot_be_reduced_is_refused_and_nothing_is_written() {
 
 #[test]
 fn gears_of_a_scene_are_reduced_as_its_elastic_model_has_them() {
-    let folder = Cached::new();
+    let folder = cached();
     let scene = r#"
 schema = 1
 name = "small"
@@ -257,26 +205,17 @@ model = "elastic"
 contact = { penalty_pa_per_m = 1e14 }
 parameters = { flank_elements = 3, fillet_elements = 2, across_elements = 4, rim_elements = 1, width_elements = 1 }
 "#;
-    std::fs::write(folder.at("small.toml"), scene).unwrap();
-    let said = folder.says(&[
-        "reduce",
-        "small.toml",
-        "--modes",
-        "12",
-        "--choose",
-        "flank-compliance",
-        "--out",
-        "small.npz",
-    ]);
-    for words in [
+    folder.write("small.toml", scene);
+    let said =
+        folder.says("reduce small.toml --modes 12 --choose flank-compliance --out small.npz");
+    let words = [
         "one sector of 18",
         "scene small, gear rack, generated mesh",
         "of it 1e-6 kg m^2 added at the hub",
         "rack with 5 teeth, tips 2.000 mm above its reference line; module 2.000 mm at 20.0 degrees",
         "of one tooth on all",
-    ] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
+    ];
+    has(&said, &words);
     let pinion = store::read(&folder.at("small-pinion.npz")).unwrap();
     let rack = store::read(&folder.at("small-rack.npz")).unwrap();
     assert!(pinion.basis.free && !rack.basis.free);
@@ -288,16 +227,7 @@ parameters = { flank_elements = 3, fillet_elements = 2, across_elements = 4, rim
         assert!(stored.meta.asked.contains("flank-compliance of 400 modes"));
     }
     // Modes up to a frequency: all of them, and the same ones.
-    folder.says(&[
-        "reduce",
-        "small.toml",
-        "--gear",
-        "pinion",
-        "--max-frequency",
-        "150e3",
-        "--out",
-        "low.npz",
-    ]);
+    folder.says("reduce small.toml --gear pinion --max-frequency 150e3 --out low.npz");
     let low = store::read(&folder.at("low.npz")).unwrap().basis;
     let highest = low.omega.last().unwrap() / TAU;
     assert!((100e3..150e3).contains(&highest), "{highest}");

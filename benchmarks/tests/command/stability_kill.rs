@@ -1,6 +1,6 @@
 //! A stability map that is killed again and again and resumed equals the one that was left alone, byte for byte.
 
-use super::{Folder, command, gearbench, stderr};
+use super::{Folder, has, stderr};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -12,20 +12,12 @@ const KILLS: usize = 20;
 const SEED: u64 = 0x6765_6172_2d6b_696c;
 
 /// A quick map of rigid gears whose runs take some milliseconds each.
-fn start(dir: &Path) -> Child {
-    command(
-        dir,
-        "off",
-        &["stability", "spur_rotation", "--models", "rigid"],
-    )
-    .args(["--integrators", "velocity-verlet,rk4,newmark"])
-    .args(["--axis", "contact-stiffness=0.1:100:6"])
-    .args(["--steps", "5e-7:2e-4:10", "--duration", "2e-3"])
-    .args(["--threads", "2", "--out", "map"])
-    .stdout(Stdio::null())
-    .stderr(Stdio::piped())
-    .spawn()
-    .unwrap()
+fn start(folder: &Folder) -> Child {
+    let map = "stability spur_rotation --models rigid --integrators velocity-verlet,rk4,newmark \
+               --axis contact-stiffness=0.1:100:6 --steps 5e-7:2e-4:10 --duration 2e-3 --threads 2 --out map";
+    let mut command = folder.command(map);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    command.spawn().unwrap()
 }
 
 fn finish(child: Child) {
@@ -75,14 +67,14 @@ impl Random {
 #[test]
 fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
     let (whole, killed) = (Folder::new(), Folder::new());
-    finish(start(whole.path()));
+    finish(start(&whole));
     let wanted = runs(whole.path());
 
     let mut random = Random(SEED);
     let (mut partial, mut progressed) = (0, 0);
     for kill in 0..KILLS {
         let before = lines(killed.path());
-        let mut child = start(killed.path());
+        let mut child = start(&killed);
         // By the lines of the journal, not by a clock; on average twenty of them make one whole map.
         let part = 2.0 * random.next() / KILLS as f64;
         let at = before + (part * wanted.len() as f64) as usize;
@@ -105,7 +97,7 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
         partial >= KILLS / 2,
         "only {partial} of {KILLS} kills left a map half done"
     );
-    finish(start(killed.path()));
+    finish(start(&killed));
 
     assert_eq!(runs(killed.path()), wanted, "the journals differ");
     for name in ["stability.csv", "stability_limits.csv"] {
@@ -128,32 +120,12 @@ fn killed_twenty_times_and_resumed_it_is_the_same_to_the_byte() {
 #[test]
 fn another_map_in_the_same_folder_is_refused() {
     let folder = Folder::new();
-    let run = |steps: &str, more: &[&str]| {
-        let map = [
-            "stability",
-            "spur_impact",
-            "--models",
-            "rigid",
-            "--out",
-            "map",
-        ];
-        let of = ["--integrators", "rk4", "--axis", "contact-stiffness=1,2"];
-        gearbench(
-            folder.path(),
-            &[&map[..], &of, &["--steps", steps], more].concat(),
-        )
-    };
-    let first = run("1e-6:1e-4:4", &[]);
-    assert!(first.status.success(), "{first:?}");
+    let map = "stability spur_impact --models rigid --out map --integrators rk4 --axis contact-stiffness=1,2 --steps";
+    folder.says(&format!("{map} 1e-6:1e-4:4"));
     let kept = read(folder.path(), "stability.csv");
-    let other = run("1e-6:1e-4:5", &[]);
-    let said = stderr(&other);
-    assert_eq!(other.status.code(), Some(2), "{said}");
-    for word in ["--fresh", "--out", "rk4"] {
-        assert!(said.contains(word), "{said}");
-    }
+    let other = folder.ends(&format!("{map} 1e-6:1e-4:5"), 2);
+    has(&stderr(&other), &["--fresh", "--out", "rk4"]);
     assert_eq!(read(folder.path(), "stability.csv"), kept);
-    let fresh = run("1e-6:1e-4:5", &["--fresh"]);
-    assert!(fresh.status.success(), "{fresh:?}");
+    folder.says(&format!("{map} 1e-6:1e-4:5 --fresh"));
     assert_ne!(read(folder.path(), "stability.csv"), kept);
 }

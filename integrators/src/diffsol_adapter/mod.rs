@@ -6,10 +6,10 @@
 //! keeps Newton from chasing rounding: angles grow over many turns while the deflections that make the
 //! forces stay small.
 //!
-//! **Events.** Guards are read after each step and their root is found on the solver's own interpolant.
+//! **Events.** Event functions are read after each step and their root is found on the solver's own interpolant.
 //! There the branch is switched and the solver is set back to that state: order one for BDF, a fresh
-//! Jacobian, a first step from the system's pace. diffsol's own root functions answer to any change of
-//! sign, also of a guard that rises from a root where rounding left it a hair below.
+//! Jacobian, a first step from the system's characteristic time. diffsol's own root functions answer to any change of
+//! sign, also of an event function that rises from a root where rounding left it a hair below.
 //!
 //! **What diffsol leaves open** and is handled here: an explicit solver accepts NaN (checked after each
 //! step); callbacks cannot fail (a force that is not finite is remembered); its limit of Newton failures
@@ -47,7 +47,7 @@ pub enum Solver {
 pub struct Diffsol {
     info: &'static MethodInfo,
     solver: Solver,
-    coasts: bool,
+    free_flights: bool,
 }
 
 impl Diffsol {
@@ -56,7 +56,7 @@ impl Diffsol {
         Diffsol {
             info,
             solver,
-            coasts: false,
+            free_flights: false,
         }
     }
 
@@ -73,8 +73,8 @@ impl Diffsol {
 /// loop borrows only outside of them.
 struct Shared<'a> {
     sys: RefCell<&'a mut (dyn SecondOrderSystem + 'a)>,
-    /// Memory of the current branch.
-    memory: RefCell<Vec<f64>>,
+    /// Discrete state of the current branch.
+    discrete: RefCell<Vec<f64>>,
     evaluations: Cell<u64>,
     /// Time and coordinate of the first force that was not finite since the step began.
     not_finite: Cell<Option<(f64, usize)>>,
@@ -86,12 +86,12 @@ impl Shared<'_> {
         let (q, v) = y.split_at(n);
         let (dq, a) = dy.split_at_mut(n);
         dq.copy_from_slice(v);
-        let memory = self.memory.borrow();
+        let discrete = self.discrete.borrow();
         let at = At {
             t,
             q,
             v,
-            memory: &memory,
+            discrete: &discrete,
         };
         let mut sys = self.sys.borrow_mut();
         sys.force(at, a);
@@ -109,20 +109,20 @@ impl Shared<'_> {
         let (dq, dv) = dy.split_at(n);
         let (top, a) = out.split_at_mut(n);
         top.copy_from_slice(dv);
-        let memory = self.memory.borrow();
+        let discrete = self.discrete.borrow();
         let at = At {
             t,
             q,
             v,
-            memory: &memory,
+            discrete: &discrete,
         };
         let mut sys = self.sys.borrow_mut();
         sys.tangent_times(at, dq, dv, a);
         sys.solve_mass(at, a);
     }
 
-    fn guards(&self, at: At<'_>, out: &mut [f64]) {
-        self.sys.borrow_mut().guards(at, out);
+    fn event_functions(&self, at: At<'_>, out: &mut [f64]) {
+        self.sys.borrow_mut().event_functions(at, out);
     }
 }
 
@@ -131,8 +131,8 @@ impl Integrator for Diffsol {
         self.info
     }
 
-    fn coast(&mut self, on: bool) -> bool {
-        self.coasts = on;
+    fn free_flight(&mut self, on: bool) -> bool {
+        self.free_flights = on;
         true
     }
 
@@ -164,7 +164,7 @@ impl Integrator for Diffsol {
         }
         let shared = Shared {
             sys: RefCell::new(sys),
-            memory: RefCell::new(s.memory.clone()),
+            discrete: RefCell::new(s.discrete.clone()),
             evaluations: Cell::new(0),
             not_finite: Cell::new(None),
         };
@@ -203,7 +203,8 @@ impl Integrator for Diffsol {
         let result = match kernel::start(self.solver, &problem) {
             Ok(mut kernel) => {
                 let first = |s: &State| first_step(&**shared.sys.borrow(), s, plan, rtol, exponent);
-                Session::new(&shared, s, plan, sink, work, self.coasts).run(&mut *kernel, &first)
+                Session::new(&shared, s, plan, sink, work, self.free_flights)
+                    .run(&mut *kernel, &first)
             }
             Err(e) => Err(Failed::Library(e)),
         };

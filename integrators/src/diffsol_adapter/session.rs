@@ -1,10 +1,10 @@
-//! The loop over the steps of a solver: events, knots, restarts, bounds.
+//! The loop over the steps of a solver: events, breakpoints, restarts, bounds.
 
 use super::Shared;
 use super::kernel::{Counts, Kernel, KernelDense, copy, read};
 use crate::bounds::Bounds;
-use crate::coast::{CoastDense, Coasting};
 use crate::events::{Root, Watch};
+use crate::free_flight::{FlightDense, FlightProbe};
 use crate::method::{AcceptedStep, Control, Sink, StepError, TimePlan, Work};
 use crate::stepped::{MAX_EVENTS_AT_ONCE, first_not_finite, resolution_of_time};
 use crate::system::{Change, State};
@@ -54,11 +54,11 @@ pub(super) struct Session<'x, 'a> {
     watch: Watch,
     events: bool,
     events_here: u32,
-    knot: f64,
+    breakpoint: f64,
     to: State,
     y: RefCell<NalgebraVec<f64>>,
     seen: Counts,
-    coasting: Coasting,
+    flight: FlightProbe,
 }
 
 impl<'x, 'a> Session<'x, 'a> {
@@ -68,7 +68,7 @@ impl<'x, 'a> Session<'x, 'a> {
         plan: &'x TimePlan<'x>,
         sink: &'x mut dyn Sink,
         work: &'x mut Work,
-        coasts: bool,
+        free_flights: bool,
     ) -> Self {
         let mut sys = shared.sys.borrow_mut();
         let layout = sys.layout();
@@ -79,14 +79,17 @@ impl<'x, 'a> Session<'x, 'a> {
             work,
             t_begin: s.t,
             bounds: Bounds::default(),
-            watch: Watch::new(layout.guards),
-            events: plan.events && layout.guards > 0,
+            watch: Watch::new(layout.event_functions),
+            events: plan.events && layout.event_functions > 0,
             events_here: 0,
-            knot: sys.next_knot(s.t),
+            breakpoint: sys.next_breakpoint(s.t),
             to: s.clone(),
             y: RefCell::new(NalgebraVec::zeros(2 * layout.n, NalgebraContext::default())),
             seen: Counts::default(),
-            coasting: Coasting::new(coasts),
+            flight: FlightProbe {
+                on: free_flights,
+                ..FlightProbe::default()
+            },
             s,
         }
     }
@@ -99,15 +102,16 @@ impl<'x, 'a> Session<'x, 'a> {
     ) -> Result<(), Failed> {
         loop {
             if self.events {
-                self.shared.guards(self.s.at(), &mut self.watch.before);
+                self.shared
+                    .event_functions(self.s.at(), &mut self.watch.before);
             }
             let h = kernel.step_size();
-            let stop = self.plan.t_end.min(self.knot);
+            let stop = self.plan.t_end.min(self.breakpoint);
             // diffsol takes a stop time within a hundred units of rounding for reached.
             let least = 200.0 * f64::EPSILON * (self.s.t.abs() + h);
             let mut last = h;
-            self.coasting.hope();
-            if let Some(next) = self.coast(h, stop)? {
+            self.flight.patience.end();
+            if let Some(next) = self.flight_path(h, stop)? {
                 if matches!(next, Next::End) {
                     return Ok(());
                 }
@@ -121,14 +125,14 @@ impl<'x, 'a> Session<'x, 'a> {
                     match self.step(kernel, stop)? {
                         Next::Step => {
                             last = cut;
-                            match self.coast(kernel.step_size(), stop)? {
+                            match self.flight_path(kernel.step_size(), stop)? {
                                 None => {}
                                 Some(Next::End) => return Ok(()),
                                 Some(_) => break,
                             }
                         }
                         Next::Restart => {
-                            // The step before one that was cut short says more about the pace.
+                            // The step before one that was cut short says more about the characteristic time.
                             last = last.max(cut);
                             break;
                         }
@@ -151,31 +155,31 @@ impl<'x, 'a> Session<'x, 'a> {
 
     /// Crosses a flight that is longer than a step of size `h` and ends by `stop`, and what follows from that; `None`
     /// where there is none.
-    fn coast(&mut self, h: f64, stop: f64) -> Result<Option<Next>, Failed> {
+    fn flight_path(&mut self, h: f64, stop: f64) -> Result<Option<Next>, Failed> {
         let shared = self.shared;
         let later = self.s.t + h;
-        if !self.coasting.on || later >= stop {
+        if !self.flight.on || later >= stop {
             return Ok(None);
         }
         let until = {
             let mut sys = shared.sys.borrow_mut();
-            self.coasting.reach(&mut **sys, self.s, later).min(stop)
+            self.flight.end(&mut **sys, self.s, later).min(stop)
         };
         if until <= later {
             return Ok(None);
         }
         self.bounds.check(self.plan, self.s.t, self.work)?;
-        let (to, coast) = (&mut self.to, &self.coasting.coast);
+        let (to, path) = (&mut self.to, &self.flight.path);
         to.t = until;
-        coast.at(until, &mut to.q, &mut to.v);
+        path.at(until, &mut to.q, &mut to.v);
         if let Some(dof) = first_not_finite(to) {
             return Err(StepError::NonFinite { t: until, dof }.into());
         }
         let step = AcceptedStep {
             from: self.s,
             to: &self.to,
-            dense: &CoastDense {
-                coast,
+            dense: &FlightDense {
+                path,
                 from: self.s.t,
                 to: until,
             },
@@ -222,7 +226,7 @@ impl<'x, 'a> Session<'x, 'a> {
         let mut located = false;
         let mut progressed = true;
         if self.events {
-            shared.guards(to.at(), &mut self.watch.after);
+            shared.event_functions(to.at(), &mut self.watch.after);
             if self.watch.any_fell() {
                 located = true;
                 progressed = self.locate(kernel)?;
@@ -281,7 +285,7 @@ impl<'x, 'a> Session<'x, 'a> {
         let mut look = |theta: f64, out: &mut [f64]| {
             to.t = s.t + theta * h;
             match read(kernel, to.t, y, &mut to.q, &mut to.v) {
-                Ok(()) => shared.guards(to.at(), out),
+                Ok(()) => shared.event_functions(to.at(), out),
                 Err(e) => {
                     out.fill(0.0);
                     failed = Some(e);
@@ -299,28 +303,28 @@ impl<'x, 'a> Session<'x, 'a> {
         }
     }
 
-    /// What happens to a state between two steps: switches, `commit`, the next knot. True when the solver
-    /// has to start afresh, as after a coast.
-    fn between(&mut self, located: bool, coasted: bool) -> bool {
+    /// What happens to a state between two steps: switches, `commit`, the next breakpoint. True when the solver
+    /// has to start afresh, as after a free flight.
+    fn between(&mut self, located: bool, flown: bool) -> bool {
         let mut sys = self.shared.sys.borrow_mut();
         let s = &mut *self.s;
         let keep = self.sink.wants_restarts();
         if keep {
             self.to.copy_from(s);
         }
-        let mut restart = located || coasted;
+        let mut restart = located || flown;
         if located {
             self.work.events += self.watch.falling.len() as u64;
-            for &guard in &self.watch.falling {
-                sys.switch(s, guard);
+            for &event in &self.watch.falling {
+                sys.transition(s, event);
             }
         }
         restart |= sys.commit(s) == Change::Restart;
-        if coasted && self.events {
+        if flown && self.events {
             sys.begin(s, true);
         }
-        if s.t >= self.knot {
-            self.knot = sys.next_knot(s.t);
+        if s.t >= self.breakpoint {
+            self.breakpoint = sys.next_breakpoint(s.t);
             restart = true;
         }
         if restart {
@@ -331,8 +335,11 @@ impl<'x, 'a> Session<'x, 'a> {
                 self.work.restarts += 1;
             }
         }
-        self.to.memory.copy_from_slice(&s.memory);
-        self.shared.memory.borrow_mut().copy_from_slice(&s.memory);
+        self.to.discrete.copy_from_slice(&s.discrete);
+        self.shared
+            .discrete
+            .borrow_mut()
+            .copy_from_slice(&s.discrete);
         restart
     }
 }

@@ -204,7 +204,7 @@ impl RungeKutta {
                 t,
                 q,
                 v,
-                memory: &from.memory,
+                discrete: &from.discrete,
             };
             sys.force(at, a);
             sys.solve_mass(at, a);

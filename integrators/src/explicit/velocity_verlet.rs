@@ -65,7 +65,7 @@ impl OneStep for VelocityVerlet {
             t: to.t,
             q: &to.q,
             v: &self.v,
-            memory: &from.memory,
+            discrete: &from.discrete,
         };
         sys.force(at, &mut self.a1);
         sys.solve_mass(at, &mut self.a1);

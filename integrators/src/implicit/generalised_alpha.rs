@@ -127,9 +127,9 @@ impl GeneralisedAlpha {
         )
     }
 
-    /// Where it is stable on linear systems. At `z = -1` the recurrence gives, for `gamma = 1/2`, a velocity of zero and
-    /// `4 M - (1 - 4 beta) h^2 K`, so that dampers do not matter; with the parameters of HHT-alpha and generalised-alpha
-    /// `beta' >= gamma' / 2` holds, which no step exceeds.
+    /// Where it is stable on linear systems. At `z = -1` the recurrence gives, for `gamma = 1/2`, a velocity of zero
+    /// and `4 M - (1 - 4 beta) h^2 K`, so that dampers do not matter; with the parameters of HHT-alpha and
+    /// generalised-alpha `beta' >= gamma' / 2` holds, which no step exceeds.
     #[must_use]
     pub fn stability(&self) -> Stability {
         let newmark = self.alpha_m == 0.0 && self.alpha_f == 0.0 && self.gamma == 0.5;
@@ -216,7 +216,7 @@ impl OneStep for GeneralisedAlpha {
                 t: to.t,
                 q: &to.q,
                 v: &to.v,
-                memory: &from.memory,
+                discrete: &from.discrete,
             };
             sys.force(at, &mut self.residual);
             work.force_evaluations += 1;

@@ -7,21 +7,21 @@
 //! ```
 //!
 //! (E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, XIII.2). As long as `sinc > 0`, up to
-//! `omega h = pi`, the matrix of the right side is similar to a symmetric one, so that `z + 1/z` is real and the limit is
-//! the first `h` at which
+//! `omega h = pi`, the matrix of the right side is similar to a symmetric one, so that `z + 1/z` is real and the limit
+//! is the first `h` at which
 //!
 //! ```text
 //! 2 + 2 cos(h Omega) - h^2 S F K_c F S,   S = sqrt(sinc(h Omega))
 //! ```
 //!
-//! loses definiteness (`z = -1`). For a free mass that is `4 = h^2 omega_c^2`. Beyond `pi` eigenvalues of both signs meet
-//! and resonate; steps there are beside the point of the method (see [`resonance`](crate::modal::resonance)).
+//! loses definiteness (`z = -1`). For a free mass that is `4 = h^2 omega_c^2`. Beyond `pi` eigenvalues of both signs
+//! meet and resonate; steps there are beside the point of the method (see [`resonance`](crate::modal::resonance)).
 //!
 //! Where the system gives what the kicks leave out as local compliance ([`ModalSplit::prepare`](crate::ModalSplit)),
-//! `K_c` depends on `h` through [`Kicks::lag`].
+//! `K_c` depends on `h` through [`Kicks::quasi_static`].
 
 use super::Flip;
-use crate::modal::propagator::lag_of;
+use crate::modal::propagator::quasi_static_of;
 
 /// Kicks with a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,10 +35,11 @@ fn sinc(x: f64) -> f64 {
 }
 
 impl Kicks {
-    /// The limit of a free mass on the rest alone; dampers of the rest are evaluated at the predicted velocity.
+    /// The limit of a free mass on the remainder alone; dampers of the remainder are evaluated at the predicted
+    /// velocity.
     pub const FLIP: Flip = Flip { d: 4.0, k: 1.0 };
 
-    /// What the rest sees of an oscillator, and kicks back.
+    /// What the remainder sees of an oscillator, and kicks back.
     #[must_use]
     pub fn filter(&self, omega: f64, h: f64) -> f64 {
         if omega * h > self.filter_from {
@@ -50,8 +51,8 @@ impl Kicks {
 
     /// How much less than `1/omega^2` the method lets an oscillator give to a force that lasts [s^2].
     #[must_use]
-    pub fn lag(&self, omega: f64, h: f64) -> f64 {
-        lag_of(omega, h, self.filter_from)
+    pub fn quasi_static(&self, omega: f64, h: f64) -> f64 {
+        quasi_static_of(omega, h, self.filter_from)
     }
 
     /// `2 + 2 cos(omega h)` and the weight `h sqrt(sinc(omega h)) f` of an oscillator; `None` at and beyond `pi`.

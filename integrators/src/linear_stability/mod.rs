@@ -10,8 +10,8 @@
 //! **Runge-Kutta methods** see the system in first order, `y' = A y`. With `lambda` an eigenvalue of `A` a step
 //! multiplies by `R(h lambda)`, `R(z) = 1 + z b^T (I - z A_tableau)^-1 1`, a polynomial for explicit ones
 //! (E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2). On the imaginary axis, where undamped
-//! systems are, the classical method is stable to `|z| = 2 sqrt 2`, Dormand-Prince to 0.9972 only, beyond which it grows
-//! slowly; on the negative real axis to 2.785 and 3.307.
+//! systems are, the classical method is stable to `|z| = 2 sqrt 2`, Dormand-Prince to 0.9972 only, beyond which it
+//! grows slowly; on the negative real axis to 2.785 and 3.307.
 //!
 //! **Methods of displacement and velocity** leave the unit circle through `z = -1`: with every state proportional to
 //! `(-1)^n` the recurrence becomes `(4 M - d h D - k h^2 K) q = 0`, so that the limit is the first `h` at which that
@@ -49,7 +49,7 @@ pub enum Stability {
     Polynomial(Vec<f64>),
     /// Where `4 M - d h D - k h^2 K` becomes singular.
     Flip(Flip),
-    /// Kicks of the rest between exact oscillators.
+    /// Kicks of the remainder between exact oscillators.
     Kicks(Kicks),
     /// Every step is stable.
     Unconditional,
@@ -92,9 +92,9 @@ pub fn eigenvalues_of(omega: f64, zeta: f64) -> [[f64; 2]; 2] {
 }
 
 impl Stability {
-    /// The largest stable step [s] for an oscillator of frequency `omega` [rad/s] and damping ratio `zeta`; `None` where
-    /// every step is stable or the method takes none. For the trigonometric method the oscillator is a contact that
-    /// nothing but a free mass answers.
+    /// The largest stable step [s] for an oscillator of frequency `omega` [rad/s] and damping ratio `zeta`; `None`
+    /// where every step is stable or the method takes none. For the trigonometric method the oscillator is a contact
+    /// that nothing but a free mass answers.
     #[must_use]
     pub fn largest_step(&self, omega: f64, zeta: f64) -> Option<f64> {
         match self {

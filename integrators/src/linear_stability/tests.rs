@@ -113,7 +113,7 @@ fn flips_are_the_classical_limits() {
     }
 }
 
-/// `q'' + 2 zeta omega q' + omega^2 q = 0`; for methods that are exact for oscillators a free mass on a rest.
+/// `q'' + 2 zeta omega q' + omega^2 q = 0`; for methods that are exact for oscillators a free mass on a remainder.
 struct Oscillator {
     omega: f64,
     zeta: f64,
@@ -148,7 +148,7 @@ impl ModalSplit for Oscillator {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
         (omega[0], zeta[0]) = (0.0, 0.0);
     }
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         self.force(at, a);
     }
     fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {
@@ -246,7 +246,7 @@ fn kicks_of_an_oscillator_flip_where_its_weights_say() {
         fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
             (omega[0], zeta[0]) = (self.0, 0.0);
         }
-        fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+        fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
             a[0] = -self.1 * at.q[0];
         }
         fn steady(&mut self, at: At<'_>, _a: &mut [f64]) -> f64 {

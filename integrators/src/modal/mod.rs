@@ -6,9 +6,9 @@
 //! q'' + 2 zeta omega q' + omega^2 q = g + r(t, q, q')
 //! ```
 //!
-//! ([`ModalSplit`](crate::ModalSplit)), one oscillator per coordinate, with steady loads `g` and a rest `r` that is
-//! mostly contact. Between two evaluations of the rest every oscillator moves in closed form, so the step is bound by
-//! the contact, not by the highest frequency.
+//! ([`ModalSplit`](crate::ModalSplit)), one oscillator per coordinate, with steady loads `g` and a remainder `r` that
+//! is mostly contact. Between two evaluations of the remainder every oscillator moves in closed form, so the step is
+//! bound by the contact, not by the highest frequency.
 //!
 //! | room | owns |
 //! |---|---|

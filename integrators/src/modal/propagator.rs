@@ -80,7 +80,7 @@ pub fn coefficients(omega: f64, zeta: f64, h: f64) -> Coefficients {
 /// How much less than `1/omega^2` an oscillator gives to kicks of a constant acceleration every `h` [s], per unit of it
 /// [s^2]: `1/omega^2 - f^2 h/(2 omega) cot(omega h/2)` with the filter `f` of phases above `from`, `h^2/12` for
 /// `omega = 0`.
-pub(crate) fn lag_of(omega: f64, h: f64, from: f64) -> f64 {
+pub(crate) fn quasi_static_of(omega: f64, h: f64, from: f64) -> f64 {
     let x = omega * h;
     if x < LAG_SERIES && x <= from {
         // (1 - (x/2) cot (x/2)) / x^2
@@ -97,7 +97,7 @@ pub(crate) fn lag_of(omega: f64, h: f64, from: f64) -> f64 {
     ((1.0 - given) / (omega * omega)).max(0.0)
 }
 
-/// Phase up to which [`lag_of`] is a power series: the closed form cancels there.
+/// Phase up to which [`quasi_static_of`] is a power series: the closed form cancels there.
 const LAG_SERIES: f64 = 0.3;
 
 /// `qg` as a power series in `h`: `y'' = 1 - 2 delta y' - omega^2 y` from rest.
@@ -126,7 +126,7 @@ pub(crate) struct Drift {
     vq: Vec<f64>,
     dv: Vec<f64>,
     qg: Vec<f64>,
-    /// What the rest sees of each coordinate, and kicks back; empty where it is all of all.
+    /// What the remainder sees of each coordinate, and kicks back; empty where it is all of all.
     pub(crate) filter: Vec<f64>,
 }
 
@@ -217,7 +217,7 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { x.sin() / x }
 }
 
-/// Tables kept: the step and its halves, and what knots and events cut off.
+/// Tables kept: the step and its halves, and what breakpoints and events cut off.
 const KEPT: usize = 8;
 
 /// Tables of the steps used last. A step that differs from a table's by the rounding of times is that step.
@@ -314,12 +314,13 @@ mod tests {
         }
     }
 
-    /// The lag against its definition: kicks of unit acceleration, filtered as they are, hold an oscillator where half a
-    /// kick, the drift and half a kick lead back; what is seen of that falls short of `1/omega^2`.
+    /// The quasi-static correction against its definition: kicks of unit acceleration, filtered as they are, hold an
+    /// oscillator where half a kick, the drift and half a kick lead back; what is seen of that falls short of
+    /// `1/omega^2`.
     #[test]
     fn lags_are_what_kicks_leave_out() {
         let (h, from) = (0.3, 0.64 * std::f64::consts::PI);
-        assert_eq!(lag_of(0.0, h, from), h * h / 12.0);
+        assert_eq!(quasi_static_of(0.0, h, from), h * h / 12.0);
         // Either side of the end of the series and of the filter, at its zeros, and far beyond.
         for x in [
             0.299_999, 0.300_001, 0.5, 1.0, 2.0, 2.1, 3.0, 3.13, 3.15, 4.0, 6.2, 6.4, 50.0,
@@ -328,26 +329,26 @@ mod tests {
             let c = coefficients(omega, 0.0, h);
             let held = 0.5 * h * c.qv / (omega * omega * c.qg);
             let seen = if x > from { sinc(x) } else { 1.0 };
-            let lag = 1.0 / (omega * omega) - seen * seen * held;
-            let found = lag_of(omega, h, from);
-            let error = (found / lag - 1.0).abs();
-            assert!(error < 3e-11, "omega h = {x}: {found:e} {lag:e}");
+            let quasi_static = 1.0 / (omega * omega) - seen * seen * held;
+            let found = quasi_static_of(omega, h, from);
+            let error = (found / quasi_static - 1.0).abs();
+            assert!(error < 3e-11, "omega h = {x}: {found:e} {quasi_static:e}");
         }
         // Slow ones without cancellation.
         for x in [1e-9, 1e-4, 1e-2] {
             let y = x * x;
             let want = h * h / 12.0 * (1.0 + y / 60.0 + y * y / 2520.0);
-            close(lag_of(x / h, h, from), want, h * h, "slow");
+            close(quasi_static_of(x / h, h, from), want, h * h, "slow");
         }
         // Filtered from the first on: 1 - 2 sin (x/2) cos^3 (x/2) / x = 5 x^2/12 - ...
         let x = 1e-2;
         let given = 5.0 / 12.0 - 17.0 / 240.0 * x * x;
-        let error = (lag_of(x / h, h, 0.0) / (h * h) / given - 1.0).abs();
+        let error = (quasi_static_of(x / h, h, 0.0) / (h * h) / given - 1.0).abs();
         assert!(error < 1e-8, "all filtered: {error:e}");
         // Where an oscillator is not seen, all of it is left out.
         let omega = std::f64::consts::PI / h;
         close(
-            lag_of(omega, h, from) * omega * omega,
+            quasi_static_of(omega, h, from) * omega * omega,
             1.0,
             1.0,
             "zero of the filter",

@@ -4,18 +4,18 @@
 //! u = v0 + h/2 r0,   (q1, u) <- oscillators and steady loads over h, in closed form,   v1 = u + h/2 r1
 //! ```
 //!
-//! with `r` the rest of the acceleration without the steady loads ([`ModalSplit`]): one evaluation per step. It is
-//! exact where the rest is zero, symplectic without damping and symmetric; a rest that depends on velocity is
+//! with `r` the remainder of the acceleration without the steady loads ([`ModalSplit`]): one evaluation per step. It is
+//! exact where the remainder is zero, symplectic without damping and symmetric; a remainder that depends on velocity is
 //! evaluated at the predicted `u + h/2 r0`, which keeps order two. P. Deuflhard, *Z. angew. Math. Phys.* 30 (1979)
 //! 177; as the impulse method H. Grubmueller et al., *Mol. Simul.* 6 (1991) 121, M. Tuckerman et al., *J. Chem.
 //! Phys.* 97 (1992) 1990.
 //!
-//! **The step** is bound by the rest alone: `omega_c h < 2` with the frequency of the contact, and away from the
+//! **The step** is bound by the remainder alone: `omega_c h < 2` with the frequency of the contact, and away from the
 //! resonances `omega h = pi, 2 pi, ...` of oscillators that it excites ([`resonance`](super::resonance)).
 //!
 //! **What kicks leave out.** Kicks of a force that lasts move an oscillator by `h/(2 omega) cot(omega h/2)` per unit
 //! instead of `1/omega^2`: short by `h^2/12` for slow ones, by a third at the safe limit. At fixed steps the system is
-//! told ([`ModalSplit::prepare`]) and may give the rest as local compliance. The scheme stays symplectic: such a
+//! told ([`ModalSplit::prepare`]) and may give the remainder as local compliance. The scheme stays symplectic: such a
 //! compliance takes `h^2/24 |grad V|^2` from the potential `V` of the rest, which is the correction that lifts
 //! kick-drift-kick to order four up to a change of coordinates (M. Takahashi, M. Imada, *J. Phys. Soc. Jpn.* 53 (1984)
 //! 3765).
@@ -29,8 +29,9 @@
 //! `h/2 |r1 - r0|`: of second order like the error where a contact opens or closes within the step, and larger than
 //! the error, which is of third order, elsewhere. The global error then follows the tolerance with slope one.
 
-use super::propagator::{Tables, coefficients, lag_of};
+use super::propagator::{Tables, coefficients, quasi_static_of};
 use super::resonance::{SAFE, safe_step};
+use crate::free_flight::Patience;
 use crate::method::{
     MethodInfo, OneStep, Parameter, Resolution, StepError, Stepping, Tolerance, Work,
 };
@@ -56,10 +57,7 @@ pub static INFO: MethodInfo = MethodInfo {
     citation: "Deuflhard, Z. angew. Math. Phys. 30 (1979) 177; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 (1998) 930",
 };
 
-/// Attempts to fly that are left out after one that led no further than a step, at most.
-const PATIENCE: u32 = 8;
-
-/// Which oscillators the rest sees by their mean over the step.
+/// Which oscillators the remainder sees by their mean over the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// None.
@@ -83,7 +81,7 @@ impl Filter {
     }
 }
 
-/// The rest at one end of a step.
+/// The remainder at one end of a step.
 #[derive(Clone, Debug, Default)]
 struct Kick {
     /// Acceleration without oscillators and steady loads, filtered.
@@ -95,7 +93,7 @@ struct Kick {
 }
 
 /// The method.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Trigonometric {
     /// Phase `omega h` [rad] above which oscillators are filtered.
     filter_from: f64,
@@ -113,12 +111,10 @@ pub struct Trigonometric {
     steady_until: f64,
     /// Nothing touches until this time.
     free_until: f64,
-    /// Attempts to fly to leave out, and how many the next vain one costs.
-    skip: u32,
-    patience: u32,
+    patience: Patience,
     /// Velocities at the end of a step before its last kick.
     predicted: Vec<f64>,
-    /// What the rest sees through the filter.
+    /// What the remainder sees through the filter.
     q: Vec<f64>,
     v: Vec<f64>,
 }
@@ -128,25 +124,12 @@ impl Trigonometric {
     pub fn new(filter: Filter) -> Self {
         Trigonometric {
             filter_from: filter.from(),
-            omega: Vec::new(),
-            zeta: Vec::new(),
             longest: f64::INFINITY,
-            tables: Tables::default(),
-            inside: RefCell::default(),
-            table: 0,
-            ends: Default::default(),
-            steady: Vec::new(),
-            steady_until: 0.0,
-            free_until: 0.0,
-            skip: 0,
-            patience: 1,
-            predicted: Vec::new(),
-            q: Vec::new(),
-            v: Vec::new(),
+            ..Trigonometric::default()
         }
     }
 
-    /// The rest at `at`, for a step with a table or none, into end `end`.
+    /// The remainder at `at`, for a step with a table or none, into end `end`.
     fn evaluate(
         &mut self,
         split: &mut dyn ModalSplit,
@@ -160,7 +143,7 @@ impl Trigonometric {
         work.force_evaluations += 1;
         let drift = table.map(|table| self.tables.get(table));
         let Some(drift) = drift.filter(|d| !d.filter.is_empty()) else {
-            split.rest(at, &mut kick.a);
+            split.remainder(at, &mut kick.a);
             kick.acts = subtract(&mut kick.a, &self.steady);
             kick.filter = 0.0;
             return;
@@ -170,7 +153,7 @@ impl Trigonometric {
             q[i] = filter[i] * at.q[i];
             v[i] = filter[i] * at.v[i];
         }
-        split.rest(At { q, v, ..at }, &mut kick.a);
+        split.remainder(At { q, v, ..at }, &mut kick.a);
         kick.acts = subtract(&mut kick.a, &self.steady);
         kick.filter = drift.h;
         if kick.acts {
@@ -197,7 +180,7 @@ fn subtract(a: &mut [f64], g: &[f64]) -> bool {
 
 const NO_SPLIT: StepError = StepError::Unsupported {
     method: INFO.id,
-    what: "a system that is not linear oscillators and a rest; take another method there, for example velocity-verlet or dopri5",
+    what: "a system that is not linear oscillators and a remainder; take another method there, for example velocity-verlet or dopri5",
 };
 
 impl OneStep for Trigonometric {
@@ -237,8 +220,8 @@ impl OneStep for Trigonometric {
         }
         // Of changing steps the shortest matter, at the edges of contact: they lag behind by nothing.
         if let Resolution::Step(h) = resolution {
-            for (lag, &w) in self.predicted.iter_mut().zip(&self.omega) {
-                *lag = lag_of(w, h, self.filter_from);
+            for (quasi_static, &w) in self.predicted.iter_mut().zip(&self.omega) {
+                *quasi_static = quasi_static_of(w, h, self.filter_from);
             }
             split.prepare(&self.predicted);
         }
@@ -249,7 +232,7 @@ impl OneStep for Trigonometric {
     }
 
     fn restart(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, work: &mut Work) {
-        (self.skip, self.patience) = (0, 1);
+        self.patience.end();
         self.free_until = s.t;
         let Some(split) = sys.modal() else { return };
         self.steady_until = split.steady(s.at(), &mut self.steady);
@@ -260,30 +243,18 @@ impl OneStep for Trigonometric {
         self.evaluate(split, s.at(), 0, None, work);
     }
 
-    fn reach(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
-        if self.ends[0].acts {
-            return s.t;
-        }
-        if self.skip > 0 {
-            self.skip -= 1;
-            return s.t;
-        }
-        if self.steady_until <= s.t + h {
+    fn free_flight_end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
+        if self.ends[0].acts || !self.patience.over() || self.steady_until <= s.t + h {
             return s.t;
         }
         let Some(split) = sys.modal() else { return s.t };
         self.free_until = split.free_until(s);
-        let reach = self.free_until.min(self.steady_until);
-        if reach > s.t + h {
-            self.patience = 1;
-        } else {
-            self.skip = self.patience;
-            self.patience = (2 * self.patience).min(PATIENCE);
-        }
-        reach
+        let end = self.free_until.min(self.steady_until);
+        self.patience.learn(end <= s.t + h);
+        end
     }
 
-    fn favoured(&self, h: f64) -> f64 {
+    fn preferred_step(&self, h: f64) -> f64 {
         let h = h.min(self.longest);
         // The largest power of two that is not larger: the exponent without the digits.
         if h.is_normal() {
@@ -345,7 +316,7 @@ impl OneStep for Trigonometric {
             t: to.t,
             q: &to.q,
             v: &predicted,
-            memory: &from.memory,
+            discrete: &from.discrete,
         };
         self.evaluate(split, at, 1, Some(table), work);
         self.predicted = predicted;
@@ -376,7 +347,7 @@ impl OneStep for Trigonometric {
     fn advance(&mut self) {
         self.ends.swap(0, 1);
         if self.ends[0].acts {
-            (self.skip, self.patience) = (0, 1);
+            self.patience.end();
         }
     }
 

@@ -63,7 +63,7 @@ impl Ledger {
                 t: step.from.t + theta * h,
                 q: &self.q,
                 v: &self.v,
-                memory: &step.from.memory,
+                discrete: &step.from.discrete,
             };
             sys.output(at, &mut self.out);
             external += weight * h * self.out.power.external;
@@ -135,7 +135,7 @@ impl Sink for Ledger {
                 t: step.from.t + theta * h,
                 q: &self.q,
                 v: &self.v,
-                memory: &step.from.memory,
+                discrete: &step.from.discrete,
             };
             sys.output(at, &mut self.out);
             self.external += weight * h * self.out.power.external;

@@ -1,7 +1,7 @@
 //! One step: where it is to end, and how the state gets there.
 
 use super::{MethodDense, Run, Stepped, first_not_finite, resolution_of_time};
-use crate::coast::CoastDense;
+use crate::free_flight::FlightDense;
 use crate::method::{AcceptedStep, Control, Dense, OneStep, Sink, StepError, Work};
 use crate::system::{SecondOrderSystem, State};
 
@@ -15,7 +15,7 @@ pub(super) struct Aim {
     /// Nothing happens until the end of the step, whatever its length.
     pub(super) leaps: bool,
     /// It goes along the system's own closed form.
-    pub(super) coasts: bool,
+    pub(super) free_flights: bool,
     /// An event left less than time resolves before the stop: the step is not worth making.
     pub(super) sliver: bool,
 }
@@ -45,29 +45,29 @@ impl<M: OneStep> Stepped<M> {
         s: &State,
         r: &mut Run<'_>,
     ) -> Aim {
-        let stop = r.plan.t_end.min(r.knot);
+        let stop = r.plan.t_end.min(r.breakpoint);
         let mut t_new = if r.fixed {
             while r.t_begin + (r.on_grid + 1) as f64 * r.h_next <= s.t + 1e-9 * r.h_next {
                 r.on_grid += 1;
             }
             r.t_begin + (r.on_grid + 1) as f64 * r.h_next
         } else {
-            r.h_next = self.method.favoured(r.h_next);
+            r.h_next = self.method.preferred_step(r.h_next);
             s.t + r.h_next
         };
-        let mut reach = self.method.reach(sys, s, r.h_next);
-        if self.coasting.on {
-            reach = self.coasting.reach(sys, s, t_new);
+        let mut end = self.method.free_flight_end(sys, s, r.h_next);
+        if self.flight.on {
+            end = self.flight.end(sys, s, t_new);
         }
-        reach = reach.min(stop);
-        if r.fixed && reach < stop {
-            reach = r.t_begin + ((reach - r.t_begin) / r.h_next).floor() * r.h_next;
+        end = end.min(stop);
+        if r.fixed && end < stop {
+            end = r.t_begin + ((end - r.t_begin) / r.h_next).floor() * r.h_next;
         }
-        let leaps = reach > t_new + 1e-9 * r.h_next;
+        let leaps = end > t_new + 1e-9 * r.h_next;
         if leaps {
-            t_new = reach;
+            t_new = end;
             if r.fixed {
-                r.on_grid = ((reach - r.t_begin) / r.h_next) as u64 - 1;
+                r.on_grid = ((end - r.t_begin) / r.h_next) as u64 - 1;
             }
         } else if t_new >= stop - 1e-9 * r.h_next {
             t_new = stop;
@@ -78,7 +78,7 @@ impl<M: OneStep> Stepped<M> {
             t_new,
             stop,
             leaps,
-            coasts: self.coasting.on && leaps,
+            free_flights: self.flight.on && leaps,
             sliver: t_new == stop && t_new - s.t <= resolution_of_time(s.t, r.plan),
         }
     }
@@ -96,13 +96,13 @@ impl<M: OneStep> Stepped<M> {
         let mut outcome = (false, true);
         if aim.sliver {
             s.t = aim.stop;
-        } else if aim.coasts {
+        } else if aim.free_flights {
             let (from, to) = (s.t, aim.t_new);
-            let coast = &self.coasting.coast;
+            let path = &self.flight.path;
             r.end.t = to;
-            coast.at(to, &mut r.end.q, &mut r.end.v);
+            path.at(to, &mut r.end.q, &mut r.end.v);
             check_finite(&r.end)?;
-            let dense = CoastDense { coast, from, to };
+            let dense = FlightDense { path, from, to };
             let control = accept(sys, [s, &r.end], &dense, true, sink, work);
             std::mem::swap(s, &mut r.end);
             if control == Control::Stop {
@@ -121,7 +121,7 @@ impl<M: OneStep> Stepped<M> {
 
             let (mut located, mut stretch) = (false, Some(1.0));
             if r.events && !aim.leaps {
-                sys.guards(r.end.at(), &mut r.watch.after);
+                sys.event_functions(r.end.at(), &mut r.watch.after);
                 if r.watch.any_fell() {
                     located = true;
                     stretch = self.locate(sys, s, h, r, work)?;

@@ -12,8 +12,8 @@ const MAX_LOCATIONS: u32 = 50;
 
 impl<M: OneStep> Stepped<M> {
     /// Finds the first event in the step from `s` of size `h` to `r.end`; leaves the state there in
-    /// `r.event` and the guards to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at which
-    /// the event lies; `None` where guards are at their root at the start of the step.
+    /// `r.event` and the event functions to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at
+    /// which the event lies; `None` where event functions are at their root at the start of the step.
     pub(super) fn locate(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -29,7 +29,7 @@ impl<M: OneStep> Stepped<M> {
             watch,
             ..
         } = r;
-        let guards_on = |method: &M,
+        let events_on = |method: &M,
                          sys: &mut dyn SecondOrderSystem,
                          end: &State,
                          x: f64,
@@ -37,10 +37,10 @@ impl<M: OneStep> Stepped<M> {
                          out: &mut [f64]| {
             method.interpolate(s, end, x, &mut event.q, &mut event.v);
             event.t = s.t + x * (end.t - s.t);
-            sys.guards(event.at(), out);
+            sys.event_functions(event.at(), out);
         };
         let root = watch.first_root(0.1 * SHIFT, |x, out| {
-            guards_on(&self.method, sys, end, x, event, out)
+            events_on(&self.method, sys, end, x, event, out)
         });
         let Root::Inside(mut theta) = root else {
             return Ok(None);
@@ -58,7 +58,7 @@ impl<M: OneStep> Stepped<M> {
                 end.t = t_full;
                 work.rejected += 1;
             }
-            sys.guards(end.at(), &mut watch.here);
+            sys.event_functions(end.at(), &mut watch.here);
             let f = watch.lowest_here();
             // Secant on the interpolant of this step, around its end.
             let (mut x0, mut f0, mut x1) = (1.0, f, 1.0 - SHIFT);
@@ -67,7 +67,7 @@ impl<M: OneStep> Stepped<M> {
                     x1 = x0;
                     break;
                 }
-                guards_on(&self.method, sys, end, x1, event, &mut watch.here);
+                events_on(&self.method, sys, end, x1, event, &mut watch.here);
                 let f1 = watch.lowest_here();
                 let x2 = x1 - f1 * (x1 - x0) / (f1 - f0);
                 if f1 == 0.0 || !x2.is_finite() {
@@ -98,7 +98,7 @@ impl<M: OneStep> Stepped<M> {
             };
         }
         stretch = stretch.clamp(1.0 - SHIFT, 1.0 + SHIFT);
-        guards_on(&self.method, sys, end, stretch, event, &mut watch.here);
+        events_on(&self.method, sys, end, stretch, event, &mut watch.here);
         event.t = event.t.min(t_full);
         if let Some(dof) = first_not_finite(event) {
             return Err(StepError::NonFinite { t: event.t, dof });

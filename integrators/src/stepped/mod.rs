@@ -1,36 +1,36 @@
-//! The loop of all one-step methods: fixed steps or PI step control, table knots, event location.
+//! The loop of all one-step methods: fixed steps or PI step control, table breakpoints, event location.
 //!
-//! **Events.** After a tentative step the guards are read. Where one fell through zero, the first root is
+//! **Events.** After a tentative step the event functions are read. Where one fell through zero, the first root is
 //! found on the step's interpolant, the method itself steps there, and the rest, a part in ten thousand of
 //! that step or less, is read from the interpolant of the shorter step, so that the event time has the
 //! accuracy of the method and not of its interpolant. The branch is switched there and the method
 //! restarts: every step sees one smooth force. Without this a fourth-order method shows order 1.8 on an
-//! elastic impact and 0.9 with Kelvin-Voigt damping. A guard that falls and rises within one step is not
+//! elastic impact and 0.9 with Kelvin-Voigt damping. An event function that falls and rises within one step is not
 //! seen: the step must resolve the shortest contact.
 //!
 //! **Step control** (adaptive methods): `h <- h * clamp(0.9 err^-(0.85 x) err_old^(0.2 x))`, `x = 1/p`
 //! (Gustafsson 1991; exponents of Hairer, Norsett, Wanner, *Solving ODEs I*, II.4 and its DOPRI5); no
-//! growth right after a rejected step; after a restart the step starts from the system's pace.
+//! growth right after a rejected step; after a restart the step starts from the system's characteristic time.
 //!
-//! **Fixed steps** lie on the grid `t0 + i h`. A knot or an event cuts a step short and the next one ends on
+//! **Fixed steps** lie on the grid `t0 + i h`. A breakpoint or an event cuts a step short and the next one ends on
 //! the grid again, whatever the rounding of sums. A method that knows how far nothing happens
-//! ([`OneStep::reach`]) goes there in one step, to the last point of the grid before it; that step says nothing about
-//! the next, and guards that fall in it (which pairs of teeth face each other) are set afresh at its end.
+//! ([`OneStep::free_flight_end`]) goes there in one step, to the last point of the grid before it; that step says nothing about
+//! the next, and event functions that fall in it (which pairs of teeth face each other) are set afresh at its end.
 //!
-//! **Coasts.** Told to ([`Integrator::coast`]), the loop does the same for every other method along the closed form that
-//! the system itself knows ([`SecondOrderSystem::coast`]): no error but rounding, at a cost that does not grow with the
-//! length of the flight. What a method would make of the flight, its drift of energy and phase among it, is then not
-//! seen, so coasts are off unless asked for: a comparison of methods shows what the methods do. Steps in contact are those
-//! of the method; errors that cancel over flight and contact together, as those of first order of semi-implicit Euler
-//! nearly do, cancel no more.
+//! **Free flights.** Told to ([`Integrator::free_flight`]), the loop does the same for every other method along the closed
+//! form that the system itself knows ([`SecondOrderSystem::flight_path`]): no error but rounding, at a cost that does
+//! not grow with the length of the flight. What a method would make of the flight, its drift of energy and phase among
+//! it, is then not seen, so crosses free flights are off unless asked for: a comparison of methods shows what the
+//! methods do. Steps in contact are those of the method; errors that cancel over flight and contact together, as those
+//! of first order of semi-implicit Euler nearly do, cancel no more.
 
 mod advance;
 mod locate;
 mod resume;
 
 use crate::bounds::Bounds;
-use crate::coast::Coasting;
 use crate::events::Watch;
+use crate::free_flight::FlightProbe;
 pub use crate::interpolation::{hermite, hermite_with_acceleration};
 use crate::method::{
     Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, StepError, Stepping, TimePlan,
@@ -48,7 +48,7 @@ const ERROR_AT_START: f64 = 1e-4;
 #[derive(Clone, Debug, Default)]
 pub struct Stepped<M> {
     method: M,
-    coasting: Coasting,
+    flight: FlightProbe,
 }
 
 impl<M> Stepped<M> {
@@ -56,7 +56,7 @@ impl<M> Stepped<M> {
     pub fn new(method: M) -> Self {
         Stepped {
             method,
-            coasting: Coasting::default(),
+            flight: FlightProbe::default(),
         }
     }
 }
@@ -93,8 +93,8 @@ struct Run<'p> {
     /// Error of the step before, over the tolerance.
     err_old: f64,
     after_rejection: bool,
-    /// The next time at which a load has a knot [s].
-    knot: f64,
+    /// The next time at which a load has a breakpoint [s].
+    breakpoint: f64,
     /// Events without progress so far.
     events_here: u32,
     /// End of the step as the method made it.
@@ -126,8 +126,8 @@ impl Run<'_> {
         })
     }
 
-    /// After an accepted step of size `h` to `t`; one that was cut by a knot or the end says nothing about the step to
-    /// take next.
+    /// After an accepted step of size `h` to `t`; one that was cut by a breakpoint or the end says nothing about the
+    /// step to take next.
     fn lengthen(&mut self, t: f64, h: f64, err: f64, cut: bool) -> Result<(), StepError> {
         let e = err.max(1e-10);
         let x = self.exponent;
@@ -164,7 +164,7 @@ pub(crate) fn tolerance_of(plan: &TimePlan<'_>, info: &MethodInfo) -> Result<f64
     }
 }
 
-/// First step of an adaptive method after a restart [s]: the estimate goes with `(h/pace)^(1/exponent)`.
+/// First step of an adaptive method after a restart [s]: the estimate goes with `(h/characteristic time)^(1/exponent)`.
 pub(crate) fn first_step(
     sys: &dyn SecondOrderSystem,
     s: &State,
@@ -172,8 +172,8 @@ pub(crate) fn first_step(
     rtol: f64,
     exponent: f64,
 ) -> f64 {
-    let pace = sys.pace(s.at()).min(plan.t_end - s.t);
-    pace * (3.0 * rtol.powf(exponent)).min(0.5)
+    let characteristic_time = sys.characteristic_time(s.at()).min(plan.t_end - s.t);
+    characteristic_time * (3.0 * rtol.powf(exponent)).min(0.5)
 }
 
 /// Step over tolerance, `h ~ rtol^x`, of a method: its error goes with `h^order ~ rtol^slope`.
@@ -191,10 +191,10 @@ impl<M: OneStep> Integrator for Stepped<M> {
         self.method.info()
     }
 
-    fn coast(&mut self, on: bool) -> bool {
+    fn free_flight(&mut self, on: bool) -> bool {
         // A method that is exact for oscillators has flights of its own.
         let of_its_own = self.method.info().linear_part;
-        self.coasting.on = on && !of_its_own;
+        self.flight.on = on && !of_its_own;
         on || !of_its_own
     }
 
@@ -216,12 +216,12 @@ impl<M: OneStep> Integrator for Stepped<M> {
             return Ok(());
         }
         self.method.begin(sys, plan.resolution)?;
-        self.coasting.hope();
+        self.flight.patience.end();
         self.method.restart(sys, s, work);
-        let mut watch = Watch::new(layout.guards);
-        let events = plan.events && layout.guards > 0;
+        let mut watch = Watch::new(layout.event_functions);
+        let events = plan.events && layout.event_functions > 0;
         if events {
-            sys.guards(s.at(), &mut watch.before);
+            sys.event_functions(s.at(), &mut watch.before);
         }
         let (fixed, h_next) = match plan.resolution {
             Resolution::Step(h) => (true, h),
@@ -243,7 +243,7 @@ impl<M: OneStep> Integrator for Stepped<M> {
             on_grid: 0,
             err_old: ERROR_AT_START,
             after_rejection: false,
-            knot: sys.next_knot(s.t),
+            breakpoint: sys.next_breakpoint(s.t),
             events_here: 0,
             end: s.clone(),
             event: s.clone(),

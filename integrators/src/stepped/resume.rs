@@ -23,7 +23,7 @@ impl<M: OneStep> Stepped<M> {
             r.event.copy_from(s);
         }
         let mut change = Change::None;
-        if aim.coasts {
+        if aim.free_flights {
             // Teeth are handed over before anyone asks which of them face each other.
             change = Change::Restart;
             sys.commit(s);
@@ -32,10 +32,10 @@ impl<M: OneStep> Stepped<M> {
             }
         } else if r.events && aim.leaps && progressed {
             // Nothing touched on the way, so no branch ended; the next one starts from here.
-            r.event.memory.copy_from_slice(&s.memory);
+            r.event.discrete.copy_from_slice(&s.discrete);
             sys.begin(s, true);
-            sys.guards(s.at(), &mut r.watch.after);
-            if r.event.memory != s.memory {
+            sys.event_functions(s.at(), &mut r.watch.after);
+            if r.event.discrete != s.discrete {
                 work.restarts += 1;
                 if keep {
                     sink.restarted(sys, &r.event, s);
@@ -49,14 +49,14 @@ impl<M: OneStep> Stepped<M> {
             change = Change::Restart;
             work.events += r.watch.falling.len() as u64;
             for i in 0..r.watch.falling.len() {
-                sys.switch(s, r.watch.falling[i]);
+                sys.transition(s, r.watch.falling[i]);
             }
         }
-        if !aim.coasts && sys.commit(s) == Change::Restart {
+        if !aim.free_flights && sys.commit(s) == Change::Restart {
             change = Change::Restart;
         }
-        if s.t >= r.knot {
-            r.knot = sys.next_knot(s.t);
+        if s.t >= r.breakpoint {
+            r.breakpoint = sys.next_breakpoint(s.t);
             change = Change::Restart;
         }
         if change == Change::Restart {
@@ -68,7 +68,7 @@ impl<M: OneStep> Stepped<M> {
             }
             work.restarts += 1;
             self.method.restart(sys, s, work);
-            self.coasting.hope();
+            self.flight.patience.end();
             if !r.fixed {
                 let first = first_step(sys, s, r.plan, r.tolerance.rtol, r.exponent);
                 r.h_next = r.h_next.min(first);
@@ -76,7 +76,7 @@ impl<M: OneStep> Stepped<M> {
                 r.after_rejection = false;
             }
             if r.events {
-                sys.guards(s.at(), &mut r.watch.before);
+                sys.event_functions(s.at(), &mut r.watch.before);
             }
         } else if !aim.sliver {
             self.method.advance();
@@ -93,9 +93,9 @@ impl<M: OneStep> Stepped<M> {
                 events: r.events_here,
             });
         }
-        // The lengths are constant; the memory that the next step starts from is the committed one.
-        r.end.memory.copy_from_slice(&s.memory);
-        r.event.memory.copy_from_slice(&s.memory);
+        // The lengths are constant; the discrete state that the next step starts from is the committed one.
+        r.end.discrete.copy_from_slice(&s.discrete);
+        r.event.discrete.copy_from_slice(&s.discrete);
         Ok(())
     }
 }

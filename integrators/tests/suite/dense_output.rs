@@ -3,7 +3,6 @@
 use crate::problems::*;
 use gearbench_integrators::{
     AcceptedStep, Control, METHODS, Resolution, SecondOrderSystem, Sink, State, Stepping, TimePlan,
-    Work,
 };
 
 /// Largest error of `q` and `v` at inner points of all steps, largest mismatch at step ends.
@@ -41,11 +40,13 @@ impl Sink for Inside {
 
 fn inside(method: &gearbench_integrators::Method, plan: &TimePlan<'_>) -> (Inside, f64) {
     let mut sink = Inside::default();
-    let (mut s, mut work) = (Duffing::start(), Work::default());
-    method
-        .build()
-        .run(&mut Duffing, &mut s, plan, &mut sink, &mut work)
-        .unwrap();
+    let (s, _) = watch(
+        method.info.id,
+        &mut Duffing,
+        Duffing::start(),
+        plan,
+        &mut sink,
+    );
     (sink, Duffing::error(&s))
 }
 

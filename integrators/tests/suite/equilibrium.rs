@@ -1,12 +1,13 @@
 //! Static equilibrium against exact solutions, and what it says where there is none.
 
 use crate::problems::state;
+use crate::unit_masses;
 use gearbench_integrators::{
     At, EquilibriumError, EquilibriumOptions, Layout, SecondOrderSystem, State, equilibrium,
 };
 
 /// `f = load - K q + sum of stops`: springs as a full matrix, and one-sided stops `k <q_i - limit>`.
-struct Springs {
+pub struct Springs {
     k: Vec<f64>,
     load: Vec<f64>,
     /// Coordinate, limit [m], stiffness [N/m].
@@ -16,7 +17,7 @@ struct Springs {
 }
 
 impl Springs {
-    fn new(k: &[f64], load: &[f64]) -> Self {
+    pub fn new(k: &[f64], load: &[f64]) -> Self {
         Springs {
             k: k.to_vec(),
             load: load.to_vec(),
@@ -233,22 +234,10 @@ fn a_shift_by_mass_does_not_move_the_equilibrium() {
 struct Nowhere;
 
 impl SecondOrderSystem for Nowhere {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            ..Layout::default()
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|_own| [1, 0, 0]);
+
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = 1.0 + at.q[0] * at.q[0];
-    }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = 2.0 * at.q[0] * dq[0];

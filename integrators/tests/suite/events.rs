@@ -1,17 +1,14 @@
-//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; knots; hand-overs.
+//! Event location: simultaneous, grazing, at the end of a step, jumps of the state; breakpoints; hand-overs.
 
 use crate::problems::*;
-use crate::split_off;
+use crate::{split_off, unit_masses};
 use gearbench_integrators::{
     AcceptedStep, At, Change, Control, Events, Layout, METHODS, Method, ModalSplit,
-    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work,
+    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan,
 };
 
 fn plan_for(m: &Method, t_end: f64) -> TimePlan<'static> {
-    match m.info.stepping {
-        Stepping::Adaptive => tolerance(t_end, 1e-8),
-        _ => steps(t_end, 1000.0),
-    }
+    plan_of(m, t_end, 1000.0, 1e-8)
 }
 
 /// Balls that fall on a floor and lose part of their speed there.
@@ -21,44 +18,25 @@ struct Balls {
 }
 
 impl SecondOrderSystem for Balls {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: self.n,
-            guards: self.n,
-            memory: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    unit_masses!(|own| [own.n, own.n, 0], modal: ModalSplit, events: Events);
+
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
     fn force(&mut self, _at: At<'_>, f: &mut [f64]) {
         f.fill(-2.0);
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
     }
 }
 
 impl Events for Balls {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         out.copy_from_slice(at.q);
     }
-    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
-        s.v[guard] *= -self.restitution;
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
+        s.v[event] *= -self.restitution;
         Change::Restart
     }
 }
@@ -128,45 +106,26 @@ struct Graze {
 }
 
 impl SecondOrderSystem for Graze {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            guards: 1,
-            memory: 1,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
-    fn pace(&self, at: At<'_>) -> f64 {
-        if at.memory[0] == 0.0 { 1.0 } else { 0.01 }
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
+    unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
+
+    fn characteristic_time(&self, at: At<'_>) -> f64 {
+        if at.discrete[0] == 0.0 { 1.0 } else { 0.01 }
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        f[0] = -at.q[0] - at.memory[0] * 1e4 * (at.q[0] - self.wall);
-    }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
+        f[0] = -at.q[0] - at.discrete[0] * 1e4 * (at.q[0] - self.wall);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
-        df[0] = -(1.0 + at.memory[0] * 1e4) * dq[0];
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
+        df[0] = -(1.0 + at.discrete[0] * 1e4) * dq[0];
     }
 }
 
 impl Events for Graze {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         let gap = self.wall - at.q[0];
-        out[0] = if at.memory[0] == 0.0 { gap } else { -gap };
+        out[0] = if at.discrete[0] == 0.0 { gap } else { -gap };
     }
-    fn switch(&mut self, s: &mut State, _guard: usize) -> Change {
-        s.memory[0] = 1.0 - s.memory[0];
+    fn transition(&mut self, s: &mut State, _event: usize) -> Change {
+        s.discrete[0] = 1.0 - s.discrete[0];
         Change::Restart
     }
 }
@@ -177,11 +136,8 @@ fn grazing_contact_goes_through() {
     for m in METHODS {
         for depth in [0.0, 1e-16, 1e-13, 1e-9, 1e-6, -1e-9] {
             let mut s = state(&[0.0], &[1.0]);
-            s.memory = vec![0.0];
-            let plan = match m.info.stepping {
-                Stepping::Adaptive => tolerance(t_end, 1e-8),
-                _ => steps(t_end, 6000.0),
-            };
+            s.discrete = vec![0.0];
+            let plan = plan_of(m, t_end, 6000.0, 1e-8);
             let mut sys = Graze { wall: 1.0 - depth };
             let (s, work) = solve(m, &mut sys, s, &plan);
             // The push of a graze of this depth: the speed it takes away, sqrt(2 depth), is turned round
@@ -197,83 +153,64 @@ fn grazing_contact_goes_through() {
     }
 }
 
-/// A force table with jumps at its knots: constant acceleration in between.
+/// A force table with jumps at its breakpoints: constant acceleration in between.
 struct Table {
-    knots: Vec<f64>,
+    breakpoints: Vec<f64>,
     landed: Vec<f64>,
 }
 
 impl Table {
     fn acceleration(&self, t: f64) -> f64 {
-        let i = self.knots.iter().filter(|&&k| k <= t).count();
+        let i = self.breakpoints.iter().filter(|&&k| k <= t).count();
         [1.0, -2.0, 5.0, 0.5][i % 4]
     }
 }
 
 impl SecondOrderSystem for Table {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            guards: 0,
-            memory: 1,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    unit_masses!(|_own| [1, 0, 1], modal: ModalSplit, events: Events);
+
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
     }
-    /// The branch of the table is held in memory, so that it is right on both sides of a knot.
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
-    }
+    /// The branch of the table is held in discrete state, so that it is right on both sides of a breakpoint.
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        f[0] = at.memory[0];
-    }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
+        f[0] = at.discrete[0];
     }
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df.fill(0.0);
     }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
-    }
 }
 
 impl Events for Table {
-    fn next_knot(&self, t: f64) -> f64 {
-        self.knots
+    fn next_breakpoint(&self, t: f64) -> f64 {
+        self.breakpoints
             .iter()
             .copied()
             .find(|&k| k > t)
             .unwrap_or(f64::INFINITY)
     }
     fn begin(&mut self, s: &mut State, _located: bool) {
-        s.memory[0] = self.acceleration(s.t);
+        s.discrete[0] = self.acceleration(s.t);
     }
     fn commit(&mut self, s: &mut State) -> Change {
-        if self.knots.contains(&s.t) {
+        if self.breakpoints.contains(&s.t) {
             self.landed.push(s.t);
         }
-        s.memory[0] = self.acceleration(s.t);
+        s.discrete[0] = self.acceleration(s.t);
         Change::None
     }
 }
 
 #[test]
-fn steps_land_on_the_knots_of_a_table() {
-    // Two knots closer than a step, one next to nothing apart, one at a step's end.
-    let knots = vec![0.3, 0.7, 0.700_000_1, 0.700_000_100_000_000_1, 1.25];
+fn steps_land_on_the_breakpoints_of_a_table() {
+    // Two breakpoints closer than a step, one next to nothing apart, one at a step's end.
+    let breakpoints = vec![0.3, 0.7, 0.700_000_1, 0.700_000_100_000_000_1, 1.25];
     let (mut x, mut v, mut t) = (0.0, 0.0, 0.0);
     let table = Table {
-        knots: knots.clone(),
+        breakpoints: breakpoints.clone(),
         landed: Vec::new(),
     };
-    for k in knots.iter().copied().chain([2.0]) {
+    for k in breakpoints.iter().copied().chain([2.0]) {
         let (a, h) = (table.acceleration(t), k - t);
         x += v * h + 0.5 * a * h * h;
         v += a * h;
@@ -281,17 +218,14 @@ fn steps_land_on_the_knots_of_a_table() {
     }
     for m in METHODS {
         let mut table = Table {
-            knots: knots.clone(),
+            breakpoints: breakpoints.clone(),
             landed: Vec::new(),
         };
         let mut s = state(&[0.0], &[0.0]);
-        s.memory = vec![0.0];
-        let plan = match m.info.stepping {
-            Stepping::Adaptive => tolerance(2.0, 1e-8),
-            _ => steps(2.0, 40.0),
-        };
+        s.discrete = vec![0.0];
+        let plan = plan_of(m, 2.0, 40.0, 1e-8);
         let (s, _) = solve(m, &mut table, s, &plan);
-        assert_eq!(table.landed, knots, "{}", m.info.id);
+        assert_eq!(table.landed, breakpoints, "{}", m.info.id);
         assert!((s.v[0] - v).abs() < 1e-12, "{}: {} {v}", m.info.id, s.v[0]);
         // Constant acceleration is exact from order two on.
         let allowed = match m.info.order {
@@ -308,7 +242,7 @@ fn steps_land_on_the_knots_of_a_table() {
     }
 }
 
-/// Counts its commits into the memory and asks for a restart at some; the force insists on the memory
+/// Counts its commits into the discrete state and asks for a restart at some; the force insists on the discrete state
 /// being the committed one.
 struct Counting {
     commits: f64,
@@ -319,21 +253,21 @@ struct Counting {
 impl SecondOrderSystem for Counting {
     fn layout(&self) -> Layout {
         Layout {
-            memory: 1,
+            discrete: 1,
             ..Duffing.layout()
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         Duffing.scales(q, v);
     }
-    fn pace(&self, at: At<'_>) -> f64 {
-        Duffing.pace(at)
+    fn characteristic_time(&self, at: At<'_>) -> f64 {
+        Duffing.characteristic_time(at)
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
         Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
+        assert_eq!(at.discrete[0], self.commits, "stale discrete at {}", at.t);
         Duffing.force(at, f);
     }
     fn solve_mass(&mut self, at: At<'_>, f: &mut [f64]) {
@@ -343,7 +277,7 @@ impl SecondOrderSystem for Counting {
         Duffing.apply_mass(at, x, y);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-        assert_eq!(at.memory[0], self.commits, "stale memory at {}", at.t);
+        assert_eq!(at.discrete[0], self.commits, "stale discrete at {}", at.t);
         Duffing.tangent_times(at, dq, dv, df);
     }
     fn events(&mut self) -> Option<&mut dyn Events> {
@@ -354,7 +288,7 @@ impl SecondOrderSystem for Counting {
 impl Events for Counting {
     fn commit(&mut self, s: &mut State) -> Change {
         self.commits += 1.0;
-        s.memory[0] = self.commits;
+        s.discrete[0] = self.commits;
         self.seen += 1;
         if self.seen.is_multiple_of(self.restart_every) {
             Change::Restart
@@ -374,11 +308,8 @@ fn commits_reach_the_force_and_restarts_keep_the_solution() {
                 seen: 0,
             };
             let mut s = Duffing::start();
-            s.memory = vec![0.0];
-            let plan = match m.info.stepping {
-                Stepping::Adaptive => tolerance(5.0, 1e-7),
-                _ => steps(5.0, 2000.0),
-            };
+            s.discrete = vec![0.0];
+            let plan = plan_of(m, 5.0, 2000.0, 1e-7);
             let (s, work) = solve(m, &mut sys, s, &plan);
             assert_eq!(f64::from(sys.seen), sys.commits);
             assert_eq!(u64::from(sys.seen), work.steps, "{}", m.info.id);
@@ -405,7 +336,7 @@ impl Sink for Seamless {
             assert_eq!(last, step.from);
         }
         assert!(step.to.t > step.from.t);
-        assert_eq!(step.from.memory, step.to.memory);
+        assert_eq!(step.from.discrete, step.to.discrete);
         self.last = Some(step.to.clone());
         Control::Continue
     }
@@ -420,14 +351,9 @@ impl Sink for Seamless {
 fn the_sink_sees_every_step_and_every_switch() {
     for m in METHODS {
         let mut hammer = Hammer::gears(0.05);
-        let (mut s, mut work, mut sink) = (hammer.start(), Work::default(), Seamless::default());
-        let plan = match m.info.stepping {
-            Stepping::Adaptive => tolerance(0.02, 1e-6),
-            _ => steps(0.02, 4000.0),
-        };
-        m.build()
-            .run(&mut hammer, &mut s, &plan, &mut sink, &mut work)
-            .unwrap();
+        let (start, mut sink) = (hammer.start(), Seamless::default());
+        let plan = plan_of(m, 0.02, 4000.0, 1e-6);
+        let (s, work) = watch(m.info.id, &mut hammer, start, &plan, &mut sink);
         assert_eq!(sink.last, Some(s), "{}", m.info.id);
         assert_eq!(sink.restarts, work.restarts, "{}", m.info.id);
     }
@@ -447,16 +373,8 @@ fn a_sink_can_stop_a_run() {
         }
     }
     for m in METHODS {
-        let (mut s, mut work) = (Duffing::start(), Work::default());
-        m.build()
-            .run(
-                &mut Duffing,
-                &mut s,
-                &plan_for(m, 5.0),
-                &mut Stop,
-                &mut work,
-            )
-            .unwrap();
+        let (start, plan) = (Duffing::start(), plan_for(m, 5.0));
+        let (s, _) = watch(m.info.id, &mut Duffing, start, &plan, &mut Stop);
         assert!(s.t > 0.5 && s.t < 4.0, "{}: {}", m.info.id, s.t);
     }
 }

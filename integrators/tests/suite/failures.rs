@@ -2,7 +2,7 @@
 //! accepted one.
 
 use crate::problems::*;
-use crate::split_off;
+use crate::{split_off, unit_masses};
 use gearbench_integrators::explicit::runge_kutta::RungeKutta;
 use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
@@ -23,29 +23,13 @@ struct Scalar {
 }
 
 impl SecondOrderSystem for Scalar {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            guards: 0,
-            memory: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    unit_masses!(|_own| [1, 0, 0], modal: ModalSplit);
+
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = (self.force)(at.t, at.q[0]);
-    }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = (self.tangent)(at.q[0]) * dq[0];
@@ -57,10 +41,7 @@ split_off!(Broken, |_own, _i| (1.0, 0.0));
 
 /// A plan that suits the method.
 fn plan_for(m: &gearbench_integrators::Method, t_end: f64) -> TimePlan<'static> {
-    match m.info.stepping {
-        Stepping::Adaptive => tolerance(t_end, 1e-6),
-        _ => steps(t_end, 100.0 * t_end),
-    }
+    plan_of(m, t_end, 100.0 * t_end, 1e-6)
 }
 
 #[test]
@@ -254,48 +235,29 @@ fn a_system_without_coordinates_runs_or_is_refused() {
     }
 }
 
-/// A guard that no switch can mend.
+/// An event function that no switch can mend.
 struct Broken;
 
 impl SecondOrderSystem for Broken {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: 1,
-            guards: 1,
-            memory: 1,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    unit_masses!(|_own| [1, 1, 1], modal: ModalSplit, events: Events);
+
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.1
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         f[0] = -at.q[0];
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, dq: &[f64], _dv: &[f64], df: &mut [f64]) {
         df[0] = -dq[0];
-    }
-    fn events(&mut self) -> Option<&mut dyn Events> {
-        Some(self)
     }
 }
 
 impl Events for Broken {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         out[0] = 0.6 - at.t;
     }
-    fn switch(&mut self, s: &mut State, _guard: usize) -> Change {
-        s.memory[0] = 1.0 - s.memory[0];
+    fn transition(&mut self, s: &mut State, _event: usize) -> Change {
+        s.discrete[0] = 1.0 - s.discrete[0];
         Change::Restart
     }
 }
@@ -304,7 +266,7 @@ impl Events for Broken {
 fn chatter_is_named_and_ends() {
     for m in METHODS {
         let mut s = state(&[1.0], &[0.0]);
-        s.memory = vec![0.0];
+        s.discrete = vec![0.0];
         let (s, _, result) = run(m, &mut Broken, s, &plan_for(m, 1.0));
         let Err(StepError::Chatter { t, events }) = result else {
             panic!("{}: {result:?}", m.info.id)

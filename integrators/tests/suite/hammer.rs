@@ -1,7 +1,8 @@
 //! Gears that hammer within their backlash: impacts with an exact piecewise solution.
 
+use crate::problems::watch;
 use gearbench_integrators::{
-    AcceptedStep, At, Change, Coast, Control, Energy, Events, FreeFlight, Layout, Method,
+    AcceptedStep, At, Change, Control, Energy, Events, FlightPath, FreeFlight, Layout, Method,
     ModalSplit, Outputs, Power, Report, SecondOrderSystem, Sink, State, TimePlan, Work,
 };
 
@@ -20,7 +21,7 @@ pub struct Hammer {
     pub s0: f64,
 }
 
-/// Memory of a run without event location: the force is clipped.
+/// Discrete state of a run without event location: the force is clipped.
 const CLIPPED: f64 = 2.0;
 
 impl Hammer {
@@ -65,7 +66,7 @@ impl Hammer {
             t: 0.0,
             q: vec![self.s0 / self.radius[0], 0.0],
             v: self.speed.to_vec(),
-            memory: vec![0.0],
+            discrete: vec![0.0],
         }
     }
 
@@ -80,7 +81,7 @@ impl Hammer {
     /// Force on the line of action, positive on the driving flank.
     fn line_force(&self, at: At<'_>) -> f64 {
         let (s, u) = self.relative(at);
-        let side = at.memory[0];
+        let side = at.discrete[0];
         if side == 0.0 {
             0.0
         } else if side == CLIPPED {
@@ -152,7 +153,7 @@ impl ModalSplit for Hammer {
         omega.fill(0.0);
         zeta.fill(0.0);
     }
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         self.force(at, a);
         self.solve_mass(at, a);
     }
@@ -163,7 +164,7 @@ impl ModalSplit for Hammer {
     fn free_until(&mut self, s: &State) -> f64 {
         let (x, u) = self.relative(s.at());
         let gap = 0.5 * self.backlash - u.signum() * x;
-        if s.memory[0].abs() == 1.0 || x.abs() >= 0.5 * self.backlash {
+        if s.discrete[0].abs() == 1.0 || x.abs() >= 0.5 * self.backlash {
             return s.t;
         }
         s.t + (1.0 - 1e-9) * gap / u.abs()
@@ -174,8 +175,8 @@ impl SecondOrderSystem for Hammer {
     fn layout(&self) -> Layout {
         Layout {
             n: 2,
-            guards: 2,
-            memory: 1,
+            event_functions: 2,
+            discrete: 1,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
@@ -185,8 +186,8 @@ impl SecondOrderSystem for Hammer {
             q[i] = v[i] / self.omega();
         }
     }
-    fn pace(&self, at: At<'_>) -> f64 {
-        if at.memory[0] == 0.0 {
+    fn characteristic_time(&self, at: At<'_>) -> f64 {
+        if at.discrete[0] == 0.0 {
             f64::INFINITY
         } else {
             1.0 / self.omega()
@@ -210,10 +211,10 @@ impl SecondOrderSystem for Hammer {
     }
     fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
         let (ds, du) = self.relative(At { q: dq, v: dv, ..at });
-        let closed = if at.memory[0] == CLIPPED {
+        let closed = if at.discrete[0] == CLIPPED {
             self.line_force(at) != 0.0
         } else {
-            at.memory[0] != 0.0
+            at.discrete[0] != 0.0
         };
         let dn = if closed {
             self.stiffness * ds + self.damping * du
@@ -237,12 +238,12 @@ impl SecondOrderSystem for Hammer {
 impl Events for Hammer {
     /// Per flank: closed while the force pushes; open until the flank is reached, and after a release with
     /// damping, where the penetration is not gone yet, while the force would pull.
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
         let (s, u) = self.relative(at);
         let lag = self.damping / self.stiffness;
         for (out, side) in out.iter_mut().zip([1.0, -1.0]) {
             let p = side * s - 0.5 * self.backlash;
-            *out = if at.memory[0] == side {
+            *out = if at.discrete[0] == side {
                 p + lag * side * u
             } else {
                 -p + lag * (-side * u).max(0.0)
@@ -250,23 +251,23 @@ impl Events for Hammer {
         }
     }
     fn begin(&mut self, s: &mut State, located: bool) {
-        s.memory[0] = if located { 0.0 } else { CLIPPED };
+        s.discrete[0] = if located { 0.0 } else { CLIPPED };
     }
-    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
-        let side = [1.0, -1.0][guard];
-        s.memory[0] = if s.memory[0] == side { 0.0 } else { side };
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
+        let side = [1.0, -1.0][event];
+        s.discrete[0] = if s.discrete[0] == side { 0.0 } else { side };
         Change::Restart
     }
 }
 
 impl FreeFlight for Hammer {
-    fn coast(&mut self, s: &State, later: f64, coast: &mut Coast) -> f64 {
+    fn flight_path(&mut self, s: &State, later: f64, path: &mut FlightPath) -> f64 {
         let until = self.free_until(s);
         if until > later {
-            coast.begin(s.t);
+            path.begin(s.t);
             for i in 0..2 {
-                coast.swing(0.0, 0.0, [s.q[i], s.v[i]], 0.0);
-                coast.moves(i, 1.0);
+                path.oscillator(0.0, 0.0, [s.q[i], s.v[i]], 0.0);
+                path.moves(i, 1.0);
             }
         }
         until
@@ -278,7 +279,7 @@ impl Report for Hammer {
         let n = self.line_force(at);
         let (s, u) = self.relative(at);
         let pen = (s.abs() - 0.5 * self.backlash).max(0.0);
-        let contact = if at.memory[0] == 0.0 {
+        let contact = if at.discrete[0] == 0.0 {
             0.0
         } else {
             0.5 * self.stiffness * pen * pen
@@ -356,12 +357,7 @@ pub fn speed_error(
     points: f64,
 ) -> (f64, Work) {
     let mut error = SpeedError::new(hammer, plan.t_end / points);
-    let (mut s, mut work) = (hammer.start(), Work::default());
-    let result = method
-        .build()
-        .run(&mut hammer.clone(), &mut s, plan, &mut error, &mut work);
-    if let Err(e) = result {
-        panic!("{} under {:?}: {e}", method.info.id, plan.resolution);
-    }
+    let (mut sys, start) = (hammer.clone(), hammer.start());
+    let (_, work) = watch(method.info.id, &mut sys, start, plan, &mut error);
     (error.rms(), work)
 }

@@ -1,9 +1,8 @@
 //! What kicks leave out of oscillators, and what a system wins that gives it as local compliance.
 
 use crate::problems::*;
-use gearbench_integrators::{
-    At, Layout, ModalSplit, NullSink, SecondOrderSystem, State, Work, method,
-};
+use crate::unit_masses;
+use gearbench_integrators::{At, Layout, ModalSplit, SecondOrderSystem, State};
 
 /// Oscillators pressed at one point by a two-sided spring that stands on a local compliance.
 struct Pressed {
@@ -16,7 +15,7 @@ struct Pressed {
     local: f64,
     /// Gives what the method says that it leaves out.
     gives: bool,
-    lag: Vec<f64>,
+    quasi_static: Vec<f64>,
 }
 
 impl Pressed {
@@ -29,13 +28,13 @@ impl Pressed {
             spring: 1.5,
             local: 0.2,
             gives,
-            lag: vec![0.0; 2],
+            quasi_static: vec![0.0; 2],
         }
     }
 
     fn given(&self) -> f64 {
-        let of = self.shape.iter().zip(&self.lag);
-        of.map(|(b, lag)| b * b * lag).sum()
+        let of = self.shape.iter().zip(&self.quasi_static);
+        of.map(|(b, quasi_static)| b * b * quasi_static).sum()
     }
 
     /// Force of the spring.
@@ -79,12 +78,8 @@ impl Pressed {
         [half, -half].map(|x| (0.5 * sum + x).acos() / h)
     }
 
-    fn after(&mut self, mut s: State, h: f64, n: f64) -> State {
-        let mut m = method("trigonometric").unwrap();
-        let (mut sink, mut work) = (NullSink, Work::default());
-        m.run(self, &mut s, &steps(n * h, n), &mut sink, &mut work)
-            .unwrap();
-        s
+    fn after(&mut self, s: State, h: f64, n: f64) -> State {
+        solve(by_id("trigonometric"), self, s, &steps(n * h, n)).0
     }
 }
 
@@ -93,12 +88,12 @@ impl ModalSplit for Pressed {
         omega.copy_from_slice(&self.omega);
         zeta.fill(0.0);
     }
-    fn prepare(&mut self, lag: &[f64]) {
+    fn prepare(&mut self, quasi_static: &[f64]) {
         if self.gives {
-            self.lag.copy_from_slice(lag);
+            self.quasi_static.copy_from_slice(quasi_static);
         }
     }
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         let force = self.press(at.q);
         for i in 0..a.len() {
             a[i] = self.load[i] - self.shape[i] * force;
@@ -114,38 +109,23 @@ impl ModalSplit for Pressed {
 }
 
 impl SecondOrderSystem for Pressed {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: self.omega.len(),
-            guards: 0,
-            memory: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
+    unit_masses!(|own| [own.omega.len(), 0, 0], modal: ModalSplit);
+
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        self.rest(at, f);
+        self.remainder(at, f);
         for i in 0..f.len() {
             f[i] -= self.omega[i] * self.omega[i] * at.q[i];
         }
     }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
     fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
         unreachable!("an explicit method only")
     }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
-    }
 }
 
-/// Frequencies of a body in contact converge with order two, and with order four where it gives the lag back.
+/// Frequencies of a body in contact converge with order two, and with order four where it gives the quasi-static
+/// correction back.
 #[test]
-fn a_contact_that_gives_the_lag_back_swings_with_order_four() {
+fn a_contact_with_the_quasi_static_correction_has_order_four() {
     let lengths = [0.8, 0.4, 0.2, 0.1];
     for (gives, declared) in [(false, 2.0), (true, 4.0)] {
         let mut body = Pressed::body(gives);
@@ -180,13 +160,13 @@ fn a_load_at_rest_presses_alike_at_every_step() {
                 load: vec![0.3, 0.0],
                 ..Pressed::body(gives)
             };
-            // One step tells the lag.
+            // One step tells the quasi-static correction.
             body.gives = true;
             body.after(state(&[0.0; 2], &[0.0; 2]), h, 1.0);
-            let lag = std::mem::replace(&mut body.lag, vec![0.0; 2]);
+            let quasi_static = std::mem::replace(&mut body.quasi_static, vec![0.0; 2]);
             body.gives = gives;
             if gives {
-                body.lag.clone_from(&lag);
+                body.quasi_static.clone_from(&quasi_static);
             }
             let yields = |i: usize| 1.0 / (body.omega[i] * body.omega[i]);
             let (b, load) = (body.shape.clone(), body.load[0] * yields(0));
@@ -194,9 +174,10 @@ fn a_load_at_rest_presses_alike_at_every_step() {
             let of_modes: f64 = (0..2).map(|i| b[i] * b[i] * yields(i)).sum();
             let exact = b[0] * load / (series + of_modes);
             // Where the kicks balance oscillators and load.
-            let left: f64 = (0..2).map(|i| b[i] * b[i] * lag[i]).sum();
+            let left: f64 = (0..2).map(|i| b[i] * b[i] * quasi_static[i]).sum();
             let force = b[0] * load / (series + body.given() + of_modes - left);
-            let q = [0, 1].map(|i| body.load[i] * yields(i) - force * b[i] * (yields(i) - lag[i]));
+            let q = [0, 1]
+                .map(|i| body.load[i] * yields(i) - force * b[i] * (yields(i) - quasi_static[i]));
             let s = body.after(state(&q, &[0.0; 2]), h, 200.0);
             let moved = (0..2).fold(0.0_f64, |m, i| m.max((s.q[i] - q[i]).abs()));
             assert!(moved < 1e-12, "rests: {moved:.1e}");

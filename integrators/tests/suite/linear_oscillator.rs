@@ -5,7 +5,7 @@
 //! a run instead.
 
 use crate::problems::*;
-use gearbench_integrators::{METHODS, Method, NullSink, Work, method};
+use gearbench_integrators::{METHODS, Method, NullSink};
 
 /// Spectral radius of the one-step map of a self-starting method at `omega h`.
 fn spectral_radius(m: &Method, omega_h: f64) -> f64 {
@@ -74,16 +74,17 @@ fn dormand_prince_is_stable_to_one_on_the_imaginary_axis() {
     assert!((0.9..1.1).contains(&limit), "{limit}");
 }
 
+/// Amplitude after so many unit steps.
+fn amplitude(text: &str, sys: &mut Oscillator, n: f64) -> f64 {
+    let start = state(&[1.0], &[0.0]);
+    let (s, _) = watch(text, sys, start, &steps(n, n), &mut NullSink);
+    s.q[0].hypot(s.v[0] / sys.omega)
+}
+
 /// Decay per step of a stiff oscillator after the start is forgotten.
 fn decay(text: &str, omega_h: f64) -> f64 {
     let mut sys = Oscillator { omega: omega_h };
-    let mut norm = |n: f64| {
-        let mut m = method(text).unwrap();
-        let (mut s, mut work) = (state(&[1.0], &[0.0]), Work::default());
-        m.run(&mut sys, &mut s, &steps(n, n), &mut NullSink, &mut work)
-            .unwrap();
-        s.q[0].hypot(s.v[0] / omega_h)
-    };
+    let mut norm = |n: f64| amplitude(text, &mut sys, n);
     // A double root grows linearly beside its power, so compare over many steps.
     let (n, m) = (2000.0, 1000.0);
     (norm(n) / norm(m)).powf(1.0 / (n - m))
@@ -111,14 +112,8 @@ fn spectral_radius_at_infinity_is_the_declared_one() {
 #[test]
 fn strong_damping_dies_out_within_a_few_steps() {
     for rho in [0.0, 0.3, 0.5, 0.7] {
-        let left = |n: f64| {
-            let mut sys = Oscillator { omega: 1e6 };
-            let mut m = method(&format!("generalised-alpha(rho_inf={rho})")).unwrap();
-            let (mut s, mut work) = (state(&[1.0], &[0.0]), Work::default());
-            m.run(&mut sys, &mut s, &steps(n, n), &mut NullSink, &mut work)
-                .unwrap();
-            s.q[0].hypot(s.v[0] / 1e6)
-        };
+        let text = format!("generalised-alpha(rho_inf={rho})");
+        let left = |n: f64| amplitude(&text, &mut Oscillator { omega: 1e6 }, n);
         // A triple root grows with the square of the number of steps beside its power.
         let decay = (left(24.0) / left(12.0)).powf(1.0 / 12.0);
         let bound = rho * 4f64.powf(1.0 / 12.0) + 0.05;
@@ -134,10 +129,7 @@ fn declared_dissipation_is_seen() {
     for m in METHODS {
         // A step that every method is stable at; the loss is compared over whole periods.
         let t_end = 40.0 * std::f64::consts::PI;
-        let plan = match m.info.stepping {
-            gearbench_integrators::Stepping::Adaptive => tolerance(t_end, 1e-4),
-            _ => steps(t_end, 800.0),
-        };
+        let plan = plan_of(m, t_end, 800.0, 1e-4);
         let mut sys = Oscillator { omega: 1.0 };
         let (s, _) = solve(m, &mut sys, state(&[1.0], &[0.0]), &plan);
         let loss = 1.0 - (s.q[0].powi(2) + s.v[0].powi(2));

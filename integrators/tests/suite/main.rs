@@ -2,18 +2,19 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
-mod coast;
 mod contact_order;
 mod dense_output;
 mod energy_and_momentum;
 mod equilibrium;
 mod events;
 mod failures;
+mod free_flight;
 mod golden_work;
 mod hammer;
 mod kicks;
 mod linear_oscillator;
 mod modal;
+mod modes;
 mod observers;
 mod problems;
 mod smooth_order;

@@ -1,157 +1,13 @@
 //! The trigonometric method: exact for the linear part, symplectic, symmetric, in flight in one step.
 
+use crate::equilibrium::Springs;
+use crate::modes::Modes;
 use crate::problems::*;
-use gearbench_integrators::modal::propagator::coefficients;
 use gearbench_integrators::{
-    AcceptedStep, At, Control, Layout, ModalSplit, NullSink, Resolution, SecondOrderSystem, Sink,
-    State, StepError, TimePlan, Work, method,
+    AcceptedStep, Control, NullSink, Resolution, SecondOrderSystem, Sink, State, StepError,
+    TimePlan,
 };
 use std::f64::consts::TAU;
-
-/// Independent oscillators under steady loads, next to a smooth nonlinear coupling and a stop.
-#[derive(Clone)]
-pub struct Modes {
-    pub omega: Vec<f64>,
-    pub zeta: Vec<f64>,
-    pub load: Vec<f64>,
-    /// Shape of the modes at the point that the nonlinear forces act on.
-    pub shape: Vec<f64>,
-    /// Cubic spring at the point.
-    pub cubic: f64,
-    /// Stiffness of the stop at `point > 0`: the stop itself in series with a residual compliance.
-    pub stop: f64,
-    /// Where the stop stands.
-    pub wall: f64,
-}
-
-impl Modes {
-    pub fn linear(omega: &[f64], zeta: &[f64], load: &[f64]) -> Self {
-        Modes {
-            omega: omega.to_vec(),
-            zeta: zeta.to_vec(),
-            load: load.to_vec(),
-            shape: vec![1.0; omega.len()],
-            cubic: 0.0,
-            stop: 0.0,
-            wall: f64::INFINITY,
-        }
-    }
-
-    pub fn point(&self, q: &[f64]) -> f64 {
-        self.shape.iter().zip(q).map(|(b, q)| b * q).sum()
-    }
-
-    fn contact(&self, q: &[f64]) -> f64 {
-        let x = self.point(q);
-        let pressed = (x - self.wall).max(0.0);
-        let push = if pressed > 0.0 {
-            self.stop * pressed
-        } else {
-            0.0
-        };
-        -push - self.cubic * x * x * x
-    }
-
-    pub fn energy(&self, s: &State) -> f64 {
-        let x = self.point(&s.q);
-        let pressed = (x - self.wall).max(0.0);
-        let contact = if pressed > 0.0 {
-            0.5 * self.stop * pressed * pressed
-        } else {
-            0.0
-        };
-        let modes: f64 = (0..self.omega.len())
-            .map(|i| {
-                0.5 * s.v[i] * s.v[i] + 0.5 * (self.omega[i] * s.q[i]).powi(2)
-                    - self.load[i] * s.q[i]
-            })
-            .sum();
-        modes + contact + 0.25 * self.cubic * x.powi(4)
-    }
-
-    pub fn exact(&self, from: &State, t: f64) -> State {
-        let mut s = from.clone();
-        for i in 0..self.omega.len() {
-            let c = coefficients(self.omega[i], self.zeta[i], t);
-            s.q[i] = c.qq * from.q[i] + c.qv * from.v[i] + c.qg * self.load[i];
-            s.v[i] = c.vq * from.q[i] + c.vv * from.v[i] + c.qv * self.load[i];
-        }
-        s.t = t;
-        s
-    }
-}
-
-impl ModalSplit for Modes {
-    fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
-        omega.copy_from_slice(&self.omega);
-        zeta.copy_from_slice(&self.zeta);
-    }
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
-        let force = self.contact(at.q);
-        for i in 0..a.len() {
-            a[i] = self.load[i] + self.shape[i] * force;
-        }
-    }
-    fn steady(&mut self, _at: At<'_>, a: &mut [f64]) -> f64 {
-        a.copy_from_slice(&self.load);
-        f64::INFINITY
-    }
-    /// The gap of the first coordinate, which is free, less the largest swing of the others; no load on either.
-    fn free_until(&mut self, s: &State) -> f64 {
-        if self.wall == f64::INFINITY && self.cubic == 0.0 {
-            return f64::INFINITY;
-        }
-        if self.cubic != 0.0 || self.omega[0] != 0.0 || self.load.iter().any(|g| *g != 0.0) {
-            return s.t;
-        }
-        let swing: f64 = (1..s.q.len())
-            .map(|i| self.shape[i].abs() * s.q[i].hypot(s.v[i] / self.omega[i]))
-            .sum();
-        let gap = self.wall - self.shape[0] * s.q[0] - swing;
-        let speed = self.shape[0] * s.v[0];
-        if gap <= 0.0 {
-            s.t
-        } else if speed <= 0.0 {
-            f64::INFINITY
-        } else {
-            s.t + gap / speed
-        }
-    }
-}
-
-impl SecondOrderSystem for Modes {
-    fn layout(&self) -> Layout {
-        Layout {
-            n: self.omega.len(),
-            guards: 0,
-            memory: 0,
-        }
-    }
-    fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-        q.fill(1.0);
-        v.fill(1.0);
-    }
-    fn pace(&self, _at: At<'_>) -> f64 {
-        0.1
-    }
-    fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        let contact = self.contact(at.q);
-        for i in 0..f.len() {
-            let (w, z) = (self.omega[i], self.zeta[i]);
-            f[i] = self.load[i] + self.shape[i] * contact - w * (w * at.q[i] + 2.0 * z * at.v[i]);
-        }
-    }
-    fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-    fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-    }
-    fn tangent_times(&mut self, _at: At<'_>, _dq: &[f64], _dv: &[f64], _df: &mut [f64]) {
-        unreachable!("explicit methods only")
-    }
-    fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
-        Some(self)
-    }
-}
 
 fn apart(a: &State, b: &State) -> f64 {
     let pairs = a.q.iter().zip(&b.q).chain(a.v.iter().zip(&b.v));
@@ -172,17 +28,8 @@ fn oscillators_and_steady_loads_are_exact_over_long_times() {
     );
     for (t_end, n, filter) in [(1e3, 20_000.0, 0), (1e3, 333_333.0, 0), (1e3, 20_000.0, 2)] {
         let text = format!("trigonometric(filter={filter})");
-        let (mut s, mut work) = (start.clone(), Work::default());
-        method(&text)
-            .unwrap()
-            .run(
-                &mut modes,
-                &mut s,
-                &steps(t_end, n),
-                &mut NullSink,
-                &mut work,
-            )
-            .unwrap();
+        let plan = steps(t_end, n);
+        let (s, work) = watch(&text, &mut modes, start.clone(), &plan, &mut NullSink);
         assert_eq!(work.steps as f64, n);
         let error = apart(&s, &modes.exact(&start, t_end));
         println!("{text}: {n} steps, error {error:.1e} after 5000 periods of the fastest");
@@ -221,11 +68,8 @@ fn flight_is_one_step_with_exact_values_inside() {
     let start = state(&[0.0, 1.0, 0.1], &[0.5, 0.0, 1.0]);
     for plan in [steps(10.0, 12345.0), tolerance(10.0, 1e-6)] {
         let mut check = Check(&modes, start.clone(), Inside::default());
-        let (mut s, mut work) = (start.clone(), Work::default());
-        by_id("trigonometric")
-            .build()
-            .run(&mut modes.clone(), &mut s, &plan, &mut check, &mut work)
-            .unwrap();
+        let mut own = modes.clone();
+        let (s, work) = watch("trigonometric", &mut own, start.clone(), &plan, &mut check);
         assert_eq!((work.steps, work.force_evaluations), (1, 1));
         assert_eq!(s.t, 10.0);
         let Inside { worst, ends } = check.2;
@@ -249,29 +93,19 @@ fn pushed() -> State {
 fn running_back_with_turned_speeds_arrives_where_it_began() {
     for filter in [0, 2] {
         let text = format!("trigonometric(filter={filter})");
-        let (mut modes, mut s) = (nonlinear(), pushed());
-        let far = {
-            let mut go = || {
-                let mut m = method(&text).unwrap();
-                m.run(
-                    &mut modes,
-                    &mut s,
-                    &steps(50.0, 1000.0),
-                    &mut NullSink,
-                    &mut Work::default(),
-                )
-                .unwrap();
-                s.v.iter_mut().for_each(|v| *v = -*v);
-                s.t = 0.0;
-            };
-            go();
-            let far = pushed().q[0];
-            go();
-            far
+        let mut modes = nonlinear();
+        let mut go = |from: State| {
+            let plan = steps(50.0, 1000.0);
+            let (mut s, _) = watch(&text, &mut modes, from, &plan, &mut NullSink);
+            s.v.iter_mut().for_each(|v| *v = -*v);
+            s.t = 0.0;
+            s
         };
-        let error = apart(&s, &pushed());
+        let there = go(pushed());
+        let far = apart(&there, &pushed());
+        let error = apart(&go(there), &pushed());
         println!("{text}: back to {error:.1e} after 1000 steps there and back");
-        assert!(error < 1e-10 && far != 0.0, "{text}: {error:.1e}");
+        assert!(error < 1e-10 && far > 0.1, "{text}: {error:.1e} {far:.1e}");
     }
 }
 
@@ -289,17 +123,9 @@ fn energy_stays_in_a_band_over_long_runs() {
     for filter in [0, 2] {
         let t_end = 1e4;
         let text = format!("trigonometric(filter={filter})");
-        let (mut modes, mut s) = (nonlinear(), pushed());
-        let mut band = Band(modes.clone(), modes.energy(&s), [0.0; 2], t_end);
-        let mut m = method(&text).unwrap();
-        m.run(
-            &mut modes,
-            &mut s,
-            &steps(t_end, 1e5),
-            &mut band,
-            &mut Work::default(),
-        )
-        .unwrap();
+        let mut modes = nonlinear();
+        let mut band = Band(modes.clone(), modes.energy(&pushed()), [0.0; 2], t_end);
+        watch(&text, &mut modes, pushed(), &steps(t_end, 1e5), &mut band);
         let [early, late] = band.2;
         println!("{text}: energy within {early:.2e} in the first half, {late:.2e} in the second");
         assert!(
@@ -311,26 +137,7 @@ fn energy_stays_in_a_band_over_long_runs() {
 
 #[test]
 fn a_system_without_a_split_is_refused() {
-    struct Whole(Oscillator);
-    impl SecondOrderSystem for Whole {
-        fn layout(&self) -> Layout {
-            self.0.layout()
-        }
-        fn scales(&self, q: &mut [f64], v: &mut [f64]) {
-            self.0.scales(q, v);
-        }
-        fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-            self.0.force(at, f);
-        }
-        fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
-        fn apply_mass(&mut self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-            self.0.apply_mass(at, x, y);
-        }
-        fn tangent_times(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
-            self.0.tangent_times(at, dq, dv, df);
-        }
-    }
-    let mut whole = Whole(Oscillator { omega: 1.0 });
+    let mut whole = Springs::new(&[1.0], &[0.0]);
     let m = by_id("trigonometric");
     let (_, _, result) = run(m, &mut whole, state(&[1.0], &[0.0]), &steps(1.0, 10.0));
     let error = result.unwrap_err();
@@ -433,10 +240,9 @@ fn energy_error(omega_h: f64, contact_h: f64, pressed: bool, filter: u8) -> f64 
         error: 0.0,
         modes: modes.clone(),
     };
-    let mut m = method(&format!("trigonometric(filter={filter})")).unwrap();
-    let (mut s, plan) = (start, steps(2000.0, 40_000.0));
-    m.run(&mut modes, &mut s, &plan, &mut worst, &mut Work::default())
-        .unwrap();
+    let text = format!("trigonometric(filter={filter})");
+    let plan = steps(2000.0, 40_000.0);
+    watch(&text, &mut modes, start, &plan, &mut worst);
     worst.error
 }
 

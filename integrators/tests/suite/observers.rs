@@ -4,13 +4,13 @@ use crate::problems::*;
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::observers::recorder::Recorder;
-use gearbench_integrators::{METHODS, Resolution, Stepping, TimePlan, Work};
+use gearbench_integrators::{METHODS, Stepping};
 
 #[test]
 fn the_ledger_closes_through_damped_impacts() {
     for method in METHODS {
         let mut hammer = Hammer::gears(0.05);
-        let (mut s, mut work, mut ledger) = (hammer.start(), Work::default(), Ledger::default());
+        let (start, mut ledger) = (hammer.start(), Ledger::default());
         let (plan, allowed) = match method.info.stepping {
             Stepping::Adaptive => (tolerance(0.05, 1e-9), 1e-6),
             Stepping::Both => (tolerance(0.05, 1e-9), 1e-9),
@@ -19,10 +19,7 @@ fn the_ledger_closes_through_damped_impacts() {
                 if method.info.order == 1 { 1e-4 } else { 1e-6 },
             ),
         };
-        method
-            .build()
-            .run(&mut hammer, &mut s, &plan, &mut ledger, &mut work)
-            .unwrap();
+        watch(method.info.id, &mut hammer, start, &plan, &mut ledger);
         let residual = ledger.residual_relative();
         println!(
             "{:20} residual {residual:.1e}, lost {:.3e} J",
@@ -43,12 +40,9 @@ fn the_ledger_closes_through_damped_impacts() {
 #[test]
 fn the_ledger_books_the_energy_left_at_a_release() {
     let mut hammer = Hammer::one_impact(0.05);
-    let (mut s, mut work, mut ledger) = (hammer.start(), Work::default(), Ledger::default());
+    let (start, mut ledger) = (hammer.start(), Ledger::default());
     let plan = tolerance(after_impact(&hammer), 1e-10);
-    by_id("dopri5")
-        .build()
-        .run(&mut hammer, &mut s, &plan, &mut ledger, &mut work)
-        .unwrap();
+    watch("dopri5", &mut hammer, start, &plan, &mut ledger);
     assert!(ledger.jumps < 0.0, "{:.3e}", ledger.jumps);
     let start = ledger.start.unwrap().total();
     let lost = start - ledger.end.total();
@@ -61,17 +55,9 @@ fn the_recorder_reads_the_grid_from_dense_output() {
     let grid: Vec<f64> = (0..=100).map(|i| 0.1 * f64::from(i)).collect();
     let mut recorder = Recorder::on(grid.clone()).with_peak_of(1);
     let mut ledger = Ledger::default();
-    let (mut s, mut work) = (state(&[1.0], &[0.0]), Work::default());
-    by_id("dopri5")
-        .build()
-        .run(
-            &mut sys,
-            &mut s,
-            &TimePlan::new(10.0, Resolution::Tolerance(1e-10)),
-            &mut Tee(vec![&mut recorder, &mut ledger]),
-            &mut work,
-        )
-        .unwrap();
+    let (start, plan) = (state(&[1.0], &[0.0]), tolerance(10.0, 1e-10));
+    let mut sinks = Tee(vec![&mut recorder, &mut ledger]);
+    watch("dopri5", &mut sys, start, &plan, &mut sinks);
     let q = recorder.column(0);
     assert_eq!(q.len(), grid.len());
     for (t, q) in grid.iter().zip(q) {
@@ -86,16 +72,7 @@ fn the_recorder_reads_the_grid_from_dense_output() {
 fn a_recorder_of_a_run_that_ends_early_is_short() {
     let mut sys = Oscillator { omega: 1.0 };
     let mut recorder = Recorder::on((0..=10).map(f64::from).collect());
-    let (mut s, mut work) = (state(&[1.0], &[0.0]), Work::default());
-    by_id("rk4")
-        .build()
-        .run(
-            &mut sys,
-            &mut s,
-            &steps(4.5, 450.0),
-            &mut recorder,
-            &mut work,
-        )
-        .unwrap();
+    let start = state(&[1.0], &[0.0]);
+    watch("rk4", &mut sys, start, &steps(4.5, 450.0), &mut recorder);
     assert_eq!(recorder.rows.len(), 5);
 }

@@ -3,7 +3,7 @@
 pub use crate::hammer::*;
 use gearbench_integrators::{
     At, Energy, Layout, METHODS, Method, ModalSplit, NullSink, Outputs, Report, Resolution,
-    SecondOrderSystem, State, StepError, Stepping, TimePlan, Work,
+    SecondOrderSystem, Sink, State, StepError, Stepping, TimePlan, Work, method,
 };
 
 /// Runs a method of the table; the state is where it ended.
@@ -20,6 +20,24 @@ pub fn run(
     (s, work, result)
 }
 
+/// Runs a method `id(name=value)` that must not fail, watched by a sink.
+pub fn watch(
+    text: &str,
+    sys: &mut dyn SecondOrderSystem,
+    mut s: State,
+    plan: &TimePlan<'_>,
+    sink: &mut dyn Sink,
+) -> (State, Work) {
+    let mut work = Work::default();
+    let result = method(text)
+        .unwrap()
+        .run(sys, &mut s, plan, sink, &mut work);
+    if let Err(e) = result {
+        panic!("{text} under {:?}: {e}", plan.resolution);
+    }
+    (s, work)
+}
+
 /// Runs a method that must not fail.
 pub fn solve(
     method: &Method,
@@ -27,11 +45,7 @@ pub fn solve(
     s: State,
     plan: &TimePlan<'_>,
 ) -> (State, Work) {
-    let (s, work, result) = run(method, sys, s, plan);
-    if let Err(e) = result {
-        panic!("{} under {:?}: {e}", method.info.id, plan.resolution);
-    }
-    (s, work)
+    watch(method.info.id, sys, s, plan, &mut NullSink)
 }
 
 pub fn by_id(id: &str) -> &'static Method {
@@ -72,8 +86,35 @@ pub fn state(q: &[f64], v: &[f64]) -> State {
         t: 0.0,
         q: q.to_vec(),
         v: v.to_vec(),
-        memory: Vec::new(),
+        discrete: Vec::new(),
     }
+}
+
+/// What test systems of unit masses and scales have alike: the length of their coordinates, event functions and discrete
+/// state, and the capabilities that they hand out.
+#[macro_export]
+macro_rules! unit_masses {
+    (|$own:ident| [$n:expr, $events:expr, $discrete:expr] $(, $capability:ident: $trait:ident)*) => {
+        fn layout(&self) -> Layout {
+            let $own = self;
+            Layout {
+                n: $n,
+                event_functions: $events,
+                discrete: $discrete,
+            }
+        }
+        fn scales(&self, q: &mut [f64], v: &mut [f64]) {
+            q.fill(1.0);
+            v.fill(1.0);
+        }
+        fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}
+        fn apply_mass(&mut self, _at: At<'_>, x: &[f64], y: &mut [f64]) {
+            y.copy_from_slice(x);
+        }
+        $(fn $capability(&mut self) -> Option<&mut dyn $trait> {
+            Some(self)
+        })*
+    };
 }
 
 /// Makes a system oscillators and a rest: the frequency [rad/s] and damping ratio of each coordinate are given, the
@@ -88,7 +129,7 @@ macro_rules! split_off {
                     (omega[$i], zeta[$i]) = $oscillator;
                 }
             }
-            fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+            fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
                 self.force(at, a);
                 self.solve_mass(at, a);
                 let $own = &*self;
@@ -156,15 +197,15 @@ impl SecondOrderSystem for Duffing {
     fn layout(&self) -> Layout {
         Layout {
             n: 2,
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.5
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -206,8 +247,8 @@ impl SecondOrderSystem for Oscillator {
     fn layout(&self) -> Layout {
         Layout {
             n: 1,
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
@@ -272,15 +313,15 @@ impl SecondOrderSystem for Chain {
     fn layout(&self) -> Layout {
         Layout {
             n: self.masses.len(),
-            guards: 0,
-            memory: 0,
+            event_functions: 0,
+            discrete: 0,
         }
     }
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         q.fill(1.0);
         v.fill(1.0);
     }
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         0.3
     }
     fn modal(&mut self) -> Option<&mut dyn ModalSplit> {
@@ -325,4 +366,12 @@ pub fn steps(t_end: f64, n: f64) -> TimePlan<'static> {
 /// A plan under a tolerance.
 pub fn tolerance(t_end: f64, rtol: f64) -> TimePlan<'static> {
     TimePlan::new(t_end, Resolution::Tolerance(rtol))
+}
+
+/// A plan that suits a method: a tolerance, or so many steps where it takes any.
+pub fn plan_of(m: &Method, t_end: f64, n: f64, rtol: f64) -> TimePlan<'static> {
+    match m.info.stepping {
+        Stepping::Adaptive => tolerance(t_end, rtol),
+        _ => steps(t_end, n),
+    }
 }

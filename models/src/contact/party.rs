@@ -8,22 +8,22 @@ use gearbench_integrators::system::At;
 pub struct Party<'a> {
     /// The gear.
     pub gear: &'a dyn GearModel,
-    /// Its own coordinates, velocities and memory.
+    /// Its own coordinates, velocities and discrete state.
     pub at: At<'a>,
 }
 
 /// Which candidates are wanted.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
-    /// Pairs in the search's memory whose slot is closed; per slot `(mode, impact speed)`.
+    /// Pairs in the search's discrete state whose slot is closed; per slot `(mode, impact speed)`.
     Closed(&'a [f64]),
-    /// All pairs in the search's memory.
+    /// All pairs in the search's discrete state.
     Listed,
-    /// Pairs that lie in the contact zone at this state, memory aside, with a gap [m] of at most so much.
+    /// Pairs that lie in the contact zone at this state, discrete state aside, with a gap [m] of at most so much.
     Touching(f64),
 }
 
-/// What a switched guard of a search did.
+/// What a switched event function of a search did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ZoneChange {
     /// Slot of a pair that became a candidate.

@@ -12,11 +12,11 @@ use crate::kinematics::Tooth;
 #[derive(Debug)]
 pub enum Search {
     /// Tooth pairs, each with a slot of its own. The search owns a part of the mesh's discrete state: which pairs it
-    /// looks at. With event location that part changes only at its guards, so inside a step the set of candidates is
-    /// fixed.
+    /// looks at. With event location that part changes only at its event functions, so inside a step the set of
+    /// candidates is fixed.
     Pairs(Box<LinesOfAction>),
-    /// Points of flanks. They open and close all the time, so that there are neither slots nor guards: forces are
-    /// clipped, and nothing is located.
+    /// Points of flanks. They open and close all the time, so that there are neither slots nor event functions: forces
+    /// are clipped, and nothing is located.
     Points(Box<FlankPoints>),
 }
 

@@ -1,12 +1,11 @@
-//! What only some gears can do: small traits that a gear hands out through [`GearModel`].
+//! What only some gears can do: small traits that a gear hands out through [`GearModel`](super::GearModel).
 
 use super::flank_displacement::FlankDisplacement;
 use super::free_flight::FreeFlight;
-use super::model::GearModel;
 use crate::Vec3;
 use crate::geometry::{Flanks, Side};
 use crate::kinematics::Tooth;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Change, Coeffs, Singular};
 
 /// The flanks of a gear as grids of nodes.
@@ -27,15 +26,15 @@ pub trait FlankNodes {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]);
 }
 
-/// Teeth with a travel of their own.
+/// Teeth with a displacement of their own.
 pub trait ToothCoordinates {
-    /// Angle of a tooth from its assembled position [rad] (travel [m] for a rack), pitch not included.
-    fn travel(&self, at: At<'_>, tooth: Tooth) -> f64;
+    /// Angle of a tooth from its assembled position [rad] (displacement [m] for a rack), pitch not included.
+    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64;
 
-    /// [`Self::travel`] of consecutive teeth from `first` on.
-    fn travels(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
-        for (index, travel) in (first.index..).zip(out) {
-            *travel = self.travel(at, Tooth { index, ..first });
+    /// [`Self::displacement`] of consecutive teeth from `first` on.
+    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        for (index, displacement) in (first.index..).zip(out) {
+            *displacement = self.displacement(at, Tooth { index, ..first });
         }
     }
 
@@ -83,8 +82,9 @@ pub trait LinearMotion {
     /// Its free flight from a state under a steady `load` on a free hub; `None` where its motion is not known.
     fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight>;
 
-    /// Adds that motion to a coast, its coordinates from `first` on; called where there is a [`Self::free_flight`].
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast);
+    /// Adds that motion to a free flight, its coordinates from `first` on; called where there is a
+    /// [`Self::free_flight`].
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath);
 
     /// Cuts its vibrations off, about the deflection of a steady `load`; its momentum stays. The slices are its own.
     /// False when they rested, up to rounding.
@@ -104,18 +104,10 @@ pub trait LinearMotion {
     fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64;
 }
 
-/// Work of a steady `load` on the hub of any gear between two states [J].
-pub fn work_on_hub(gear: &dyn GearModel, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-    if gear.hub().coordinates() == 0 || load == 0.0 {
-        return 0.0;
-    }
-    load * (gear.hub_state(to).travel - gear.hub_state(from).travel)
-}
-
 /// A gear with many coordinates of which a contact touches few: the scene then condenses the Newton correction to
 /// those.
 pub trait LargeGear {
-    /// Restriction of `A^-1` of [`GearModel::correct`] to some coordinates, `g[i * n + j] = A^-1[c_i, c_j]`,
+    /// Restriction of `A^-1` of [`GearModel::correct`](super::GearModel::correct) to some coordinates, `g[i * n + j] = A^-1[c_i, c_j]`,
     /// symmetric; `g` holds `n * n` values.
     fn condensed(
         &self,
@@ -140,54 +132,6 @@ pub trait LargeGear {
     fn factorisations(&self) -> u64;
 }
 
-/// [`LargeGear::condensed`] of any gear, one solve per coordinate.
-pub fn condensed(
-    gear: &mut dyn GearModel,
-    at: At<'_>,
-    c: Coeffs,
-    hub_damping: f64,
-    coordinates: &[u32],
-    g: &mut [f64],
-) -> Result<(), Singular> {
-    if let Some(large) = gear.large() {
-        return large.condensed(at, c, hub_damping, coordinates, g);
-    }
-    let mut x = vec![0.0; at.q.len()];
-    let n = coordinates.len();
-    for (j, &unit) in coordinates.iter().enumerate() {
-        x.fill(0.0);
-        x[unit as usize] = 1.0;
-        gear.correct(at, c, hub_damping, &mut x)?;
-        for (i, &coordinate) in coordinates.iter().enumerate() {
-            g[i * n + j] = x[coordinate as usize];
-        }
-    }
-    Ok(())
-}
-
-/// [`LargeGear::add_response`] of any gear, by one solve.
-pub fn add_response(
-    gear: &mut dyn GearModel,
-    at: At<'_>,
-    c: Coeffs,
-    hub_damping: f64,
-    touched: (&[u32], &[f64]),
-    x: &mut [f64],
-) -> Result<(), Singular> {
-    if let Some(large) = gear.large() {
-        return large.add_response(at, c, hub_damping, touched, x);
-    }
-    let mut y = vec![0.0; at.q.len()];
-    for (&i, f) in touched.0.iter().zip(touched.1) {
-        y[i as usize] += f;
-    }
-    gear.correct(at, c, hub_damping, &mut y)?;
-    for (x, y) in x.iter_mut().zip(&y) {
-        *x += y;
-    }
-    Ok(())
-}
-
 /// A mass matrix that is not constant and diagonal.
 pub trait CoupledMass {
     /// `f <- M^-1 f`.
@@ -195,34 +139,4 @@ pub trait CoupledMass {
 
     /// `y = M x`.
     fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]);
-}
-
-impl dyn GearModel + '_ {
-    /// The grids of its flanks, if it brings any.
-    #[must_use]
-    pub fn flanks(&self) -> Option<&Flanks> {
-        self.surface().map(|s| s.flanks)
-    }
-
-    /// Its flank displacement operator, if it has one.
-    #[inline]
-    #[must_use]
-    pub fn displacement(&self) -> Option<&dyn FlankDisplacement> {
-        self.surface()?.displacement
-    }
-
-    /// Angle or travel of a tooth from its assembled position.
-    #[must_use]
-    pub fn tooth_travel(&self, at: At<'_>, tooth: Tooth) -> f64 {
-        match self.teeth() {
-            Some(teeth) => teeth.travel(at, tooth),
-            None => self.hub().travel_at(at),
-        }
-    }
-
-    /// Whether its springs know the contact radius.
-    #[must_use]
-    pub fn follows_contact(&self) -> bool {
-        self.teeth().is_some_and(ToothCoordinates::follows_contact)
-    }
 }

@@ -26,7 +26,7 @@ pub trait FlankDisplacement {
     /// Largest displacement of a flank node by unit load on the hub.
     fn largest_hub_compliance(&self) -> f64;
 
-    /// Turn (travel) of the hub by unit load on it that the residual compliance carries.
+    /// Turn (displacement) of the hub by unit load on it that the residual compliance carries.
     fn hub_residual_compliance(&self) -> f64;
 
     /// A bound of `|B q|` at any flank node [m]: `sqrt(c) sqrt(2 U)` with the largest modal compliance `c` of a node

@@ -1,10 +1,29 @@
 //! What every gear says of its hub and body as plain data, and what follows from it for all of them.
 
-use super::model::{HubState, Magnitudes};
 use crate::Vec3;
 use crate::kinematics::{Hub, Row};
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
+
+/// Typical magnitudes that turn a relative tolerance into absolute ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Magnitudes {
+    /// Deflection along the line of action [m].
+    pub deflection: f64,
+    /// Speed along the line of action [m/s].
+    pub speed: f64,
+}
+
+/// Quantities of the hub and the whole body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HubState {
+    /// Angle [rad] or displacement [m] of the hub from the assembled position.
+    pub displacement: f64,
+    /// Its rate.
+    pub speed: f64,
+    /// Angular momentum about the axis [kg m^2/s], or momentum along the slide [kg m/s].
+    pub momentum: f64,
+}
 
 /// The hub that carries a gear, with the data of a rigid body on it until a model says otherwise.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +44,7 @@ pub struct HubBody {
     pub scales: Vec<f64>,
     /// Diagonal of the mass matrix where it is constant and diagonal; those that are missing are the hub's inertia.
     pub masses: Vec<f64>,
-    /// Turn (travel) of the hub by unit of each own coordinate; empty where they do not move it.
+    /// Turn (displacement) of the hub by unit of each own coordinate; empty where they do not move it.
     pub hub_shapes: Vec<f64>,
     /// Share of the energy of the next impact below which vibrations are cut off in free flight; 0: never.
     pub vibration_cut_off: f64,
@@ -76,11 +95,11 @@ impl HubBody {
         self.len() == 0
     }
 
-    /// Angle or travel of the hub.
+    /// Angle or displacement of the hub.
     #[inline]
     #[must_use]
-    pub fn travel_at(&self, at: At<'_>) -> f64 {
-        self.hub.travel(at.t, at.q)
+    pub fn displacement_at(&self, at: At<'_>) -> f64 {
+        self.hub.displacement(at.t, at.q)
     }
 
     /// Speed of the hub's coordinate.
@@ -148,28 +167,28 @@ impl HubBody {
     pub fn state(&self, at: At<'_>) -> HubState {
         let speed = self.speed_at(at);
         HubState {
-            travel: self.travel_at(at),
+            displacement: self.displacement_at(at),
             speed,
             momentum: self.hub.inertia * speed,
         }
     }
 
-    /// Travel, speed and acceleration of a frame that moves as the hub does under a steady `load`.
+    /// Displacement, speed and acceleration of a frame that moves as the hub does under a steady `load`.
     #[must_use]
     pub fn frame(&self, at: At<'_>, load: f64) -> [f64; 3] {
         [
-            self.travel_at(at),
+            self.displacement_at(at),
             self.speed_at(at),
             self.hub.acceleration(at.t, load),
         ]
     }
 
-    /// Adds the motion of the hub under a steady `load` to a coast, where it is free.
-    pub fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+    /// Adds the motion of the hub under a steady `load` to a free flight, where it is free.
+    pub fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
         if self.first() > 0 {
             let acceleration = self.hub.acceleration(at.t, load);
-            coast.swing(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
-            coast.moves(first, 1.0);
+            path.oscillator(0.0, 0.0, [at.q[0], at.v[0]], acceleration);
+            path.moves(first, 1.0);
         }
     }
 

@@ -5,10 +5,13 @@
 //! | `model` | the trait [`GearModel`] |
 //! | `hub_body` | the data that every gear has: [`HubBody`] |
 //! | `capabilities` | what only some gears can do: flank surface, linear motion, teeth, size, coupled mass |
+//! | `any` | what follows for any gear from what it hands out |
 //! | [`parameters`] | parameters of models as structs that the models own |
+//! | [`properties`] | properties of a model that studies ask for before a gear is built |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
+mod any;
 pub mod capabilities;
 pub mod elastic;
 mod flank_displacement;
@@ -17,13 +20,15 @@ mod hub_body;
 mod model;
 pub mod movable_teeth;
 pub mod parameters;
+pub mod properties;
 pub mod rigid;
 pub mod table;
 
+pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};
 pub use capabilities::{
     CoupledMass, FlankNodes, FlankSurface, LargeGear, LinearMotion, Oscillators, ToothCoordinates,
 };
 pub use flank_displacement::FlankDisplacement;
 pub use free_flight::FreeFlight;
-pub use hub_body::HubBody;
-pub use model::{GearModel, HubState, Magnitudes};
+pub use hub_body::{HubBody, HubState, Magnitudes};
+pub use model::GearModel;

@@ -6,31 +6,11 @@
 //! have different models.
 
 use super::capabilities::{CoupledMass, FlankSurface, LargeGear, LinearMotion, ToothCoordinates};
-use super::hub_body::HubBody;
+use super::hub_body::{HubBody, HubState};
 use crate::Vec3;
 use crate::kinematics::{Point, Row, Wrench};
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
-
-/// Typical magnitudes that turn a relative tolerance into absolute ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Magnitudes {
-    /// Deflection along the line of action [m].
-    pub deflection: f64,
-    /// Speed along the line of action [m/s].
-    pub speed: f64,
-}
-
-/// Quantities of the hub and the whole body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HubState {
-    /// Angle [rad] or travel [m] of the hub from the assembled position.
-    pub travel: f64,
-    /// Its rate.
-    pub speed: f64,
-    /// Angular momentum about the axis [kg m^2/s], or momentum along the slide [kg m/s].
-    pub momentum: f64,
-}
 
 /// A gear at some fidelity. `at` holds the gear's own coordinates and discrete state only. Every default is that of a
 /// rigid body on its hub, or works for any gear.
@@ -120,7 +100,7 @@ pub trait GearModel {
         None
     }
 
-    /// Gears whose teeth have another travel than the hub.
+    /// Gears whose teeth have another displacement than the hub.
     fn teeth(&self) -> Option<&dyn ToothCoordinates> {
         None
     }

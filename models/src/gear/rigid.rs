@@ -1,15 +1,41 @@
 //! The rigid gear: the mount's coordinate only; all compliance sits in the contact law.
 //!
-//! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the lever arm is the base radius.
+//! `J phi'' = T + sum_c N_c d(x_c . n_c)/dphi`, on the line of action the effective base radius arm is the base radius.
 
-use super::capabilities::{LinearMotion, Oscillators, work_on_hub};
+use super::any::work_on_hub;
+use super::capabilities::{LinearMotion, Oscillators};
 use super::free_flight::FreeFlight;
 use super::hub_body::HubBody;
 use super::model::GearModel;
+use super::properties::{Fit, Start};
 use crate::Vec3;
 use crate::kinematics::{Hub, Point, Row};
-use gearbench_integrators::Coast;
+use crate::spec::{ModelSpec, Parameters};
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Coeffs, Singular};
+
+/// Id of the model.
+pub const MODEL: &str = "rigid";
+
+/// Its contact law is all there is to fit.
+pub const FIT: Fit = Fit {
+    parameters: &[],
+    starts: |contact, _| {
+        vec![Start {
+            contact,
+            parameters: Vec::new(),
+        }]
+    },
+};
+
+/// A gear of this model in a scene.
+#[must_use]
+pub fn spec() -> ModelSpec {
+    ModelSpec {
+        id: MODEL.into(),
+        parameters: Parameters::new(),
+    }
+}
 
 /// A rigid gear or rack.
 #[derive(Clone, Debug)]
@@ -79,8 +105,8 @@ impl LinearMotion for Rigid {
         })
     }
 
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.hub.add_to_coast(at, load, first, coast);
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+        self.hub.add_to_path(at, load, first, path);
     }
 
     fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {

@@ -1,6 +1,7 @@
 //! The table of gear models. A new model is one file and one line in [`MODELS`].
 
 use super::model::GearModel;
+use super::properties::Properties;
 use super::{movable_teeth, rigid};
 use crate::error::BuildError;
 use crate::kinematics::{Hub, MeshView, Placement};
@@ -23,7 +24,7 @@ pub struct GearContext<'a> {
     /// Where its own frame stands at the assembled position.
     pub placement: Placement,
     /// Base radius [m], or `cos(alpha)` for a rack: deflection on the line of action over hub coordinate.
-    pub lever: f64,
+    pub effective_radius: f64,
     /// How the gear's meshes see it, in order.
     pub meshes: &'a [MeshView],
     /// Speed of its hub at the start [rad/s] or [m/s].
@@ -67,6 +68,8 @@ pub struct Model {
     pub title: &'static str,
     /// Parameters it takes; others are refused.
     pub parameters: &'static [ParameterInfo],
+    /// What studies may do with it.
+    pub properties: Properties,
     /// Builds it.
     pub build: Build,
 }
@@ -74,25 +77,41 @@ pub struct Model {
 fn build_rigid(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     Ok(Box::new(rigid::Rigid::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
     )))
 }
 
 /// The models of this crate.
 pub static MODELS: &[Model] = &[
     Model {
-        id: "rigid",
+        id: rigid::MODEL,
         title: "rigid gear; all compliance in the contact law",
         parameters: &[],
+        properties: Properties {
+            rigid: true,
+            fit: Some(rigid::FIT),
+            ..Properties::NONE
+        },
         build: build_rigid,
     },
     Model {
         id: "movable-teeth",
         title: "one tangential coordinate per tooth (Ebrahimi, Eberhard 2006)",
         parameters: movable_teeth::PARAMETERS,
+        properties: Properties {
+            fit: Some(movable_teeth::FIT),
+            ..Properties::NONE
+        },
         build: movable_teeth::build,
     },
 ];
+
+/// What a table says of the model with an id: nothing of one that it does not have, which is refused when it is built.
+#[must_use]
+pub fn properties_of(models: &[Model], id: &str) -> Properties {
+    let row = models.iter().find(|m| m.id == id);
+    row.map_or(Properties::NONE, |m| m.properties)
+}
 
 impl Model {
     /// Builds the model after checking that every parameter is known.

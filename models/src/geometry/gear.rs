@@ -13,119 +13,13 @@
 //! and undercut means `s_form < 0`. Below it lies the trochoid of the `fillet` module. Thinning is
 //! made by a wider tool tooth at unchanged depth, so the root circle keeps its radius.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::error::{GeometryError, Quantity, check, finite, not_negative, positive};
+use super::error::{GeometryError, finite};
 use super::fillet::{Fillet, ToolTip};
 use super::involute::{inv, inv_inverse, inv_of_tangent};
-use super::modification::Modifications;
-
-/// What a user gives to describe a gear. SI units; factors are multiples of the normal module.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GearParams {
-    /// Number of teeth, 3 to 10000. The default is 0 and has to be set.
-    pub teeth: u32,
-    /// Normal module (m).
-    pub module: f64,
-    /// Normal pressure angle (rad).
-    pub pressure_angle: f64,
-    /// Profile shift coefficient x.
-    pub profile_shift: f64,
-    /// Helix angle at the reference circle (rad); right hand positive, 0 for a spur gear.
-    pub helix_angle: f64,
-    /// Face width (m).
-    pub face_width: f64,
-    /// Addendum factor h_a* of the basic rack.
-    pub addendum: f64,
-    /// Dedendum factor h_f* of the basic rack (depth of the tool tip).
-    pub dedendum: f64,
-    /// Tip radius factor of the rack tool, which rounds the tooth root.
-    pub tip_radius: f64,
-    /// Reduction of the transverse arc tooth thickness at the reference circle (m).
-    pub thinning: f64,
-    /// Radius of the bore (m); 0 for a solid gear.
-    pub bore_radius: f64,
-    /// Tip relief and crowning.
-    pub modifications: Modifications,
-}
-
-impl Default for GearParams {
-    /// Basic rack of ISO 53 profile A (20 degrees, 1.0, 1.25, 0.38), module 1 mm, width 10 mm.
-    fn default() -> Self {
-        Self {
-            teeth: 0,
-            module: 1e-3,
-            pressure_angle: 20f64.to_radians(),
-            profile_shift: 0.0,
-            helix_angle: 0.0,
-            face_width: 10e-3,
-            addendum: 1.0,
-            dedendum: 1.25,
-            tip_radius: 0.38,
-            thinning: 0.0,
-            bore_radius: 0.0,
-            modifications: Modifications::default(),
-        }
-    }
-}
-
-/// Largest number of teeth accepted: beyond it the input is a mistake.
-pub(super) const MAX_TEETH: u32 = 10_000;
-
-/// Checks what gears and racks have in common; `factors` are addendum, dedendum and tip radius.
-pub(super) fn check_basic_rack(
-    module: f64,
-    pressure_angle: f64,
-    helix_angle: f64,
-    factors: [f64; 3],
-    thinning: f64,
-    face_width: f64,
-) -> Result<(), GeometryError> {
-    check(
-        Quantity::Module,
-        module,
-        (1e-6..=10.0).contains(&module),
-        "a length from 1e-6 to 10 m (4 mm is 0.004)",
-    )?;
-    check(
-        Quantity::PressureAngle,
-        pressure_angle,
-        pressure_angle > 0.0 && pressure_angle < FRAC_PI_4,
-        "an angle between 0 and 45 degrees (0.785 rad), ends excluded",
-    )?;
-    check(
-        Quantity::HelixAngle,
-        helix_angle,
-        helix_angle.abs() <= PI / 3.0,
-        "an angle from -60 to 60 degrees (1.047 rad)",
-    )?;
-    positive(Quantity::Addendum, factors[0])?;
-    positive(Quantity::Dedendum, factors[1])?;
-    not_negative(Quantity::TipRadius, factors[2])?;
-    not_negative(Quantity::Thinning, thinning)?;
-    positive(Quantity::FaceWidth, face_width)
-}
-
-impl GearParams {
-    fn check(&self) -> Result<(), GeometryError> {
-        check(
-            Quantity::Teeth,
-            f64::from(self.teeth),
-            (3..=MAX_TEETH).contains(&self.teeth),
-            "a whole number from 3 to 10000",
-        )?;
-        check_basic_rack(
-            self.module,
-            self.pressure_angle,
-            self.helix_angle,
-            [self.addendum, self.dedendum, self.tip_radius],
-            self.thinning,
-            self.face_width,
-        )?;
-        finite(Quantity::ProfileShift, self.profile_shift)?;
-        not_negative(Quantity::BoreRadius, self.bore_radius)
-    }
-}
+use super::parameters::GearParams;
+use super::quantity::Quantity;
 
 /// An external involute gear that can be cut: parameters and derived quantities.
 #[derive(Clone, Debug, PartialEq)]

@@ -25,11 +25,13 @@ mod fillet;
 mod flanks;
 mod gear;
 mod involute;
+mod meshing;
 mod modification;
 mod outline;
 mod pair;
+mod parameters;
+mod quantity;
 mod rack;
-mod rack_pair;
 #[cfg(test)]
 mod reference_tests;
 #[cfg(test)]
@@ -37,18 +39,20 @@ mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
 
-pub use error::{GeometryError, Quantity};
+pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks};
-pub use gear::{Gear, GearParams};
+pub use gear::Gear;
 pub use involute::{inv, inv_inverse};
 pub use modification::{Modifications, ReliefShape, TipRelief};
 pub use outline::MassProperties;
-pub use pair::Pair;
-pub use rack::{Rack, RackParams};
-pub use rack_pair::RackPair;
+pub use pair::{Mate, Pair};
+pub use parameters::{GearParams, RackParams};
+pub use quantity::Quantity;
+pub use rack::Rack;
 
 /// Flank of a tooth, seen along -z with the tooth pointing outwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Side {
     /// The counter-clockwise flank; it drives when a gear turns counter-clockwise.
     Left,

@@ -6,10 +6,12 @@
 //! tip, crowning as a parabola about the middle of the flank. Terms of ISO 21771-1 (flank
 //! modifications); relief after H. Walker, *The Engineer* 166 (1938).
 
-use super::error::{GeometryError, Quantity, not_negative, positive};
+use super::error::{GeometryError, not_negative, positive};
+use super::quantity::Quantity;
 
 /// Course of a relief from its start to the tip.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ReliefShape {
     /// Grows in proportion to the length of roll.
     Linear,

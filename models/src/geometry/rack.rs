@@ -12,52 +12,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::error::{GeometryError, Quantity, check, positive};
+use super::error::GeometryError;
 use super::fillet::ToolTip;
-use super::gear::{MAX_TEETH, check_basic_rack};
-
-/// What a user gives to describe a rack. SI units; factors are multiples of the normal module.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RackParams {
-    /// Number of teeth, 1 to 10000. The default is 0 and has to be set.
-    pub teeth: u32,
-    /// Normal module (m).
-    pub module: f64,
-    /// Normal pressure angle (rad).
-    pub pressure_angle: f64,
-    /// Face width (m).
-    pub face_width: f64,
-    /// Addendum factor h_a*.
-    pub addendum: f64,
-    /// Dedendum factor h_f*.
-    pub dedendum: f64,
-    /// Root fillet radius factor.
-    pub tip_radius: f64,
-    /// Reduction of the transverse tooth thickness at the reference line (m).
-    pub thinning: f64,
-    /// Height of the body below the root line (m).
-    pub body_height: f64,
-    /// Helix angle (rad); opposite in sign to that of the mating gear.
-    pub helix_angle: f64,
-}
-
-impl Default for RackParams {
-    /// Basic rack of ISO 53 profile A, module 1 mm, width 10 mm, body 3 mm high.
-    fn default() -> Self {
-        Self {
-            teeth: 0,
-            module: 1e-3,
-            pressure_angle: 20f64.to_radians(),
-            face_width: 10e-3,
-            addendum: 1.0,
-            dedendum: 1.25,
-            tip_radius: 0.38,
-            thinning: 0.0,
-            body_height: 3e-3,
-            helix_angle: 0.0,
-        }
-    }
-}
+use super::parameters::RackParams;
 
 /// A rack that can be cut: parameters and derived quantities.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,22 +32,8 @@ impl Rack {
     /// # Errors
     /// [`GeometryError`] for values out of range, pointed teeth or a fillet that does not fit.
     pub fn new(params: RackParams) -> Result<Self, GeometryError> {
+        params.check()?;
         let p = &params;
-        check(
-            Quantity::RackTeeth,
-            f64::from(p.teeth),
-            (1..=MAX_TEETH).contains(&p.teeth),
-            "a whole number from 1 to 10000",
-        )?;
-        check_basic_rack(
-            p.module,
-            p.pressure_angle,
-            p.helix_angle,
-            [p.addendum, p.dedendum, p.tip_radius],
-            p.thinning,
-            p.face_width,
-        )?;
-        positive(Quantity::BodyHeight, p.body_height)?;
         let cos_beta = p.helix_angle.cos();
         let alpha_t = (p.pressure_angle.tan() / cos_beta).atan();
         let beta_b = (p.helix_angle.sin() * p.pressure_angle.cos()).asin();

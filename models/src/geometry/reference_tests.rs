@@ -64,13 +64,13 @@ fn calculix_case_a() {
     let s = pair.s_pitch();
     near(
         "theta 1",
-        pair.tooth_angle_1(s, Side::Left),
+        pair.tooth_angle(s, Side::Left),
         -0.078_174_477_168_633_35,
         1e-14,
     );
     near(
         "theta 2",
-        pair.tooth_angle_2(s, 2e-6, Side::Left),
+        pair.mate_position(s, 2e-6, Side::Left),
         3.089_562_642_608_659,
         1e-14,
     );
@@ -99,13 +99,13 @@ fn calculix_case_c() {
     let s = pair.s_pitch();
     near(
         "theta 1",
-        pair.tooth_angle_1(s, Side::Left),
+        pair.tooth_angle(s, Side::Left),
         -0.052_116_621_612_021_5,
         1e-14,
     );
     near(
         "theta 2",
-        pair.tooth_angle_2(s, 1e-5, Side::Left),
+        pair.mate_position(s, 1e-5, Side::Left),
         3.089_405_086_792_939_7,
         1e-14,
     );
@@ -143,47 +143,19 @@ fn calculix_flank_and_fillet_nodes() {
 /// fillet add material, most on the impact deck, whose remote teeth have three edges per flank.
 #[test]
 fn calculix_mass_properties() {
+    let (pinion, wheel) = ([4e-3, 10e-3, 15e-3], [4e-3, 10e-3, 25e-3]);
     let cases = [
         // Uniform meshes of the modal decks (8 edges per flank).
-        (
-            deck_gear(20, 4e-3, 10e-3, 15e-3),
-            0.332_857,
-            3.096_810e-4,
-            1.2e-3,
-        ),
-        (
-            deck_gear(30, 4e-3, 10e-3, 25e-3),
-            0.725_171,
-            1.542_303_5e-3,
-            1.2e-3,
-        ),
+        (20, pinion, 0.332_857, 3.096_810e-4, 1.2e-3),
+        (30, wheel, 0.725_171, 1.542_303_5e-3, 1.2e-3),
         // Impact decks.
-        (
-            deck_gear(20, 4e-3, 10e-3, 15e-3),
-            0.333_447_88,
-            3.102_056e-4,
-            3e-3,
-        ),
-        (
-            deck_gear(30, 4e-3, 10e-3, 25e-3),
-            0.725_650_64,
-            1.543_270_6e-3,
-            3e-3,
-        ),
-        (
-            deck_gear(30, 10e-3, 40e-3, 50e-3),
-            19.527_898,
-            0.245_575_73,
-            3e-3,
-        ),
-        (
-            deck_gear(20, 2e-3, 10e-3, 8e-3),
-            0.081_452_41,
-            1.927_314e-5,
-            3e-3,
-        ),
+        (20, pinion, 0.333_447_88, 3.102_056e-4, 3e-3),
+        (30, wheel, 0.725_650_64, 1.543_270_6e-3, 3e-3),
+        (30, [10e-3, 40e-3, 50e-3], 19.527_898, 0.245_575_73, 3e-3),
+        (20, [2e-3, 10e-3, 8e-3], 0.081_452_41, 1.927_314e-5, 3e-3),
     ];
-    for (gear, mass, izz, tolerance) in cases {
+    for (teeth, [module, width, bore], mass, izz, tolerance) in cases {
+        let gear = deck_gear(teeth, module, width, bore);
         let exact = gear.mass_properties(DENSITY);
         let (more_mass, more_izz) = (mass / exact.mass - 1.0, izz / exact.izz - 1.0);
         assert!(more_mass > 0.0 && more_mass < tolerance, "mass {more_mass}");
@@ -205,10 +177,10 @@ fn calculix_rack_and_pinion() {
     })
     .unwrap();
     near("r_form", pinion.r_form(), 0.018_806_338_099_899_91, 1e-15);
-    let pair = RackPair::new(&pinion, &rack, 0.02005).unwrap();
+    let pair = Pair::new(&pinion, &rack, 0.02005).unwrap();
     let theta = pair.tooth_angle(8.5e-3, Side::Left);
     near("theta", theta, 0.009_765_502_696_315_542, 1e-14);
-    let y = pair.rack_position(8.5e-3, 1e-6, Side::Left);
+    let y = pair.mate_position(8.5e-3, 1e-6, Side::Left);
     near("y", y, 0.003_319_768_373_575_268_2, 1e-15);
     near("gap", pair.gap(theta, y, Side::Left), 1e-6, 1e-15);
     near("form depth", rack.form_depth(), 2.105_212e-3, 5e-10);

@@ -134,13 +134,8 @@ fn consistent(pair: &Pair, one: &Gear, two: &Gear) {
     for k in 0..=4 {
         let s = start + (end - start) * f64::from(k) / 4.0;
         for side in Side::BOTH {
-            let (t1, t2) = (
-                pair.tooth_angle_1(s, side),
-                pair.tooth_angle_2(s, 0.0, side),
-            );
+            let (t1, t2) = (pair.tooth_angle(s, side), pair.mate_position(s, 0.0, side));
             assert!((pair.path_coordinate(t1, side) - s).abs() < tight);
-            let s_2 = pair.line_length() - s;
-            assert!((pair.path_coordinate_2(t2, side) - s_2).abs() < tight);
             assert!(pair.gap(t1, t2, side).abs() < tight);
             touch_in_the_plane(pair, [one, two], [t1, t2], s, side);
         }
@@ -149,8 +144,8 @@ fn consistent(pair: &Pair, one: &Gear, two: &Gear) {
     // tooth space next to it.
     let s = pair.s_pitch();
     let (t1, t2) = (
-        pair.tooth_angle_1(s, Side::Left),
-        pair.tooth_angle_2(s, 0.0, Side::Left),
+        pair.tooth_angle(s, Side::Left),
+        pair.mate_position(s, 0.0, Side::Left),
     );
     let next = t2 + two.pitch_angle();
     let open = pair.gap(t1, next, Side::Right);
@@ -199,13 +194,13 @@ fn random_rack_pairs_are_sound_or_refused() {
         rack_is_sound(&rack);
         let p = gear.params();
         let d = gear.r_reference() + p.module * (p.profile_shift + random.between(-0.05, 0.3));
-        let Ok(pair) = RackPair::new(&gear, &rack, d) else {
+        let Ok(pair) = Pair::new(&gear, &rack, d) else {
             continue;
         };
         accepted += 1;
         for side in Side::BOTH {
             let s = pair.s_start() + (pair.s_end() - pair.s_start()) * random.between(0.0, 1.0);
-            let (theta, y) = (pair.tooth_angle(s, side), pair.rack_position(s, 0.0, side));
+            let (theta, y) = (pair.tooth_angle(s, side), pair.mate_position(s, 0.0, side));
             assert!(pair.gap(theta, y, side).abs() < 1e-12);
             // Both points in the plane.
             let r = gear.r_base().hypot(s);
@@ -216,7 +211,7 @@ fn random_rack_pairs_are_sound_or_refused() {
             assert!((r * angle.sin() - flank).abs() < 1e-9 * d, "{side:?} {d}");
         }
         let theta = pair.tooth_angle(pair.s_pitch(), Side::Left);
-        let y = pair.rack_position(pair.s_pitch(), 0.0, Side::Left) - rack.pitch();
+        let y = pair.mate_position(pair.s_pitch(), 0.0, Side::Left) - rack.pitch();
         let open = pair.gap(theta, y, Side::Right);
         assert!((open - pair.backlash_base()).abs() < 1e-12, "{open}");
     }

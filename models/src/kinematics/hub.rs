@@ -29,9 +29,9 @@ pub enum Direction<'a> {
 pub struct Hub {
     /// The mount.
     pub mount: Mount,
-    /// Centre of the hub at zero travel [m].
+    /// Centre of the hub at zero displacement [m].
     pub centre: Vec3,
-    /// Unit direction of travel when the body slides; `None` when it turns.
+    /// Unit direction of displacement when the body slides; `None` when it turns.
     pub slide: Option<Vec3>,
     /// Inertia about the axis [kg m^2], or mass [kg] when the body slides; includes what is added at the hub.
     pub inertia: f64,
@@ -44,9 +44,9 @@ impl Hub {
         usize::from(matches!(self.mount, Mount::Revolute | Mount::Prismatic))
     }
 
-    /// Angle or travel from the assembled position at time `t`.
+    /// Angle or displacement from the assembled position at time `t`.
     #[inline]
-    pub fn travel(&self, t: f64, q: &[f64]) -> f64 {
+    pub fn displacement(&self, t: f64, q: &[f64]) -> f64 {
         match &self.mount {
             Mount::Revolute | Mount::Prismatic => q[0],
             Mount::Fixed => 0.0,
@@ -54,7 +54,7 @@ impl Hub {
         }
     }
 
-    /// Angular speed or speed of travel.
+    /// Angular speed or speed of displacement.
     #[inline]
     pub fn speed(&self, t: f64, v: &[f64]) -> f64 {
         match &self.mount {
@@ -126,18 +126,18 @@ impl Hub {
         }
     }
 
-    /// Derivative of `x . n` with respect to the travel for a point `x` that moves with the hub: the lever
-    /// arm about z [m], or the direction cosine for a slide [-].
+    /// Derivative of `x . n` with respect to the displacement for a point `x` that moves with the hub: the effective
+    /// base radius arm about z [m], or the direction cosine for a slide [-].
     #[inline]
-    pub fn lever(&self, x: &Vec3, n: &Vec3) -> f64 {
+    pub fn effective_radius(&self, x: &Vec3, n: &Vec3) -> f64 {
         self.component(self.moving(), x, n)
     }
 
-    /// Appends `S^T [n; (x - c) x n]` with the free directions `S` to a row; returns the part of `d(x . n)/dt` [m/s] that
-    /// driven directions prescribe.
+    /// Appends `S^T [n; (x - c) x n]` with the free directions `S` to a row; returns the part of `d(x . n)/dt` [m/s]
+    /// that driven directions prescribe.
     #[inline]
     pub fn point_row(&self, t: f64, x: &Vec3, n: &Vec3, row: &mut Row) -> f64 {
-        let along = self.lever(x, n);
+        let along = self.effective_radius(x, n);
         if self.coordinates() > 0 {
             row.push(0, along);
             return 0.0;
@@ -172,10 +172,10 @@ impl Hub {
         }
     }
 
-    /// Next knot of a prescribed motion after `t`.
-    pub fn next_knot(&self, t: f64) -> f64 {
+    /// Next breakpoint of a prescribed motion after `t`.
+    pub fn next_breakpoint(&self, t: f64) -> f64 {
         match &self.mount {
-            Mount::Driven(speed) => speed.next_knot(t),
+            Mount::Driven(speed) => speed.next_breakpoint(t),
             _ => f64::INFINITY,
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! The own frame is that of [`crate::geometry`]: the axis z through the origin and the centreline of tooth 0 on
 //! +x; a rack has its reference line on y and its teeth pointing to -x. A gear turns about its centre by
-//! phase + travel. A rack travels along its slide, which is its own y.
+//! phase + displacement. A rack travels along its slide, which is its own y.
 
 use super::hub::Hub;
 use crate::Vec3;
@@ -10,11 +10,11 @@ use crate::Vec3;
 /// The assembled position of a gear's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Centre of the hub at zero travel [m].
+    /// Centre of the hub at zero displacement [m].
     pub centre: Vec3,
-    /// Angle [rad] (travel [m] of a rack) of tooth 0 at the assembled position.
+    /// Angle [rad] (displacement [m] of a rack) of tooth 0 at the assembled position.
     pub phase: f64,
-    /// Unit direction of travel of a rack.
+    /// Unit direction of displacement of a rack.
     pub slide: Option<Vec3>,
 }
 
@@ -29,13 +29,13 @@ impl Placement {
         }
     }
 
-    /// The frame after a travel [rad] (rack: [m]) from the assembled position.
+    /// The frame after a displacement [rad] (rack: [m]) from the assembled position.
     #[inline]
     #[must_use]
-    pub fn pose(&self, travel: f64) -> Pose {
+    pub fn pose(&self, displacement: f64) -> Pose {
         match self.slide {
             None => {
-                let (sin, cos) = (self.phase + travel).sin_cos();
+                let (sin, cos) = (self.phase + displacement).sin_cos();
                 Pose {
                     cos,
                     sin,
@@ -45,7 +45,7 @@ impl Placement {
             Some(slide) => Pose {
                 cos: slide.y,
                 sin: -slide.x,
-                origin: self.centre + (self.phase + travel) * slide,
+                origin: self.centre + (self.phase + displacement) * slide,
             },
         }
     }

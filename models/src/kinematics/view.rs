@@ -16,21 +16,21 @@ pub struct MeshView {
     pub half_angle_base: f64,
     /// Range of the gear's own path coordinate (from its own tangent point) over the path of contact [m].
     pub path: [f64; 2],
-    /// Angle [rad] (or travel [m]) between teeth.
+    /// Angle [rad] (or displacement [m]) between teeth.
     pub pitch: f64,
-    /// Angle (or travel) of tooth 0 at the assembled position.
+    /// Angle (or displacement) of tooth 0 at the assembled position.
     pub assembled: f64,
 }
 
 impl MeshView {
-    /// Derivative of a left flank's path coordinate by the tooth's angle [m] (travel [-] for a rack).
-    pub fn path_per_travel(&self) -> f64 {
+    /// Derivative of a left flank's path coordinate by the tooth's angle [m] (displacement [-] for a rack).
+    pub fn path_per_displacement(&self) -> f64 {
         self.base_radius
             .unwrap_or_else(|| -self.working_pressure_angle.cos())
     }
 
     /// Path coordinate of a flank from the gear's own tangent point [m], for a tooth at `angle` (or
-    /// travel, where it is the flank's distance from the pitch point along the line of action).
+    /// displacement, where it is the flank's distance from the pitch point along the line of action).
     #[inline]
     pub fn path_coordinate(&self, side: Side, angle: f64) -> f64 {
         let sign = side.sign();

@@ -1,6 +1,6 @@
 //! Tangential force of a contact: Coulomb friction, regularised so that it has a derivative at rest.
 
-use super::LawError;
+use super::error::LawError;
 
 /// Regularised Coulomb friction `F_t = -mu N tanh(v / v_ref)`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! The contact of flank points of a mesh, from its settings.
 
-use super::SceneGear;
+use super::members::SceneGear;
 use crate::Vec3;
 use crate::contact::pairs::MeshGeometry;
 use crate::contact::points::{FlankPoints, Owner};

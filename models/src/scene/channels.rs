@@ -1,7 +1,7 @@
 //! The named quantities that a scene reports, of every mesh and every gear: what they are, where they stand in
 //! [`Outputs::channels`](gearbench_integrators::Outputs), and in which unit.
 
-use super::Scene;
+use super::assembled::Scene;
 use crate::spec::{Body, SceneSpec};
 
 /// A quantity of a mesh [N].
@@ -29,7 +29,7 @@ pub enum OfGear {
     /// Speed of the hub [rad/s].
     HubSpeed,
     /// How far the hub has turned [rad].
-    Travel,
+    Displacement,
     /// Torque of its contact forces about its axis, or force along its slide [N m].
     ContactTorque,
     /// What its mount exerts on it along x [N].
@@ -77,7 +77,7 @@ impl OfGear {
     pub const ALL: [OfGear; 7] = [
         OfGear::Speed,
         OfGear::HubSpeed,
-        OfGear::Travel,
+        OfGear::Displacement,
         OfGear::ContactTorque,
         OfGear::BearingX,
         OfGear::BearingY,
@@ -88,7 +88,7 @@ impl OfGear {
         match self {
             OfGear::Speed => "speed",
             OfGear::HubSpeed => "hub_speed",
-            OfGear::Travel => "travel",
+            OfGear::Displacement => "hub_angle",
             OfGear::ContactTorque => "contact_torque",
             OfGear::BearingX => "bearing_x",
             OfGear::BearingY => "bearing_y",
@@ -101,8 +101,8 @@ impl OfGear {
         match (self, slides) {
             (OfGear::Speed | OfGear::HubSpeed, false) => "rad_s",
             (OfGear::Speed | OfGear::HubSpeed, true) => "m_s",
-            (OfGear::Travel, false) => "rad",
-            (OfGear::Travel, true) => "m",
+            (OfGear::Displacement, false) => "rad",
+            (OfGear::Displacement, true) => "m",
             (OfGear::ContactTorque | OfGear::MountTorque, false) => "nm",
             _ => "n",
         }
@@ -131,11 +131,13 @@ impl Channel {
             }
             Channel::Gear(g, what) => {
                 let gear = &scene.gears[g];
-                let unit = what.unit(matches!(gear.body, Body::Rack(_)));
+                let slides = matches!(gear.body, Body::Rack(_));
+                let unit = what.unit(slides);
                 let name = &gear.name;
                 match what {
                     OfGear::BearingX => format!("bearing_{name}_x_{unit}"),
                     OfGear::BearingY => format!("bearing_{name}_y_{unit}"),
+                    OfGear::Displacement if slides => format!("hub_displacement_{name}_{unit}"),
                     _ => format!("{}_{name}_{unit}", what.name()),
                 }
             }

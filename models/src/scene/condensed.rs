@@ -12,9 +12,10 @@
 //! with `G = L L^T`, `B = L^T W`. Both are symmetric with eigenvalues from 1 upwards, so a stiff penalty harms
 //! neither.
 
-use super::{Scene, SceneGear};
+use super::active::Active;
+use super::members::SceneGear;
 use crate::cholesky::{backward, cholesky, dot, forward};
-use crate::gear::capabilities::{add_response, condensed};
+use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
@@ -42,91 +43,7 @@ pub(super) struct Condensed {
     x: Vec<f64>,
 }
 
-impl Scene {
-    /// Whether the condensed correction serves the contacts at hand.
-    pub(super) fn condenses_now(&self, c: Coeffs) -> bool {
-        self.condenses
-            && self.work.active.iter().all(|a| {
-                let candidate = &self.work.candidates[a.candidate];
-                self.meshes[a.mesh].friction.is_none()
-                    && a.force.dn_dk * candidate.stiffness_s == 0.0
-                    && kappa(a.force.dn_dg, a.force.dn_dgdot, c) >= 0.0
-            })
-    }
-
-    /// Adds the active contacts to `x0 = A0^-1 rhs`.
-    pub(super) fn correct_condensed(
-        &mut self,
-        at: At<'_>,
-        c: Coeffs,
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        let mut buffers = std::mem::take(&mut self.work.condensed);
-        let result = self.condense(at, c, x, &mut buffers);
-        self.work.condensed = buffers;
-        result
-    }
-
-    fn condense(
-        &mut self,
-        at: At<'_>,
-        c: Coeffs,
-        x: &mut [f64],
-        b: &mut Condensed,
-    ) -> Result<(), Singular> {
-        let Scene { gears, work, .. } = self;
-        let rows = || work.active.iter().zip(&work.rows);
-        b.collect(gears, rows().map(|(_, r)| &r[0]), x.len());
-        b.entries.clear();
-        b.begins.clear();
-        b.begins.push(0);
-        for (a, rows) in rows() {
-            let scale = kappa(a.force.dn_dg, a.force.dn_dgdot, c).sqrt();
-            rows[0].for_each(|i, value| {
-                let gear = gear_of(gears, i);
-                let index = b.touched[gear].1 as u32 + b.mark[i];
-                b.entries.push((index, scale * value));
-            });
-            b.begins.push(b.entries.len());
-        }
-        b.g.clear();
-        b.x.clear();
-        for (g, (touched, _)) in gears.iter_mut().zip(&b.touched) {
-            let n = touched.len();
-            let start = b.g.len();
-            b.g.resize(start + n * n, 0.0);
-            b.x.extend(touched.iter().map(|&i| x[g.offset + i as usize]));
-            if n > 0 {
-                let (own, viscous) = (g.at(at), g.viscous());
-                condensed(
-                    g.model.as_mut(),
-                    own,
-                    c,
-                    viscous,
-                    touched,
-                    &mut b.g[start..],
-                )?;
-            }
-        }
-        // The form by coordinates also factorises the blocks of G.
-        if b.begins.len() - 1 <= 2 * b.x.len() {
-            b.solve_by_rows()?;
-        } else {
-            b.solve_by_coordinates()?;
-        }
-        for (g, (touched, start)) in gears.iter_mut().zip(&b.touched) {
-            if !touched.is_empty() {
-                let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
-                let forces = &b.forces[*start..][..touched.len()];
-                let touched = (touched.as_slice(), forces);
-                add_response(g.model.as_mut(), own, c, viscous, touched, &mut x[range])?;
-            }
-        }
-        Ok(())
-    }
-}
-
-fn kappa(dn_dg: f64, dn_dgdot: f64, c: Coeffs) -> f64 {
+pub(super) fn kappa(dn_dg: f64, dn_dgdot: f64, c: Coeffs) -> f64 {
     -(c.k * dn_dg + c.d * dn_dgdot)
 }
 
@@ -136,6 +53,66 @@ fn gear_of(gears: &[SceneGear], coordinate: usize) -> usize {
 }
 
 impl Condensed {
+    /// Adds contacts with their rows to `x0 = A0^-1 rhs`.
+    pub(super) fn correct(
+        &mut self,
+        gears: &mut [SceneGear],
+        (active, rows): (&[Active], &[[Row; 3]]),
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let rows = || active.iter().zip(rows);
+        self.collect(gears, rows().map(|(_, r)| &r[0]), x.len());
+        self.entries.clear();
+        self.begins.clear();
+        self.begins.push(0);
+        for (a, rows) in rows() {
+            let scale = kappa(a.force.dn_dg, a.force.dn_dgdot, c).sqrt();
+            rows[0].for_each(|i, value| {
+                let gear = gear_of(gears, i);
+                let index = self.touched[gear].1 as u32 + self.mark[i];
+                self.entries.push((index, scale * value));
+            });
+            self.begins.push(self.entries.len());
+        }
+        self.g.clear();
+        self.x.clear();
+        for (g, (touched, _)) in gears.iter_mut().zip(&self.touched) {
+            let n = touched.len();
+            let start = self.g.len();
+            self.g.resize(start + n * n, 0.0);
+            self.x
+                .extend(touched.iter().map(|&i| x[g.offset + i as usize]));
+            if n > 0 {
+                let (own, viscous) = (g.at(at), g.viscous());
+                condensed(
+                    g.model.as_mut(),
+                    own,
+                    c,
+                    viscous,
+                    touched,
+                    &mut self.g[start..],
+                )?;
+            }
+        }
+        // The form by coordinates also factorises the blocks of G.
+        if self.begins.len() - 1 <= 2 * self.x.len() {
+            self.solve_by_rows()?;
+        } else {
+            self.solve_by_coordinates()?;
+        }
+        for (g, (touched, start)) in gears.iter_mut().zip(&self.touched) {
+            if !touched.is_empty() {
+                let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
+                let forces = &self.forces[*start..][..touched.len()];
+                let touched = (touched.as_slice(), forces);
+                add_response(g.model.as_mut(), own, c, viscous, touched, &mut x[range])?;
+            }
+        }
+        Ok(())
+    }
+
     /// Collects the coordinates that rows touch, gear by gear.
     fn collect<'a>(
         &mut self,

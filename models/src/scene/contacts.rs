@@ -1,45 +1,15 @@
 //! Evaluation of all contacts of a scene at one state.
 
-use super::condensed::Condensed;
-use super::nodal::Nodal;
-use super::nodal_tangent::Reduced;
-use super::{Scene, SceneGear, SceneMesh, parties};
+use super::active::{Active, fill_rows, slide, sliding_direction};
+use super::assembled::Scene;
+use super::members::parties;
 use crate::Vec3;
+use crate::contact::Wanted;
 use crate::contact::pairs::all_open;
-use crate::contact::{Candidate, Party, Wanted};
 use crate::geometry::Side;
-use crate::kinematics::{Row, Tooth};
-use crate::law::{FrictionForce, LawForce};
+use crate::kinematics::Tooth;
+use crate::law::FrictionForce;
 use gearbench_integrators::system::At;
-
-/// A contact that carries (or may carry) a force.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Active {
-    pub mesh: usize,
-    /// Index into the candidates.
-    pub candidate: usize,
-    /// Gap [m].
-    pub gap: f64,
-    /// Its rate [m/s].
-    pub rate: f64,
-    pub impact_speed: f64,
-    pub force: LawForce,
-    pub friction: FrictionForce,
-    /// Sliding speed of gear b over gear a [m/s].
-    pub sliding: f64,
-    pub prescribed: Prescribed,
-}
-
-/// Speeds that driven mounts prescribe [m/s].
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Prescribed {
-    /// Of the first gear's point along the normal.
-    pub first: f64,
-    /// Of the gap.
-    pub gap: f64,
-    /// Of sliding.
-    pub sliding: f64,
-}
 
 /// The contact force at a point, for pictures and reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,94 +30,6 @@ pub struct ContactForce {
     pub gap: f64,
 }
 
-/// Buffers; they grow to the largest number of contacts and stay.
-#[derive(Default)]
-pub(super) struct Workspace {
-    pub candidates: Vec<Candidate>,
-    /// Candidates before a zone switch.
-    pub listed: Vec<Candidate>,
-    pub active: Vec<Active>,
-    /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
-    pub rows: Vec<[Row; 3]>,
-    pub condensed: Condensed,
-    /// Contacts of gears with fields.
-    pub nodal: Nodal,
-    /// Their tangent.
-    pub reduced: Reduced,
-    /// Newton correction: rows V, columns Z, small matrix, small vector.
-    pub v: Vec<f64>,
-    pub z: Vec<f64>,
-    pub small: Vec<f64>,
-    pub rhs: Vec<f64>,
-    /// Row for a gap rate on its own.
-    pub scratch: Row,
-}
-
-/// In-plane direction of sliding: the normal's transverse part turned by 90 degrees.
-pub(super) fn sliding_direction(n: &Vec3) -> Vec3 {
-    let t = Vec3::new(-n.y, n.x, 0.0);
-    t / t.norm()
-}
-
-#[inline]
-fn fill_rows(
-    gears: &[SceneGear],
-    mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
-    c: &Candidate,
-    rows: &mut [Row; 3],
-) -> Prescribed {
-    let offset = |k: usize| gears[mesh.gears[k]].offset;
-    let row = &mut rows[0];
-    let [first, gap] = gap_row(gears, mesh, [a, b], c, row);
-    let mut prescribed = Prescribed {
-        first,
-        gap,
-        sliding: 0.0,
-    };
-    if mesh.friction.is_none() {
-        return prescribed;
-    }
-    let t = sliding_direction(&c.normal);
-    for (k, shift) in [(1, 0.0), (2, 1.0)] {
-        let row = &mut rows[k];
-        row.clear();
-        let moved = |i: usize| {
-            let mut p = c.points[i];
-            p.x += shift * Vec3::new(t.y, -t.x, 0.0);
-            p
-        };
-        row.target(offset(0), -1.0);
-        let of_a = a.gear.row(a.at, &moved(0), &t, row);
-        row.mark_split();
-        row.target(offset(1), 1.0);
-        let of_b = b.gear.row(b.at, &moved(1), &t, row);
-        if k == 1 {
-            prescribed.sliding = of_b - of_a;
-        }
-    }
-    prescribed
-}
-
-/// The row `dg/dq` of a candidate; returns the prescribed speed of the first gear's point along the normal, and of the
-/// gap.
-#[inline]
-pub(super) fn gap_row(
-    gears: &[SceneGear],
-    mesh: &SceneMesh,
-    [a, b]: [&Party<'_>; 2],
-    c: &Candidate,
-    row: &mut Row,
-) -> [f64; 2] {
-    row.clear();
-    row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
-    let of_a = a.gear.row(a.at, &c.points[0], &c.normal, row);
-    row.mark_split();
-    row.target(gears[mesh.gears[1]].offset, c.scale[1]);
-    let of_b = b.gear.row(b.at, &c.points[1], &c.normal, row);
-    [of_a, c.scale[1] * of_b - c.scale[0] * of_a]
-}
-
 impl Scene {
     /// Fills `work.active` and its rows with the contacts at a state.
     #[inline]
@@ -158,9 +40,9 @@ impl Scene {
         }
         self.work.active.clear();
         self.work.candidates.clear();
-        let located = at.memory[0] != 0.0;
+        let located = at.discrete[0] != 0.0;
         for m in 0..self.meshes.len() {
-            if !(located && all_open(&at.memory[self.meshes[m].modes()])) {
+            if !(located && all_open(&at.discrete[self.meshes[m].modes()])) {
                 self.evaluate_mesh(at, m, located);
             }
         }
@@ -178,14 +60,14 @@ impl Scene {
         let mesh = &meshes[m];
         let (a, b) = parties(gears, mesh, at);
         let first = work.candidates.len();
-        let memory = &at.memory[mesh.search_memory()];
+        let discrete = &at.discrete[mesh.search_discrete()];
         let wanted = if located {
-            Wanted::Closed(&at.memory[mesh.modes()])
+            Wanted::Closed(&at.discrete[mesh.modes()])
         } else {
             Wanted::Touching(0.0)
         };
         mesh.search
-            .candidates(a, b, memory, wanted, &mut work.candidates);
+            .candidates(a, b, discrete, wanted, &mut work.candidates);
         for (k, c) in work.candidates.iter().enumerate().skip(first) {
             let i = work.active.len();
             if i == work.rows.len() {
@@ -194,7 +76,7 @@ impl Scene {
             let rows = &mut work.rows[i];
             let prescribed = fill_rows(gears, mesh, [&a, &b], c, rows);
             let rate = rows[0].dot(at.v) + prescribed.gap;
-            let stored = mesh.impact_speed(at.memory, c.slot);
+            let stored = mesh.impact_speed(at.discrete, c.slot);
             let impact_speed = if stored > 0.0 { stored } else { -rate };
             let law = mesh.law.shared(c.share);
             let force = if located {
@@ -289,11 +171,30 @@ impl Scene {
             .chain(nodal)
             .collect()
     }
-}
 
-fn slide(mesh: &SceneMesh, at: At<'_>, rows: &[Row; 3], active: &mut Active) {
-    if let Some(friction) = &mesh.friction {
-        active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
-        active.friction = friction.force(active.force.n, active.sliding);
+    /// The contacts of a scene that has gears with fields.
+    pub(super) fn evaluate_with_fields(&mut self, at: At<'_>) {
+        self.work.active.clear();
+        self.work.candidates.clear();
+        for m in 0..self.meshes.len() {
+            if !self.meshes[m].nodal {
+                self.evaluate_mesh(at, m, false);
+            }
+        }
+        self.work.nodal.evaluate(&self.gears, &self.meshes, at);
+    }
+
+    /// Flank nodes of a gear with a field that carried a force in the last evaluation.
+    pub fn pressed_nodes(&self, gear: usize) -> Vec<u32> {
+        let nodes = &self.work.nodal.gears[gear];
+        let pressed = nodes.nodes.iter().zip(&nodes.force);
+        let pressed = pressed.filter(|(_, f)| **f != 0.0);
+        pressed.map(|(node, _)| *node).collect()
+    }
+
+    /// Ends of the line of action that a contact lies on [m], in the transverse plane.
+    pub fn line_of_action(&self, contact: &ContactForce) -> Option<[[f64; 2]; 2]> {
+        let ends = self.meshes.get(contact.mesh)?.search.line(contact.side)?;
+        Some(ends.map(|p| [p.x, p.y]))
     }
 }

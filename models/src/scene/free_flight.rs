@@ -3,25 +3,26 @@
 //! **How long.** Under steady loads gears fly as their frames do ([`FreeFlight`]), `theta = theta_0 + theta' t +
 //! theta'' t^2 / 2`, and facing flanks of rigid gears are apart by at least `c + p . theta`
 //! ([`LineClearance`](crate::contact::LineClearance)). Flanks stand off these by `B q + r T` of elastic
-//! gears and by the travels of movable teeth beside their frames, both bounded for the whole flight by the energy `E`
-//! that swings. No contact can be earlier than the first zero of the clearance less these bounds.
+//! gears and by the displacements of movable teeth beside their frames, both bounded for the whole flight by the energy
+//! `E` that swings. No contact can be earlier than the first zero of the clearance less these bounds.
 //!
-//! **Where.** Frames and oscillators are known in closed form: a coast over the flight, whatever swings in it, has no
-//! error but rounding. Viscous and ramped loads, unequal or overdamped teeth, gears whose modes are coupled by their spin,
-//! full finite elements, and elastic gears against movable teeth have no such form or no such bound: they are stepped
-//! through as before.
+//! **Where.** Frames and oscillators are known in closed form: a free flight over the flight, whatever swings in it,
+//! has no error but rounding. Viscous and ramped loads, unequal or overdamped teeth, gears whose modes are coupled by
+//! their spin, full finite elements, and elastic gears against movable teeth have no such form or no such bound: they
+//! are stepped through as before.
 //!
-//! **Sleep.** A gear whose oscillators carry less than a share `eps` ([`GearModel::sleep`](crate::gear::model::GearModel::sleep))
-//! of the energy `E_0 = m u^2 / 2` of the impact to come is put to rest about the deflection of its loads; `u` is the
-//! speed at which the flanks of the frames will meet, `m` their reduced mass on the line of action. Momentum is kept, the
-//! energy taken, `E < eps E_0`, is a jump that the ledger books. Then flight lasts until the flanks meet. In contact all
-//! oscillators are awake, and they wake of themselves when loads change.
+//! **Vibration cut-off.** A gear whose oscillators carry less than a share `eps`
+//! ([`GearModel::vibration_cut_off`](crate::gear::model::GearModel::vibration_cut_off)) of the energy `E_0 = m u^2 / 2`
+//! of the impact to come is put to rest about the deflection of its loads; `u` is the speed at which the flanks of the
+//! frames will meet, `m` their reduced mass on the line of action. Momentum is kept, the energy taken, `E < eps E_0`,
+//! is a jump that the ledger books. Then flight lasts until the flanks meet. In contact all oscillators are awake, and
+//! they wake of themselves when loads change.
 //!
-//! *What it changes.* With and without sleep two motions differ by a vibration of energy `E`. In flight that moves no
-//! flank by more than `sqrt(2 c E)`. Through an impact the difference is driven by nothing: as long as the same contact
-//! with the linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy, `dN^2 / (2 k)` of
-//! the contact included, does not grow. So to first order (both motions touch at once, up to `sqrt(2 c E) / u`), per
-//! impact and gear,
+//! *What it changes.* With and without the cut-off two motions differ by a vibration of energy `E`. In flight that
+//! moves no flank by more than `sqrt(2 c E)`. Through an impact the difference is driven by nothing: as long as the
+//! same contact with the linear law of stiffness `k` is closed, it is a motion of the undriven system, whose energy,
+//! `dN^2 / (2 k)` of the contact included, does not grow. So to first order (both motions touch at once, up to `sqrt(2
+//! c E) / u`), per impact and gear,
 //!
 //! ```text
 //! |dN| <= sqrt(2 k E) <= sqrt(eps) u sqrt(k m),    |du| <= sqrt(2 E / m) <= sqrt(eps) u
@@ -29,31 +30,11 @@
 //!
 //! for the force, over that of an impact on the contact's spring alone, and for the speed of rebound. Impacts add up.
 
-use super::{Scene, SceneGear};
+use super::assembled::Scene;
 use crate::contact::LineClearance;
-use crate::gear::FreeFlight;
-use crate::gear::capabilities::work_on_hub;
-use crate::spec::Load;
-use gearbench_integrators::Coast;
+use crate::gear::{FreeFlight, work_on_hub};
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{At, Events, State};
-
-impl SceneGear {
-    /// The load on its hub where that is constant from `t` until the next knot; 0 for a hub that is not free.
-    pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
-        if self.model.hub().coordinates() == 0 {
-            return Some(0.0);
-        }
-        let mut sum = 0.0;
-        for load in &self.loads {
-            sum += match load {
-                Load::Applied(p) if p.slope(t) == 0.0 => p.value(t),
-                Load::Viscous(0.0) => 0.0,
-                _ => return None,
-            };
-        }
-        Some(sum)
-    }
-}
 
 /// The first positive zero of `c + b t + a t^2 / 2` for `c > 0`, infinite where there is none.
 fn first_zero(c: f64, b: f64, a: f64) -> f64 {
@@ -73,17 +54,17 @@ fn first_zero(c: f64, b: f64, a: f64) -> f64 {
 
 /// Clearance of the frames on a line, its rate and acceleration.
 fn clearance(line: &LineClearance, frames: [&FreeFlight; 2]) -> [f64; 3] {
-    let [a, b] = line.per_travel;
+    let [a, b] = line.per_displacement;
     let along = |d: usize| a * frames[0].frame[d] + b * frames[1].frame[d];
     [line.assembled + along(0), along(1), along(2)]
 }
 
 impl Scene {
-    /// A time until which nothing touches and all loads are steady; `at.t` where that is not known. Leaves the flights of
-    /// the gears in `self.flights` where it is later.
+    /// A time until which nothing touches and all loads are steady; `at.t` where that is not known. Leaves the flights
+    /// of the gears in `self.flights` where it is later.
     pub(super) fn flight_until(&mut self, at: At<'_>) -> f64 {
         let open = |m: &super::SceneMesh| {
-            let modes = at.memory[m.modes()].chunks_exact(2);
+            let modes = at.discrete[m.modes()].chunks_exact(2);
             !m.clearances.is_empty() && modes.into_iter().all(|mode| mode[0] == 0.0)
         };
         if !self.meshes.iter().all(open) {
@@ -100,7 +81,7 @@ impl Scene {
         }
         let lasts = self.flight_lasts();
         if lasts > 0.0 {
-            self.next_knot(at.t).min(at.t + lasts)
+            self.next_breakpoint(at.t).min(at.t + lasts)
         } else {
             at.t
         }
@@ -114,10 +95,10 @@ impl Scene {
             let outward: f64 = frames.iter().map(|f| f.outward).sum();
             for line in &mesh.clearances {
                 let [gap, rate, acceleration] = clearance(line, frames);
-                let beside: f64 = (line.per_travel.iter().zip(frames))
-                    .map(|(p, f)| p.abs() * f.travel)
+                let beside: f64 = (line.per_displacement.iter().zip(frames))
+                    .map(|(p, f)| p.abs() * f.displacement)
                     .sum();
-                let gap = gap - outward - beside - mesh.margin;
+                let gap = gap - outward - beside - mesh.gap_bound;
                 if gap <= 0.0 {
                     return 0.0;
                 }
@@ -128,15 +109,15 @@ impl Scene {
         shortest * (1.0 - 1e-9)
     }
 
-    /// [`SecondOrderSystem::coast`] of the scene.
-    pub(super) fn coast_from(&mut self, at: At<'_>, later: f64, coast: &mut Coast) -> f64 {
+    /// [`SecondOrderSystem::flight_path`] of the scene.
+    pub(super) fn path_from(&mut self, at: At<'_>, later: f64, path: &mut FlightPath) -> f64 {
         let until = self.flight_until(at);
         if until > later {
-            coast.begin(at.t);
+            path.begin(at.t);
             for g in &self.gears {
                 let load = g.steady_load(at.t).unwrap_or(0.0);
                 if let Some(linear) = g.model.linear() {
-                    linear.add_to_coast(g.at(at), load, g.offset, coast);
+                    linear.add_to_path(g.at(at), load, g.offset, path);
                 }
             }
         }
@@ -154,7 +135,7 @@ impl Scene {
                 if after < soonest {
                     soonest = after;
                     let speed = rate + acceleration * after;
-                    let yielding: f64 = (line.per_travel.iter().zip(mesh.gears))
+                    let yielding: f64 = (line.per_displacement.iter().zip(mesh.gears))
                         .map(|(p, i)| (p, self.gears[i].model.hub()))
                         .filter(|(_, hub)| hub.coordinates() > 0)
                         .map(|(p, hub)| p * p / hub.inertia)
@@ -166,8 +147,8 @@ impl Scene {
         energy
     }
 
-    /// Puts gears to rest that may sleep; true when one did.
-    pub(super) fn fall_asleep(&mut self, s: &mut State) -> bool {
+    /// Puts gears to rest that may lose their vibration; true when one did.
+    pub(super) fn cut_off_vibration(&mut self, s: &mut State) -> bool {
         if self.flight_until(s.at()) <= s.t {
             return false;
         }
@@ -180,9 +161,9 @@ impl Scene {
             let Some(load) = g.steady_load(s.t).filter(|_| below) else {
                 continue;
             };
-            let State { t, q, v, memory } = &mut *s;
+            let State { t, q, v, discrete } = &mut *s;
             let own = g.range();
-            let cells = &mut memory[g.memory.0..][..g.memory.1];
+            let cells = &mut discrete[g.discrete.0..][..g.discrete.1];
             let (q, v) = (&mut q[own.clone()], &mut v[own]);
             if let Some(linear) = g.model.linear() {
                 slept |= linear.cut_off_vibrations(*t, load, q, v, cells);

@@ -1,6 +1,6 @@
 //! The scene as independent oscillators and a rest, for methods that are exact for the linear part.
 
-use super::Scene;
+use super::assembled::Scene;
 use crate::gear::LinearMotion;
 use gearbench_integrators::system::{At, Events, ModalSplit, SecondOrderSystem, State};
 
@@ -14,16 +14,16 @@ impl ModalSplit for Scene {
         }
     }
 
-    fn prepare(&mut self, lag: &[f64]) {
+    fn prepare(&mut self, quasi_static: &[f64]) {
         for g in &self.gears {
             if let Some(linear) = g.model.linear() {
-                linear.set_quasi_static_correction(Some(&lag[g.range()]));
+                linear.set_quasi_static_correction(Some(&quasi_static[g.range()]));
             }
         }
         self.work.nodal.forget();
     }
 
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         a.fill(0.0);
         for g in &self.gears {
             g.add_load(at, a);
@@ -48,7 +48,7 @@ impl ModalSplit for Scene {
             }
         }
         self.solve_mass(at, a);
-        self.next_knot(at.t)
+        self.next_breakpoint(at.t)
     }
 
     fn free_until(&mut self, s: &State) -> f64 {

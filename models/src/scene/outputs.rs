@@ -1,8 +1,8 @@
 //! What a scene reports: energies, powers, and the channels of [`Channel`](super::Channel).
 
-use super::Scene;
+use super::active::sliding_direction;
+use super::assembled::Scene;
 use super::channels::{OfGear, OfMesh};
-use super::contacts::sliding_direction;
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
@@ -12,7 +12,7 @@ const PER_MESH: usize = OfMesh::ALL.len();
 /// Channels of a gear.
 const PER_GEAR: usize = OfGear::ALL.len();
 /// Places among the channels of a gear.
-const TRAVEL: usize = OfGear::Travel as usize;
+const TRAVEL: usize = OfGear::Displacement as usize;
 const CONTACT_TORQUE: usize = OfGear::ContactTorque as usize;
 
 /// Adds the force of a contact on the second gear.
@@ -49,7 +49,7 @@ impl Scene {
             let c = &mut out.channels[per_gear + PER_GEAR * i..][..PER_GEAR];
             c[0] = hub.momentum / g.model.hub().inertia;
             c[1] = hub.speed;
-            c[2] = hub.travel;
+            c[2] = hub.displacement;
         }
         for (a, rows) in self.work.active.iter().zip(&self.work.rows) {
             let mesh = &self.meshes[a.mesh];
@@ -71,10 +71,11 @@ impl Scene {
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 let i = mesh.gears[k];
                 let hub = self.gears[i].model.hub();
-                let lever = hub.lever(&c.points[k].x, &(sign * c.normal));
-                let along = hub.lever(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
+                let effective_radius = hub.effective_radius(&c.points[k].x, &(sign * c.normal));
+                let along =
+                    hub.effective_radius(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
                 out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
-                    a.force.n * c.scale[k] * lever + a.friction.f * along;
+                    a.force.n * c.scale[k] * effective_radius + a.friction.f * along;
             }
         }
         if self.fields {
@@ -128,8 +129,8 @@ impl Scene {
                 } else {
                     -on_slave
                 };
-                let lever = self.gears[i].model.hub().lever(&p.x, &force);
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += lever;
+                let effective_radius = self.gears[i].model.hub().effective_radius(&p.x, &force);
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += effective_radius;
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::scene::{Body, ContactSpec, GearSpec};
 use crate::error::{BuildError, MeshPart, Reason};
-use crate::geometry::{Pair, RackPair};
+use crate::geometry::{Mate, Pair};
 use crate::stiffness::{self, StiffnessCurve};
 
 /// Quantities of a pair that do not depend on the model.
@@ -32,8 +32,17 @@ pub struct MeshLayout {
     pub(crate) rack_offset: f64,
 }
 
+impl<'a> From<&'a Body> for Mate<'a> {
+    fn from(body: &'a Body) -> Self {
+        match body {
+            Body::Gear(gear) => Mate::Gear(gear),
+            Body::Rack(rack) => Mate::Rack(rack),
+        }
+    }
+}
+
 /// Base radius [m] of a gear, or `cos(alpha)` of a rack: deflection on the line of action per hub coordinate.
-pub fn lever(body: &Body) -> f64 {
+pub fn effective_radius(body: &Body) -> f64 {
     match body {
         Body::Gear(g) => g.r_base() * g.base_helix_angle().cos(),
         Body::Rack(r) => r.transverse_pressure_angle().cos() * r.base_helix_angle().cos(),
@@ -53,43 +62,32 @@ pub fn mesh_layout(a: &GearSpec, b: &GearSpec) -> Result<MeshLayout, BuildError>
         ));
     };
     let (dx, dy) = (b.position[0] - a.position[0], b.position[1] - a.position[1]);
-    match &b.body {
-        Body::Gear(gb) => {
-            let distance = dx.hypot(dy);
-            let pair = Pair::new(ga, gb, distance).map_err(|e| error(e.reason()))?;
-            Ok(MeshLayout {
-                direction: dy.atan2(dx),
-                distance,
-                working_pressure_angle: pair.working_pressure_angle(),
-                length: pair.line_length(),
-                path: [pair.s_start(), pair.s_end()],
-                pitch_point: pair.s_pitch(),
-                base_pitch: pair.base_pitch(),
-                contact_ratio: pair.contact_ratio(),
-                backlash: pair.backlash_base(),
-                face_width: ga.face_width().min(gb.face_width()),
-                rack_offset: 0.0,
-            })
-        }
-        Body::Rack(rack) => {
+    let (direction, distance, offset) = match &b.body {
+        Body::Gear(_) => (dy.atan2(dx), dx.hypot(dy), 0.0),
+        Body::Rack(_) => {
             let direction = b.facing + std::f64::consts::PI;
-            let distance = dx * direction.cos() + dy * direction.sin();
-            let pair = RackPair::new(ga, rack, distance).map_err(|e| error(e.reason()))?;
-            Ok(MeshLayout {
-                direction,
-                distance,
-                working_pressure_angle: pair.working_pressure_angle(),
-                length: distance * pair.working_pressure_angle().sin(),
-                path: [pair.s_start(), pair.s_end()],
-                pitch_point: pair.s_pitch(),
-                base_pitch: pair.base_pitch(),
-                contact_ratio: pair.contact_ratio(),
-                backlash: pair.backlash_base(),
-                face_width: ga.face_width().min(rack.face_width()),
-                rack_offset: -dx * direction.sin() + dy * direction.cos(),
-            })
+            let (sin, cos) = (direction.sin(), direction.cos());
+            (direction, dx * cos + dy * sin, -dx * sin + dy * cos)
         }
-    }
+    };
+    let pair = Pair::new(ga, &b.body, distance).map_err(|e| error(e.reason()))?;
+    let alpha = pair.working_pressure_angle();
+    Ok(MeshLayout {
+        direction,
+        distance,
+        working_pressure_angle: alpha,
+        length: match &b.body {
+            Body::Gear(_) => pair.line_length(),
+            Body::Rack(_) => distance * alpha.sin(),
+        },
+        path: [pair.s_start(), pair.s_end()],
+        pitch_point: pair.s_pitch(),
+        base_pitch: pair.base_pitch(),
+        contact_ratio: pair.contact_ratio(),
+        backlash: pair.backlash_base(),
+        face_width: pair.face_width(),
+        rack_offset: offset,
+    })
 }
 
 /// Stiffness of a tooth pair along the path of contact of a mesh.
@@ -103,16 +101,14 @@ pub fn stiffness_curve(
         unreachable!("mesh_layout refuses a rack as the first gear")
     };
     let materials = [a.material, b.material];
-    match &b.body {
-        Body::Gear(gb) => {
-            let pair = Pair::new(ga, gb, l.distance)
-                .expect("the pair was built when the mesh was laid out");
-            stiffness::build(&contact.stiffness, ga, gb, &pair, materials, l.face_width)
-        }
-        Body::Rack(rack) => {
-            let pair = RackPair::new(ga, rack, l.distance)
-                .expect("the pair was built when the mesh was laid out");
-            stiffness::build_rack(&contact.stiffness, ga, rack, &pair, materials, l.face_width)
-        }
-    }
+    let pair =
+        Pair::new(ga, &b.body, l.distance).expect("the pair was built when the mesh was laid out");
+    stiffness::build(
+        &contact.stiffness,
+        ga,
+        &b.body,
+        &pair,
+        materials,
+        l.face_width,
+    )
 }

@@ -1,6 +1,6 @@
 //! Loads on a hub and prescribed motions: constant, ramp, table, viscous.
 //!
-//! A profile is piecewise linear in time. Its knots are reported, so that integrators land on them and a
+//! A profile is piecewise linear in time. Its breakpoints are reported, so that integrators land on them and a
 //! kink never lies inside a step.
 
 /// A piecewise linear function of time.
@@ -19,7 +19,7 @@ pub enum Profile {
         /// Time at which the ramp ends [s].
         end: f64,
     },
-    /// Linear between knots, constant outside.
+    /// Linear between breakpoints, constant outside.
     Table {
         /// Strictly ascending times [s].
         time: Vec<f64>,
@@ -89,12 +89,12 @@ impl Profile {
 
     /// Integral from 0 to `t`, exact for the piecewise linear function.
     pub fn integral(&self, t: f64) -> f64 {
-        // Knots up to t, then the trapezoid rule, which is exact between knots.
+        // Breakpoints up to t, then the trapezoid rule, which is exact between breakpoints.
         let mut sum = 0.0;
         let mut a = 0.0_f64.min(t);
         let b = 0.0_f64.max(t);
         while a < b {
-            let next = self.next_knot(a).min(b);
+            let next = self.next_breakpoint(a).min(b);
             sum += 0.5 * (next - a) * (self.value(a) + self.value(next));
             a = next;
         }
@@ -123,8 +123,8 @@ impl Profile {
         }
     }
 
-    /// Next knot after `t` [s], or infinity.
-    pub fn next_knot(&self, t: f64) -> f64 {
+    /// Next breakpoint after `t` [s], or infinity.
+    pub fn next_breakpoint(&self, t: f64) -> f64 {
         match self {
             Profile::Constant(_) => f64::INFINITY,
             Profile::Ramp { start, end, .. } => [*start, *end]
@@ -160,8 +160,8 @@ mod tests {
         };
         // 0 until 1, triangle 1.5 to 2, then (3 - 1)/2 * 2 = 2 to 4, then -1 per second.
         assert!((p.integral(5.0) - (1.5 + 2.0 - 1.0)).abs() < 1e-14);
-        assert_eq!(p.next_knot(1.0), 2.0);
-        assert_eq!(p.next_knot(4.0), f64::INFINITY);
+        assert_eq!(p.next_breakpoint(1.0), 2.0);
+        assert_eq!(p.next_breakpoint(4.0), f64::INFINITY);
         let r = Profile::Ramp {
             from: 2.0,
             to: 4.0,

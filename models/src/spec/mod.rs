@@ -7,7 +7,7 @@ mod mount;
 mod points;
 mod scene;
 
-pub use layout::{MeshLayout, lever, mesh_layout, stiffness_curve};
+pub use layout::{MeshLayout, effective_radius, mesh_layout, stiffness_curve};
 pub use load::{Load, Profile};
 pub use model::{ModelSpec, Modelling, Parameters, Value};
 pub use mount::Mount;

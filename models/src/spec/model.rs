@@ -12,7 +12,7 @@ pub enum Value {
     Number(f64),
     /// A word.
     Text(String),
-    /// Numbers, one per tooth or knot.
+    /// Numbers, one per tooth or breakpoint.
     List(Vec<f64>),
     /// Yes or no.
     Flag(bool),

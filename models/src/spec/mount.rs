@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | fixed | none | at rest |
 //! | revolute | angle about z [rad] | about the gear's centre |
-//! | prismatic | travel [m] | along a direction, as a rack |
+//! | prismatic | displacement [m] | along a direction, as a rack |
 //! | driven | none | a prescribed speed, about z or along the slide |
 
 use super::load::Profile;

@@ -1,6 +1,7 @@
 //! What the user chooses of a contact between flank points and flank surfaces.
 
 use crate::error::Reason;
+use serde::Deserialize;
 
 /// Where the points lie on the faces of a flank, and what area each stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +32,8 @@ impl Default for PointRule {
 }
 
 /// The surface between the nodes of a flank.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
     /// The element faces as they are: a convex flank lies up to `l^2 / (8 rho)` outside its chords.
     Faceted,
@@ -53,10 +55,12 @@ pub enum CoarseSearch {
 }
 
 /// Whose points are held against the other's surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Passes {
     /// Points of the first gear that brings flanks.
     #[default]
+    #[serde(skip)]
     Auto,
     /// Points of the first gear of the mesh.
     First,

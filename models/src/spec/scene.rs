@@ -31,7 +31,7 @@ pub struct GearSpec {
     pub added_inertia: f64,
     /// Mount.
     pub mount: Mount,
-    /// Position of the axis; for a rack a point of its reference line, at zero travel [m].
+    /// Position of the axis; for a rack a point of its reference line, at zero displacement [m].
     pub position: [f64; 2],
     /// For a rack: direction from its body to its teeth [rad]. It slides at right angles to it,
     /// counter-clockwise positive as seen from the gear in front of it.

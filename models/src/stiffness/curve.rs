@@ -14,7 +14,8 @@
 use super::error::StiffnessError;
 
 /// Whether a stiffness is that of one tooth pair or of the whole mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PairOrMesh {
     /// One spring per tooth pair; pairs in contact act in parallel.
     #[default]
@@ -24,7 +25,8 @@ pub enum PairOrMesh {
 }
 
 /// What happens outside the knots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Ends {
     /// Held at the end values.
     #[default]
@@ -34,7 +36,8 @@ pub enum Ends {
 }
 
 /// What happens between the knots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
     /// Cubic spline, C2.
     #[default]

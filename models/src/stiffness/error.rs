@@ -1,6 +1,6 @@
 //! Refusals and warnings of the stiffness models.
 
-use crate::error::Reason;
+use crate::error::{Reason, reasoned};
 use std::fmt;
 
 /// A property of a material.
@@ -144,19 +144,7 @@ impl StiffnessError {
     }
 }
 
-impl fmt::Display for StiffnessError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.reason().fmt(f)
-    }
-}
-
-impl std::error::Error for StiffnessError {}
-
-impl From<&StiffnessError> for Reason {
-    fn from(e: &StiffnessError) -> Self {
-        e.reason()
-    }
-}
+reasoned!(StiffnessError);
 
 /// What a user should know about a stiffness that was built all the same.
 #[derive(Debug, Clone, PartialEq)]

@@ -37,14 +37,17 @@ use super::material::Material;
 use super::tooth::{ToothLoad, ToothProfile, is_wide};
 
 /// What the length `S` of the tooth root in the Sainsot-Velex formula is taken to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
 pub enum RootLength {
     /// Arc `2 r_f theta_f` (ROSS).
     #[default]
+    #[serde(rename = "2 rf theta")]
     TwoRfThetaF,
     /// Chord `2 r_f sin(theta_f)`.
+    #[serde(rename = "2 rf sin theta")]
     TwoRfSinThetaF,
     /// Arc on the base circle, `2 r_b theta_f` (GEARpie).
+    #[serde(rename = "2 rb theta")]
     TwoRbThetaF,
 }
 

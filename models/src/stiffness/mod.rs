@@ -46,10 +46,10 @@ pub use foundation::{Foundation, RootLength};
 pub use hertz::Hertz;
 pub use iso6336::{Iso6336, IsoGear, IsoInput, IsoVariation, N_PER_MM_UM, iso6336};
 pub use material::Material;
-pub use pair::{ComplianceRow, Mate, Path, compliance_table, load_shares, mesh_stiffness};
+pub use pair::{ComplianceRow, Path, compliance_table, load_shares, mesh_stiffness};
 pub use tooth::ToothModel;
 
-use crate::geometry::{Gear, Pair, Rack, RackPair};
+use crate::geometry::{Gear, Mate, Pair};
 
 /// Points at which a computed curve is sampled before it is interpolated.
 const SAMPLES: usize = 97;
@@ -159,52 +159,37 @@ pub struct BuiltStiffness {
     pub warnings: Vec<StiffnessWarning>,
 }
 
-/// Builds the stiffness of a pair of gears with the common face width `width` (m); warnings are
+/// Builds the stiffness of a gear and its mate with the common face width `width` (m); warnings are
 /// dropped, see [`build_with_warnings`].
 ///
 /// # Errors
 /// [`StiffnessError`] names the value or the formula that fails.
-pub fn build(
+pub fn build<'a>(
     spec: &PairStiffness,
-    one: &Gear,
-    two: &Gear,
+    gear: &Gear,
+    mate: impl Into<Mate<'a>>,
     pair: &Pair,
     materials: [Material; 2],
     width: f64,
 ) -> Result<StiffnessCurve, StiffnessError> {
-    let mate = Mate::Gear(two, pair);
-    build_with_warnings(spec, one, mate, materials, width).map(|b| b.curve)
-}
-
-/// Builds the stiffness of a gear on a rack; see [`build`].
-///
-/// # Errors
-/// [`StiffnessError`] names the value or the formula that fails.
-pub fn build_rack(
-    spec: &PairStiffness,
-    gear: &Gear,
-    rack: &Rack,
-    pair: &RackPair,
-    materials: [Material; 2],
-    width: f64,
-) -> Result<StiffnessCurve, StiffnessError> {
-    let mate = Mate::Rack(rack, pair);
-    build_with_warnings(spec, gear, mate, materials, width).map(|b| b.curve)
+    build_with_warnings(spec, gear, mate, pair, materials, width).map(|b| b.curve)
 }
 
 /// Builds the stiffness of a gear and its mate, with warnings.
 ///
 /// # Errors
 /// [`StiffnessError`] names the value or the formula that fails.
-pub fn build_with_warnings(
+pub fn build_with_warnings<'a>(
     spec: &PairStiffness,
     gear: &Gear,
-    mate: Mate<'_>,
+    mate: impl Into<Mate<'a>>,
+    pair: &Pair,
     materials: [Material; 2],
     width: f64,
 ) -> Result<BuiltStiffness, StiffnessError> {
+    let mate = mate.into();
     error::positive("face width [m]", width)?;
-    let path = mate.path();
+    let path = Path::from(pair);
     path.check()?;
     let mut warnings = Vec::new();
     let curve = match spec {
@@ -213,7 +198,7 @@ pub fn build_with_warnings(
             StiffnessCurve::constant(per_width * width, *of)?
         }
         PairStiffness::Iso6336 { variation } => {
-            let iso = iso_of(gear, mate, materials)?;
+            let iso = iso_of(gear, (mate, pair), materials)?;
             warnings = iso.warnings;
             iso_curve(iso.c_prime * width, *variation, &path)?
         }
@@ -222,14 +207,8 @@ pub fn build_with_warnings(
             foundation,
             hertz,
         } => {
-            let table = pair::table(
-                gear,
-                mate,
-                (*tooth, *foundation, *hertz),
-                materials,
-                width,
-                SAMPLES,
-            )?;
+            let model = (*tooth, *foundation, *hertz);
+            let table = pair::table(gear, (mate, pair), model, materials, width, SAMPLES)?;
             warnings = table.warnings;
             let (s, k): (Vec<f64>, Vec<f64>) =
                 table.rows.iter().map(|r| (r.s, r.stiffness())).unzip();
@@ -262,7 +241,7 @@ pub fn build_with_warnings(
 /// [`StiffnessError`] names the value or the formula that fails.
 pub fn iso_of(
     gear: &Gear,
-    mate: Mate<'_>,
+    (mate, pair): (Mate<'_>, &Pair),
     materials: [Material; 2],
 ) -> Result<Iso6336, StiffnessError> {
     for m in &materials {
@@ -276,8 +255,8 @@ pub fn iso_of(
         dedendum: g.params().dedendum,
     };
     let two = match mate {
-        Mate::Gear(two, _) => iso_gear(two),
-        Mate::Rack(rack, _) => IsoGear {
+        Mate::Gear(two) => iso_gear(two),
+        Mate::Rack(rack) => IsoGear {
             virtual_teeth: f64::INFINITY,
             profile_shift: 0.0,
             dedendum: rack.params().dedendum,
@@ -287,7 +266,7 @@ pub fn iso_of(
         gears: [iso_gear(gear), two],
         pressure_angle: p.pressure_angle,
         helix_angle: p.helix_angle,
-        contact_ratio: mate.path().contact_ratio(),
+        contact_ratio: pair.contact_ratio(),
         young: materials.map(|m| m.young),
         body_factor: 1.0,
     })

@@ -5,7 +5,7 @@
 //! `r_2 = sqrt(r_b2^2 + (L - s)^2)` and have the curvature radii `s` and `L - s`. A rack is touched at
 //! the height `h = D - r_b cos(alpha) - s sin(alpha)` above its reference line and is flat.
 
-use crate::geometry::{Gear, Pair, Rack, RackPair};
+use crate::geometry::{Gear, Mate, Pair, Rack};
 
 use super::curve::{PairOrMesh, StiffnessCurve};
 use super::error::{StiffnessError, StiffnessWarning, positive};
@@ -13,25 +13,6 @@ use super::foundation::{Foundation, Ring};
 use super::hertz::{Hertz, HertzPoint};
 use super::material::Material;
 use super::tooth::{ToothLoad, ToothModel, ToothProfile};
-
-/// What a gear meshes with.
-#[derive(Debug, Clone, Copy)]
-pub enum Mate<'a> {
-    /// Another gear at a centre distance.
-    Gear(&'a Gear, &'a Pair),
-    /// A rack at a distance.
-    Rack(&'a Rack, &'a RackPair),
-}
-
-impl Mate<'_> {
-    /// The path of contact.
-    pub fn path(&self) -> Path {
-        match self {
-            Mate::Gear(_, pair) => Path::from(*pair),
-            Mate::Rack(_, pair) => Path::from(*pair),
-        }
-    }
-}
 
 /// The path of contact: what a stiffness curve needs of a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,16 +27,6 @@ pub struct Path {
 
 impl From<&Pair> for Path {
     fn from(pair: &Pair) -> Self {
-        Path {
-            start: pair.s_start(),
-            end: pair.s_end(),
-            base_pitch: pair.base_pitch(),
-        }
-    }
-}
-
-impl From<&RackPair> for Path {
-    fn from(pair: &RackPair) -> Self {
         Path {
             start: pair.s_start(),
             end: pair.s_end(),
@@ -167,27 +138,20 @@ pub struct ComplianceTable {
 /// [`StiffnessError`] names the value or the formula that fails.
 pub fn compliance_table(
     gear: &Gear,
-    mate: Mate<'_>,
-    (tooth, foundation, hertz): (ToothModel, Foundation, Hertz),
+    mate: (Mate<'_>, &Pair),
+    model: (ToothModel, Foundation, Hertz),
     materials: [Material; 2],
     width: f64,
     points: usize,
 ) -> Result<ComplianceTable, StiffnessError> {
     positive("face width [m]", width)?;
-    mate.path().check()?;
-    table(
-        gear,
-        mate,
-        (tooth, foundation, hertz),
-        materials,
-        width,
-        points,
-    )
+    Path::from(mate.1).check()?;
+    table(gear, mate, model, materials, width, points)
 }
 
 pub(super) fn table(
     gear: &Gear,
-    mate: Mate<'_>,
+    (mate, pair): (Mate<'_>, &Pair),
     (tooth, foundation, hertz): (ToothModel, Foundation, Hertz),
     materials: [Material; 2],
     width: f64,
@@ -199,22 +163,22 @@ pub(super) fn table(
     let mut warnings = Vec::new();
     let one = Side::of_gear(gear, foundation, materials[0], 1, &mut warnings);
     let two = match mate {
-        Mate::Gear(two, _) => Side::of_gear(two, foundation, materials[1], 2, &mut warnings),
-        Mate::Rack(rack, _) => Side::of_rack(rack, foundation, materials[1], &mut warnings),
+        Mate::Gear(two) => Side::of_gear(two, foundation, materials[1], 2, &mut warnings),
+        Mate::Rack(rack) => Side::of_rack(rack, foundation, materials[1], &mut warnings),
     };
-    let path = mate.path();
+    let path = Path::from(pair);
     let last = points.max(2) - 1;
     let rows = (0..=last)
         .map(|i| {
             let s = path.start + (path.end - path.start) * i as f64 / last as f64;
             let load1 = one.profile.load_on_gear(gear, gear.r_base().hypot(s));
             let (load2, curvature) = match mate {
-                Mate::Gear(two_gear, pair) => {
+                Mate::Gear(two_gear) => {
                     let s2 = pair.line_length() - s;
                     let r2 = two_gear.r_base().hypot(s2);
                     (two.profile.load_on_gear(two_gear, r2), s2)
                 }
-                Mate::Rack(rack, pair) => {
+                Mate::Rack(rack) => {
                     let (sin, cos) = pair.working_pressure_angle().sin_cos();
                     let height = pair.centre_distance() - gear.r_base() * cos - s * sin;
                     (two.profile.load_on_rack(rack, height), f64::INFINITY)

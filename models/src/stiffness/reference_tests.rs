@@ -2,7 +2,7 @@
 
 use super::tooth::ToothProfile;
 use super::*;
-use crate::geometry::{GearParams, RackParams};
+use crate::geometry::{GearParams, Rack, RackParams};
 
 fn params(teeth: u32, module: f64, tip_radius: f64, bore_radius: f64) -> GearParams {
     GearParams {
@@ -78,7 +78,7 @@ fn single_pair_stiffness_lies_where_finite_elements_put_it() {
 fn curve_interpolates_the_compliances() {
     let (one, two, pair) = case_a();
     let steel = [Material::STEEL; 2];
-    let mate = Mate::Gear(&two, &pair);
+    let mate = (Mate::Gear(&two), &pair);
     for (tooth, foundation, hertz) in [
         (ToothModel::Energy, RING, Hertz::Linear),
         (
@@ -135,7 +135,7 @@ fn iso_values_of_whole_pairs() {
     ];
     for (one, two, distance, c_prime, c_mean) in cases {
         let pair = Pair::new(&one, &two, distance).unwrap();
-        let mate = Mate::Gear(&two, &pair);
+        let mate = (Mate::Gear(&two), &pair);
         let iso = iso_of(&one, mate, steel).unwrap();
         assert!(
             (iso.c_prime / N_PER_MM_UM - c_prime).abs() < 0.055,
@@ -236,7 +236,7 @@ fn sum_of_pairs_is_too_stiff_where_two_pairs_share_a_body() {
     }
 }
 
-fn rack_pair() -> (Gear, Rack, RackPair) {
+fn rack_pair() -> (Gear, Rack, Pair) {
     let gear = Gear::new(params(20, 2e-3, 0.3, 8e-3)).unwrap();
     let rack = Rack::new(RackParams {
         teeth: 5,
@@ -245,7 +245,7 @@ fn rack_pair() -> (Gear, Rack, RackPair) {
         ..RackParams::default()
     })
     .unwrap();
-    let pair = RackPair::new(&gear, &rack, 20.05e-3).unwrap();
+    let pair = Pair::new(&gear, &rack, 20.05e-3).unwrap();
     (gear, rack, pair)
 }
 
@@ -267,16 +267,15 @@ fn rack_is_the_limit_of_large_gears() {
     );
     let on = |mate| compliance_table(&gear, mate, model, steel, 10e-3, 9).unwrap();
     let (a, b) = (
-        on(Mate::Rack(&rack, &rack_pair)),
-        on(Mate::Gear(&large, &pair)),
+        on((Mate::Rack(&rack), &rack_pair)),
+        on((Mate::Gear(&large), &pair)),
     );
     for (a, b) in a.rows.iter().zip(&b.rows) {
         assert!((a.s - b.s).abs() < 2e-5 * 20.0, "{} {}", a.s, b.s);
         assert!((a.pair() / b.pair() - 1.0).abs() < 0.01, "{a:?} {b:?}");
     }
     let ring = compliance(ToothModel::Energy, RING, Hertz::Linear);
-    let built =
-        build_with_warnings(&ring, &gear, Mate::Rack(&rack, &rack_pair), steel, 10e-3).unwrap();
+    let built = build_with_warnings(&ring, &gear, &rack, &rack_pair, steel, 10e-3).unwrap();
     assert!(
         built
             .warnings
@@ -289,12 +288,12 @@ fn rack_is_the_limit_of_large_gears() {
             reference_load: 1e3,
         },
     );
-    let refused = build_rack(&log, &gear, &rack, &rack_pair, steel, 10e-3);
+    let refused = build(&log, &gear, &rack, &rack_pair, steel, 10e-3);
     assert_eq!(refused, Err(StiffnessError::HertzFlat));
     let iso = PairStiffness::Iso6336 {
         variation: IsoVariation::CaiHayashi,
     };
-    let curve = build_rack(&iso, &gear, &rack, &rack_pair, steel, 10e-3).unwrap();
+    let curve = build(&iso, &gear, &rack, &rack_pair, steel, 10e-3).unwrap();
     let ends = curve.eval(rack_pair.s_start()).0 / curve.maximum().1;
     assert!((ends - 0.55).abs() < 1e-12);
 }
@@ -303,9 +302,7 @@ fn rack_is_the_limit_of_large_gears() {
 fn constants_and_tables() {
     let (one, two, pair) = case_a();
     let steel = [Material::STEEL; 2];
-    let built = |spec: &PairStiffness| {
-        build_with_warnings(spec, &one, Mate::Gear(&two, &pair), steel, 10e-3)
-    };
+    let built = |spec: &PairStiffness| build_with_warnings(spec, &one, &two, &pair, steel, 10e-3);
     // The rigid gear of the movable-teeth paper: c = 5.72 N/(mm um), of the mesh.
     let mut constant = PairStiffness::Constant {
         per_width: 5.72e9,
@@ -377,8 +374,7 @@ fn impossible_values_are_refused() {
     assert!(refuse(&none, steel, 1e-2).contains("stiffness per width"));
     // A solid gear has no bore: the ring formula is held at the end of its fit, with a warning.
     let solid = Gear::new(params(20, 4e-3, 0.3, 0.0)).unwrap();
-    let mate = Mate::Gear(&two, &pair);
-    let built = build_with_warnings(&energy, &solid, mate, [steel; 2], 1e-2).unwrap();
+    let built = build_with_warnings(&energy, &solid, &two, &pair, [steel; 2], 1e-2).unwrap();
     assert!(matches!(
         built.warnings[0],
         StiffnessWarning::FoundationRatioHeld { gear: 1, .. }

@@ -15,7 +15,6 @@ pub struct Pattern {
 
 impl Pattern {
     /// The pattern of a mesh.
-    #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let nodes = mesh.nodes.len();
         // Elements of each node, then its neighbours from them.
@@ -53,15 +52,8 @@ impl Pattern {
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.starts.len() - 1
-    }
-
-    /// Number of stored entries.
-    #[must_use]
-    pub fn entries(&self) -> usize {
-        self.columns.len()
     }
 
     #[inline]
@@ -78,7 +70,6 @@ impl Pattern {
     }
 
     /// The diagonal alone.
-    #[must_use]
     pub fn diagonal(nodes: usize) -> Self {
         Pattern {
             starts: (0..=nodes as u32).collect(),
@@ -101,53 +92,115 @@ impl Pattern {
     }
 }
 
-/// A symmetric matrix of 3x3 blocks.
-#[derive(Clone, Debug)]
-pub struct BlockMatrix {
-    pattern: Arc<Pattern>,
-    /// Row-major blocks.
-    blocks: Vec<[f64; 9]>,
+/// What couples two nodes.
+pub trait Entry: Copy {
+    /// Nothing.
+    const ZERO: Self;
+    /// Entry of nodes `a` and `b` in the row-major matrix of an element of `nodes`.
+    fn of_element(matrix: &[f64], nodes: usize, a: usize, b: usize) -> Self;
+    /// The sum with another.
+    fn plus(&mut self, other: Self);
+    /// `E x`.
+    fn times(&self, x: &[f64; 3]) -> [f64; 3];
+    /// `E^T x`.
+    fn transposed_times(&self, x: &[f64; 3]) -> [f64; 3];
 }
 
-impl BlockMatrix {
-    /// All zero.
-    #[must_use]
-    pub fn zeros(pattern: Arc<Pattern>) -> Self {
-        let blocks = vec![[0.0; 9]; pattern.entries()];
-        BlockMatrix { pattern, blocks }
+/// A 3x3 block, row by row.
+impl Entry for [f64; 9] {
+    const ZERO: Self = [0.0; 9];
+
+    fn of_element(k: &[f64], nodes: usize, a: usize, b: usize) -> Self {
+        std::array::from_fn(|at| k[(3 * a + at / 3) * 3 * nodes + 3 * b + at % 3])
     }
 
-    /// Where the blocks stand.
-    #[must_use]
+    fn plus(&mut self, other: Self) {
+        self.iter_mut().zip(other).for_each(|(s, o)| *s += o);
+    }
+
+    #[inline]
+    fn times(&self, x: &[f64; 3]) -> [f64; 3] {
+        [
+            self[0] * x[0] + self[1] * x[1] + self[2] * x[2],
+            self[3] * x[0] + self[4] * x[1] + self[5] * x[2],
+            self[6] * x[0] + self[7] * x[1] + self[8] * x[2],
+        ]
+    }
+
+    #[inline]
+    fn transposed_times(&self, x: &[f64; 3]) -> [f64; 3] {
+        [
+            self[0] * x[0] + self[3] * x[1] + self[6] * x[2],
+            self[1] * x[0] + self[4] * x[1] + self[7] * x[2],
+            self[2] * x[0] + self[5] * x[1] + self[8] * x[2],
+        ]
+    }
+}
+
+/// A scalar, meant times the unit matrix of three axes.
+impl Entry for f64 {
+    const ZERO: Self = 0.0;
+
+    fn of_element(m: &[f64], nodes: usize, a: usize, b: usize) -> Self {
+        m[a * nodes + b]
+    }
+
+    fn plus(&mut self, other: Self) {
+        *self += other;
+    }
+
+    #[inline]
+    fn times(&self, x: &[f64; 3]) -> [f64; 3] {
+        x.map(|x| self * x)
+    }
+
+    #[inline]
+    fn transposed_times(&self, x: &[f64; 3]) -> [f64; 3] {
+        self.times(x)
+    }
+}
+
+/// A symmetric matrix over nodes.
+#[derive(Clone, Debug)]
+pub struct NodalMatrix<E> {
+    pattern: Arc<Pattern>,
+    entries: Vec<E>,
+}
+
+/// A symmetric matrix of 3x3 blocks.
+pub type BlockMatrix = NodalMatrix<[f64; 9]>;
+/// A symmetric matrix of scalars, meant times the unit matrix of three axes.
+pub type ScalarMatrix = NodalMatrix<f64>;
+
+impl<E: Entry> NodalMatrix<E> {
+    /// All zero.
+    pub fn zeros(pattern: Arc<Pattern>) -> Self {
+        let entries = vec![E::ZERO; pattern.columns.len()];
+        NodalMatrix { pattern, entries }
+    }
+
+    /// Where the entries stand.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
-    /// The stored blocks, in the order of the pattern.
-    #[must_use]
-    pub fn blocks(&self) -> &[[f64; 9]] {
-        &self.blocks
+    /// The stored entries, in the order of the pattern.
+    pub fn entries(&self) -> &[E] {
+        &self.entries
     }
 
-    /// Bytes that a product streams: blocks and columns.
-    #[must_use]
+    /// Bytes that a product streams: entries and columns.
     pub fn bytes(&self) -> usize {
-        self.blocks.len() * (9 * 8 + 4) + self.pattern.starts.len() * 4
+        self.entries.len() * (size_of::<E>() + 4) + self.pattern.starts.len() * 4
     }
 
-    /// Adds an element's matrix, row-major over `3 n` coordinates.
-    pub fn add(&mut self, nodes: &[u32], k: &[f64]) {
-        let size = 3 * nodes.len();
+    /// Adds an element's matrix, row-major over its nodes (and their axes).
+    pub fn add(&mut self, nodes: &[u32], matrix: &[f64]) {
         for (a, &row) in nodes.iter().enumerate() {
             for (b, &column) in nodes.iter().enumerate() {
-                if row > column {
-                    continue;
-                }
-                let block = &mut self.blocks[self.pattern.place(row, column)];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        block[3 * i + j] += k[(3 * a + i) * size + 3 * b + j];
-                    }
+                if row <= column {
+                    let entry = E::of_element(matrix, nodes.len(), a, b);
+                    self.entries[self.pattern.place(row, column)].plus(entry);
                 }
             }
         }
@@ -163,24 +216,18 @@ impl BlockMatrix {
         for row in 0..nodes {
             let range = self.pattern.row(row);
             let columns = &self.pattern.columns[range.clone()];
-            let blocks = &self.blocks[range];
-            let xr = x[row];
-            // The diagonal block is symmetric: its upper part counts once.
-            let d = &blocks[0];
-            let mut sum = [
-                d[0] * xr[0] + d[1] * xr[1] + d[2] * xr[2],
-                d[3] * xr[0] + d[4] * xr[1] + d[5] * xr[2],
-                d[6] * xr[0] + d[7] * xr[1] + d[8] * xr[2],
-            ];
-            for (&column, b) in columns[1..].iter().zip(&blocks[1..]) {
-                let xc = x[column as usize];
-                sum[0] += b[0] * xc[0] + b[1] * xc[1] + b[2] * xc[2];
-                sum[1] += b[3] * xc[0] + b[4] * xc[1] + b[5] * xc[2];
-                sum[2] += b[6] * xc[0] + b[7] * xc[1] + b[8] * xc[2];
+            let entries = &self.entries[range];
+            let xr = &x[row];
+            // The diagonal entry is symmetric: its upper part counts once.
+            let mut sum = entries[0].times(xr);
+            for (&column, e) in columns[1..].iter().zip(&entries[1..]) {
+                let own = e.times(&x[column as usize]);
+                let other = e.transposed_times(xr);
                 let yc = &mut y[column as usize];
-                yc[0] += b[0] * xr[0] + b[3] * xr[1] + b[6] * xr[2];
-                yc[1] += b[1] * xr[0] + b[4] * xr[1] + b[7] * xr[2];
-                yc[2] += b[2] * xr[0] + b[5] * xr[1] + b[8] * xr[2];
+                for i in 0..3 {
+                    sum[i] += own[i];
+                    yc[i] += other[i];
+                }
             }
             let yr = &mut y[row];
             for i in 0..3 {
@@ -190,33 +237,7 @@ impl BlockMatrix {
     }
 }
 
-/// A symmetric matrix of scalars over nodes, meant times the unit matrix of three axes.
-#[derive(Clone, Debug)]
-pub struct ScalarMatrix {
-    pattern: Arc<Pattern>,
-    values: Vec<f64>,
-}
-
 impl ScalarMatrix {
-    /// All zero.
-    #[must_use]
-    pub fn zeros(pattern: Arc<Pattern>) -> Self {
-        let values = vec![0.0; pattern.entries()];
-        ScalarMatrix { pattern, values }
-    }
-
-    /// Where the entries stand.
-    #[must_use]
-    pub fn pattern(&self) -> &Pattern {
-        &self.pattern
-    }
-
-    /// The stored entries, in the order of the pattern.
-    #[must_use]
-    pub fn values(&self) -> &[f64] {
-        &self.values
-    }
-
     /// Lumps every entry between a held and a free node onto both of them: row sums stay.
     pub fn decouple(&mut self, held: impl Fn(usize) -> bool) {
         for row in 0..self.pattern.nodes() {
@@ -225,49 +246,11 @@ impl ScalarMatrix {
             for place in range.skip(1) {
                 let column = self.pattern.columns[place] as usize;
                 if held(row) != held(column) {
-                    let lumped = std::mem::take(&mut self.values[place]);
-                    self.values[diagonal] += lumped;
+                    let lumped = std::mem::take(&mut self.entries[place]);
+                    self.entries[diagonal] += lumped;
                     let other = self.pattern.row(column).start;
-                    self.values[other] += lumped;
+                    self.entries[other] += lumped;
                 }
-            }
-        }
-    }
-
-    /// Adds an element's matrix, row-major over `n` nodes.
-    pub fn add(&mut self, nodes: &[u32], m: &[f64]) {
-        let n = nodes.len();
-        for (a, &row) in nodes.iter().enumerate() {
-            for (b, &column) in nodes.iter().enumerate() {
-                if row <= column {
-                    self.values[self.pattern.place(row, column)] += m[a * n + b];
-                }
-            }
-        }
-    }
-
-    /// `y = (A x I3) x`; both of length three times the number of nodes.
-    pub fn apply3(&self, x: &[f64], y: &mut [f64]) {
-        let (x, _) = x.as_chunks::<3>();
-        let (y, _) = y.as_chunks_mut::<3>();
-        y.fill([0.0; 3]);
-        for row in 0..self.pattern.nodes() {
-            let range = self.pattern.row(row);
-            let columns = &self.pattern.columns[range.clone()];
-            let values = &self.values[range];
-            let xr = x[row];
-            let mut sum = xr.map(|x| values[0] * x);
-            for (&column, a) in columns[1..].iter().zip(&values[1..]) {
-                let xc = x[column as usize];
-                let yc = &mut y[column as usize];
-                for i in 0..3 {
-                    sum[i] += a * xc[i];
-                    yc[i] += a * xr[i];
-                }
-            }
-            let yr = &mut y[row];
-            for i in 0..3 {
-                yr[i] += sum[i];
             }
         }
     }

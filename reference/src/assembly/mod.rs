@@ -5,12 +5,10 @@
 //!
 //! | part | owns |
 //! |---|---|
-//! | [`assemble`], [`blocks`] | the matrices and their products |
+//! | [`assemble`], `blocks` | the matrices and their products |
 //! | [`tie`] | the bore that moves with the hub, reduced matrices |
-//! | [`highest_frequency`] | the bound of explicit steps |
 
-pub mod blocks;
-mod highest;
+mod blocks;
 pub mod tie;
 
 #[cfg(test)]
@@ -18,9 +16,8 @@ mod tests;
 
 use crate::element::{ElementError, Integrator};
 use crate::mesh::Mesh;
-pub use blocks::{BlockMatrix, Pattern, ScalarMatrix};
+pub use blocks::{BlockMatrix, NodalMatrix, Pattern, ScalarMatrix};
 use gearbench_models::stiffness::Material;
-pub use highest::highest_frequency;
 use std::sync::Arc;
 
 /// Stiffness and mass over all nodes of a mesh.
@@ -39,9 +36,6 @@ pub struct Assembly {
 ///
 /// # Panics
 /// If an element names a node that the mesh does not have.
-///
-/// # Errors
-/// [`ElementError`] names an element that cannot be integrated.
 pub fn assemble(mesh: &Mesh, material: &Material) -> Result<Assembly, ElementError> {
     let n = mesh.kind.nodes();
     let integrator = Integrator::new(mesh.kind);

@@ -22,7 +22,6 @@ pub enum HubMotion {
 
 impl HubMotion {
     /// Displacement of a point of the hub per unit of the motion.
-    #[must_use]
     pub fn of(self, x: &Vec3) -> Vec3 {
         match self {
             HubMotion::Turn => Vec3::new(-x.y, x.x, 0.0),
@@ -71,7 +70,6 @@ impl Tie {
     ///
     /// # Panics
     /// If a bore node is none of the nodes.
-    #[must_use]
     pub fn new(nodes: &[Vec3], bore: &[u32], motions: &[HubMotion]) -> Self {
         let mut place = vec![0; nodes.len()];
         for &node in bore {
@@ -97,19 +95,16 @@ impl Tie {
     }
 
     /// Free nodes in ascending order.
-    #[must_use]
     pub fn free(&self) -> &[u32] {
         &self.free
     }
 
     /// Per node its place among the free ones, or [`Tie::HELD`].
-    #[must_use]
     pub fn places(&self) -> &[u32] {
         &self.place
     }
 
     /// Number of reduced coordinates.
-    #[must_use]
     pub fn coordinates(&self) -> usize {
         3 * self.free.len() + self.motions
     }
@@ -146,11 +141,10 @@ impl Tie {
     ///
     /// # Panics
     /// If there are fewer values than motions.
-    #[must_use]
     pub fn reduce(&self, a: &Assembly, added_inertia: &[f64], mass: MassKind) -> Reduced {
         let stiffness = self.reduced(
             a.stiffness.pattern(),
-            |place| a.stiffness.blocks()[place],
+            |place| a.stiffness.entries()[place],
             |x, y| a.stiffness.apply(x, y),
             &vec![0.0; self.motions],
         );
@@ -158,8 +152,8 @@ impl Tie {
         let mass = match mass {
             MassKind::Consistent => self.reduced(
                 a.mass.pattern(),
-                |place| scalar(a.mass.values()[place]),
-                |x, y| a.mass.apply3(x, y),
+                |place| scalar(a.mass.entries()[place]),
+                |x, y| a.mass.apply(x, y),
                 added_inertia,
             ),
             MassKind::Lumped => {

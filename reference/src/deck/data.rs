@@ -1,61 +1,22 @@
 //! What a deck says, with dense numbers inside and the deck's labels beside them.
 
+#![expect(
+    missing_docs,
+    reason = "fields are called as keywords and options of decks; `place` is the line that says them"
+)]
+
 use super::error::Place;
 use crate::mesh::{ElementKind, Face};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
-/// Labels of a deck and their dense numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Labels {
-    labels: Vec<u32>,
-    index: HashMap<u32, u32>,
-}
-
-impl Labels {
-    /// Dense number of a new label; `None` if it is there already.
-    pub(crate) fn push(&mut self, label: u32) -> Option<u32> {
-        let dense = self.labels.len() as u32;
-        match self.index.entry(label) {
-            std::collections::hash_map::Entry::Occupied(_) => None,
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                entry.insert(dense);
-                self.labels.push(label);
-                Some(dense)
-            }
-        }
-    }
-
-    /// Dense number of a label.
-    #[must_use]
-    pub fn find(&self, label: u32) -> Option<u32> {
-        self.index.get(&label).copied()
-    }
-
-    /// Label of a dense number.
-    #[must_use]
-    pub fn label(&self, dense: u32) -> u32 {
-        self.labels[dense as usize]
-    }
-
-    /// How many there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.labels.len()
-    }
-
-    /// True when there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.labels.is_empty()
-    }
-}
+/// Labels of a deck; their place is their dense number.
+pub type Labels = indexmap::IndexSet<u32>;
 
 /// Elements of one `*ELEMENT` block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementBlock {
-    /// Kind of all of them.
     pub kind: ElementKind,
     /// Set named by `ELSET=`.
     pub set: Option<String>,
@@ -63,7 +24,6 @@ pub struct ElementBlock {
     pub first: u32,
     /// Nodes, [`ElementKind::nodes`] each.
     pub connectivity: Vec<u32>,
-    /// The keyword line.
     pub place: Place,
 }
 
@@ -74,47 +34,37 @@ pub struct DeckMaterial {
     pub elastic: Option<(f64, f64)>,
     /// Density [kg/m^3].
     pub density: Option<f64>,
-    /// The keyword line.
     pub place: Place,
 }
 
 /// `*SOLID SECTION`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// Element set.
     pub set: String,
-    /// Material.
     pub material: String,
-    /// The keyword line.
     pub place: Place,
 }
 
 /// `*RIGID BODY`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidBody {
-    /// Node set that moves rigidly.
     pub set: String,
-    /// Reference node.
     pub reference: u32,
     /// Node whose displacements are the rotations.
     pub rotation: Option<u32>,
-    /// The keyword line.
     pub place: Place,
 }
 
 /// A node or a node set.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// One node.
     Node(u32),
-    /// All nodes of a set.
     Set(String),
 }
 
 /// A line of `*BOUNDARY`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Boundary {
-    /// Where.
     pub target: Target,
     /// First and last direction, from 1.
     pub directions: [u8; 2],
@@ -125,9 +75,7 @@ pub struct Boundary {
 /// A line of `*INITIAL CONDITIONS, TYPE=VELOCITY`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialVelocity {
-    /// Where.
     pub target: Target,
-    /// Direction, from 1.
     pub direction: u8,
     /// Velocity [m/s] (of a rotation node [rad/s]).
     pub value: f64,
@@ -138,7 +86,6 @@ pub struct InitialVelocity {
 pub struct Interaction {
     /// Slope of a linear pressure over overclosure [Pa/m].
     pub stiffness: Option<f64>,
-    /// The keyword line.
     pub place: Place,
 }
 
@@ -154,15 +101,10 @@ pub enum ContactKind {
 /// `*CONTACT PAIR`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPair {
-    /// Slave surface.
     pub slave: String,
-    /// Master surface.
     pub master: String,
-    /// Interaction.
     pub interaction: String,
-    /// Discretisation.
     pub kind: ContactKind,
-    /// The data line.
     pub place: Place,
 }
 
@@ -171,16 +113,13 @@ pub struct ContactPair {
 pub enum Procedure {
     /// `*STATIC`.
     Static {
-        /// Fixed increments.
         direct: bool,
         /// First increment and period, if given.
         times: Option<[f64; 2]>,
     },
     /// `*DYNAMIC`.
     Dynamic {
-        /// Fixed increments.
         direct: bool,
-        /// Explicit method.
         explicit: bool,
         /// HHT parameter, if given.
         alpha: Option<f64>,
@@ -188,26 +127,19 @@ pub enum Procedure {
         times: Option<[f64; 2]>,
     },
     /// `*FREQUENCY`.
-    Frequency {
-        /// Number of modes.
-        modes: u32,
-    },
+    Frequency { modes: u32 },
 }
 
 /// `*STEP` to `*END STEP`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// Large displacements.
     pub nlgeom: bool,
     /// Greatest number of increments, if given.
     pub increments: Option<u32>,
-    /// What is computed.
     pub procedure: Procedure,
-    /// Boundary conditions of the step.
     pub boundaries: Vec<Boundary>,
     /// Output requests: recognised, and no part of the model.
     pub requests: Vec<String>,
-    /// The keyword line.
     pub place: Place,
 }
 
@@ -222,7 +154,6 @@ pub struct Deck {
     pub nodes: Vec<Vec3>,
     /// Labels of the nodes.
     pub node_labels: Labels,
-    /// Elements, block by block.
     pub blocks: Vec<ElementBlock>,
     /// Labels of the elements, counted through all blocks.
     pub element_labels: Labels,
@@ -230,44 +161,30 @@ pub struct Deck {
     pub node_sets: BTreeMap<String, Vec<u32>>,
     /// Element sets, each element once, in the deck's order.
     pub element_sets: BTreeMap<String, Vec<u32>>,
-    /// Surfaces made of element faces.
     pub surfaces: BTreeMap<String, Vec<Face>>,
     /// Where node sets, element sets and surfaces were first defined, for messages.
     pub(crate) defined: BTreeMap<String, Place>,
-    /// Materials.
     pub materials: BTreeMap<String, DeckMaterial>,
-    /// Sections.
     pub sections: Vec<Section>,
-    /// Rigid bodies.
     pub rigid_bodies: Vec<RigidBody>,
-    /// Boundary conditions of the model.
     pub boundaries: Vec<Boundary>,
-    /// Contact interactions.
     pub interactions: BTreeMap<String, Interaction>,
-    /// Contact pairs.
     pub contact_pairs: Vec<ContactPair>,
-    /// Initial velocities.
     pub initial_velocities: Vec<InitialVelocity>,
-    /// Steps.
     pub steps: Vec<Step>,
 }
 
 impl Deck {
-    /// Number of elements.
-    #[must_use]
     pub fn element_count(&self) -> usize {
         self.element_labels.len()
     }
 
-    /// Block of an element.
-    #[must_use]
     pub fn block(&self, element: u32) -> &ElementBlock {
         let i = self.blocks.partition_point(|b| b.first <= element);
         &self.blocks[i - 1]
     }
 
     /// Nodes of an element, counted through all blocks.
-    #[must_use]
     pub fn element(&self, element: u32) -> &[u32] {
         let block = self.block(element);
         let n = block.kind.nodes();
@@ -275,7 +192,6 @@ impl Deck {
     }
 
     /// Nodes of a target.
-    #[must_use]
     pub fn target<'a>(&'a self, target: &'a Target) -> &'a [u32] {
         match target {
             Target::Node(node) => std::slice::from_ref(node),
@@ -284,7 +200,6 @@ impl Deck {
     }
 
     /// Name of the material of each element: that of the last section whose set has it.
-    #[must_use]
     pub fn section_materials(&self) -> Vec<Option<&str>> {
         let mut material = vec![None; self.element_count()];
         for section in &self.sections {
@@ -296,7 +211,6 @@ impl Deck {
     }
 
     /// A material with all its values.
-    #[must_use]
     pub fn material(&self, name: &str) -> Option<Material> {
         let m = self.materials.get(name)?;
         let (young, poisson) = m.elastic?;

@@ -1,6 +1,6 @@
-//! Why a deck is declined: where, what was expected, what was found, and a way out.
+//! Why a deck is declined, and the lines that messages name.
 
-use std::fmt;
+use crate::refusal::Refused;
 
 /// What kind of trouble a [`DeckError`] reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -23,43 +23,8 @@ pub enum DeckErrorKind {
     Material,
 }
 
-/// A deck was declined. The text reads `file:line: context: expected ..., found ...; way out`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DeckError {
-    /// Kind of trouble.
-    pub kind: DeckErrorKind,
-    /// File, as the deck was named.
-    pub file: Box<str>,
-    /// Line, from 1; 0 when the trouble belongs to no single line.
-    pub line: usize,
-    /// The keyword line or the set in question; may be empty.
-    pub context: Box<str>,
-    /// What was expected.
-    pub expected: Box<str>,
-    /// What was found.
-    pub found: Box<str>,
-    /// What to do about it; may be empty.
-    pub help: Box<str>,
-}
-
-impl fmt::Display for DeckError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
-        if self.line > 0 {
-            write!(f, ":{}", self.line)?;
-        }
-        if !self.context.is_empty() {
-            write!(f, ": {}", self.context)?;
-        }
-        write!(f, ": expected {}, found {}", self.expected, self.found)?;
-        if !self.help.is_empty() {
-            write!(f, "; {}", self.help)?;
-        }
-        Ok(())
-    }
-}
-
-impl std::error::Error for DeckError {}
+/// A deck was declined.
+pub type DeckError = Refused<DeckErrorKind>;
 
 /// A line of a deck.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -80,15 +45,7 @@ impl Place {
         found: impl Into<String>,
         help: impl Into<String>,
     ) -> DeckError {
-        DeckError {
-            kind,
-            file: self.file.to_string().into(),
-            line: self.line,
-            context: context.into().into(),
-            expected: expected.into().into(),
-            found: found.into().into(),
-            help: help.into().into(),
-        }
+        Refused::new(kind, context, expected, found, help).at(&self.file, self.line)
     }
 }
 

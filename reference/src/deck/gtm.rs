@@ -14,30 +14,21 @@ use std::fmt;
 
 /// A requirement of [`check_gtm`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[expect(missing_docs, reason = "`text` says them in words")]
 pub enum GtmRequirement {
-    /// One gear per deck.
     OneGear,
-    /// z is the axis of rotation.
     AxisZ,
-    /// The origin lies on the axis in the middle of the width.
     Origin,
-    /// Metre, kilogram, second.
     Units,
-    /// Hexahedra only.
     Hexahedra,
-    /// One linear elastic, homogeneous material.
     Material,
-    /// The node set `bore`.
     Bore,
-    /// One node set per flank, `flank_1l`, `flank_1r` and so on.
     Flanks,
-    /// A structured mesh on the flanks.
     Structured,
 }
 
 impl GtmRequirement {
     /// The requirement in words.
-    #[must_use]
     pub fn text(self) -> &'static str {
         match self {
             Self::OneGear => "one gear per deck",
@@ -77,7 +68,6 @@ impl fmt::Display for Finding {
 }
 
 /// Checks a deck against the requirements of the GTM preprocessing; a deck without findings meets them all.
-#[must_use]
 pub fn check_gtm(deck: &Deck) -> Vec<Finding> {
     let mut check = Check {
         deck,

@@ -35,9 +35,6 @@ use std::io::{self, Read};
 use std::path::Path;
 
 /// Reads a deck from a file, `.inp` or gzip `.inp.gz`; includes count from the folder of the including file.
-///
-/// # Errors
-/// [`DeckError`] says where and why the deck is declined.
 pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
     let name = path.as_ref().to_string_lossy().into_owned();
     let text = text_of(&name).map_err(|e| unreadable(&name, "a readable deck", &e))?;
@@ -46,17 +43,11 @@ pub fn read(path: impl AsRef<Path>) -> Result<Deck, DeckError> {
 
 /// Reads a deck from its text. `resolver` is asked for the text of included files, by their names joined with
 /// the folder of the including file's name.
-///
-/// # Errors
-/// [`DeckError`] says where and why the deck is declined.
 pub fn read_str(name: &str, text: &str, resolver: &mut Resolver<'_>) -> Result<Deck, DeckError> {
     reader::read(name, text, resolver)
 }
 
 /// Reads an embedded deck, gzip or not; it may not include files.
-///
-/// # Errors
-/// [`DeckError`] says where and why the deck is declined.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
     let text = decode(bytes).map_err(|e| unreadable(name, "a deck as text or gzip", &e))?;
     read_str(name, &text, &mut |_| {
@@ -65,15 +56,7 @@ pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Deck, DeckError> {
 }
 
 fn unreadable(name: &str, expected: &str, e: &io::Error) -> DeckError {
-    DeckError {
-        kind: DeckErrorKind::Io,
-        file: name.into(),
-        line: 0,
-        context: "".into(),
-        expected: expected.into(),
-        found: e.to_string().into(),
-        help: "".into(),
-    }
+    DeckError::new(DeckErrorKind::Io, "", expected, e.to_string(), "").at(name, 0)
 }
 
 fn text_of(name: &str) -> io::Result<String> {

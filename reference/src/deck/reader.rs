@@ -170,7 +170,8 @@ impl Reader<'_> {
 
     fn node_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
         let label = label(k, data, field)?;
-        self.deck.node_labels.find(label).ok_or_else(|| {
+        let place = self.deck.node_labels.get_index_of(&label);
+        place.map(|n| n as u32).ok_or_else(|| {
             data.reference(
                 k,
                 "a node defined above",
@@ -182,7 +183,8 @@ impl Reader<'_> {
 
     fn element_at(&self, k: &Keyword, data: &Data, field: &str) -> Result<u32, DeckError> {
         let label = label(k, data, field)?;
-        self.deck.element_labels.find(label).ok_or_else(|| {
+        let place = self.deck.element_labels.get_index_of(&label);
+        place.map(|e| e as u32).ok_or_else(|| {
             data.reference(
                 k,
                 "an element defined above",

@@ -18,48 +18,30 @@ use std::io::{self, Write};
 
 /// Why a deck cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum WriteError {
-    /// The output refuses.
     #[error("cannot write the deck: {0}")]
     Io(#[from] io::Error),
-    /// A position or parameter is not finite.
     #[error("{what} is {value}, a deck needs a finite number")]
-    NotFinite {
-        /// What it is.
-        what: String,
-        /// Its value.
-        value: f64,
-    },
-    /// A grid of flank nodes is not on the surface of the mesh.
+    NotFinite { what: String, value: f64 },
     #[error(
         "flank {flank}: row {row}, column {column} of its grid is no face at the surface of the mesh"
     )]
     NoFace {
-        /// Name of the flank.
         flank: String,
-        /// Row from 0.
         row: usize,
-        /// Column from 0.
         column: usize,
     },
-    /// A contact pair asks for a flank that the mesh does not have.
     #[error("gear {gear} has no flank {flank}; it has {known}")]
     NoFlank {
-        /// Gear, 1 or 2.
         gear: usize,
-        /// Name of the flank.
         flank: String,
-        /// What there is.
         known: String,
     },
-    /// A parameter is out of range.
     #[error("{what} is {value}, it has to be {range}")]
     Range {
-        /// What it is.
         what: &'static str,
-        /// Its value.
         value: f64,
-        /// What it may be.
         range: &'static str,
     },
 }
@@ -75,9 +57,6 @@ pub struct GearDeck {
 
 /// Writes a gear in its own frame as a deck: nodes, elements (set `gear`), node sets `bore` and `flank_1l`, ...,
 /// surfaces `sflank_1l`, ..., material and section.
-///
-/// # Errors
-/// [`WriteError`] says what cannot be written.
 pub fn write(
     out: &mut dyn Write,
     gear: &GearMesh,

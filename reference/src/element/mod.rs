@@ -36,33 +36,17 @@ pub use shape::{MAX_NODES, gradients, natural_corner, values};
 /// An element that cannot be integrated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ElementError {
-    /// Turned inside out or flat somewhere.
     #[error(
         "element {} is turned inside out: its Jacobian is {determinant:.3e} at an integration point; check the order of its nodes and the shape of the mesh there",
         element + 1
     )]
-    Inverted {
-        /// The element, from 0.
-        element: usize,
-        /// The determinant there.
-        determinant: f64,
-    },
-    /// A material that is none.
+    Inverted { element: usize, determinant: f64 },
     #[error(
         "Young's modulus {young:.3e} Pa and Poisson's ratio {poisson} describe no elastic solid; expected E > 0 and nu between -1 and 0.5"
     )]
-    Material {
-        /// Young's modulus [Pa].
-        young: f64,
-        /// Poisson's ratio.
-        poisson: f64,
-    },
-    /// A density that is none.
+    Material { young: f64, poisson: f64 },
     #[error("density is {density} kg/m^3; expected a positive value")]
-    Density {
-        /// The density [kg/m^3].
-        density: f64,
-    },
+    Density { density: f64 },
 }
 
 /// Gauss-Legendre points and weights on [-1, 1].
@@ -106,7 +90,6 @@ pub struct Integrator {
 
 impl Integrator {
     /// Prepares the rule of a kind.
-    #[must_use]
     pub fn new(kind: ElementKind) -> Self {
         let line: &[_] = if kind == ElementKind::C3D20 {
             &THREE
@@ -135,10 +118,10 @@ impl Integrator {
         }
     }
 
-    /// Stiffness [N/m] and scalar consistent mass [kg] of one element: see [`matrices`].
+    /// Stiffness [N/m] and scalar consistent mass [kg] of one element.
     ///
-    /// # Errors
-    /// As [`matrices`].
+    /// `x` has the positions of its `n` nodes. `stiffness` is row-major over `3 n` coordinates (node, then axis),
+    /// `mass` row-major over `n` nodes; both are overwritten. `element` only names it in errors.
     pub fn matrices(
         &self,
         element: usize,
@@ -306,23 +289,4 @@ fn lame(material: &Material) -> Result<(f64, f64), ElementError> {
         e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
         e / (2.0 * (1.0 + nu)),
     ))
-}
-
-/// Stiffness [N/m] and scalar consistent mass [kg] of one element.
-///
-/// `x` has the positions of its `n` nodes. `stiffness` is row-major over `3 n` coordinates (node, then axis),
-/// `mass` row-major over `n` nodes; both are overwritten. `element` only names it in errors. For many elements keep
-/// an [`Integrator`].
-///
-/// # Errors
-/// [`ElementError`] for a Jacobian that is not positive or a material that is none.
-pub fn matrices(
-    kind: ElementKind,
-    element: usize,
-    x: &[Vec3],
-    material: &Material,
-    stiffness: &mut [f64],
-    mass: &mut [f64],
-) -> Result<(), ElementError> {
-    Integrator::new(kind).matrices(element, x, material, stiffness, mass)
 }

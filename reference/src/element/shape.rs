@@ -31,7 +31,6 @@ const NODES: [[f64; 3]; MAX_NODES] = [
 ];
 
 /// Natural coordinates of a node.
-#[must_use]
 pub fn natural_corner(node: usize) -> [f64; 3] {
     NODES[node]
 }

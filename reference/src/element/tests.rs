@@ -1,4 +1,4 @@
-use super::{MAX_NODES, gradients, matrices, natural_corner, values};
+use super::{Integrator, MAX_NODES, gradients, natural_corner, values};
 use crate::mesh::ElementKind;
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -29,7 +29,9 @@ fn of(kind: ElementKind) -> (Vec<Vec3>, Vec<f64>, Vec<f64>) {
     let x = distorted(kind);
     let n = kind.nodes();
     let (mut k, mut m) = (vec![0.0; 9 * n * n], vec![0.0; n * n]);
-    matrices(kind, 0, &x, &Material::STEEL, &mut k, &mut m).unwrap();
+    Integrator::new(kind)
+        .matrices(0, &x, &Material::STEEL, &mut k, &mut m)
+        .unwrap();
     (x, k, m)
 }
 
@@ -135,30 +137,30 @@ fn constant_strain_gives_its_energy_exactly() {
 #[test]
 fn an_inverted_element_and_a_bad_material_are_named() {
     let kind = ElementKind::C3D8;
-    let mut x = distorted(kind);
-    let (mut k, mut m) = ([0.0; 576], [0.0; 64]);
+    let good = distorted(kind);
+    let mut turned = good.clone();
+    turned.swap(0, 1);
     let soft = Material {
         poisson: 0.5,
         ..Material::STEEL
     };
-    let message = matrices(kind, 0, &x, &soft, &mut k, &mut m)
-        .unwrap_err()
-        .to_string();
-    assert!(message.contains("0.5"), "{message}");
     let light = Material {
         density: 0.0,
         ..Material::STEEL
     };
-    let message = matrices(kind, 0, &x, &light, &mut k, &mut m)
-        .unwrap_err()
-        .to_string();
-    assert!(message.starts_with("density is 0"), "{message}");
-    x.swap(0, 1);
-    let message = matrices(kind, 6, &x, &Material::STEEL, &mut k, &mut m)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.starts_with("element 7 is turned inside out"),
-        "{message}"
-    );
+    for (element, x, material, words) in [
+        (0, &good, soft, "Poisson's ratio 0.5"),
+        (0, &good, light, "density is 0"),
+        (
+            6,
+            &turned,
+            Material::STEEL,
+            "element 7 is turned inside out",
+        ),
+    ] {
+        let (mut k, mut m) = ([0.0; 576], [0.0; 64]);
+        let refused = Integrator::new(kind).matrices(element, x, &material, &mut k, &mut m);
+        let message = refused.unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
 }

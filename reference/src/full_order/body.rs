@@ -6,6 +6,7 @@ use crate::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::element::ElementError;
 use crate::mesh::GearMesh;
+use crate::vector::dot;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Flanks;
 use gearbench_models::kinematics::Placement;
@@ -29,8 +30,6 @@ pub struct Body {
     pub mass: MassKind,
     /// Stiffness and mass over the coordinates in the frame: `3 free`, then the hub's if it is free.
     pub reduced: Reduced,
-    /// Mass of a node with itself [kg], lumped mass only.
-    pub lumped: Vec<f64>,
     /// Inertia [kg m^2] or mass [kg] of the whole gear with what is added at the hub.
     pub inertia: f64,
     /// Inertia of the hub's coordinate with itself: held nodes and what is added.
@@ -53,9 +52,6 @@ impl Body {
     ///
     /// Where the hub is driven the mass between held and free nodes is lumped: the power of the drive then
     /// follows from the state alone, without the accelerations that contact makes.
-    ///
-    /// # Errors
-    /// An element that is turned inside out.
     pub fn new(
         mesh: GearMesh,
         material: &Material,
@@ -105,19 +101,9 @@ impl Body {
         }
         let times_mass = |x: &[f64]| {
             let mut y = vec![0.0; x.len()];
-            match mass {
-                MassKind::Consistent => assembly.mass.apply3(x, &mut y),
-                MassKind::Lumped => {
-                    for (node, m) in assembly.lumped.iter().enumerate() {
-                        for axis in 3 * node..3 * node + 3 {
-                            y[axis] = m * x[axis];
-                        }
-                    }
-                }
-            }
+            times_mass(&assembly, mass, x, &mut y);
             y
         };
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let of_free = |y: &[f64]| {
             let mut out = Vec::new();
             for (k, &node) in free.iter().enumerate() {
@@ -140,10 +126,6 @@ impl Body {
             held_mass += m[2];
         }
         let grip = grip(&assembly, &place, free.len());
-        let lumped = match mass {
-            MassKind::Lumped => assembly.lumped.clone(),
-            MassKind::Consistent => Vec::new(),
-        };
         Ok(Body {
             flanks: Flanks::new(flanks),
             position,
@@ -152,7 +134,6 @@ impl Body {
             place,
             mass,
             reduced,
-            lumped,
             inertia,
             hub_inertia,
             added_inertia,
@@ -165,18 +146,18 @@ impl Body {
 
     /// `y = M x` over all nodes, three components each.
     pub fn apply_nodal_mass(&self, x: &[f64], y: &mut [f64]) {
-        match self.mass {
-            MassKind::Consistent => self.assembly.mass.apply3(x, y),
-            MassKind::Lumped => {
-                for ((y, x), m) in y
-                    .chunks_exact_mut(3)
-                    .zip(x.chunks_exact(3))
-                    .zip(&self.lumped)
-                {
-                    for axis in 0..3 {
-                        y[axis] = m * x[axis];
-                    }
-                }
+        times_mass(&self.assembly, self.mass, x, y);
+    }
+}
+
+/// `y = M x` over all nodes, three components each.
+fn times_mass(assembly: &Assembly, mass: MassKind, x: &[f64], y: &mut [f64]) {
+    match mass {
+        MassKind::Consistent => assembly.mass.apply(x, y),
+        MassKind::Lumped => {
+            let ((x, _), (y, _)) = (x.as_chunks::<3>(), y.as_chunks_mut::<3>());
+            for ((y, x), m) in y.iter_mut().zip(x).zip(&assembly.lumped) {
+                *y = x.map(|x| m * x);
             }
         }
     }
@@ -185,7 +166,7 @@ impl Body {
 /// [`Body::grip`].
 fn grip(assembly: &Assembly, place: &[u32], free: usize) -> Vec<(u32, [f64; 9])> {
     let mut sums = vec![[0.0; 9]; free];
-    let blocks = assembly.stiffness.blocks();
+    let blocks = assembly.stiffness.entries();
     for (row, column, at) in assembly.stiffness.pattern().iter() {
         // Stored once: the block of (row, column), its transposed of (column, row).
         let (to, transposed) = match (place[row], place[column]) {

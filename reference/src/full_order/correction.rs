@@ -7,7 +7,7 @@
 
 use super::frame::Frame;
 use crate::assembly::tie::Reduced;
-use crate::solve::Cholesky;
+use crate::solve::{Cholesky, union};
 use faer::sparse::SparseColMat;
 use gearbench_integrators::system::{Coeffs, Singular};
 use std::collections::HashMap;
@@ -47,9 +47,9 @@ pub struct Correction {
 
 impl Correction {
     /// Prepares for a gear with `own` hub coordinates.
-    #[must_use]
     pub fn new(reduced: &Reduced, own: usize) -> Self {
-        let (matrix, entries) = union(&reduced.stiffness, &reduced.mass);
+        let (pattern, entries) = union(reduced.stiffness.as_ref(), reduced.mass.as_ref());
+        let matrix = SparseColMat::new(pattern, vec![0.0; entries.len()]);
         Correction {
             own,
             n: matrix.nrows(),
@@ -64,7 +64,6 @@ impl Correction {
     }
 
     /// Factorisations so far.
-    #[must_use]
     pub fn factorisations(&self) -> u64 {
         self.count
     }
@@ -298,39 +297,4 @@ fn same(a: &[f64; 3], b: &[f64; 3]) -> bool {
     a.iter()
         .zip(b)
         .all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs())
-}
-
-/// The union of two lower triangles: a matrix with that pattern, and the entries of both on it.
-fn union(
-    a: &SparseColMat<usize, f64>,
-    b: &SparseColMat<usize, f64>,
-) -> (SparseColMat<usize, f64>, Vec<[f64; 2]>) {
-    let n = a.ncols();
-    let mut starts = vec![0];
-    let (mut rows, mut entries) = (Vec::new(), Vec::new());
-    for j in 0..n {
-        let mut left = a.row_idx_of_col(j).zip(a.val_of_col(j)).peekable();
-        let mut right = b.row_idx_of_col(j).zip(b.val_of_col(j)).peekable();
-        loop {
-            let row = match (left.peek(), right.peek()) {
-                (None, None) => break,
-                (Some(x), None) => x.0,
-                (None, Some(y)) => y.0,
-                (Some(x), Some(y)) => x.0.min(y.0),
-            };
-            let mut value = [0.0; 2];
-            if let Some((_, x)) = left.next_if(|x| x.0 == row) {
-                value[0] = *x;
-            }
-            if let Some((_, y)) = right.next_if(|y| y.0 == row) {
-                value[1] = *y;
-            }
-            rows.push(row);
-            entries.push(value);
-        }
-        starts.push(rows.len());
-    }
-    let zeros = vec![0.0; rows.len()];
-    let pattern = faer::sparse::SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
-    (SparseColMat::new(pattern, zeros), entries)
 }

@@ -21,22 +21,20 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// The frame of a hub that turns (`slide` is `None`) or slides, at an angle or travel.
+    /// The frame of a hub that turns (`slide` is `None`) or slides, at an angle or displacement.
     #[inline]
-    #[must_use]
-    pub fn at(travel: f64, slide: Option<&Vec3>) -> Self {
+    pub fn at(displacement: f64, slide: Option<&Vec3>) -> Self {
         match slide {
             None => {
-                let (sin, cos) = travel.sin_cos();
+                let (sin, cos) = displacement.sin_cos();
                 Frame::Turned { cos, sin }
             }
-            Some(e) => Frame::Moved(travel * e),
+            Some(e) => Frame::Moved(displacement * e),
         }
     }
 
     /// A direction of the frame in space.
     #[inline]
-    #[must_use]
     pub fn to_space(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self {
             Frame::Turned { cos, sin } => [cos * x - sin * y, sin * x + cos * y, z],
@@ -46,7 +44,6 @@ impl Frame {
 
     /// A direction of space in the frame.
     #[inline]
-    #[must_use]
     pub fn to_frame(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self {
             Frame::Turned { cos, sin } => [cos * x + sin * y, cos * y - sin * x, z],
@@ -74,7 +71,6 @@ impl Frame {
 
     /// Elastic displacement, in the frame, of a node whose place in space is `X + d`.
     #[inline]
-    #[must_use]
     pub fn elastic(self, position: &Vec3, d: &[f64]) -> [f64; 3] {
         match self {
             Frame::Turned { cos, sin } => {
@@ -92,7 +88,6 @@ impl Frame {
 
     /// Displacement in space of a node that the hub holds.
     #[inline]
-    #[must_use]
     pub fn carried(self, position: &Vec3) -> [f64; 3] {
         match self {
             Frame::Turned { cos, sin } => {
@@ -120,7 +115,6 @@ fn versine(cos: f64, sin: f64) -> f64 {
 
 /// Velocity of a point of the frame, in the frame, for a hub that moves at unit speed.
 #[inline]
-#[must_use]
 pub fn unit_motion(x: &[f64; 3], slide: Option<&Vec3>) -> [f64; 3] {
     match slide {
         None => [-x[1], x[0], 0.0],
@@ -135,12 +129,12 @@ mod tests {
     #[test]
     fn carried_nodes_have_no_elastic_displacement() {
         let position = Vec3::new(0.03, -0.02, 0.004);
-        for travel in [-3.0, -0.4, 1e-7, 0.9, 2.5, 40.0] {
+        for displacement in [-3.0, -0.4, 1e-7, 0.9, 2.5, 40.0] {
             for slide in [None, Some(Vec3::new(0.6, -0.8, 0.0))] {
-                let frame = Frame::at(travel, slide.as_ref());
+                let frame = Frame::at(displacement, slide.as_ref());
                 let d = frame.carried(&position);
                 for u in frame.elastic(&position, &d) {
-                    assert!(u.abs() < 2e-17, "{travel} {u:e}");
+                    assert!(u.abs() < 2e-17, "{displacement} {u:e}");
                 }
                 let v = [1.0, 2.0, 3.0];
                 let back = frame.to_frame(frame.to_space(v));

@@ -1,6 +1,6 @@
 //! The full-order gear: every node moves.
 //!
-//! Generalised coordinates: the hub's travel `theta` where the mount leaves it free, then per free node its
+//! Generalised coordinates: the hub's displacement `theta` where the mount leaves it free, then per free node its
 //! displacement `d` in space from the assembled position. With absolute displacements the mass matrix of
 //! the nodes is constant and there are no Coriolis terms; elasticity is linear in the frame on the hub
 //! ([`super::frame`]): `u = R^T (X + d) - X`, strain energy `U = u^T K u / 2`,
@@ -17,8 +17,9 @@
 use super::body::Body;
 use super::correction::Correction;
 use super::frame::unit_motion;
-use super::kinematics::dot3;
+use super::kinematics::{add3, dot3, node3};
 use crate::assembly::tie::{MassKind, Tie};
+use crate::vector::dot;
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{
@@ -30,11 +31,11 @@ use std::cell::RefCell;
 
 /// Buffers over all nodes, three components each.
 #[derive(Debug)]
-struct Nodal {
+pub(super) struct Nodal {
     /// Elastic displacement in the frame, or a velocity; held nodes stay as they were set.
-    u: Vec<f64>,
+    pub(super) u: Vec<f64>,
     /// What stiffness or mass makes of it.
-    g: Vec<f64>,
+    pub(super) g: Vec<f64>,
     /// A second direction, for tangents.
     du: Vec<f64>,
     dg: Vec<f64>,
@@ -47,14 +48,13 @@ pub struct FullOrder {
     pub(super) body: Body,
     /// Coordinates of the hub: 0 or 1; those of the nodes follow.
     pub(super) own: usize,
-    scratch: RefCell<Nodal>,
-    correction: RefCell<Correction>,
+    pub(super) scratch: RefCell<Nodal>,
+    pub(super) correction: RefCell<Correction>,
 }
 
 impl FullOrder {
     /// A body on its hub with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia becomes
     /// that of the mesh with what is added.
-    #[must_use]
     pub fn new(mut hub: Hub, effective_base_radius: f64, body: Body) -> Self {
         hub.inertia = body.inertia;
         let n = 3 * body.position.len();
@@ -62,7 +62,10 @@ impl FullOrder {
         let own = hub.coordinates();
         let count = 3 * body.free.len();
         let masses = if body.mass == MassKind::Lumped {
-            let of_nodes = body.free.iter().map(|&node| body.lumped[node as usize]);
+            let of_nodes = body
+                .free
+                .iter()
+                .map(|&node| body.assembly.lumped[node as usize]);
             let of_nodes = of_nodes.flat_map(|m| [m; 3]);
             std::iter::repeat_n(body.hub_inertia, own)
                 .chain(of_nodes)
@@ -93,7 +96,6 @@ impl FullOrder {
     }
 
     /// The finite elements.
-    #[must_use]
     pub fn body(&self) -> &Body {
         &self.body
     }
@@ -154,17 +156,13 @@ impl GearModel for FullOrder {
         }
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let force = frame.to_space([g[3 * node], g[3 * node + 1], g[3 * node + 2]]);
-            for axis in 0..3 {
-                f[self.own + 3 * k + axis] -= force[axis];
-            }
+            let force = frame.to_space(node3(g, node));
+            add3(f, self.own + 3 * k, force.map(|x| -x));
         }
         let speed = self.hub.speed(at.t, at.v);
         for &(k, pull) in &self.body.pull {
-            let force = frame.to_space(pull);
-            for axis in 0..3 {
-                f[self.own + 3 * k as usize + axis] += speed * speed * force[axis];
-            }
+            let force = frame.to_space(pull).map(|x| speed * speed * x);
+            add3(f, self.own + 3 * k as usize, force);
         }
     }
 
@@ -182,8 +180,7 @@ impl GearModel for FullOrder {
         du.fill(0.0);
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let d = &dq[self.own + 3 * k..][..3];
-            let own = frame.to_frame([d[0], d[1], d[2]]);
+            let own = frame.to_frame(node3(&dq[self.own..], k));
             let arm = self.arm(node, u);
             for axis in 0..3 {
                 du[3 * node + axis] = own[axis] - dhub * arm[axis];
@@ -194,8 +191,7 @@ impl GearModel for FullOrder {
         let mut torque = 0.0;
         for (k, &node) in self.body.free.iter().enumerate() {
             let node = node as usize;
-            let force = [g[3 * node], g[3 * node + 1], g[3 * node + 2]];
-            let mut change = [dg[3 * node], dg[3 * node + 1], dg[3 * node + 2]];
+            let (force, mut change) = (node3(g, node), node3(dg, node));
             torque += dot3(self.arm(node, u), &change);
             if turning {
                 torque += force[1] * du[3 * node] - force[0] * du[3 * node + 1];
@@ -203,9 +199,7 @@ impl GearModel for FullOrder {
                 change[1] += dhub * force[0];
             }
             let change = frame.to_space(change);
-            for axis in 0..3 {
-                df[self.own + 3 * k + axis] -= change[axis];
-            }
+            add3(df, self.own + 3 * k, change.map(|x| -x));
         }
         if self.own == 0 {
             return;
@@ -241,7 +235,6 @@ impl GearModel for FullOrder {
         let speed = self.hub.speed(at.t, at.v);
         let mut nodal = self.scratch.borrow_mut();
         let Nodal { u, g, .. } = &mut *nodal;
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         self.velocities(frame, speed, at.v, u);
         self.body.apply_nodal_mass(u, g);
         let kinetic = 0.5 * (dot(u, g) + self.body.added_inertia * speed * speed);
@@ -263,7 +256,10 @@ impl GearModel for FullOrder {
 
     fn hub_state(&self, at: At<'_>) -> HubState {
         let frame = self.frame(at);
-        let (travel, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (displacement, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let mut nodal = self.scratch.borrow_mut();
         let Nodal { u, g, du, .. } = &mut *nodal;
         self.velocities(frame, speed, at.v, u);
@@ -275,7 +271,7 @@ impl GearModel for FullOrder {
             momentum += dot3(arm, &g[3 * node..3 * node + 3]);
         }
         HubState {
-            travel,
+            displacement,
             speed,
             momentum,
         }
@@ -349,78 +345,6 @@ impl FlankNodes for FullOrder {
             };
             *x = self.hub.centre + reference + moved;
         }
-    }
-}
-
-impl CoupledMass for FullOrder {
-    fn solve(&self, at: At<'_>, f_to_a: &mut [f64]) {
-        let frame = self.frame(at);
-        let mass_only = Coeffs {
-            m: 1.0,
-            d: 0.0,
-            k: 0.0,
-        };
-        // The mass matrix is positive definite: its factorisation does not fail.
-        let solved = (self.correction.borrow_mut()).solve(frame, mass_only, 0.0, f_to_a);
-        if solved.is_err() {
-            f_to_a.fill(f64::NAN);
-        }
-    }
-
-    fn apply(&self, at: At<'_>, x: &[f64], y: &mut [f64]) {
-        let frame = self.frame(at);
-        let speed = if self.own > 0 { x[0] } else { 0.0 };
-        let mut nodal = self.scratch.borrow_mut();
-        let Nodal { u, g, .. } = &mut *nodal;
-        self.velocities(frame, speed, x, u);
-        self.body.apply_nodal_mass(u, g);
-        for (k, &node) in self.body.free.iter().enumerate() {
-            y[self.own + 3 * k..][..3].copy_from_slice(&g[3 * node as usize..][..3]);
-        }
-        if self.own > 0 {
-            let mut sum = self.body.added_inertia * speed;
-            for (node, &place) in self.body.place.iter().enumerate() {
-                if place == Tie::HELD {
-                    let unit = unit_motion(&self.body.position[node].into(), self.slide());
-                    sum += dot3(frame.to_space(unit), &g[3 * node..3 * node + 3]);
-                }
-            }
-            y[0] = sum;
-        }
-    }
-}
-
-impl LargeGear for FullOrder {
-    fn condensed(
-        &self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        coordinates: &[u32],
-        g: &mut [f64],
-    ) -> Result<(), Singular> {
-        let frame = self.frame(at);
-        self.correction
-            .borrow_mut()
-            .flexibility(frame, c, hub_damping, coordinates, g)
-    }
-
-    fn add_response(
-        &self,
-        at: At<'_>,
-        c: Coeffs,
-        hub_damping: f64,
-        (coordinates, forces): (&[u32], &[f64]),
-        x: &mut [f64],
-    ) -> Result<(), Singular> {
-        let frame = self.frame(at);
-        self.correction
-            .borrow_mut()
-            .add_response(frame, c, hub_damping, coordinates, forces, x)
-    }
-
-    fn factorisations(&self) -> u64 {
-        self.correction.borrow().factorisations()
     }
 }
 

@@ -1,5 +1,5 @@
 //! Where the nodes of a full-order gear are and how they move: positions and velocities from the generalised
-//! coordinates, lever arms, points between nodes.
+//! coordinates, effective base radius arms, points between nodes.
 
 use super::frame::{Frame, unit_motion};
 use super::gear::FullOrder;
@@ -17,7 +17,7 @@ impl FullOrder {
     }
 
     pub(super) fn frame(&self, at: At<'_>) -> Frame {
-        Frame::at(self.hub.travel(at.t, at.q), self.slide())
+        Frame::at(self.hub.displacement(at.t, at.q), self.slide())
     }
 
     /// Elastic displacements of all nodes in the frame.
@@ -111,4 +111,18 @@ impl FullOrder {
 #[inline]
 pub(super) fn dot3(a: [f64; 3], b: &[f64]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The three components of a node.
+#[inline]
+pub(super) fn node3(x: &[f64], node: usize) -> [f64; 3] {
+    [x[3 * node], x[3 * node + 1], x[3 * node + 2]]
+}
+
+/// Adds three components from a place on.
+#[inline]
+pub(super) fn add3(y: &mut [f64], from: usize, x: [f64; 3]) {
+    for (y, x) in y[from..from + 3].iter_mut().zip(x) {
+        *y += x;
+    }
 }

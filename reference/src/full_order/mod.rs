@@ -2,17 +2,18 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`frame`] | the frame on the hub: where undeformed points are |
+//! | `frame` | the frame on the hub: where undeformed points are |
 //! | [`body`] | mesh, stiffness and mass, prepared |
-//! | [`gear`], `kinematics` | the gear model: coordinates, forces, energy; where its nodes are and how they move |
-//! | [`correction`] | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
+//! | `gear`, `kinematics`, `large` | the gear model: coordinates, forces, energy; where its nodes are and how they move; coupled masses |
+//! | `correction` | Newton corrections: factor kept per step size, flexibility of the nodes in contact |
 //! | `table` | the line in the table of models |
 
 pub mod body;
-pub mod correction;
-pub mod frame;
-pub mod gear;
+mod correction;
+mod frame;
+mod gear;
 mod kinematics;
+mod large;
 pub(crate) mod table;
 
 #[cfg(test)]

@@ -3,21 +3,21 @@
 use super::body::Body;
 use super::gear::FullOrder;
 use crate::assembly::tie::MassKind;
-use crate::mesh_source::{self, MeshParameters, Reader, Source};
+use crate::mesh_source::{self, MeshParameters, Reader, Source, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use serde::{Deserialize, Serialize};
 
 const MODEL: &str = "fe";
 
 /// Parameters of the model.
-const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[ParameterInfo {
-    key: "mass",
-    meaning: "\"consistent\" (default) or \"lumped\", which explicit methods want",
-    required: false,
-}]);
+const PARAMETERS: [ParameterInfo; 8] = mesh_source::with_own(&[optional(
+    "mass",
+    "\"consistent\" (default) or \"lumped\", which explicit methods want",
+)]);
 
 /// Its parameters as a struct; the row of its table says what they mean.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -40,6 +40,10 @@ pub const ROW: Model = Model {
     id: MODEL,
     title: "full finite elements: every node moves, contact over the flank faces",
     parameters: &PARAMETERS,
+    properties: Properties {
+        full_order: true,
+        ..Properties::NONE
+    },
     build,
 };
 
@@ -74,7 +78,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     .map_err(|e| reader.error("mesh", e.to_string()))?;
     Ok(Box::new(FullOrder::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         body,
     )))
 }

@@ -28,7 +28,7 @@ pub(super) struct Assembly {
 
 impl Assembly {
     pub(super) fn new(plan: &Plan<'_>, nodes: usize) -> Self {
-        let elements = nodes * plan.kind.nodes();
+        let elements = nodes * plan.params.kind.nodes();
         Assembly {
             nodes: Vec::with_capacity(nodes),
             connectivity: Vec::with_capacity(elements),
@@ -72,7 +72,7 @@ impl Assembly {
         self.last_cut.clear();
         self.last_cut.extend_from_slice(&self.ids[all - cut..]);
 
-        let first_element = (self.connectivity.len() / plan.kind.nodes()) as u32;
+        let first_element = (self.connectivity.len() / plan.params.kind.nodes()) as u32;
         for &e in &t.elements {
             let ids = &self.ids;
             self.connectivity
@@ -87,7 +87,7 @@ impl Assembly {
     }
 
     fn flanks_of(&mut self, plan: &Plan<'_>, t: &Template, tooth: u32, first_element: u32) {
-        let (planes, f) = (plan.planes.len(), refine(plan.kind));
+        let (planes, f) = (plan.planes.len(), refine(plan.params.kind));
         let layers = plan.layers_over_width();
         for (line, side) in t.section.flanks.iter().zip(Side::BOTH) {
             let letter = if side == Side::Left { 'l' } else { 'r' };
@@ -137,7 +137,7 @@ impl Assembly {
         GearMesh {
             mesh: Mesh {
                 nodes: self.nodes,
-                kind: plan.kind,
+                kind: plan.params.kind,
                 connectivity: self.connectivity,
                 node_sets: self.node_sets,
                 face_sets: self.face_sets,

@@ -19,10 +19,10 @@ fn a_rack(helix: f64) -> Rack {
 fn flanks_of_a_rack_are_planes_and_its_mass_is_right() {
     for helix in [0.0, 0.35] {
         let r = a_rack(helix);
-        let p = RackMeshParams {
+        let p = GearMeshParams {
             kind: ElementKind::C3D20,
             width: 2,
-            ..RackMeshParams::default()
+            ..GearMeshParams::default()
         };
         let m = rack(&r, &p).unwrap();
         assert_eq!((m.teeth, m.flanks.len()), (6, 12));
@@ -72,10 +72,10 @@ fn all_racks_have_sound_elements() {
                 };
                 let Ok(r) = Rack::new(r) else { continue };
                 for kind in [ElementKind::C3D8, ElementKind::C3D20] {
-                    let p = RackMeshParams {
+                    let p = GearMeshParams {
                         kind,
                         width: 1,
-                        ..RackMeshParams::default()
+                        ..GearMeshParams::default()
                     };
                     let made = rack(&r, &p);
                     // A body of a quarter of the module may be refused; it is never built unsound.
@@ -331,9 +331,9 @@ fn bad_input_is_refused_with_a_way_out() {
             "expected `{expected}` in: {found}"
         );
     }
-    let r = RackMeshParams {
-        body: 0,
-        ..RackMeshParams::default()
+    let r = GearMeshParams {
+        rim: 0,
+        ..GearMeshParams::default()
     };
     assert!(rack(&a_rack(0.0), &r).is_err());
 }

@@ -4,7 +4,7 @@
 use super::assembly::Assembly;
 use super::checks::{check_counts, check_ratios, check_web};
 use super::error::MeshError;
-use super::params::{FineTeeth, GearMeshParams, RackMeshParams, Tooth, Web};
+use super::params::{GearMeshParams, Tooth};
 use super::profile::{Body, Plane};
 use super::quality::ElementCheck;
 use super::section::{Common, Section, section};
@@ -17,63 +17,11 @@ use gearbench_models::geometry::{Gear, Rack};
 const MOST_NODES: f64 = 5e7;
 
 /// Meshes a gear, or one sector of it.
-///
-/// # Errors
-/// [`MeshError`] when a count is out of range, the gear is solid, or an element would be turned inside out.
 pub fn gear(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError> {
-    plan(gear, params)?.build()
-}
-
-/// Checks what is asked for.
-fn plan<'a>(gear: &'a Gear, params: &'a GearMeshParams) -> Result<Plan<'a>, MeshError> {
-    let p = params;
-    let bore = gear.params().bore_radius;
-    let layers = check_counts(p.tooth, p.fine_teeth.as_ref(), p.layers, p.rim, p.width)?;
-    check_ratios(p.flank_grading, p.skin_growth, p.rim_growth)?;
-    if bore <= 0.0 {
-        return Err(MeshError::NoBore {
-            r_root: gear.r_root(),
-            proposal: 0.5 * gear.r_root(),
-        });
-    }
-    if p.sector && p.fine_teeth.is_some() {
-        return Err(MeshError::SectorWithFineTeeth);
-    }
-    let body = Body::Gear(gear);
-    if let Some(w) = &p.web {
-        check_web(w, gear, p.width)?;
-    }
-    let b = gear.face_width();
-    let planes = planes(p.width, b, p.web.as_ref(), refine(p.kind));
-    let z = gear.teeth();
-    Ok(Plan {
-        body,
-        kind: p.kind,
-        common: Common::new(
-            body,
-            &p.tooth,
-            refine(p.kind),
-            layers,
-            p.rim,
-            (p.flank_grading, p.skin_growth, p.rim_growth),
-            p.web.as_ref(),
-        )?,
-        planes,
-        web: p.web,
-        teeth: if p.sector { vec![0] } else { (0..z).collect() },
-        all_teeth: z,
-        closed: !p.sector,
-        first_turn: 0,
-        fine: p.fine_teeth.as_ref(),
-        tooth: p.tooth,
-        layers,
-    })
+    plan(Body::Gear(gear), params)?.build()
 }
 
 /// Meshes one sector of a gear: [`gear`] with [`GearMeshParams::sector`].
-///
-/// # Errors
-/// As [`gear`].
 pub fn sector(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError> {
     let params = GearMeshParams {
         sector: true,
@@ -83,43 +31,52 @@ pub fn sector(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshErro
 }
 
 /// Meshes a rack, cut square in the middle of the outer tooth spaces; its back is the `bore`.
-///
-/// # Errors
-/// As [`gear`].
-pub fn rack(rack: &Rack, params: &RackMeshParams) -> Result<GearMesh, MeshError> {
-    let p = params;
-    let layers = check_counts(p.tooth, p.fine_teeth.as_ref(), p.layers, p.body, p.width)?;
-    check_ratios(p.flank_grading, p.skin_growth, p.body_growth)?;
-    let body = Body::Rack(rack);
-    let n = rack.teeth();
-    let first = rack.first_tooth();
-    Plan {
+pub fn rack(rack: &Rack, params: &GearMeshParams) -> Result<GearMesh, MeshError> {
+    plan(Body::Rack(rack), params)?.build()
+}
+
+/// Checks what is asked for.
+fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError> {
+    let layers = check_counts(p)?;
+    check_ratios(p)?;
+    let (teeth, all_teeth, first_turn, face_width) = match body {
+        Body::Gear(g) => {
+            if g.params().bore_radius <= 0.0 {
+                return Err(MeshError::NoBore {
+                    r_root: g.r_root(),
+                    proposal: 0.5 * g.r_root(),
+                });
+            }
+            if p.sector && p.fine_teeth.is_some() {
+                return Err(MeshError::SectorWithFineTeeth);
+            }
+            if let Some(w) = &p.web {
+                check_web(w, g, p.width)?;
+            }
+            let teeth = 0..if p.sector { 1 } else { g.teeth() };
+            (teeth.collect(), g.teeth(), 0, g.face_width())
+        }
+        Body::Rack(r) => {
+            if p.sector || p.web.is_some() {
+                return Err(MeshError::RackWithWebOrSector);
+            }
+            let (n, first) = (i64::from(r.teeth()), r.first_tooth());
+            // The section's left side points down: teeth join from the highest to the lowest.
+            let teeth = (0..n).rev().map(|k| (first + k).rem_euclid(n) as u32);
+            (teeth.collect(), r.teeth(), first + n - 1, r.face_width())
+        }
+    };
+    Ok(Plan {
         body,
-        kind: p.kind,
-        common: Common::new(
-            body,
-            &p.tooth,
-            refine(p.kind),
-            layers,
-            p.body,
-            (p.flank_grading, p.skin_growth, p.body_growth),
-            None,
-        )?,
-        planes: planes(p.width, rack.face_width(), None, refine(p.kind)),
-        web: None,
-        // The section's left side points down: teeth join from the highest to the lowest.
-        teeth: (0..i64::from(n))
-            .rev()
-            .map(|k| (first + k).rem_euclid(i64::from(n)) as u32)
-            .collect(),
-        all_teeth: n,
-        closed: false,
-        first_turn: first + i64::from(n) - 1,
-        fine: p.fine_teeth.as_ref(),
-        tooth: p.tooth,
+        params: p,
+        common: Common::new(body, p, layers),
+        planes: planes(p.width, face_width, p.web.as_ref(), refine(p.kind)),
+        teeth,
+        all_teeth,
+        closed: matches!(body, Body::Gear(_)) && !p.sector,
+        first_turn,
         layers,
-    }
-    .build()
+    })
 }
 
 /// 2 for elements with mid-side nodes.
@@ -130,10 +87,9 @@ pub(super) fn refine(kind: ElementKind) -> usize {
 /// Everything that is known before nodes are made.
 pub(super) struct Plan<'a> {
     pub(super) body: Body<'a>,
-    pub(super) kind: ElementKind,
+    pub(super) params: &'a GearMeshParams,
     pub(super) common: Common<'a>,
     pub(super) planes: Vec<f64>,
-    pub(super) web: Option<Web>,
     /// Teeth in the order of their place.
     pub(super) teeth: Vec<u32>,
     pub(super) all_teeth: u32,
@@ -141,8 +97,6 @@ pub(super) struct Plan<'a> {
     pub(super) closed: bool,
     /// Pitches by which the first of them stands from tooth 0.
     pub(super) first_turn: i64,
-    pub(super) fine: Option<&'a FineTeeth>,
-    pub(super) tooth: Tooth,
     pub(super) layers: usize,
 }
 
@@ -162,7 +116,7 @@ pub(super) struct Template {
 impl Plan<'_> {
     fn build(&self) -> Result<GearMesh, MeshError> {
         let mut fine = vec![true; self.all_teeth as usize];
-        if let Some(f) = self.fine {
+        if let Some(f) = &self.params.fine_teeth {
             fine.fill(false);
             for &tooth in &f.teeth {
                 match fine.get_mut(tooth as usize) {
@@ -176,9 +130,9 @@ impl Plan<'_> {
                 }
             }
         }
-        let counts = |tooth: u32| match self.fine {
+        let counts = |tooth: u32| match &self.params.fine_teeth {
             Some(f) if !fine[tooth as usize] => &f.others,
-            _ => &self.tooth,
+            _ => &self.params.tooth,
         };
         let estimate: f64 = self.teeth.iter().map(|&k| self.nodes_of(counts(k))).sum();
         if estimate > MOST_NODES {
@@ -187,8 +141,13 @@ impl Plan<'_> {
                 limit: MOST_NODES,
             });
         }
-        let mut templates = vec![self.template(&self.tooth)];
-        templates.extend(self.fine.map(|f| self.template(&f.others)));
+        let mut templates = vec![self.template(&self.params.tooth)];
+        templates.extend(
+            self.params
+                .fine_teeth
+                .as_ref()
+                .map(|f| self.template(&f.others)),
+        );
         let template = |tooth: u32| &templates[usize::from(!fine[tooth as usize])];
         for t in &templates {
             self.check(t)?;
@@ -211,23 +170,23 @@ impl Plan<'_> {
             + (2 * root + core) * levels;
         let layers = self.layers_over_width() as f64;
         // Three more nodes for every element that has mid-side nodes.
-        match refine(self.kind) {
+        match refine(self.params.kind) {
             1 => quads as f64 * (layers + 1.0),
             _ => quads as f64 * (4.0 * layers + 3.0),
         }
     }
 
     pub(super) fn layers_over_width(&self) -> usize {
-        (self.planes.len() - 1) / refine(self.kind)
+        (self.planes.len() - 1) / refine(self.params.kind)
     }
 
     fn template(&self, tooth: &Tooth) -> Template {
         let section = section(&self.common, tooth);
-        let f = refine(self.kind);
+        let f = refine(self.params.kind);
         let (planes, layers) = (self.planes.len(), self.layers_over_width());
         let hollow = |part: Part, layer: usize| {
             part == Part::Web
-                && self.web.is_some_and(|w| {
+                && self.params.web.is_some_and(|w| {
                     let middle = 0.5 * (self.planes[layer * f] + self.planes[(layer + 1) * f]);
                     middle.abs() > 0.5 * w.thickness
                 })
@@ -331,7 +290,7 @@ impl Plan<'_> {
     ) -> impl Iterator<Item = usize> {
         let nodes = t.section.quads[q as usize].nodes;
         let planes = self.planes.len();
-        let f = refine(self.kind);
+        let f = refine(self.params.kind);
         let l = layer as usize * f;
         let at = move |i: usize, plane: usize| nodes[i] as usize * planes + plane;
         let corners = (0..4)
@@ -348,7 +307,7 @@ impl Plan<'_> {
     fn check(&self, t: &Template) -> Result<(), MeshError> {
         let mut positions = Vec::new();
         self.positions(t, 0, &mut positions);
-        let check = ElementCheck::new(self.kind);
+        let check = ElementCheck::new(self.params.kind);
         let mut nodes = Vec::with_capacity(20);
         for &e in &t.elements {
             nodes.clear();
@@ -376,7 +335,7 @@ mod tests {
     #[test]
     fn an_element_turned_inside_out_is_refused_with_its_place() {
         let (g, p) = (spur(20), small());
-        let plan = plan(&g, &p).unwrap();
+        let plan = plan(Body::Gear(&g), &p).unwrap();
         plan.check(&plan.template(&p.tooth)).unwrap();
         for part in [Part::Flank, Part::Fillet, Part::Core, Part::Rim] {
             let mut bad = plan.template(&p.tooth);

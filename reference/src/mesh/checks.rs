@@ -1,7 +1,7 @@
 //! Refuses counts, ratios and webs that no mesh can have.
 
 use super::error::MeshError;
-use super::params::{FineTeeth, Tooth, Web};
+use super::params::{GearMeshParams, Tooth, Web};
 use gearbench_models::geometry::Gear;
 
 /// Greatest count of anything.
@@ -37,30 +37,24 @@ fn check_tooth(tooth: Tooth) -> Result<(), MeshError> {
 }
 
 /// Checks all counts and gives the layers of the skin that every tooth has room for.
-pub(super) fn check_counts(
-    tooth: Tooth,
-    fine: Option<&FineTeeth>,
-    layers: usize,
-    rim: usize,
-    width: usize,
-) -> Result<usize, MeshError> {
-    check_count("layers of the skin", layers, 1, "1 to 1000")?;
-    check_count("layers of the rim", rim, 1, "1 to 1000")?;
-    check_count("layers over the width", width, 1, "1 to 1000")?;
-    let mut across = tooth.across;
-    check_tooth(tooth)?;
-    if let Some(f) = fine {
+pub(super) fn check_counts(p: &GearMeshParams) -> Result<usize, MeshError> {
+    check_count("layers of the skin", p.layers, 1, "1 to 1000")?;
+    check_count("layers of the rim", p.rim, 1, "1 to 1000")?;
+    check_count("layers over the width", p.width, 1, "1 to 1000")?;
+    let mut across = p.tooth.across;
+    check_tooth(p.tooth)?;
+    if let Some(f) = &p.fine_teeth {
         check_tooth(f.others)?;
         across = across.min(f.others.across);
     }
-    Ok(layers.min((across - 1) / 2))
+    Ok(p.layers.min((across - 1) / 2))
 }
 
-pub(super) fn check_ratios(flank: f64, skin: f64, rim: Option<f64>) -> Result<(), MeshError> {
+pub(super) fn check_ratios(p: &GearMeshParams) -> Result<(), MeshError> {
     for (what, value) in [
-        ("grading of the flank", flank),
-        ("growth in the skin", skin),
-        ("growth in the rim", rim.unwrap_or(1.0)),
+        ("grading of the flank", p.flank_grading),
+        ("growth in the skin", p.skin_growth),
+        ("growth in the rim", p.rim_growth.unwrap_or(1.0)),
     ] {
         if !(0.1..=10.0).contains(&value) {
             return Err(MeshError::Invalid {

@@ -2,18 +2,13 @@
 
 /// A part of a toothed body, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "`words` says what they are")]
 pub enum Part {
-    /// Skin under the flank.
     Flank,
-    /// Skin under the fillet and the root.
     Fillet,
-    /// Inside of the tooth.
     Core,
-    /// Between the teeth and the bore, or the back of a rack.
     Rim,
-    /// The thinner disc.
     Web,
-    /// Inside the thinner disc.
     Hub,
 }
 
@@ -51,79 +46,48 @@ impl std::fmt::Display for Part {
 
 /// Refusal of a mesh: what is wrong and what to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum MeshError {
-    /// A count or ratio is out of range.
     #[error("{what} is {value}; expected {expected}")]
     Invalid {
-        /// Which parameter.
         what: &'static str,
-        /// What was given.
         value: f64,
-        /// What it has to be.
         expected: &'static str,
     },
-    /// A solid gear has no surface that the hub could hold.
     #[error(
         "the gear is solid: without a bore there is nothing for the hub to hold; give it a bore radius between \
          0 and the root radius {r_root:.6} m, for example {proposal:.4} m"
     )]
-    NoBore {
-        /// Root radius [m].
-        r_root: f64,
-        /// A radius that would do [m].
-        proposal: f64,
-    },
-    /// The web does not fit between bore and teeth.
+    NoBore { r_root: f64, proposal: f64 },
     #[error(
         "the web from radius {inner:.6} m to {outer:.6} m, {thickness:.6} m thick, does not fit: it needs \
          {low:.6} m < inner < outer < {high:.6} m and a thickness below the face width {width:.6} m"
     )]
     Web {
-        /// Inner radius given [m].
         inner: f64,
-        /// Outer radius given [m].
         outer: f64,
-        /// Thickness given [m].
         thickness: f64,
-        /// The bore radius [m].
         low: f64,
-        /// Radius below the skin of the root [m].
         high: f64,
-        /// Face width [m].
         width: f64,
     },
-    /// A fine tooth that does not exist.
     #[error("fine tooth {tooth} does not exist: the teeth are 0 to {last}")]
-    NoSuchTooth {
-        /// What was given.
-        tooth: u32,
-        /// The last tooth.
-        last: u32,
-    },
-    /// Fine teeth in a sector, which has one tooth only.
+    NoSuchTooth { tooth: u32, last: u32 },
     #[error(
         "a sector is one tooth: it cannot have fine and coarse teeth; mesh the whole gear or drop one of both"
     )]
     SectorWithFineTeeth,
-    /// More nodes than a mesh should have.
+    #[error("a rack has neither a web nor sectors: leave them out")]
+    RackWithWebOrSector,
     #[error("the mesh would have {nodes:.3e} nodes, more than {limit:.0e}; use fewer elements")]
-    TooLarge {
-        /// How many.
-        nodes: f64,
-        /// The limit.
-        limit: f64,
-    },
-    /// An element is turned inside out.
+    TooLarge { nodes: f64, limit: f64 },
     #[error(
         "an element in {part}, near ({:.6}, {:.6}, {:.6}) m, would have the Jacobian {jacobian:.2e} (of its size); {}",
         .at[0], .at[1], .at[2], .part.words().1
     )]
     Inverted {
-        /// Where in the body.
         part: Part,
-        /// Its centre [m].
         at: [f64; 3],
-        /// The worst scaled Jacobian, not positive.
         jacobian: f64,
     },
 }

@@ -28,7 +28,7 @@ mod width;
 
 pub use build::{gear, rack, sector};
 pub use error::{MeshError, Part};
-pub use params::{FineTeeth, GearMeshParams, RackMeshParams, Tooth, Web};
+pub use params::{FineTeeth, GearMeshParams, Tooth, Web};
 pub use quality::{ElementQuality, Quality, element_qualities, quality};
 
 use gearbench_models::Vec3;
@@ -53,7 +53,6 @@ impl ElementKind {
     pub const ALL: [Self; 4] = [Self::C3D8, Self::C3D8I, Self::C3D20, Self::C3D20R];
 
     /// Name in decks.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::C3D8 => "C3D8",
@@ -64,7 +63,6 @@ impl ElementKind {
     }
 
     /// Finds a kind by its name, whatever the case.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
@@ -72,7 +70,6 @@ impl ElementKind {
     }
 
     /// Nodes of an element.
-    #[must_use]
     pub fn nodes(self) -> usize {
         match self {
             Self::C3D8 | Self::C3D8I => 8,
@@ -133,14 +130,23 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// A mesh without sets.
+    pub fn new(kind: ElementKind, nodes: Vec<Vec3>, connectivity: Vec<u32>) -> Self {
+        Mesh {
+            nodes,
+            kind,
+            connectivity,
+            node_sets: BTreeMap::new(),
+            face_sets: BTreeMap::new(),
+        }
+    }
+
     /// Number of elements.
-    #[must_use]
     pub fn element_count(&self) -> usize {
         self.connectivity.len() / self.kind.nodes()
     }
 
     /// Nodes of an element.
-    #[must_use]
     pub fn element(&self, element: usize) -> &[u32] {
         let n = self.kind.nodes();
         &self.connectivity[element * n..][..n]
@@ -152,7 +158,6 @@ impl Mesh {
     }
 
     /// Corner nodes of a face.
-    #[must_use]
     pub fn face_corners(&self, face: Face) -> [u32; 4] {
         let nodes = self.element(face.element as usize);
         FACE_CORNERS[face.face as usize].map(|i| nodes[i])

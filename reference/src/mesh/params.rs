@@ -22,7 +22,6 @@ pub struct Tooth {
 
 impl Tooth {
     /// Just enough for a tooth that carries no load: it brings mass and the stiffness of its root.
-    #[must_use]
     pub fn coarse() -> Self {
         Tooth {
             flank: 3,
@@ -72,7 +71,7 @@ pub struct Web {
     pub hub_layers: usize,
 }
 
-/// How a gear is meshed.
+/// How a gear or a rack is meshed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GearMeshParams {
     /// Kind of element.
@@ -82,7 +81,7 @@ pub struct GearMeshParams {
     /// Layers of the skin under flanks, fillets and root; fewer where a tooth has not elements enough across for
     /// them and a core.
     pub layers: usize,
-    /// Layers from the skin of the root to the bore (with a web: to its outer radius).
+    /// Layers from the skin of the root to the bore, or to the back of a rack (with a web: to its outer radius).
     pub rim: usize,
     /// Layers over the face width (with a web at least 3).
     pub width: usize,
@@ -93,9 +92,9 @@ pub struct GearMeshParams {
     /// Thickness of each layer of the rim over that of its neighbour nearer to the teeth; left out, it is chosen
     /// so that the rim continues the skin.
     pub rim_growth: Option<f64>,
-    /// A thinner disc between hub and rim.
+    /// A thinner disc between hub and rim; of a gear only.
     pub web: Option<Web>,
-    /// Mesh one pitch only: tooth 0 between the middles of its tooth spaces. The faces there are the node sets
+    /// Mesh one pitch of a gear only: tooth 0 between the middles of its tooth spaces. The faces there are the node sets
     /// `cut_low` and `cut_high`; node `i` of `cut_high` is node `i` of `cut_low` turned by one pitch.
     pub sector: bool,
     /// Mesh these teeth with [`GearMeshParams::tooth`], the others coarser.
@@ -115,47 +114,6 @@ impl Default for GearMeshParams {
             rim_growth: None,
             web: None,
             sector: false,
-            fine_teeth: None,
-        }
-    }
-}
-
-/// How a rack is meshed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RackMeshParams {
-    /// Kind of element.
-    pub kind: ElementKind,
-    /// Elements of a tooth.
-    pub tooth: Tooth,
-    /// Layers of the skin under flanks, fillets and root; fewer where a tooth has not elements enough across for
-    /// them and a core.
-    pub layers: usize,
-    /// Layers from the skin of the root to the back.
-    pub body: usize,
-    /// Layers over the face width.
-    pub width: usize,
-    /// As [`GearMeshParams::flank_grading`].
-    pub flank_grading: f64,
-    /// As [`GearMeshParams::skin_growth`].
-    pub skin_growth: f64,
-    /// As [`GearMeshParams::rim_growth`], for the body.
-    pub body_growth: Option<f64>,
-    /// Mesh these teeth with [`RackMeshParams::tooth`], the others coarser.
-    pub fine_teeth: Option<FineTeeth>,
-}
-
-impl Default for RackMeshParams {
-    fn default() -> Self {
-        let gear = GearMeshParams::default();
-        RackMeshParams {
-            kind: gear.kind,
-            tooth: gear.tooth,
-            layers: gear.layers,
-            body: gear.rim,
-            width: gear.width,
-            flank_grading: gear.flank_grading,
-            skin_growth: gear.skin_growth,
-            body_growth: gear.rim_growth,
             fine_teeth: None,
         }
     }

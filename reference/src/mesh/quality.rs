@@ -139,7 +139,6 @@ pub fn element_qualities(mesh: &Mesh) -> impl Iterator<Item = ElementQuality> {
 }
 
 /// Measures every element of a mesh.
-#[must_use]
 pub fn quality(mesh: &Mesh) -> Quality {
     let mut q = Quality {
         min_scaled_jacobian: f64::INFINITY,

@@ -45,28 +45,20 @@ pub struct Field<'a> {
 
 /// Why a file cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum VtuError {
-    /// The output refuses.
     #[error("cannot write the VTU file: {0}")]
     Io(#[from] io::Error),
-    /// A field does not fit the mesh.
     #[error("field `{name}` has {found} values; the mesh has {expected} {what}")]
     Length {
-        /// Name of the field.
         name: String,
-        /// Its values.
         found: usize,
-        /// Nodes or elements.
         expected: usize,
-        /// `nodes` or `elements`.
         what: &'static str,
     },
 }
 
 /// Writes a mesh with fields at its nodes and elements.
-///
-/// # Errors
-/// [`VtuError`] when a field has another length than the mesh, before anything is written, or when `out` fails.
 pub fn write(
     out: &mut dyn Write,
     mesh: &Mesh,
@@ -134,7 +126,6 @@ pub fn write(
 
 /// Where nodes stand on a gear, for [`write`]: `bore` is 1 on the bore; `flank` is the number of the tooth from 1
 /// on its left flank and minus that on its right one; `cut` is -1 and 1 on the cuts of a sector; 0 elsewhere.
-#[must_use]
 pub fn membership(mesh: &Mesh) -> [(&'static str, Vec<i32>); 3] {
     let mut found = ["bore", "flank", "cut"].map(|name| (name, vec![0; mesh.nodes.len()]));
     for (name, nodes) in &mesh.node_sets {
@@ -330,13 +321,7 @@ mod tests {
 
     #[test]
     fn fields_of_another_length_are_refused() {
-        let mesh = Mesh {
-            nodes: vec![],
-            kind: ElementKind::C3D8,
-            connectivity: vec![],
-            node_sets: Default::default(),
-            face_sets: Default::default(),
-        };
+        let mesh = Mesh::new(ElementKind::C3D8, vec![], vec![]);
         let mut out = Vec::new();
         let field = Field {
             name: "u",

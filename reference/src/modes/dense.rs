@@ -125,16 +125,18 @@ pub(super) fn residuals<T: Scalar>(
         .collect()
 }
 
-/// `alpha A^H B`.
+/// `A B`.
+pub(super) fn product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>, par: Par) -> Mat<T> {
+    let mut c = Mat::zeros(a.nrows(), b.ncols());
+    let one = T::real(1.0);
+    matmul(c.as_mut(), Accum::Replace, a, b, one, par);
+    c
+}
+
+/// `A^H B`.
 pub(super) fn adjoint_product<T: Scalar>(a: MatRef<'_, T>, b: MatRef<'_, T>, par: Par) -> Mat<T> {
     let mut c = Mat::zeros(a.ncols(), b.ncols());
-    matmul(
-        c.as_mut(),
-        Accum::Replace,
-        a.adjoint(),
-        b,
-        T::real(1.0),
-        par,
-    );
+    let one = T::real(1.0);
+    matmul(c.as_mut(), Accum::Replace, a.adjoint(), b, one, par);
     c
 }

@@ -5,14 +5,14 @@
 //! | part | owns |
 //! |---|---|
 //! | [`lowest`] | lowest modes of any symmetric pair, [`Options`], [`Modes`], the count that proves none is missing |
-//! | [`lanczos`] | the iteration, for real and Hermitian matrices |
+//! | `lanczos` | the iteration, for real and Hermitian matrices |
 //! | [`cyclic`] | modes of a whole gear from one tooth sector |
 //!
 //! A body free in the mount has modes of zero frequency; a shift below zero keeps the factor positive definite.
 
 pub mod cyclic;
 mod dense;
-pub mod lanczos;
+mod lanczos;
 mod symmetric;
 #[cfg(test)]
 mod tests;
@@ -20,8 +20,8 @@ mod tests;
 pub use lanczos::{Report, Target};
 pub use symmetric::Symmetric;
 
-use crate::solve::{self, Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
-use faer::sparse::SparseColMatRef;
+use crate::assembly::tie::Reduced;
+use crate::solve::{Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
 use faer::{Mat, Par};
 use std::sync::Arc;
 
@@ -33,14 +33,8 @@ pub struct Options {
     /// Vectors per step; should be the largest multiplicity or more. `None`: 8, and 4 for the harmonics of a
     /// cyclic gear, whose modes are simple.
     pub block: Option<usize>,
-    /// Residual of the inverse iteration relative to its eigenvalue at which a mode counts as found.
-    pub tolerance: f64,
-    /// Steps after which the search gives up.
-    pub max_steps: usize,
     /// Whether the inertia of a shifted matrix shall prove that no mode is missing (one more factorisation).
     pub verify: bool,
-    /// Threads; `None`: one for small matrices, all for large ones.
-    pub par: Option<Par>,
 }
 
 impl Default for Options {
@@ -48,10 +42,7 @@ impl Default for Options {
         Self {
             shift: None,
             block: None,
-            tolerance: 1e-9,
-            max_steps: 2000,
             verify: true,
-            par: None,
         }
     }
 }
@@ -74,7 +65,6 @@ pub struct Modes<T: Scalar = f64> {
 
 impl<T: Scalar> Modes<T> {
     /// Frequencies [Hz]; zero for a rigid-body mode whose square came out below zero by rounding.
-    #[must_use]
     pub fn frequencies(&self) -> Vec<f64> {
         let to_hz = |w2: &f64| w2.max(0.0).sqrt() / std::f64::consts::TAU;
         self.omega2.iter().map(to_hz).collect()
@@ -83,53 +73,33 @@ impl<T: Scalar> Modes<T> {
 
 /// Modes that cannot be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum ModesError {
-    /// The shifted matrix cannot be factorised.
     #[error("shifted stiffness matrix: {0}")]
     Solve(#[from] SolveError),
-    /// Stiffness and mass differ in size.
     #[error("the stiffness matrix has {stiffness} unknowns, the mass matrix {mass}")]
-    Sizes {
-        /// Unknowns of the stiffness matrix.
-        stiffness: usize,
-        /// Unknowns of the mass matrix.
-        mass: usize,
-    },
-    /// More modes wanted than there are unknowns.
+    Sizes { stiffness: usize, mass: usize },
     #[error("{wanted} modes wanted of a body with {unknowns} free coordinates: ask for fewer")]
-    TooMany {
-        /// Modes wanted.
-        wanted: usize,
-        /// Unknowns.
-        unknowns: usize,
-    },
-    /// A matrix holds a number that is not finite, or the mass matrix is not positive.
+    TooMany { wanted: usize, unknowns: usize },
     #[error("{0}")]
     Matrix(&'static str),
-    /// The search did not converge.
-    #[error("{found} of {wanted} modes found in {steps} steps: raise the steps or the tolerance")]
+    #[error(
+        "{found} of {wanted} modes found in {steps} steps: the problem is ill-conditioned or the shift far off"
+    )]
     NotConverged {
-        /// Modes found.
         found: usize,
-        /// Modes wanted.
         wanted: usize,
-        /// Steps taken.
         steps: usize,
     },
-    /// The inertia counts more modes than were found.
     #[error(
         "{counted} modes lie below {frequency:.6e} Hz, but {found} were found: the block is smaller than the \
          multiplicity of a mode; raise `block`"
     )]
     Missed {
-        /// Modes counted.
         counted: usize,
-        /// Modes found.
         found: usize,
-        /// Bound of the count [Hz].
         frequency: f64,
     },
-    /// The sector and its cuts do not make a gear.
     #[error("sector mesh: {0}")]
     Sector(String),
 }
@@ -156,57 +126,34 @@ pub(crate) fn default_shift<T: Scalar>(k: &Symmetric<T>, m: &Symmetric<T>) -> f6
     }
 }
 
-/// The lowest modes of `K phi = omega^2 M phi`; `k` and `m` are lower triangles.
+/// The lowest modes of `K phi = omega^2 M phi`.
 ///
 /// ```
 /// use faer::sparse::{SparseColMat, Triplet};
+/// use gearbench_reference::assembly::tie::Reduced;
 /// use gearbench_reference::modes::{Options, lowest};
 ///
 /// // Ten unit masses in a row between two walls, unit springs: omega_i = 2 sin(i pi / 22).
 /// let n = 10;
 /// let spring = |i: usize| [(i, i, 2.0), ((i + 1).min(n - 1), i, if i + 1 < n { -1.0 } else { 0.0 })];
 /// let k: Vec<_> = (0..n).flat_map(spring).map(|(i, j, v)| Triplet::new(i, j, v)).collect();
-/// let k = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &k).unwrap();
+/// let stiffness = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &k).unwrap();
 /// let m: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1.0)).collect();
-/// let m = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &m).unwrap();
-/// let modes = lowest(k.as_ref(), m.as_ref(), 3, &Options::default()).unwrap();
+/// let mass = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &m).unwrap();
+/// let modes = lowest(&Reduced { stiffness, mass }, 3, &Options::default()).unwrap();
 /// let exact = 2.0 * (std::f64::consts::PI / 22.0).sin();
 /// assert!((modes.omega2[0] - exact * exact).abs() < 1e-12);
 /// ```
-///
-/// # Errors
-/// [`ModesError`]: sizes that differ, matrices that are not definite, no convergence, or a mode missed.
-pub fn lowest(
-    k: SparseColMatRef<'_, usize, f64>,
-    m: SparseColMatRef<'_, usize, f64>,
-    count: usize,
-    options: &Options,
-) -> Result<Modes, ModesError> {
-    search(k, m, Target::Count(count), options)
-}
-
-/// All modes with `omega^2` up to a bound [rad²/s²]; matrices as for [`lowest`].
-///
-/// # Errors
-/// As [`lowest`].
-pub fn up_to(
-    k: SparseColMatRef<'_, usize, f64>,
-    m: SparseColMatRef<'_, usize, f64>,
-    omega2: f64,
-    options: &Options,
-) -> Result<Modes, ModesError> {
-    search(k, m, Target::Above(omega2), options)
+pub fn lowest(pair: &Reduced, count: usize, options: &Options) -> Result<Modes, ModesError> {
+    find(pair, Target::Count(count), options)
 }
 
 /// A body of so few unknowns has all its modes in no time.
 const FEW_UNKNOWNS: usize = 600;
 
-fn search(
-    k: SparseColMatRef<'_, usize, f64>,
-    m: SparseColMatRef<'_, usize, f64>,
-    target: Target,
-    options: &Options,
-) -> Result<Modes, ModesError> {
+/// The lowest modes, or all up to a bound, of a pair of lower triangles.
+pub(crate) fn find(pair: &Reduced, target: Target, options: &Options) -> Result<Modes, ModesError> {
+    let (k, m) = (pair.stiffness.as_ref(), pair.mass.as_ref());
     if k.ncols() != m.ncols() {
         return Err(ModesError::Sizes {
             stiffness: k.ncols(),
@@ -238,16 +185,11 @@ fn search(
         _ => {}
     }
     let shifted = k.minus(shift, &m);
-    let symbolic = Arc::new(Symbolic::new(
-        shifted.symbolic(),
-        solve::ordering::Ordering::Best,
-    )?);
-    let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), options.par)?;
+    let symbolic = Arc::new(Symbolic::new(shifted.symbolic())?);
+    let factor = Cholesky::with_symbolic(shifted.as_ref(), symbolic.clone(), None)?;
     drop(shifted);
-    let par = options
-        .par
-        .unwrap_or(if n < 20_000 { Par::Seq } else { Par::rayon(0) });
-    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, block, options, par);
+    let par = if n < 20_000 { Par::Seq } else { Par::rayon(0) };
+    let mut iteration = lanczos::Lanczos::new(m.clone(), shift, block, par);
     iteration.report.factorisations = 1;
     iteration.report.factor_bytes = factor.bytes();
     iteration.run(&factor, target)?;

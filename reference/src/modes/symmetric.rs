@@ -1,8 +1,8 @@
 //! A symmetric or Hermitian sparse matrix kept as its lower triangle, and its products with blocks of vectors.
 
 use super::ModesError;
-use crate::solve::Scalar;
-use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMat};
+use crate::solve::{Scalar, union};
+use faer::sparse::{SparseColMat, SparseColMatRef};
 use faer::{MatMut, MatRef};
 
 /// Columns of a product taken together.
@@ -14,16 +14,12 @@ pub struct Symmetric<T> {
     start: Vec<usize>,
     rows: Vec<u32>,
     values: Vec<T>,
-    /// Places of stored zeros are left out of the product but kept in sums: the pattern that came in.
-    pattern: SymbolicSparseColMat<usize>,
-    kept: Vec<u32>,
+    /// Stored zeros are left out of the product but kept in sums: what came in.
+    whole: SparseColMat<usize, T>,
 }
 
 impl<T: Scalar> Symmetric<T> {
     /// Takes over a lower triangle.
-    ///
-    /// # Errors
-    /// A number that is not finite, an entry above the diagonal, or a matrix that is not square.
     pub fn new(a: SparseColMatRef<'_, usize, T>) -> Result<Self, ModesError> {
         if a.nrows() != a.ncols() {
             return Err(ModesError::Matrix(
@@ -32,9 +28,8 @@ impl<T: Scalar> Symmetric<T> {
         }
         let n = a.ncols();
         let mut start = Vec::with_capacity(n + 1);
-        let (mut rows, mut values, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut rows, mut values) = (Vec::new(), Vec::new());
         start.push(0);
-        let mut place = 0;
         for j in 0..n {
             for (i, &v) in a.row_idx_of_col(j).zip(a.val_of_col(j)) {
                 if i < j {
@@ -50,31 +45,22 @@ impl<T: Scalar> Symmetric<T> {
                 if v.modulus2() != 0.0 {
                     rows.push(i as u32);
                     values.push(v);
-                    kept.push(place);
                 }
-                place += 1;
             }
             start.push(rows.len());
         }
-        let (n_rows, n_columns, columns, _, row_indices) = a.symbolic().parts();
-        let pattern = SymbolicSparseColMat::new_checked(
-            n_rows,
-            n_columns,
-            columns.to_vec(),
-            None,
-            row_indices.to_vec(),
-        );
+        let pattern = (a.symbolic().to_owned()).map_err(|_| {
+            ModesError::Matrix("a stiffness or mass matrix does not fit into memory")
+        })?;
         Ok(Self {
             start,
             rows,
             values,
-            pattern,
-            kept,
+            whole: SparseColMat::new(pattern, a.val().to_vec()),
         })
     }
 
     /// Rows and columns.
-    #[must_use]
     pub fn size(&self) -> usize {
         self.start.len() - 1
     }
@@ -93,52 +79,16 @@ impl<T: Scalar> Symmetric<T> {
     }
 
     /// `A - sigma B` on the union of both patterns, stored zeros included.
-    #[must_use]
     pub fn minus(&self, sigma: f64, b: &Self) -> SparseColMat<usize, T> {
-        let n = self.size();
-        let (full_a, full_b) = (self.with_zeros(), b.with_zeros());
+        let (pattern, entries) = union(self.whole.as_ref(), b.whole.as_ref());
         let sigma = T::real(sigma);
-        let mut start = Vec::with_capacity(n + 1);
-        let capacity = full_a.len().max(full_b.len());
-        let (mut rows, mut values) = (Vec::with_capacity(capacity), Vec::with_capacity(capacity));
-        start.push(0);
-        for j in 0..n {
-            let (pa, pb) = (self.pattern.col_range(j), b.pattern.col_range(j));
-            let (ra, rb) = (
-                &self.pattern.row_idx()[pa.clone()],
-                &b.pattern.row_idx()[pb.clone()],
-            );
-            let (va, vb) = (&full_a[pa], &full_b[pb]);
-            let (mut i, mut k) = (0, 0);
-            while i < ra.len() || k < rb.len() {
-                let row_a = ra.get(i).copied().unwrap_or(usize::MAX);
-                let row_b = rb.get(k).copied().unwrap_or(usize::MAX);
-                let mut value = T::real(0.0);
-                if row_a <= row_b {
-                    value += va[i];
-                    i += 1;
-                }
-                if row_b <= row_a {
-                    value -= sigma * vb[k];
-                    k += 1;
-                }
-                rows.push(row_a.min(row_b));
-                values.push(value);
-            }
-            start.push(rows.len());
-        }
-        SparseColMat::new(
-            SymbolicSparseColMat::new_checked(n, n, start, None, rows),
-            values,
-        )
-    }
-
-    fn with_zeros(&self) -> Vec<T> {
-        let mut all = vec![T::real(0.0); self.pattern.row_idx().len()];
-        for (&place, &v) in self.kept.iter().zip(&self.values) {
-            all[place as usize] = v;
-        }
-        all
+        let difference = |[a, b]: [T; 2]| {
+            let mut value = T::real(0.0);
+            value += a;
+            value -= sigma * b;
+            value
+        };
+        SparseColMat::new(pattern, entries.into_iter().map(difference).collect())
     }
 
     /// `y = A x` for all columns.

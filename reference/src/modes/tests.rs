@@ -4,12 +4,12 @@ use super::*;
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Reduced, Tie};
 use crate::mesh::{ElementKind, Mesh};
+use crate::test_support::brick;
 use faer::sparse::{SparseColMat, Triplet};
-use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 
 /// Kronecker sum of chains between walls on an n x n x n grid: eigenvalues are sums of 4 sin^2, many multiple.
-fn grid(n: usize) -> (SparseColMat<usize, f64>, SparseColMat<usize, f64>) {
+fn grid(n: usize) -> Reduced {
     let index = |x: usize, y: usize, z: usize| (x * n + y) * n + z;
     let (mut k, mut m) = (Vec::new(), Vec::new());
     for x in 0..n {
@@ -32,7 +32,10 @@ fn grid(n: usize) -> (SparseColMat<usize, f64>, SparseColMat<usize, f64>) {
     }
     let size = n * n * n;
     let make = |t: &[_]| SparseColMat::try_new_from_triplets(size, size, t).unwrap();
-    (make(&k), make(&m))
+    Reduced {
+        stiffness: make(&k),
+        mass: make(&m),
+    }
 }
 
 fn exact_grid(n: usize) -> Vec<f64> {
@@ -54,14 +57,14 @@ fn exact_grid(n: usize) -> Vec<f64> {
 #[test]
 fn multiple_eigenvalues_are_complete() {
     let n = 12;
-    let (k, m) = grid(n);
+    let pair = grid(n);
     let exact = exact_grid(n);
     for (count, block) in [(1, 1), (40, 8), (150, 6), (60, 12)] {
         let options = Options {
             block: Some(block),
             ..Options::default()
         };
-        let modes = lowest(k.as_ref(), m.as_ref(), count, &options).unwrap();
+        let modes = lowest(&pair, count, &options).unwrap();
         for i in 0..count {
             let error = (modes.omega2[i] / exact[i] - 1.0).abs();
             assert!(
@@ -80,39 +83,6 @@ fn multiple_eigenvalues_are_complete() {
     }
 }
 
-/// A brick of C3D8 elements.
-fn brick(n: [usize; 3], size: [f64; 3]) -> Mesh {
-    let index = |x: usize, y: usize, z: usize| ((x * (n[1] + 1) + y) * (n[2] + 1) + z) as u32;
-    let mut nodes = Vec::new();
-    for x in 0..=n[0] {
-        for y in 0..=n[1] {
-            for z in 0..=n[2] {
-                let at = |i: usize, k: usize| size[k] * i as f64 / n[k] as f64;
-                nodes.push(Vec3::new(at(x, 0), at(y, 1), at(z, 2)));
-            }
-        }
-    }
-    let mut connectivity = Vec::new();
-    for x in 0..n[0] {
-        for y in 0..n[1] {
-            for z in 0..n[2] {
-                for dz in 0..2 {
-                    for (dx, dy) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
-                        connectivity.push(index(x + dx, y + dy, z + dz));
-                    }
-                }
-            }
-        }
-    }
-    Mesh {
-        nodes,
-        kind: ElementKind::C3D8,
-        connectivity,
-        node_sets: Default::default(),
-        face_sets: Default::default(),
-    }
-}
-
 fn reduced(mesh: &Mesh, held: &[u32]) -> Reduced {
     let assembly = assemble(mesh, &Material::STEEL).unwrap();
     Tie::new(&mesh.nodes, held, &[]).reduce(&assembly, &[], MassKind::Consistent)
@@ -120,15 +90,9 @@ fn reduced(mesh: &Mesh, held: &[u32]) -> Reduced {
 
 #[test]
 fn free_body_has_six_rigid_modes() {
-    let mesh = brick([6, 4, 4], [0.06, 0.04, 0.03]);
+    let mesh = brick(ElementKind::C3D8, [6, 4, 4], [0.06, 0.04, 0.03]);
     let r = reduced(&mesh, &[]);
-    let modes = lowest(
-        r.stiffness.as_ref(),
-        r.mass.as_ref(),
-        20,
-        &Options::default(),
-    )
-    .unwrap();
+    let modes = lowest(&r, 20, &Options::default()).unwrap();
     let first = modes.omega2[6];
     assert!(first > 1e8);
     assert!(
@@ -146,7 +110,7 @@ fn free_body_has_six_rigid_modes() {
 
 #[test]
 fn iteration_agrees_with_the_full_decomposition() {
-    let mesh = brick([7, 4, 4], [0.05, 0.02, 0.02]);
+    let mesh = brick(ElementKind::C3D8, [7, 4, 4], [0.05, 0.02, 0.02]);
     let held: Vec<u32> = (0..25).collect();
     let r = reduced(&mesh, &held);
     let (k, m) = (
@@ -154,13 +118,7 @@ fn iteration_agrees_with_the_full_decomposition() {
         Symmetric::new(r.mass.as_ref()).unwrap(),
     );
     let full = dense::lowest(&k, &m, 60, 0.0).unwrap();
-    let modes = lowest(
-        r.stiffness.as_ref(),
-        r.mass.as_ref(),
-        60,
-        &Options::default(),
-    )
-    .unwrap();
+    let modes = lowest(&r, 60, &Options::default()).unwrap();
     assert!(modes.report.steps > 0);
     for i in 0..60 {
         let error = (modes.omega2[i] / full.omega2[i] - 1.0).abs();
@@ -170,33 +128,31 @@ fn iteration_agrees_with_the_full_decomposition() {
 
 #[test]
 fn bad_input_is_declined() {
-    let (k, m) = grid(3);
-    let (_, small) = grid(2);
+    let find = |pair: &Reduced, count| lowest(pair, count, &Options::default()).map(|_| ());
+    let good = grid(3);
+    let other = Reduced {
+        mass: grid(2).mass,
+        ..grid(3)
+    };
     assert!(matches!(
-        lowest(k.as_ref(), small.as_ref(), 2, &Options::default()),
+        find(&other, 2),
         Err(ModesError::Sizes {
             stiffness: 27,
             mass: 8
         })
     ));
-    assert!(matches!(
-        lowest(k.as_ref(), m.as_ref(), 28, &Options::default()),
-        Err(ModesError::TooMany { .. })
-    ));
-    let (mut big, mass) = grid(8);
-    big.val_mut()[17] = f64::NAN;
-    assert!(matches!(
-        lowest(big.as_ref(), mass.as_ref(), 3, &Options::default()),
-        Err(ModesError::Matrix(_))
-    ));
-    let (big, _) = grid(8);
-    let mut negative = grid(8).1;
-    negative.val_mut().iter_mut().for_each(|v| *v = -*v);
+    assert!(matches!(find(&good, 28), Err(ModesError::TooMany { .. })));
+    let mut bad = grid(8);
+    bad.stiffness.val_mut()[17] = f64::NAN;
+    assert!(matches!(find(&bad, 3), Err(ModesError::Matrix(_))));
+    let mut negative = grid(8);
+    let masses = negative.mass.val_mut();
+    masses.iter_mut().for_each(|v| *v = -*v);
     let options = Options {
         shift: Some(-1.0),
         ..Options::default()
     };
-    assert!(lowest(big.as_ref(), negative.as_ref(), 3, &options).is_err());
+    assert!(lowest(&negative, 3, &options).is_err());
 }
 
 /// Two equal chains, of which only the lowest pair is asked for.
@@ -212,8 +168,11 @@ fn a_lone_pair_is_found_without_a_count_between_its_halves() {
     }
     let unit: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1.0)).collect();
     let matrix = |t: &[_]| SparseColMat::<usize, f64>::try_new_from_triplets(n, n, t).unwrap();
-    let (k, m) = (matrix(&stiffness), matrix(&unit));
-    let found = lowest(k.as_ref(), m.as_ref(), 2, &Options::default()).unwrap();
+    let pair = Reduced {
+        stiffness: matrix(&stiffness),
+        mass: matrix(&unit),
+    };
+    let found = lowest(&pair, 2, &Options::default()).unwrap();
     // Each chain has n/2 masses between two walls: omega_1 = 2 sin(pi / (2 (n/2 + 1))).
     let exact = 2.0 * (std::f64::consts::PI / (n + 2) as f64).sin();
     for w2 in found.omega2 {

@@ -20,7 +20,8 @@ use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{self, CyclicModes, Part, Sector};
-use crate::modes::{self, Options};
+use crate::modes::{self, Options, Target};
+use crate::vector::dot;
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::Residual;
 use gearbench_models::stiffness::Material;
@@ -34,21 +35,13 @@ const EQUAL: f64 = 1e-7;
 const RIGID: f64 = 1e-6;
 
 impl Wanted {
-    /// As many more, for the rigid mode of a free gear.
-    fn with(self, more: usize) -> Self {
+    /// The search for these modes and `rigid` further ones, of a body with so many `unknowns`.
+    fn target(self, rigid: usize, unknowns: usize) -> Target {
         match self {
-            Wanted::Count(n) => Wanted::Count(n + more),
-            Wanted::UpTo(f) => Wanted::UpTo(f),
+            Wanted::Count(n) => Target::Count((n + rigid).min(unknowns)),
+            Wanted::UpTo(f) => Target::Above((std::f64::consts::TAU * f).powi(2)),
         }
     }
-}
-
-fn omega2(frequency: f64) -> f64 {
-    (std::f64::consts::TAU * frequency).powi(2)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// What one mode leaves behind.
@@ -64,9 +57,6 @@ struct Shape {
 }
 
 /// Modes of a gear by its whole mesh.
-///
-/// # Errors
-/// [`ReductionError`]: no flanks, bad elements, modes that cannot be found.
 pub fn of_mesh(
     mesh: &GearMesh,
     material: &Material,
@@ -81,7 +71,7 @@ pub fn of_mesh(
     let reduced = tie.reduce(&assembly, &added[..motions.len()], MassKind::Consistent);
     let rigid = mounting.rigid(&mesh.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
-    assembly.mass.apply3(&rigid, &mut pull);
+    assembly.mass.apply(&rigid, &mut pull);
     let inertia = mounting.added_inertia + dot(&rigid, &pull);
     let residual = compliance::of_assembly(mesh, &assembly, &nodes, mounting)?;
     let masses = nodal_masses(&assembly);
@@ -92,12 +82,8 @@ pub fn of_mesh(
     }
     let mass = assembly.mass;
 
-    let (k, m) = (reduced.stiffness.as_ref(), reduced.mass.as_ref());
-    let options = Options::default();
-    let found = match wanted.with(motions.len()) {
-        Wanted::Count(count) => modes::lowest(k, m, count.min(tie.coordinates()), &options)?,
-        Wanted::UpTo(frequency) => modes::up_to(k, m, omega2(frequency), &options)?,
-    };
+    let target = wanted.target(motions.len(), tie.coordinates());
+    let found = modes::find(&reduced, target, &Options::default())?;
     let mut full = vec![0.0; rigid.len()];
     let shapes = (0..found.omega2.len())
         .map(|mode| {
@@ -141,9 +127,6 @@ pub fn of_mesh(
 }
 
 /// Modes of a gear of equal teeth by the sector of tooth 0, with node sets `cut_low` and `cut_high`.
-///
-/// # Errors
-/// As [`of_mesh`]; a sector whose cuts do not match.
 pub fn of_sector(
     sector: &GearMesh,
     material: &Material,
@@ -155,7 +138,7 @@ pub fn of_sector(
     let rigid = mounting.rigid(&sector.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
     let assembly = assemble(&sector.mesh, material)?;
-    assembly.mass.apply3(&rigid, &mut pull);
+    assembly.mass.apply(&rigid, &mut pull);
     let masses = nodal_masses(&assembly);
     let mass = assembly.mass;
     let inertia = mounting.added_inertia + teeth * dot(&rigid, &pull);
@@ -166,14 +149,8 @@ pub fn of_sector(
     };
     let own = hub.motions.len();
     let search = Sector::new(sector, material, &hub)?;
-    let options = Options::default();
-    let found = match wanted.with(own) {
-        Wanted::Count(count) => search.lowest(
-            count.min(search.unknowns() * sector.teeth as usize),
-            &options,
-        )?,
-        Wanted::UpTo(frequency) => search.up_to(omega2(frequency), &options)?,
-    };
+    let target = wanted.target(own, search.unknowns() * sector.teeth as usize);
+    let found = search.find(target, &Options::default())?;
     let bore = sector.bore.first().copied().unwrap_or(0) as usize;
     let shapes = (0..found.modes.len())
         .map(|mode| Shape {
@@ -203,7 +180,7 @@ struct Body {
 fn nodal_masses(assembly: &Assembly) -> Vec<f64> {
     let n = assembly.lumped.len();
     let mut image = vec![0.0; 3 * n];
-    assembly.mass.apply3(&vec![1.0; 3 * n], &mut image);
+    assembly.mass.apply(&vec![1.0; 3 * n], &mut image);
     image.iter().step_by(3).copied().collect()
 }
 

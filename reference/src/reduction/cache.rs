@@ -44,7 +44,6 @@ pub struct Cached {
 
 impl Cache {
     /// The cache that the environment names.
-    #[must_use]
     pub fn standard() -> Self {
         Cache {
             folder: folder(std::env::consts::OS, |name| std::env::var_os(name)),
@@ -53,7 +52,6 @@ impl Cache {
     }
 
     /// A cache in a folder of its own.
-    #[must_use]
     pub fn at(folder: &Path, limit: u64) -> Self {
         Cache {
             folder: Some(folder.to_owned()),
@@ -62,7 +60,6 @@ impl Cache {
     }
 
     /// No cache: everything is computed.
-    #[must_use]
     pub fn off() -> Self {
         Cache {
             folder: None,
@@ -71,15 +68,11 @@ impl Cache {
     }
 
     /// Where the files lie.
-    #[must_use]
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
 
     /// The basis of a request, from the cache or computed; `source` says in words where the mesh is from.
-    ///
-    /// # Errors
-    /// Those of the computation: the cache has none.
     pub fn basis<E>(
         &self,
         request: &Request<'_>,
@@ -162,7 +155,6 @@ pub fn choose(cache: Cache) {
 }
 
 /// The cache of this process.
-#[must_use]
 pub fn in_use() -> &'static Cache {
     static NONE: Cache = Cache {
         folder: None,

@@ -1,6 +1,6 @@
 //! Pass 2: which modes are kept, and with what damping.
 //!
-//! Modes of a family are kept or cut together: the two of a pair of equal frequency, without which teeth that are
+//! Modes of a family are kept or truncated together: the two of a pair of equal frequency, without which teeth that are
 //! alike would yield differently. Larger families are not needed for that, and ranking pairs by the mean over all
 //! teeth keeps what one kind of shape makes over the harmonics together by itself where it is alike. Families are
 //! ranked by frequency, lowest first, or by flank compliance,
@@ -35,7 +35,6 @@ pub enum Criterion {
 
 impl Criterion {
     /// Its name in scenes and records.
-    #[must_use]
     pub fn id(self) -> &'static str {
         match self {
             Criterion::Frequency => "frequency",
@@ -64,13 +63,11 @@ pub struct Choice {
 const PART_OF_NYQUIST: f64 = 0.64;
 
 /// Highest angular frequency [rad/s] that a step of `h` [s] carries.
-#[must_use]
 pub fn highest_for_step(h: f64) -> f64 {
     PART_OF_NYQUIST * PI / h
 }
 
 /// Mean compliance [m/N] that each mode gives to the flanks, `c_i`.
-#[must_use]
 pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
     let modes = basis.omega.len();
     let mut sums = vec![0.0; modes];
@@ -101,7 +98,7 @@ pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
     sums
 }
 
-/// Modes that are kept or cut together.
+/// Modes that are kept or truncated together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     /// Its modes.
@@ -111,7 +108,6 @@ pub struct Family {
 }
 
 /// The families among the candidates of a choice, best first; its number of modes does not count here.
-#[must_use]
 pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
     let compliances = match choice.by {
         Criterion::Frequency => Vec::new(),
@@ -138,7 +134,6 @@ pub fn ranked(basis: &Basis, choice: &Choice) -> Vec<Family> {
 
 /// The modes of a choice, ascending. A family that has no room any more is passed over for smaller ones, but not
 /// where all modes below some frequency are meant.
-#[must_use]
 pub fn choose(basis: &Basis, choice: &Choice) -> Vec<usize> {
     let mut kept = Vec::new();
     for family in ranked(basis, choice) {
@@ -165,16 +160,12 @@ pub struct ModalDamping {
 
 impl ModalDamping {
     /// Ratio of a mode.
-    #[must_use]
     pub fn at(&self, omega: f64) -> f64 {
         self.ratio + 0.5 * (self.alpha / omega + self.beta * omega)
     }
 }
 
 /// The kept modes of a basis as the elastic gear takes them; `residual`: with the compliance of all others.
-///
-/// # Errors
-/// A damping ratio of one or more, what [`without_modes`] declines.
 pub fn reduced(
     basis: &Basis,
     kept: &[usize],
@@ -231,7 +222,6 @@ pub fn reduced(
 
 impl Basis {
     /// The basis with some of its modes only, ascending; the compliance is that of the whole mesh as before.
-    #[must_use]
     pub fn with_modes(&self, kept: &[usize]) -> Basis {
         let modes = self.omega.len();
         let pick = |x: &[f64]| kept.iter().map(|&i| x[i]).collect();

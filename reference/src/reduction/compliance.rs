@@ -24,18 +24,19 @@
 //!
 //! | route | for |
 //! |---|---|
-//! | [`of_mesh`] | any mesh: one factorisation, all flank nodes as right-hand sides |
+//! | [`of_assembly`] | any mesh: one factorisation, all flank nodes as right-hand sides |
 //! | [`of_sector`] | gears made of copies of a sector: forces on one tooth, one small problem per harmonic |
 
 use super::error::ReductionError;
 use super::mounting::Mounting;
 use super::surface::Surface;
 use super::truncation::{symmetrise, symmetrise_blocks};
+use crate::assembly::Assembly;
 use crate::assembly::tie::{HubMotion, MassKind, Tie};
-use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::solve::Cholesky;
+use crate::vector::dot;
 use faer::{Mat, Par};
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -50,7 +51,7 @@ struct Held {
     /// `X` between the flank nodes, in the layout of the result.
     flanks: FlankCompliance,
     /// Turn per force, `a_k` [m] (rack: 1).
-    lever: Vec<f64>,
+    effective_radius: Vec<f64>,
     /// `g_k` [kg m^2 m/N] and the like.
     yielding: Vec<f64>,
     /// `gamma`.
@@ -64,7 +65,7 @@ impl Held {
     fn mounted(self, mounting: &Mounting) -> Residual {
         let Held {
             mut flanks,
-            lever,
+            effective_radius,
             yielding,
             hub,
             inertia,
@@ -72,19 +73,19 @@ impl Held {
         if !mounting.free {
             return Residual {
                 flanks,
-                hub: vec![0.0; lever.len()],
+                hub: vec![0.0; effective_radius.len()],
                 hub_hub: 0.0,
             };
         }
         let inertia = inertia + mounting.added_inertia;
         let gamma = hub / (inertia * inertia);
         let relief = |k: usize, l: usize| {
-            lever[k] * lever[l] * gamma
-                - (yielding[k] * lever[l] + lever[k] * yielding[l]) / inertia
+            effective_radius[k] * effective_radius[l] * gamma
+                - (yielding[k] * effective_radius[l] + effective_radius[k] * yielding[l]) / inertia
         };
         match &mut flanks {
             FlankCompliance::Full(c) => {
-                let n = lever.len();
+                let n = effective_radius.len();
                 for (k, row) in c.chunks_exact_mut(n).enumerate() {
                     for (l, c) in row.iter_mut().enumerate() {
                         *c += relief(k, l);
@@ -101,9 +102,9 @@ impl Held {
                 }
             }
         }
-        let hub_to = |k: usize| lever[k] * gamma - yielding[k] / inertia;
+        let hub_to = |k: usize| effective_radius[k] * gamma - yielding[k] / inertia;
         Residual {
-            hub: (0..lever.len()).map(hub_to).collect(),
+            hub: (0..effective_radius.len()).map(hub_to).collect(),
             hub_hub: gamma,
             flanks,
         }
@@ -111,23 +112,6 @@ impl Held {
 }
 
 /// Compliance of a whole mesh between all its flank nodes and towards the hub.
-///
-/// # Errors
-/// Elements that cannot be integrated, a body that the hub does not hold, a surface of another mesh.
-pub fn of_mesh(
-    gear: &GearMesh,
-    material: &Material,
-    surface: &Surface,
-    mounting: &Mounting,
-) -> Result<Residual, ReductionError> {
-    let assembly = assemble(&gear.mesh, material)?;
-    of_assembly(gear, &assembly, surface, mounting)
-}
-
-/// As [`of_mesh`] with the matrices at hand.
-///
-/// # Errors
-/// As [`of_mesh`].
 pub fn of_assembly(
     gear: &GearMesh,
     assembly: &Assembly,
@@ -166,10 +150,10 @@ pub fn of_assembly(
     let mut compliance = solved.concat();
     symmetrise(&mut compliance, n);
 
-    let unit = rigid(nodes, mounting.motion);
+    let unit = mounting.rigid(nodes);
     let mut image = vec![0.0; unit.len()];
-    assembly.mass.apply3(&unit, &mut image);
-    let inertia = unit.iter().zip(&image).map(|(x, y)| x * y).sum();
+    assembly.mass.apply(&unit, &mut image);
+    let inertia = dot(&unit, &image);
     let mut load = vec![0.0; tie.coordinates()];
     tie.gather(&image, &mut load);
     let mut answer = Mat::from_fn(load.len(), 1, |i, _| load[i]);
@@ -181,7 +165,7 @@ pub fn of_assembly(
     };
     Ok(Held {
         flanks: FlankCompliance::Full(compliance),
-        lever: levers(surface, mounting),
+        effective_radius: effective_radii(surface, mounting),
         yielding: columns.iter().map(along).collect(),
         hub: load
             .iter()
@@ -201,9 +185,6 @@ pub fn of_assembly(
 /// ```text
 /// X_d = 1/z sum_n exp(i d mu_n) C^T K_n^-1 C,   mu_n = 2 pi n / z
 /// ```
-///
-/// # Errors
-/// As [`of_mesh`], and a sector that makes no gear, a rack, or flanks that reach the cuts.
 pub fn of_sector(
     sector: &GearMesh,
     material: &Material,
@@ -225,7 +206,7 @@ pub fn of_sector(
     let cyclic = Sector::new(sector, material, &Hub::fixed())?;
     let per_tooth = surface.nodes() / teeth;
     let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;
-    let found = cyclic.static_responses(&columns, &rigid(&sector.mesh.nodes, mounting.motion))?;
+    let found = cyclic.static_responses(&columns, &mounting.rigid(&sector.mesh.nodes))?;
     let m = per_tooth;
     let mut blocks = vec![0.0; teeth * m * m];
     for (n, g) in found.compliance.iter().enumerate() {
@@ -245,7 +226,7 @@ pub fn of_sector(
             per_tooth,
             blocks,
         },
-        lever: levers(surface, mounting),
+        effective_radius: effective_radii(surface, mounting),
         yielding: found.yielding.repeat(teeth),
         hub: found.hub * teeth as f64,
         inertia: found.inertia * teeth as f64,
@@ -253,14 +234,8 @@ pub fn of_sector(
     .mounted(mounting))
 }
 
-/// Displacements of all nodes by unit rigid motion.
-fn rigid(nodes: &[Vec3], motion: HubMotion) -> Vec<f64> {
-    let of = |x: &Vec3| -> [f64; 3] { motion.of(x).into() };
-    nodes.iter().flat_map(of).collect()
-}
-
 /// `a_k = e^T c_k`: how far unit rigid motion moves each flank node outwards.
-fn levers(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
+fn effective_radii(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
     let positions = surface.positions();
     (positions.iter().zip(&surface.normals))
         .map(|(x, n)| mounting.motion.of(x).dot(n))

@@ -7,9 +7,9 @@
 //! m y'' = -F,   q_i'' + omega_i^2 q_i = -b_i F,   y + sum_i b_i q_i = (R + A / 20) F   while F > 0
 //! ```
 //!
-//! over the modes that are kept: `m = J / lever^2` (a held gear moves as if it were free to), `A` the static
-//! compliance of the whole mesh there, `R` what the kept modes leave of it; a twentieth of `A` stands for the contact
-//! law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
+//! over the modes that are kept: `m = J / effective base radius^2` (a held gear moves as if it were free to), `A` the
+//! static compliance of the whole mesh there, `R` what the kept modes leave of it; a twentieth of `A` stands for the
+//! contact law. The reference keeps every mode of the basis. The estimate is the relative L2 difference of the force
 //! histories, root mean square over rows of a left and a right flank. Speed has no part in it: until contact ends the
 //! system is linear.
 
@@ -46,12 +46,11 @@ pub struct Impacts<'a> {
 }
 
 impl<'a> Impacts<'a> {
-    /// Prepares the impacts of a gear; `lever` is the base radius [m], or `cos(alpha)` for a rack.
-    #[must_use]
-    pub fn new(basis: &'a Basis, lever: f64, even_over_width: bool) -> Self {
+    /// Prepares the impacts of a gear; `effective_radius` is the base radius [m], or `cos(alpha)` for a rack.
+    pub fn new(basis: &'a Basis, effective_radius: f64, even_over_width: bool) -> Self {
         let mut impacts = Impacts {
             basis,
-            mass: basis.inertia / (lever * lever),
+            mass: basis.inertia / (effective_radius * effective_radius),
             probes: Vec::new(),
         };
         let all: Vec<usize> = (0..basis.omega.len()).collect();
@@ -81,7 +80,6 @@ impl<'a> Impacts<'a> {
 
     /// Estimated relative L2 error of a contact-force history with these modes and the static compliance of all
     /// others.
-    #[must_use]
     pub fn error(&self, kept: &[usize]) -> f64 {
         let mut sum = 0.0;
         for probe in &self.probes {
@@ -97,9 +95,6 @@ impl<'a> Impacts<'a> {
     }
 
     /// The fewest modes of a choice's ranking whose estimate meets a target.
-    ///
-    /// # Errors
-    /// A target that no modes of the choice meet.
     pub fn fewest(&self, choice: &Choice, target: f64) -> Result<Vec<usize>, ReductionError> {
         let families: Vec<Family> = ranked(self.basis, choice);
         let first = |count: usize| -> Vec<usize> {
@@ -162,7 +157,7 @@ impl<'a> Impacts<'a> {
             })
             .collect();
         let (mut q, mut v) = (vec![0.0; kept.len()], vec![0.0; kept.len()]);
-        // Travel of the rigid gear towards the wall, and its rate.
+        // Displacement of the rigid gear towards the wall, and its rate.
         let (mut approach, mut rate) = (0.0, 1.0);
         let mut f = 0.0_f64;
         let mut history = Vec::with_capacity(SAMPLES);

@@ -3,7 +3,7 @@
 //! A spur or helical involute has its normals tangent to the base cylinder, so that every flank node gives the base
 //! radius `r_b = |x n_y - y n_x| / sqrt(n_x^2 + n_y^2)`; their median is taken, for end reliefs and splines bend the
 //! outermost normals. `m = 2 r_b / (z cos alpha)` then leaves one unknown, the pressure angle. The flanks of a rack
-//! are planes whose normals stand at the pressure angle to its travel, one pitch apart.
+//! are planes whose normals stand at the pressure angle to its displacement, one pitch apart.
 
 use super::Basis;
 use super::store::Motion;
@@ -47,7 +47,6 @@ pub struct Toothing {
 
 impl Toothing {
     /// Looks at the flanks of a basis; `teeth` of the whole gear.
-    #[must_use]
     pub fn of(basis: &Basis, motion: Motion, teeth: u32) -> Self {
         let grids = basis.flanks.grids();
         let positions: Vec<Vec3> = grids
@@ -119,7 +118,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Least distance along the travel of two flanks of one side.
+/// Least distance along the displacement of two flanks of one side.
 fn rack_pitch(basis: &Basis) -> f64 {
     let of = |side: Side| {
         let own = basis.flanks.grids().iter().filter(|g| g.side == side);

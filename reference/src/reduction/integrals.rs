@@ -13,6 +13,7 @@
 
 use crate::assembly::ScalarMatrix;
 use crate::modes::cyclic::{CyclicModes, Part};
+use crate::vector::turned;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use gearbench_models::Vec3;
@@ -40,9 +41,9 @@ impl Moments {
             .collect();
         let (mut ones, mut image) = (vec![0.0; places.len()], vec![0.0; places.len()]);
         ones.iter_mut().step_by(3).for_each(|x| *x = 1.0);
-        mass.apply3(&ones, &mut image);
+        mass.apply(&ones, &mut image);
         let total = image.iter().step_by(3).sum();
-        mass.apply3(&places, &mut image);
+        mass.apply(&places, &mut image);
         let mut first = Vec3::zeros();
         let mut second = [0.0; 9];
         for (x, m) in places.chunks_exact(3).zip(image.chunks_exact(3)) {
@@ -66,9 +67,10 @@ impl Moments {
             second: [0.0; 9],
         };
         for tooth in 0..teeth {
-            let (s, c) = (TAU * f64::from(tooth) / f64::from(teeth)).sin_cos();
+            let angle = TAU * f64::from(tooth) / f64::from(teeth);
+            let (s, c) = angle.sin_cos();
             let r = [c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0];
-            sum.first += turned(&self.first, s, c);
+            sum.first += turned(self.first, angle);
             for (k, out) in sum.second.iter_mut().enumerate() {
                 for a in 0..3 {
                     for b in 0..3 {
@@ -94,10 +96,6 @@ impl Moments {
             ..Integrals::default()
         }
     }
-}
-
-fn turned(x: &Vec3, sin: f64, cos: f64) -> Vec3 {
-    Vec3::new(cos * x.x - sin * x.y, sin * x.x + cos * x.y, x.z)
 }
 
 /// Sums over the nodes of `v` and `X x v`, and of the in-plane product `X.v`.
@@ -140,7 +138,7 @@ pub(super) fn of_mesh(
         let mut images = Mat::<f64>::zeros(2 * n, count);
         for column in 0..count {
             shape(first + column, &mut u);
-            mass.apply3(&u, &mut v);
+            mass.apply(&u, &mut v);
             let (sum, moment, radial) = sums(nodes, &v);
             out.translation.extend(sum.iter());
             out.rotation.extend(moment.iter());
@@ -201,7 +199,7 @@ pub(super) fn of_sector(
                             .map(|u| if part == 0 { u.re } else { u.im })
                             .collect();
                         let mut v = vec![0.0; u.len()];
-                        mass.apply3(&u, &mut v);
+                        mass.apply(&u, &mut v);
                         v
                     })
                 })
@@ -219,9 +217,9 @@ pub(super) fn of_sector(
                 Part::Single | Part::Cosine => (cos, -sin),
                 Part::Sine => (sin, cos),
             };
-            let (s, c) = (TAU * f64::from(tooth) / teeth).sin_cos();
-            sum += turned(&(a * re.0 + b * im.0), s, c);
-            moment += turned(&(a * re.1 + b * im.1), s, c);
+            let angle = TAU * f64::from(tooth) / teeth;
+            sum += turned(a * re.0 + b * im.0, angle);
+            moment += turned(a * re.1 + b * im.1, angle);
         }
         out.translation.extend(sum.iter());
         out.rotation.extend(moment.iter());

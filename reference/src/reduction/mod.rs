@@ -12,39 +12,39 @@
 //!
 //! | part | owns |
 //! |---|---|
-//! | [`surface`] | flank nodes in order, their normals, areas and place in the mesh |
+//! | `surface` | flank nodes in order, their normals, areas and place in the mesh |
 //! | `integrals` | inertia integrals of the floating frame |
-//! | [`basis`] | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
-//! | [`compliance`] | static compliance of the whole mesh; what kept modes carry is taken out of it by [`without_modes`] |
+//! | `basis` | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
+//! | `compliance` | static compliance of the whole mesh; what kept modes carry is taken out of it by `without_modes` |
 //! | [`choose`] | which modes are kept, and with what damping |
-//! | [`estimate`] | what a choice costs in accuracy, before any scene is run |
+//! | `estimate` | what a choice costs in accuracy, before any scene is run |
 //! | [`of_gear()`], [`Request`] | what a gear of a scene needs, and all that its basis depends on |
-//! | [`shared`] | one basis for all that need the same |
+//! | `shared` | one basis for all that need the same |
 //! | [`store`] | a basis in a file that numpy opens |
 //! | [`cache`] | files of bases from run to run |
-//! | [`open`](mod@open), [`Toothing`] | stored bases in a scene, held against its gears |
+//! | `open`, [`Toothing`] | stored bases in a scene, held against its gears |
 //!
 //! Numbering and signs are those of [`gearbench_models::gear::elastic::reduced`].
 
-pub mod basis;
+mod basis;
 pub mod cache;
 pub mod choose;
-pub mod compliance;
+mod compliance;
 
 mod error;
-pub mod estimate;
+mod estimate;
 mod geometry;
 mod integrals;
 mod mounting;
 mod of_gear;
-pub mod open;
+mod open;
 mod parameters;
 #[cfg(test)]
 mod reaction_tests;
 mod request;
-pub mod shared;
+mod shared;
 pub mod store;
-pub mod surface;
+mod surface;
 pub(crate) mod table;
 mod truncation;
 
@@ -54,8 +54,7 @@ pub use mounting::Mounting;
 pub use of_gear::{OfGear, of_gear};
 pub use parameters::ElasticParameters;
 pub use request::Request;
-pub use surface::Surface;
-pub use truncation::{Kept, without_modes};
+pub(crate) use truncation::{Kept, without_modes};
 
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
@@ -80,11 +79,11 @@ pub struct Basis {
     pub unknowns: usize,
     /// Angular frequencies of all modes found, ascending, rigid motion left out [rad/s].
     pub omega: Vec<f64>,
-    /// Modes that must be kept or cut together have the same number: those of equal frequency.
+    /// Modes that must be kept or truncated together have the same number: those of equal frequency.
     pub family: Vec<u32>,
     /// Shapes at the flank nodes along the normals, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: Vec<f64>,
-    /// Turn (travel) of a free hub in each mode; zeros for a held hub.
+    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
     pub hub: Vec<f64>,
     /// Inertia coupling with the prescribed motion of a held hub; zeros for a free hub.
     pub participation: Vec<f64>,
@@ -92,7 +91,7 @@ pub struct Basis {
     pub momentum: Vec<[f64; 2]>,
     /// Mass of the mesh times the place of its centre of mass, own x and y [kg m].
     pub unbalance: [f64; 2],
-    /// Compliance of the whole mesh: nothing is cut from it yet.
+    /// Compliance of the whole mesh: nothing is truncated yet.
     pub compliance: Residual,
     /// Inertia integrals of all modes; `None` where they are too many.
     pub integrals: Option<Arc<Integrals>>,

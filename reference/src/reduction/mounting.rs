@@ -6,7 +6,7 @@ use gearbench_models::Vec3;
 /// The one motion of the hub, in the gear's own frame, and whether the mount leaves it free.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
-    /// Turning about z, or the travel of a rack along its own y.
+    /// Turning about z, or the displacement of a rack along its own y.
     pub motion: HubMotion,
     /// The mount leaves the motion free; else it is held or prescribed.
     pub free: bool,
@@ -16,7 +16,6 @@ pub struct Mounting {
 
 impl Mounting {
     /// A gear, whose hub turns about z.
-    #[must_use]
     pub fn gear(free: bool, added_inertia: f64) -> Self {
         Mounting {
             motion: HubMotion::Turn,
@@ -26,7 +25,6 @@ impl Mounting {
     }
 
     /// A rack, whose hub travels along its own y.
-    #[must_use]
     pub fn rack(free: bool, added_mass: f64) -> Self {
         Mounting {
             motion: HubMotion::Slide(Vec3::y()),
@@ -36,7 +34,6 @@ impl Mounting {
     }
 
     /// The motions that are free: one or none.
-    #[must_use]
     pub fn motions(&self) -> Vec<HubMotion> {
         if self.free {
             vec![self.motion]
@@ -46,7 +43,6 @@ impl Mounting {
     }
 
     /// Rigid motion of all nodes by a unit of the hub's, three components each.
-    #[must_use]
     pub fn rigid(&self, nodes: &[Vec3]) -> Vec<f64> {
         (nodes.iter())
             .flat_map(|x| -> [f64; 3] { self.motion.of(x).into() })

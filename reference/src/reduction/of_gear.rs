@@ -19,9 +19,6 @@ pub struct OfGear {
 }
 
 /// The mesh and mount of a gear, by the parameters of its model.
-///
-/// # Errors
-/// What of the parameters is wrong, or of the deck.
 pub fn of_gear(
     model: &'static str,
     context: &GearContext<'_>,

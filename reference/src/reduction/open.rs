@@ -15,9 +15,6 @@ type Version = (PathBuf, Option<SystemTime>, u64);
 static OPEN: Mutex<Option<HashMap<Version, Arc<Stored>>>> = Mutex::new(None);
 
 /// Reads a file, or takes what was read of it before when it has not changed since.
-///
-/// # Errors
-/// As [`store::read`].
 pub fn open(path: &Path) -> Result<Arc<Stored>, StoreError> {
     let data = std::fs::metadata(path).ok();
     let version = (
@@ -41,7 +38,6 @@ const NEAR: f64 = 0.1;
 const NEAR_BASE: f64 = 0.01;
 
 /// What of a stored reduction does not suit a gear, with a way out behind a semicolon.
-#[must_use]
 pub fn misfit(stored: &Stored, context: &GearContext<'_>) -> Option<String> {
     let (meta, basis) = (&stored.meta, &stored.basis);
     let (motion, teeth, tip, base, width, module) = match context.body {

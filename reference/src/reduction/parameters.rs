@@ -34,7 +34,7 @@ pub struct ElasticParameters {
     pub step_s: Option<f64>,
     pub spin_terms: Option<SpinTerms>,
     #[serde(deserialize_with = "number")]
-    pub sleep: Option<f64>,
+    pub vibration_cut_off: Option<f64>,
     #[serde(flatten)]
     pub mesh: MeshParameters,
 }
@@ -57,7 +57,6 @@ impl ElasticParameters {
 
     /// Most modes that are kept, by count; `None` where an error or a frequency decides, or where the stored reduction
     /// cannot be read.
-    #[must_use]
     pub fn most_modes(&self) -> Option<usize> {
         match (self.modes, &self.reduction) {
             _ if self.target_error.is_some() => None,
@@ -71,8 +70,7 @@ impl ElasticParameters {
         }
     }
 
-    /// Modes that are cut stay as static compliance.
-    #[must_use]
+    /// Truncated modes stay as static compliance.
     pub fn keeps_residual(&self) -> bool {
         self.residual != Some(false)
     }

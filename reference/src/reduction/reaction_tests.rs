@@ -1,18 +1,18 @@
 //! Mount reactions of the elastic gear against the rows of the finite elements at the nodes that the hub holds.
 
 use super::choose::{self, ModalDamping};
-use super::{Mounting, Surface, Wanted, basis};
+use super::surface::Surface;
+use super::{Mounting, Wanted, basis};
 use crate::assembly::assemble;
 use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{self, GearMesh};
 use crate::modes::{self, Options};
-use crate::test_support::{coarse_gear, coarse_rack, noise, rack, stub};
+use crate::test_support::{coarse, hub, noise, rack, stub};
 use gearbench_integrators::system::At;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::{FlankDisplacement, GearModel};
-use gearbench_models::kinematics::Placement;
-use gearbench_models::kinematics::{Hub, Wrench};
+use gearbench_models::kinematics::{Placement, Wrench};
 use gearbench_models::spec::Mount;
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
@@ -20,8 +20,8 @@ use std::sync::Arc;
 fn bodies() -> [(GearMesh, Mounting, Mount, Option<Vec3>); 4] {
     let gear = stub(6, 0.0);
     let rack = rack(2, 4e-3, |p| p.body_height = 8e-3);
-    let wheel = || mesh::gear(&gear, &coarse_gear(1, 1)).unwrap();
-    let bar = || mesh::rack(&rack, &coarse_rack(1)).unwrap();
+    let wheel = || mesh::gear(&gear, &coarse(1, 1)).unwrap();
+    let bar = || mesh::rack(&rack, &coarse(1, 1)).unwrap();
     let slide = Some(Vec3::new(-0.6, 0.8, 0.0));
     [
         (wheel(), Mounting::gear(true, 1e-5), Mount::Revolute, None),
@@ -42,20 +42,14 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let added = [mounting.added_inertia];
         let r = tie.reduce(&assembly, &added[..usize::from(free)], MassKind::Consistent);
         let all = tie.coordinates();
-        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
-        let found = modes::lowest(k, m, all, &Options::default()).unwrap();
+        let found = modes::lowest(&r, all, &Options::default()).unwrap();
         let rigid = usize::from(free);
         let wanted = Wanted::Count(all - rigid);
         let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted).unwrap();
         let kept: Vec<usize> = (0..all - rigid).collect();
         let data = choose::reduced(&basis, &kept, &ModalDamping::default(), false).unwrap();
 
-        let hub = Hub {
-            mount,
-            centre: Vec3::new(0.1, -0.2, 0.0),
-            slide,
-            inertia: 1.0,
-        };
+        let hub = hub(mount, slide);
         let placement = Placement::new(&hub, 0.7);
         let gear = Elastic::new(hub, 0.02, placement, Arc::new(data)).unwrap();
         // A state at an angle, deflected and vibrating; forces on some nodes and a load on the hub.
@@ -73,7 +67,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             t: 0.0,
             q: &q,
             v: &v,
-            memory: &[],
+            discrete: &[],
         };
         let surface = Surface::new(&mesh).unwrap();
         let nodes: Vec<u32> = (0..surface.nodes() as u32).step_by(5).collect();
@@ -87,7 +81,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             let x = pose.point(&positions[k as usize]);
             let f = -*f * pose.turn(&surface.normals[k as usize]);
             contact.force += f;
-            contact.torque += gear.hub().lever(&x, &f);
+            contact.torque += gear.hub().effective_radius(&x, &f);
         }
         if free {
             forces[0] += contact.torque;
@@ -116,7 +110,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
             }
         }
         assembly.stiffness.apply(&u, &mut ku);
-        assembly.mass.apply3(&a, &mut ma);
+        assembly.mass.apply(&a, &mut ma);
         let (mut force, mut torque) = (Vec3::zeros(), 0.0);
         for &node in &mesh.bore {
             let f = |x: &[f64]| Vec3::from_column_slice(&x[3 * node as usize..][..3]);

@@ -28,7 +28,6 @@ pub struct Request<'a> {
 
 impl Request<'_> {
     /// Hash of the mesh.
-    #[must_use]
     pub fn mesh_hash(&self) -> Hash {
         let gear = self.mesh;
         let mut h = Hash::START;
@@ -58,7 +57,6 @@ impl Request<'_> {
     }
 
     /// Hash of everything that the basis depends on: format, version of the algorithm, mesh and parameters.
-    #[must_use]
     pub fn key(&self) -> Hash {
         let mut h = Hash::START;
         h.count(ALGORITHM as usize);
@@ -78,7 +76,6 @@ impl Request<'_> {
     }
 
     /// Hash of everything but the modes wanted: mesh, material, mounting.
-    #[must_use]
     pub fn body_hash(&self) -> Hash {
         let mut h = Hash::START;
         h.hash(self.mesh_hash());
@@ -104,9 +101,6 @@ impl Request<'_> {
     }
 
     /// Computes the basis.
-    ///
-    /// # Errors
-    /// [`ReductionError`]: no flanks, bad elements, a body in pieces, modes that cannot be found.
     pub fn compute(&self) -> Result<Basis, ReductionError> {
         let route = match self.sector {
             true => basis::of_sector,

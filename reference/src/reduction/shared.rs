@@ -33,9 +33,6 @@ impl Wanted {
 
 /// The basis of a mesh (`sector`: of the gear that the sector of tooth 0 makes), computed at most once, and not at all
 /// where the cache has it.
-///
-/// # Errors
-/// As [`Request::compute`].
 pub fn basis_of(
     mesh: &GearMesh,
     sector: bool,
@@ -83,7 +80,6 @@ fn apart<R: Send>(job: impl FnOnce() -> R + Send) -> R {
 }
 
 /// Number of modes of a basis that `wanted` asks for, whole families.
-#[must_use]
 pub fn lowest(basis: &Basis, wanted: Wanted) -> usize {
     let mut count = match wanted {
         Wanted::Count(n) => n.min(basis.omega.len()),
@@ -103,13 +99,13 @@ pub fn lowest(basis: &Basis, wanted: Wanted) -> usize {
 mod tests {
     use super::*;
     use crate::mesh;
-    use crate::test_support::{coarse_gear, stub};
+    use crate::test_support::{coarse, stub};
     use rayon::prelude::*;
 
     /// More gears than threads, all of them in the pool that the computation would use too.
     #[test]
     fn gears_that_are_built_in_parallel_share_a_basis_and_do_not_wait_for_each_other() {
-        let sector = mesh::sector(&stub(8, 0.0), &coarse_gear(1, 1)).unwrap();
+        let sector = mesh::sector(&stub(8, 0.0), &coarse(1, 1)).unwrap();
         let (steel, mounting) = (Material::STEEL, Mounting::gear(true, 0.0));
         let found: Vec<_> = (0..64)
             .into_par_iter()

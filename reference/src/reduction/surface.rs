@@ -30,9 +30,6 @@ fn flank_error(text: String) -> ReductionError {
 
 impl Surface {
     /// The flank nodes of a mesh, whole or of some teeth.
-    ///
-    /// # Errors
-    /// No flank, a flank twice, a grid that is none, a node that the mesh does not have or that the hub holds.
     pub fn new(gear: &GearMesh) -> Result<Self, ReductionError> {
         let mut order: Vec<&FlankGrid> = gear.flanks.iter().collect();
         order.sort_by_key(|g| (g.tooth, g.side));
@@ -113,9 +110,6 @@ impl Surface {
     }
 
     /// The flank nodes of a whole gear made of copies of a sector that holds tooth 0.
-    ///
-    /// # Errors
-    /// As [`Surface::new`], and flanks of other teeth than tooth 0.
     pub fn of_sector(sector: &GearMesh) -> Result<Self, ReductionError> {
         let own = Self::new(sector)?;
         if let Some(g) = own.flanks.grids().iter().find(|g| g.tooth != 0) {
@@ -148,13 +142,11 @@ impl Surface {
     }
 
     /// Number of flank nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.mesh_nodes.len()
     }
 
     /// Position of each flank node, own frame [m].
-    #[must_use]
     pub fn positions(&self) -> Vec<Vec3> {
         let grids = self.flanks.grids().iter();
         grids.flat_map(|g| g.positions.iter().copied()).collect()

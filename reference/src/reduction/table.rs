@@ -4,25 +4,18 @@ use super::choose::{self, Choice, ModalDamping};
 use super::estimate::Impacts;
 use super::parameters::ElasticParameters;
 use super::{Basis, Wanted, open, shared};
-use crate::mesh_source::{self, Reader};
+use crate::mesh_source::{self, Reader, optional};
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::Elastic;
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
 use gearbench_models::spec::Body as Toothing;
 use std::path::Path;
 use std::sync::Arc;
 
 pub(super) const MODEL: &str = "elastic";
-
-const fn optional(key: &'static str, meaning: &'static str) -> ParameterInfo {
-    ParameterInfo {
-        key,
-        meaning,
-        required: false,
-    }
-}
 
 /// Parameters of the model.
 pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
@@ -41,7 +34,7 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     ),
     optional(
         "residual",
-        "true (default): modes that are cut stay as static compliance; false: plain truncation",
+        "true (default): truncated modes stay as static compliance; false: plain truncation",
     ),
     optional(
         "target_error",
@@ -54,14 +47,14 @@ pub(super) const PARAMETERS: [ParameterInfo; 18] = mesh_source::with_own(&[
     ),
     optional(
         "step_s",
-        "longest step that shall carry the modes: those above 0.64 pi / step are cut; default 1e-6",
+        "longest step that shall carry the modes: those above 0.64 pi / step are truncated; default 1e-6",
     ),
     optional(
         "spin_terms",
         "centrifugal and Coriolis terms, which couple the modes: \"auto\" (default: from a spin rate of 1 % of the lowest frequency), \"full\" or \"none\"",
     ),
     optional(
-        "sleep",
+        "vibration_cut_off",
         "modes are put to rest in flight below this share of the energy of the next impact; default 0: never",
     ),
 ]);
@@ -71,6 +64,10 @@ pub const ROW: Model = Model {
     id: MODEL,
     title: "reduced finite elements: a few modes and the static compliance of the others",
     parameters: &PARAMETERS,
+    properties: Properties {
+        modes: true,
+        ..Properties::NONE
+    },
     build,
 };
 
@@ -208,7 +205,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         ));
     }
     let damping = damping(&reader, &given)?;
-    let sleep = reader.not_negative("sleep", given.sleep)?;
+    let vibration_cut_off = reader.not_negative("vibration_cut_off", given.vibration_cut_off)?;
     let asked = Asked {
         count,
         max_frequency,
@@ -229,7 +226,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     };
     let kept = match target {
         None => choose::choose(&basis, &choice),
-        Some(target) => Impacts::new(&basis, context.lever, choice.even_over_width)
+        Some(target) => Impacts::new(&basis, context.effective_radius, choice.even_over_width)
             .fewest(&choice, target)
             .map_err(|e| reader.error("target_error", e.to_string()))?,
     };
@@ -237,7 +234,7 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
         .map_err(|e| reader.error("modes", e.to_string()))?;
     let gear = Elastic::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         context.placement,
         Arc::new(reduced),
     );
@@ -245,35 +242,25 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     let gear = gear.with_spin_terms(given.spin_terms.unwrap_or_default());
     let mut gear = gear.map_err(|e| reader.error("spin_terms", e))?;
     gear.decide_spin_terms(context.speed);
-    let gear = gear.with_sleep(sleep);
-    Ok(Box::new(gear.map_err(|e| reader.error("sleep", e))?))
+    let gear = gear.with_vibration_cut_off(vibration_cut_off);
+    Ok(Box::new(
+        gear.map_err(|e| reader.error("vibration_cut_off", e))?,
+    ))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gearbench_models::Vec3;
-    use gearbench_models::geometry::{Gear, GearParams};
-    use gearbench_models::kinematics::{Hub, Placement};
+    use crate::test_support;
     use gearbench_models::spec::{Mount, Parameters, Value};
-    use gearbench_models::stiffness::Material;
 
     fn built(mount: Mount, parameters: &[(&str, Value)]) -> Result<usize, BuildError> {
-        let gear = Gear::new(GearParams {
-            teeth: 18,
-            module: 2e-3,
-            face_width: 5e-3,
-            bore_radius: 6e-3,
-            ..GearParams::default()
+        let gear = test_support::gear(18, 2e-3, |p| {
+            p.face_width = 5e-3;
+            p.bore_radius = 6e-3;
         });
-        let gear = gear.unwrap();
-        let lever = gear.r_base();
-        let hub = Hub {
-            mount,
-            centre: Vec3::zeros(),
-            slide: None,
-            inertia: 1.0,
-        };
+        let radius = gear.r_base();
+        let (body, hub) = (Toothing::Gear(gear), test_support::hub(mount, None));
         let mut all: Parameters = [
             ("flank_elements", 3.0),
             ("fillet_elements", 2.0),
@@ -286,16 +273,8 @@ mod tests {
         .collect();
         all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
         let context = GearContext {
-            name: "pinion",
-            body: &Toothing::Gear(gear),
-            material: Material::STEEL,
-            hub: &hub,
-            added_inertia: 0.0,
-            placement: Placement::new(&hub, 0.1),
-            lever,
-            meshes: &[],
-            speed: 0.0,
-            parameters: &all,
+            effective_radius: radius,
+            ..test_support::context(&body, &hub, &all)
         };
         ROW.build(&context).map(|g| g.hub().own)
     }
@@ -341,7 +320,7 @@ mod tests {
             (vec![("damping_ratio", number(1.5))], "damp less"),
             (vec![("modes", number(1.5))], "whole number"),
             (vec![("spin_terms", word("some"))], "expected one of `auto`"),
-            (vec![("sleep", number(1.0))], "[0, 1)"),
+            (vec![("vibration_cut_off", number(1.0))], "[0, 1)"),
         ] {
             let e = built(Mount::Revolute, &parameters).unwrap_err().to_string();
             assert!(e.contains(message), "{e}");

@@ -8,6 +8,7 @@
 //! into the teeth, which is the same matrix as outward by outward; `a` outward displacements by unit torque.
 
 use super::error::ReductionError;
+use crate::vector::dot;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
@@ -22,15 +23,11 @@ pub struct Kept<'a> {
     pub omega: &'a [f64],
     /// Outward shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: &'a [f64],
-    /// Turn (travel) of a free hub in each mode; zeros for a held hub.
+    /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
     pub hub: &'a [f64],
 }
 
 /// The static compliance without what the kept modes carry.
-///
-/// # Errors
-/// Lengths that do not fit; a mode without frequency; modes of a cyclic gear that leave its teeth unlike, because one
-/// of a pair of equal frequency was kept without the other.
 pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, ReductionError> {
     let (nodes, modes) = (total.hub.len(), kept.omega.len());
     if kept.shapes.len() != nodes * modes || kept.hub.len() != modes {
@@ -59,7 +56,6 @@ pub fn without_modes(total: &Residual, kept: Kept<'_>) -> Result<Residual, Reduc
         .map(|(h, w)| h / w)
         .collect();
     let at = |node: usize| &s[node * modes..][..modes];
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut rest = total.clone();
     for (k, r) in rest.hub.iter_mut().enumerate() {
         *r -= dot(at(k), &h);

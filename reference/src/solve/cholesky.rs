@@ -1,6 +1,5 @@
 //! Factor `P A P^T = L L^T` of a sparse positive definite matrix: analysis once, numbers as often as needed.
 
-use super::ordering::Ordering;
 use super::{Scalar, SolveError, Symbolic, sweep};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
@@ -11,22 +10,6 @@ use std::sync::Arc;
 
 /// From this many stored entries on, two threads factorise faster than one.
 const PARALLEL_FROM: usize = 4_000_000;
-
-/// How to order and factorise.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
-    /// Order of elimination.
-    pub ordering: Ordering,
-    /// Threads of the factorisation; `None`: one for small matrices, all for large ones.
-    pub par: Option<Par>,
-}
-
-/// Buffers of a solve, to be kept between solves.
-#[derive(Clone, Debug, Default)]
-pub struct SolveWorkspace {
-    permuted: Vec<f64>,
-    block: Vec<f64>,
-}
 
 /// Cholesky factor of a sparse positive definite matrix.
 ///
@@ -47,34 +30,19 @@ pub struct Cholesky<T = f64> {
     symbolic: Arc<Symbolic>,
     values: Vec<T>,
     par: Par,
-    workspace: SolveWorkspace,
+    /// Buffers of a solve: the permuted unknowns, and those of one supernode.
+    permuted: Vec<f64>,
+    block: Vec<f64>,
 }
 
 impl<T: Scalar> Cholesky<T> {
     /// Factorises the matrix whose lower triangle is given, with the better of the orders.
-    ///
-    /// # Errors
-    /// A matrix that is not square or not positive definite, or a factor too large for the memory.
     pub fn new(a: SparseColMatRef<'_, usize, T>) -> Result<Self, SolveError> {
-        Self::with_options(a, &Options::default())
-    }
-
-    /// Factorises with a stated order and number of threads.
-    ///
-    /// # Errors
-    /// As [`Cholesky::new`].
-    pub fn with_options(
-        a: SparseColMatRef<'_, usize, T>,
-        options: &Options,
-    ) -> Result<Self, SolveError> {
-        let symbolic = Arc::new(Symbolic::new(a.symbolic(), options.ordering)?);
-        Self::with_symbolic(a, symbolic, options.par)
+        let symbolic = Arc::new(Symbolic::new(a.symbolic())?);
+        Self::with_symbolic(a, symbolic, None)
     }
 
     /// Factorises a matrix whose pattern has been analysed before.
-    ///
-    /// # Errors
-    /// Another pattern, or a matrix that is not positive definite.
     pub fn with_symbolic(
         a: SparseColMatRef<'_, usize, T>,
         symbolic: Arc<Symbolic>,
@@ -89,7 +57,8 @@ impl<T: Scalar> Cholesky<T> {
             values: vec![T::real(0.0); symbolic.stored()],
             symbolic,
             par,
-            workspace: SolveWorkspace::default(),
+            permuted: Vec::new(),
+            block: Vec::new(),
         };
         factor.refactor(a)?;
         Ok(factor)
@@ -97,9 +66,6 @@ impl<T: Scalar> Cholesky<T> {
 
     /// Replaces the factor by that of another matrix of the same pattern.
     /// After an error the factor is unusable until a matrix has been factorised.
-    ///
-    /// # Errors
-    /// Another pattern, or a matrix that is not positive definite.
     pub fn refactor(&mut self, a: SparseColMatRef<'_, usize, T>) -> Result<(), SolveError> {
         if !self.symbolic.fits(a.symbolic()) {
             return Err(SolveError::OtherPattern);
@@ -130,26 +96,17 @@ impl<T: Scalar> Cholesky<T> {
         Ok(())
     }
 
-    /// The analysis, to be shared with factors of other matrices of the pattern.
-    #[must_use]
-    pub fn symbolic(&self) -> &Arc<Symbolic> {
-        &self.symbolic
-    }
-
     /// Unknowns.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         self.symbolic.unknowns()
     }
 
     /// Non-zeros of the factor.
-    #[must_use]
     pub fn factor_nonzeros(&self) -> usize {
         self.symbolic.factor_nonzeros()
     }
 
     /// Memory of the factor's numbers [bytes].
-    #[must_use]
     pub fn bytes(&self) -> usize {
         std::mem::size_of_val(self.values.as_slice())
     }
@@ -180,41 +137,22 @@ impl Cholesky<f64> {
     /// # Panics
     /// If `x` has another length than the matrix has rows.
     pub fn solve(&mut self, x: &mut [f64]) {
-        let mut workspace = std::mem::take(&mut self.workspace);
-        self.solve_with(x, &mut workspace);
-        self.workspace = workspace;
-    }
-
-    /// Solves in place for one right-hand side with buffers of the caller: the factor stays shared.
-    ///
-    /// # Panics
-    /// If `x` has another length than the matrix has rows.
-    pub fn solve_with(&self, x: &mut [f64], workspace: &mut SolveWorkspace) {
         let unknowns = self.unknowns();
         assert_eq!(x.len(), unknowns, "length of the right-hand side");
         let Some(supernodes) = self.symbolic.supernodes() else {
             return;
         };
-        workspace.permuted.resize(unknowns, 0.0);
-        workspace.block.resize(self.symbolic.widest, 0.0);
+        self.permuted.resize(unknowns, 0.0);
+        self.block.resize(self.symbolic.widest, 0.0);
         let (forward, inverse) = self.symbolic.order();
-        for (p, &i) in workspace.permuted.iter_mut().zip(forward) {
+        for (p, &i) in self.permuted.iter_mut().zip(forward) {
             *p = x[i];
         }
-        sweep::forward(
-            supernodes,
-            &self.values,
-            &mut workspace.permuted,
-            &mut workspace.block,
-        );
-        sweep::backward(
-            supernodes,
-            &self.values,
-            &mut workspace.permuted,
-            &mut workspace.block,
-        );
+        let (permuted, block) = (&mut self.permuted, &mut self.block);
+        sweep::forward(supernodes, &self.values, permuted, block);
+        sweep::backward(supernodes, &self.values, permuted, block);
         for (x, &i) in x.iter_mut().zip(inverse) {
-            *x = workspace.permuted[i];
+            *x = permuted[i];
         }
     }
 }

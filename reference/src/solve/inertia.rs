@@ -17,9 +17,6 @@ use faer::{Par, Side};
 ///
 /// The factorisation does not pivot: it serves shifts that are not eigenvalues of a leading block to rounding,
 /// which a shift in a gap of the spectrum practically never is.
-///
-/// # Errors
-/// Another pattern than the one analysed, or a pivot that vanishes.
 pub fn negative_eigenvalues<T: Scalar>(
     a: SparseColMatRef<'_, usize, T>,
     symbolic: &Symbolic,

@@ -10,20 +10,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-/// Which order of elimination to take.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ordering {
-    /// The one of the others whose factor costs least.
-    #[default]
-    Best,
-    /// Approximate minimum degree.
-    MinimumDegree,
-    /// Nested dissection: separators last.
-    Dissection,
-}
-
 /// An order of elimination and the factor it leads to.
-#[derive(Clone, Debug)]
 pub struct Order {
     /// Unknown that is eliminated as the i-th.
     pub forward: Vec<usize>,
@@ -33,12 +20,9 @@ pub struct Order {
     pub nonzeros: usize,
     /// Multiplications and additions of the factorisation.
     pub flops: f64,
-    /// What was chosen: never [`Ordering::Best`].
-    pub chosen: Ordering,
 }
 
 /// Graph of the nodes: groups of neighbouring unknowns with the same pattern.
-#[derive(Clone, Debug)]
 struct NodeGraph {
     /// First unknown of each node, and the number of unknowns at the end.
     first: Vec<usize>,
@@ -140,32 +124,23 @@ fn scramble(i: usize) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Finds an order for the pattern of a lower triangle.
-#[must_use]
-pub fn order(pattern: SymbolicSparseColMatRef<'_, usize>, ordering: Ordering) -> Order {
+/// The better of the two orders for the pattern of a lower triangle: the one whose factor costs less.
+pub fn best(pattern: SymbolicSparseColMatRef<'_, usize>) -> Order {
     let graph = NodeGraph::new(pattern);
-    let by_degree = || evaluate(&graph, &minimum_degree(&graph), Ordering::MinimumDegree);
-    let by_dissection = || evaluate(&graph, &dissection(&graph), Ordering::Dissection);
-    match ordering {
-        Ordering::MinimumDegree => by_degree(),
-        Ordering::Dissection => by_dissection(),
-        Ordering::Best => {
-            if graph.nodes() <= LEAF {
-                return by_degree();
-            }
-            let (a, b) = (by_degree(), by_dissection());
-            if a.flops <= b.flops { a } else { b }
-        }
+    let by_degree = evaluate(&graph, &minimum_degree_of(&graph.weighted()));
+    if graph.nodes() <= LEAF {
+        return by_degree;
+    }
+    let dissected = evaluate(&graph, &dissection(&graph));
+    if by_degree.flops <= dissected.flops {
+        by_degree
+    } else {
+        dissected
     }
 }
 
 /// Parts of this many nodes are not cut any further.
 const LEAF: usize = 150;
-
-/// Approximate minimum degree on the graph of nodes.
-fn minimum_degree(graph: &NodeGraph) -> Vec<u32> {
-    minimum_degree_of(&graph.weighted())
-}
 
 /// Nested dissection (George, SIAM J. Numer. Anal. 10, 1973): a separator is eliminated after the sides it
 /// parts, each of which is dissected in turn; small parts by minimum degree.
@@ -238,7 +213,7 @@ fn minimum_degree_of(graph: &Graph) -> Vec<u32> {
 }
 
 /// Turns an order of nodes into a postordered one of unknowns and counts the fill.
-fn evaluate(graph: &NodeGraph, nodes: &[u32], chosen: Ordering) -> Order {
+fn evaluate(graph: &NodeGraph, nodes: &[u32]) -> Order {
     let (parent, _) = elimination_tree(graph, nodes);
     let nodes: Vec<u32> = postorder(&parent).into_iter().map(|i| nodes[i]).collect();
     let (_, below) = elimination_tree(graph, &nodes);
@@ -263,7 +238,6 @@ fn evaluate(graph: &NodeGraph, nodes: &[u32], chosen: Ordering) -> Order {
         inverse,
         nonzeros,
         flops,
-        chosen,
     }
 }
 
@@ -325,4 +299,11 @@ fn postorder(parent: &[usize]) -> Vec<usize> {
         next = sibling[node];
     }
     order
+}
+
+#[cfg(test)]
+pub(super) fn both(pattern: SymbolicSparseColMatRef<'_, usize>) -> [Order; 2] {
+    let graph = NodeGraph::new(pattern);
+    let by_degree = minimum_degree_of(&graph.weighted());
+    [by_degree, dissection(&graph)].map(|nodes| evaluate(&graph, &nodes))
 }

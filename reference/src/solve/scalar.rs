@@ -20,7 +20,6 @@ pub trait Scalar:
     /// Real and imaginary part.
     fn parts(self) -> [f64; 2];
     /// The complex conjugate.
-    #[must_use]
     fn conjugate(self) -> Self;
     /// Square of the modulus.
     fn modulus2(self) -> f64;

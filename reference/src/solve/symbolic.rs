@@ -1,7 +1,7 @@
 //! Analysis of a pattern: order of elimination, fill, supernodes.
 
 use super::SolveError;
-use super::ordering::{self, Ordering};
+use super::ordering::{self, Order};
 use faer::Side;
 use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
@@ -23,27 +23,23 @@ pub struct Symbolic {
     fingerprint: u64,
     pub(super) widest: usize,
     nonzeros: usize,
-    flops: f64,
-    ordering: Ordering,
 }
 
 impl Symbolic {
-    /// Analyses the pattern of a lower triangle.
-    ///
-    /// # Errors
-    /// A matrix that is not square, or a factor too large for the memory.
-    pub fn new(
+    /// Analyses the pattern of a lower triangle, with the better of the orders.
+    pub fn new(pattern: SymbolicSparseColMatRef<'_, usize>) -> Result<Self, SolveError> {
+        let (rows, columns) = (pattern.nrows(), pattern.ncols());
+        if rows != columns {
+            return Err(SolveError::NotSquare { rows, columns });
+        }
+        Self::ordered(pattern, &ordering::best(pattern))
+    }
+
+    pub(super) fn ordered(
         pattern: SymbolicSparseColMatRef<'_, usize>,
-        ordering: Ordering,
+        order: &Order,
     ) -> Result<Self, SolveError> {
         let unknowns = pattern.ncols();
-        if pattern.nrows() != unknowns {
-            return Err(SolveError::NotSquare {
-                rows: pattern.nrows(),
-                columns: unknowns,
-            });
-        }
-        let order = ordering::order(pattern, ordering);
         let inner = sparse::factorize_symbolic_cholesky(
             pattern,
             Side::Lower,
@@ -73,43 +69,25 @@ impl Symbolic {
             fingerprint: fingerprint(pattern),
             widest,
             nonzeros: order.nonzeros,
-            flops: order.flops,
-            ordering: order.chosen,
         })
     }
 
     /// Unknowns.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         self.inner.nrows()
     }
 
     /// Non-zeros of the factor, without the zeros stored to widen blocks.
-    #[must_use]
     pub fn factor_nonzeros(&self) -> usize {
         self.nonzeros
     }
 
     /// Numbers stored for the factor, with the zeros that widen the blocks.
-    #[must_use]
     pub fn stored(&self) -> usize {
         self.inner.len_val()
     }
 
-    /// Multiplications and additions of a factorisation of real numbers.
-    #[must_use]
-    pub fn flops(&self) -> f64 {
-        self.flops
-    }
-
-    /// The order that was chosen.
-    #[must_use]
-    pub fn ordering(&self) -> Ordering {
-        self.ordering
-    }
-
     /// Whether a matrix has the pattern that was analysed.
-    #[must_use]
     pub fn fits(&self, pattern: SymbolicSparseColMatRef<'_, usize>) -> bool {
         pattern.ncols() == self.unknowns() && fingerprint(pattern) == self.fingerprint
     }

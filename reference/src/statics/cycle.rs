@@ -30,9 +30,6 @@ pub struct MeshCycle {
 
 impl MeshCycle {
     /// Solves `count` positions.
-    ///
-    /// # Errors
-    /// [`StaticsError`] of the first position without an equilibrium.
     pub fn solve(
         pair: &mut LoadedPair,
         load: Load,
@@ -70,33 +67,28 @@ impl MeshCycle {
     }
 
     /// Largest less least transmission error [m].
-    #[must_use]
     pub fn peak_to_peak(&self) -> f64 {
         let d = self.positions.iter().map(|p| p.approach);
         d.clone().fold(f64::MIN, f64::max) - d.fold(f64::MAX, f64::min)
     }
 
     /// Mean transmission error [m].
-    #[must_use]
     pub fn mean_error(&self) -> f64 {
         self.mean(|p| p.approach)
     }
 
     /// Mean secant stiffness of the mesh over the width [N/m^2], the mesh stiffness `c_gamma`.
-    #[must_use]
     pub fn mesh_stiffness(&self) -> f64 {
         self.mean(|p| p.force / p.approach) / self.face_width
     }
 
     /// Mean tangent stiffness of the mesh over the width [N/m^2].
-    #[must_use]
     pub fn mesh_tangent(&self) -> f64 {
         self.tangent.iter().sum::<f64>() / (self.tangent.len() as f64 * self.face_width)
     }
 
     /// Secant stiffness of one pair over the width [N/m^2] at its positions [m] along the path, ascending: the
     /// pairs of all positions put in a row. Zero where the pair does not touch is left out.
-    #[must_use]
     pub fn pair_stiffness(&self) -> Vec<(f64, f64)> {
         let mut curve: Vec<(f64, f64)> = Vec::new();
         for p in &self.positions {
@@ -110,14 +102,12 @@ impl MeshCycle {
     }
 
     /// Secant stiffness of the pair at the pitch point over the width [N/m^2].
-    #[must_use]
     pub fn at_pitch_point(&self) -> f64 {
         let at = &self.positions[self.positions.len() / 2];
         at.pair(0) / (at.approach * self.face_width)
     }
 
     /// Largest secant stiffness of one pair over the width [N/m^2], `c'` of ISO 6336.
-    #[must_use]
     pub fn single_stiffness(&self) -> f64 {
         self.pair_stiffness().iter().fold(0.0, |m, p| p.1.max(m))
     }

@@ -8,7 +8,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, lever, mesh_layout,
+    Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 
 /// Largest last Newton correction over the approach.
@@ -26,52 +26,35 @@ const TANGENT_STEP: f64 = 5e-3;
 
 /// Why a position has no static contact to report.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum StaticsError {
-    /// The scene cannot be assembled.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The scene is not one mesh of two gears.
     #[error(
         "static tooth contact is that of one mesh of two gears, but the scene has {gears} gears and {meshes} meshes; leave the others out"
     )]
-    NotAPair {
-        /// Gears of the scene.
-        gears: usize,
-        /// Meshes of the scene.
-        meshes: usize,
-    },
-    /// No equilibrium.
+    NotAPair { gears: usize, meshes: usize },
     #[error("at s = {s:.6e} m, approach {approach:.4e} m: {source}")]
     Equilibrium {
-        /// Position [m].
         s: f64,
-        /// Approach [m].
         approach: f64,
-        /// Why.
         source: EquilibriumError,
     },
-    /// No approach carries the force.
     #[error(
         "at s = {s:.6e} m no approach up to {approach:.4e} m carries {force:.4e} N: the last one carried {reached:.4e} N; ask for less load"
     )]
     Force {
-        /// Position [m].
         s: f64,
-        /// Force asked for [N].
         force: f64,
-        /// Largest approach tried [m].
         approach: f64,
-        /// Force there [N].
         reached: f64,
     },
-    /// A position, approach or force that is no usable number.
+    #[error("no tooth pair presses on the path of contact at an approach of {approach:.4e} m")]
+    NoContact { approach: f64 },
     #[error("{what} is {value}; it must be finite{and}")]
     Value {
-        /// Which.
         what: &'static str,
-        /// What was given.
         value: f64,
-        /// What else it must be.
         and: &'static str,
     },
 }
@@ -100,7 +83,6 @@ pub struct LoadedContact {
 
 impl LoadedContact {
     /// Part of the force that the pair `offset` base pitches ahead carries [N].
-    #[must_use]
     pub fn pair(&self, offset: i64) -> f64 {
         let of = self.pairs.iter().find(|p| p.offset == offset);
         of.map_or(0.0, |p| p.force)
@@ -113,10 +95,10 @@ pub struct LoadedPair {
     state: State,
     layout: MeshLayout,
     sign: f64,
-    /// Travel of each hub per path coordinate of its own.
-    travel_per_path: [f64; 2],
-    lever: f64,
-    /// Path coordinate of the reference pair at zero travel [m].
+    /// Displacement of each hub per path coordinate of its own.
+    displacement_per_path: [f64; 2],
+    effective_radius: f64,
+    /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     equilibria: u64,
     iterations: u64,
@@ -125,9 +107,6 @@ pub struct LoadedPair {
 impl LoadedPair {
     /// Takes gears, models and contact of a scene with one mesh. Mounts, loads and speeds are replaced by held
     /// hubs, damping and friction are left out; the flank that carries is the one of the mesh's start.
-    ///
-    /// # Errors
-    /// [`StaticsError::NotAPair`], or what the assembly refuses.
     pub fn new(
         spec: &SceneSpec,
         modelling: &Modelling,
@@ -161,12 +140,12 @@ impl LoadedPair {
             Side::Right => -1.0,
         };
         let start = mesh.start.path_coordinate.unwrap_or(layout.pitch_point);
-        let levers = [a, b].map(|i| lever(&spec.gears[i].body));
-        let per_travel = |i: usize| match &spec.gears[i].body {
+        let effective_radii = [a, b].map(|i| effective_radius(&spec.gears[i].body));
+        let per_displacement = |i: usize| match &spec.gears[i].body {
             Body::Gear(g) => g.r_base(),
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
         };
-        let travel_per_path = [a, b].map(|i| sign / per_travel(i));
+        let displacement_per_path = [a, b].map(|i| sign / per_displacement(i));
         let scene = Scene::build(&spec, &modelling, models)?;
         let mut state = scene.initial();
         // The hubs rest from 1 s on.
@@ -176,8 +155,8 @@ impl LoadedPair {
             state,
             layout,
             sign,
-            travel_per_path,
-            lever: levers[0],
+            displacement_per_path,
+            effective_radius: effective_radii[0],
             start,
             equilibria: 0,
             iterations: 0,
@@ -185,35 +164,30 @@ impl LoadedPair {
     }
 
     /// The mesh that does not depend on models: path of contact, pitch point, base pitch, common width.
-    #[must_use]
     pub fn layout(&self) -> &MeshLayout {
         &self.layout
     }
 
     /// Coordinates that are solved for.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         self.state.q.len()
     }
 
     /// Equilibria found so far, and the Newton iterations they took.
-    #[must_use]
     pub fn work(&self) -> [u64; 2] {
         [self.equilibria, self.iterations]
     }
 
     /// Equilibrium at a position `s` [m] and an approach [m].
-    ///
-    /// # Errors
-    /// [`StaticsError`] when there is none.
     pub fn at_approach(&mut self, s: f64, approach: f64) -> Result<LoadedContact, StaticsError> {
         finite("the position [m]", s)?;
         finite("the approach [m]", approach)?;
         let [a, b] = self.scene.meshes()[0].gears;
-        let travel = s - self.start;
+        let displacement = s - self.start;
         self.scene
-            .hold(a, (travel + approach) * self.travel_per_path[0]);
-        self.scene.hold(b, -travel * self.travel_per_path[1]);
+            .hold(a, (displacement + approach) * self.displacement_per_path[0]);
+        self.scene
+            .hold(b, -displacement * self.displacement_per_path[1]);
         let size = approach.abs().max(1e-7);
         let options = EquilibriumOptions {
             tolerance: TOLERANCE * size / self.scene.magnitudes().deflection,
@@ -233,9 +207,6 @@ impl LoadedPair {
 
     /// Equilibrium at a position `s` [m] under a force [N] along the line of action, by the approach that carries
     /// it (secant, held inside a bracket).
-    ///
-    /// # Errors
-    /// [`StaticsError`] when there is none.
     pub fn under_force(&mut self, s: f64, force: f64) -> Result<LoadedContact, StaticsError> {
         finite("the force [N]", force)?;
         if force <= 0.0 {
@@ -304,9 +275,6 @@ impl LoadedPair {
     }
 
     /// Tangent stiffness `dF/dd` [N/m] at an equilibrium, by central differences of half a per cent.
-    ///
-    /// # Errors
-    /// [`StaticsError`] when a neighbour has no equilibrium.
     pub fn tangent(&mut self, at: &LoadedContact) -> Result<f64, StaticsError> {
         let h = TANGENT_STEP * at.approach;
         let above = self.at_approach(at.s, at.approach + h)?.force;
@@ -321,9 +289,10 @@ impl LoadedPair {
         let hub = self.scene.gears()[first].model.hub();
         let mut pairs: Vec<PairForce> = Vec::new();
         for c in &contacts {
-            // The reference pair has tooth 0; a pair ahead belongs to a tooth ahead in the first gear's sense of turning.
+            // The reference pair has tooth 0; a pair ahead belongs to a tooth ahead in the first gear's sense of
+            // turning.
             let offset = c.teeth[0].index * self.sign as i64;
-            let force = self.sign * hub.lever(&c.x, &c.force) / self.lever;
+            let force = self.sign * hub.effective_radius(&c.x, &c.force) / self.effective_radius;
             match pairs.iter_mut().find(|p| p.offset == offset) {
                 Some(p) => p.force += force,
                 None => pairs.push(PairForce { offset, force }),

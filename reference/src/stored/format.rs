@@ -15,7 +15,7 @@ pub(super) struct RawParameters {
     contact: RawContact,
     time: RawTime,
     initial: RawInitial,
-    gear1: RawGear,
+    gear1: GearData,
     gear2: RawSecond,
     pair: Option<RawPair>,
     rack: Option<RawRack>,
@@ -60,22 +60,11 @@ struct RawInitial {
     path_coordinate_s1_m: f64,
 }
 
-#[derive(Deserialize)]
-struct RawGear {
-    z: u32,
-    x: f64,
-    rbore: f64,
-    mass_mesh_kg: f64,
-    inertia_zz_mesh_kg_m2: f64,
-    r_base: f64,
-    tooth1_centre_angle_rad: f64,
-}
-
 /// The second body: a gear, or the mesh of a rack.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum RawSecond {
-    Gear(RawGear),
+    Gear(GearData),
     Mesh { mass_mesh_kg: f64 },
 }
 
@@ -93,21 +82,6 @@ struct RawPair {
     working_pressure_angle_deg: f64,
 }
 
-impl RawGear {
-    fn typed(self, speed: f64) -> GearData {
-        GearData {
-            teeth: self.z,
-            profile_shift: self.x,
-            bore_radius: self.rbore,
-            mass: self.mass_mesh_kg,
-            inertia: self.inertia_zz_mesh_kg_m2,
-            base_radius: self.r_base,
-            tooth1_angle: self.tooth1_centre_angle_rad,
-            speed,
-        }
-    }
-}
-
 impl RawParameters {
     /// The parameters in the crate's own units and names.
     pub(super) fn typed(self) -> Result<ImpactParameters, String> {
@@ -118,11 +92,13 @@ impl RawParameters {
             .min_by(f64::total_cmp)
             .ok_or("effective_gap_faceted_m is empty")?;
         let pressure_angle = self.gear_common.alpha_deg.to_radians();
-        let mut gears = vec![self.gear1.typed(self.initial.omega1_rad_s)];
+        let speeds = [self.initial.omega1_rad_s, self.initial.omega2_rad_s];
+        let turning = |gear: GearData, speed| GearData { speed, ..gear };
+        let mut gears = vec![turning(self.gear1, speeds[0])];
         let (rack, centre_distance, working_pressure_angle) =
             match (self.gear2, self.pair, self.rack) {
                 (RawSecond::Gear(gear), Some(pair), None) => {
-                    gears.push(gear.typed(self.initial.omega2_rad_s));
+                    gears.push(turning(gear, speeds[1]));
                     let angle = pair.working_pressure_angle_deg.to_radians();
                     (None, pair.centre_distance_m, angle)
                 }

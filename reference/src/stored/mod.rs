@@ -1,6 +1,6 @@
 //! A reference computed by another program: parameters, histories and where they come from.
 //!
-//! [`table`] owns the list of stored references, embedded in the program: one line each in [`REFERENCES`].
+//! `table` owns the list of stored references, embedded in the program: one line each in [`REFERENCES`].
 //!
 //! Owns the reading of the stored files: a CSV whose header carries SI units, and two JSON files, what the
 //! deck was made from (`params.json`) and figures computed from the results (`summary.json`).
@@ -8,33 +8,22 @@
 mod format;
 mod history;
 mod parameters;
-pub mod table;
+mod table;
 
 pub use history::{History, trapezoid};
 pub use parameters::{GearData, ImpactParameters, RackData, Summary};
 pub use table::{REFERENCES, StoredReference, reference};
 
-use format::RawParameters;
-
 /// Why stored data cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the messages say what they are about")]
 pub enum ReferenceError {
-    /// There is no such reference.
     #[error("there is no reference `{id}`; there are {known}")]
-    Unknown {
-        /// The id asked for.
-        id: String,
-        /// The ids there are.
-        known: String,
-    },
-    /// A stored file is damaged.
+    Unknown { id: String, known: String },
     #[error("reference `{id}`, {file}: {message}")]
     Damaged {
-        /// Id of the reference.
         id: String,
-        /// File.
         file: &'static str,
-        /// What is wrong.
         message: String,
     },
 }
@@ -60,39 +49,4 @@ pub struct ExternalReference {
     pub summary: Summary,
     /// Histories.
     pub history: History,
-}
-
-impl ExternalReference {
-    /// Reads the stored texts of a reference.
-    ///
-    /// # Errors
-    /// [`ReferenceError::Damaged`] names the file and what is wrong.
-    pub(crate) fn read(stored: &StoredReference) -> Result<Self, ReferenceError> {
-        let damaged = |file: &'static str, message: String| ReferenceError::Damaged {
-            id: stored.id.into(),
-            file,
-            message,
-        };
-        let raw: RawParameters = serde_json::from_str(stored.params)
-            .map_err(|e| damaged("params.json", e.to_string()))?;
-        let summary: Summary = serde_json::from_str(stored.summary)
-            .map_err(|e| damaged("summary.json", e.to_string()))?;
-        let solver = raw.solver.clone();
-        let parameters = raw
-            .typed()
-            .map_err(|message| damaged("params.json", message))?;
-        let history = History::read(stored.results, parameters.rack.is_some())
-            .map_err(|message| damaged("results.csv", message))?;
-        Ok(Self {
-            id: stored.id,
-            title: stored.title,
-            solver,
-            source: stored.source,
-            regenerate: stored.regenerate,
-            deck: stored.deck,
-            parameters,
-            summary,
-            history,
-        })
-    }
 }

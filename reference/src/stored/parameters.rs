@@ -3,23 +3,31 @@
 use serde::Deserialize;
 
 /// One gear of a reference.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct GearData {
     /// Number of teeth.
+    #[serde(rename = "z")]
     pub teeth: u32,
     /// Profile shift coefficient.
+    #[serde(rename = "x")]
     pub profile_shift: f64,
     /// Radius of the bore, which is a rigid hub [m].
+    #[serde(rename = "rbore")]
     pub bore_radius: f64,
     /// Mass of the mesh [kg].
+    #[serde(rename = "mass_mesh_kg")]
     pub mass: f64,
     /// Inertia of the mesh about its axis [kg m^2].
+    #[serde(rename = "inertia_zz_mesh_kg_m2")]
     pub inertia: f64,
     /// Base radius [m].
+    #[serde(rename = "r_base")]
     pub base_radius: f64,
     /// Polar angle of tooth 1 at t = 0 [rad].
+    #[serde(rename = "tooth1_centre_angle_rad")]
     pub tooth1_angle: f64,
     /// Angular velocity at t = 0 [rad/s].
+    #[serde(skip)]
     pub speed: f64,
 }
 
@@ -86,66 +94,40 @@ pub struct ImpactParameters {
     pub hht_alpha: f64,
 }
 
-/// Figures computed from the results when they were made.
+/// Figures computed from the results when they were made: gears 1 and 2, momentum means and bores (`hub`) at the end of
+/// the run, energies, the impact of rigid bodies for comparison. What a held rack has not is 0 or `None`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "the keys of `summary.json`, with their units")]
 pub struct Summary {
-    /// Impulse of the contact force [N s].
     pub impulse_ns: f64,
-    /// Impulse of a rigid, perfectly elastic impact [N s].
     pub impulse_rigid_elastic_ns: f64,
-    /// Greatest contact force [N].
     pub peak_force_n: f64,
-    /// When it acts [s].
     pub peak_time_s: f64,
-    /// First time with contact force [s].
     pub first_contact_s: f64,
-    /// Last time with contact force [s].
     pub last_contact_s: f64,
-    /// End of the run [s].
     pub end_s: f64,
-    /// Momentum mean of the angular velocity of gear 1 at the end [rad/s].
     pub omega1_mean_end_rad_s: f64,
-    /// The same of gear 2, 0 for a held rack [rad/s].
     #[serde(default)]
     pub omega2_mean_end_rad_s: f64,
-    /// Angular velocity of bore 1 at the end [rad/s].
     pub omega1_hub_end_rad_s: f64,
-    /// Angular velocity of bore 2 at the end, 0 for a held rack [rad/s].
     #[serde(default)]
     pub omega2_hub_end_rad_s: f64,
-    /// Integral of the contact moment on gear 1 about its axis [N m s].
     pub angular_impulse1_nms: f64,
-    /// The same on gear 2 [N m s]; none for a rack.
     pub angular_impulse2_nms: Option<f64>,
-    /// Change of the angular momentum of gear 1 [N m s].
     pub angular_momentum_change1_nms: f64,
-    /// The same of gear 2 [N m s]; none for a rack.
     pub angular_momentum_change2_nms: Option<f64>,
-    /// Mean lever arm of the contact force about the axis of gear 1 [m].
     pub arm1_m: f64,
-    /// The same about the axis of gear 2 [m]; none for a rack.
     pub arm2_m: Option<f64>,
-    /// Energy at the start [J].
     pub energy_start_j: f64,
-    /// Kinetic and strain energy at the end [J].
     pub energy_end_j: f64,
-    /// Strain energy at the end [J].
     pub strain_energy_end_j: f64,
-    /// Kinetic energy of the momentum means at the end [J].
     pub kinetic_energy_rigid_end_j: f64,
-    /// Speed of approach on the line of action at the start [m/s].
     pub approach_speed_m_s: f64,
-    /// The same at the end, negative when parting [m/s].
     pub separation_speed_m_s: f64,
-    /// Coefficient of restitution from the momentum means.
     pub restitution: f64,
-    /// Reduced mass of both gears on the line of action [kg].
     pub reduced_mass_kg: f64,
-    /// Increments.
     pub increments: u32,
-    /// Processor time of the run [s].
     pub cpu_s: f64,
-    /// Wall time of the run [s].
     pub wall_s: f64,
 }

@@ -1,6 +1,7 @@
 //! The stored references. A further one is a folder with its files and one line in [`REFERENCES`].
 
-use super::{ExternalReference, ReferenceError};
+use super::format::RawParameters;
+use super::{ExternalReference, History, ReferenceError};
 
 /// A stored reference before it is read: the embedded files.
 #[derive(Clone, Copy, Debug)]
@@ -66,18 +67,35 @@ pub static REFERENCES: &[StoredReference] = &[
 
 impl StoredReference {
     /// Reads the embedded files.
-    ///
-    /// # Errors
-    /// [`ReferenceError::Damaged`] names the file and what is wrong.
     pub fn load(&self) -> Result<ExternalReference, ReferenceError> {
-        ExternalReference::read(self)
+        let damaged = |file: &'static str, message: String| ReferenceError::Damaged {
+            id: self.id.into(),
+            file,
+            message,
+        };
+        let raw: RawParameters =
+            serde_json::from_str(self.params).map_err(|e| damaged("params.json", e.to_string()))?;
+        let summary = serde_json::from_str(self.summary)
+            .map_err(|e| damaged("summary.json", e.to_string()))?;
+        let solver = raw.solver.clone();
+        let parameters = raw.typed().map_err(|e| damaged("params.json", e))?;
+        let history = History::read(self.results, parameters.rack.is_some())
+            .map_err(|e| damaged("results.csv", e))?;
+        Ok(ExternalReference {
+            id: self.id,
+            title: self.title,
+            solver,
+            source: self.source,
+            regenerate: self.regenerate,
+            deck: self.deck,
+            parameters,
+            summary,
+            history,
+        })
     }
 }
 
 /// Finds a stored reference by its id and reads it.
-///
-/// # Errors
-/// [`ReferenceError::Unknown`] lists the ids there are.
 pub fn reference(id: &str) -> Result<ExternalReference, ReferenceError> {
     match REFERENCES.iter().find(|r| r.id == id) {
         Some(stored) => stored.load(),

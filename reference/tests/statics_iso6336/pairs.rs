@@ -2,6 +2,7 @@
 
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
+use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
 use gearbench_models::geometry::{Gear, GearParams, Side};
 use gearbench_models::law::Damping;
@@ -149,6 +150,7 @@ const FINE_WHERE_IT_TOUCHES: Model = Model {
         count("width"),
         count("kind"),
     ],
+    properties: Properties::NONE,
     build: fine,
 };
 
@@ -203,7 +205,7 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     .map_err(|e| refused(e.to_string()))?;
     Ok(Box::new(FullOrder::new(
         context.hub.clone(),
-        context.lever,
+        context.effective_radius,
         body,
     )))
 }

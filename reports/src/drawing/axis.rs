@@ -1,6 +1,7 @@
 //! Axes: ranges, ticks at 1-2-5 steps or decades, and the frame of a plot.
 
-use super::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type};
+use super::canvas::{Anchor, Canvas, Ink, Stroke, Type};
+use super::geometry::Rect;
 use crate::numbers::short;
 
 /// Font size of tick labels.
@@ -11,11 +12,8 @@ pub const NAME_SIZE: f64 = 13.5;
 /// One axis: a range, linear or logarithmic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Lower end.
     pub min: f64,
-    /// Upper end.
     pub max: f64,
-    /// Logarithmic.
     pub log: bool,
 }
 
@@ -143,9 +141,7 @@ pub fn tick_label(x: f64, ticks: &[f64], log: bool) -> String {
 pub struct Frame {
     /// Where it lies on the page.
     pub area: Rect,
-    /// Abscissa.
     pub x: Axis,
-    /// Ordinate.
     pub y: Axis,
 }
 

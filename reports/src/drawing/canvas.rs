@@ -4,6 +4,7 @@
 //! brought back by the view box. Dash patterns and a title, which the backend does not know, are
 //! added to its text. Coordinates that are not finite never reach the file.
 
+use super::geometry::{Rect, clip_segment};
 use maud::html;
 use plotters::prelude::{DrawingBackend, FontTransform, RGBColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -23,52 +24,13 @@ impl Ink {
     pub const GREY: Self = Self(0x57, 0x60, 0x6a, 1.0);
     /// Frames and failed bars.
     pub const PALE: Self = Self(0xa8, 0xb0, 0xb8, 1.0);
-    /// Grid lines.
     pub const GRID: Self = Self(0xe4, 0xe7, 0xea, 1.0);
-    /// Paper.
     pub const WHITE: Self = Self(0xff, 0xff, 0xff, 1.0);
-    /// Failures.
     pub const FAIL: Self = Self(0x8c, 0x1d, 0x18, 1.0);
 
     /// The same colour at another opacity.
     pub fn opacity(self, alpha: f64) -> Self {
         Self(self.0, self.1, self.2, alpha)
-    }
-}
-
-/// A rectangle: left, top, right, bottom, on the page or in data (then top > bottom).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rect {
-    /// Left edge.
-    pub x0: f64,
-    /// Top edge.
-    pub y0: f64,
-    /// Right edge.
-    pub x1: f64,
-    /// Bottom edge.
-    pub y1: f64,
-}
-
-impl Rect {
-    /// From edges.
-    pub fn new(x0: f64, y0: f64, x1: f64, y1: f64) -> Self {
-        Self { x0, y0, x1, y1 }
-    }
-    /// Width.
-    pub fn width(&self) -> f64 {
-        self.x1 - self.x0
-    }
-    /// Height.
-    pub fn height(&self) -> f64 {
-        self.y1 - self.y0
-    }
-    /// Whether two rectangles overlap.
-    pub fn overlaps(&self, other: &Self) -> bool {
-        self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
-    }
-    /// Whether the other lies inside.
-    pub fn contains(&self, other: &Self) -> bool {
-        self.x0 <= other.x0 && other.x1 <= self.x1 && self.y0 <= other.y0 && other.y1 <= self.y1
     }
 }
 
@@ -86,20 +48,16 @@ pub enum Anchor {
 /// Size, colour and place of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Type {
-    /// Font size.
     pub size: f64,
-    /// Colour.
     pub ink: Ink,
     /// Horizontal place; vertically text is centred.
     pub anchor: Anchor,
-    /// Bold.
     pub bold: bool,
     /// Turned to read upwards.
     pub upwards: bool,
 }
 
 impl Type {
-    /// Plain dark text.
     pub fn new(size: f64, anchor: Anchor) -> Self {
         Self {
             size,
@@ -109,15 +67,12 @@ impl Type {
             upwards: false,
         }
     }
-    /// In another colour.
     pub fn ink(self, ink: Ink) -> Self {
         Self { ink, ..self }
     }
-    /// Bold.
     pub fn bold(self) -> Self {
         Self { bold: true, ..self }
     }
-    /// Reading upwards.
     pub fn upwards(self) -> Self {
         Self {
             upwards: true,
@@ -129,11 +84,8 @@ impl Type {
 /// A stroke: colour, width, dash pattern (lengths of dash and gap; empty for a full line).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Colour.
     pub ink: Ink,
-    /// Width.
     pub width: f64,
-    /// Dash pattern.
     pub dash: &'static [f64],
 }
 
@@ -146,7 +98,6 @@ impl Stroke {
             dash: &[],
         }
     }
-    /// A dashed line.
     pub fn dashed(ink: Ink, width: f64, dash: &'static [f64]) -> Self {
         Self { ink, width, dash }
     }
@@ -166,9 +117,6 @@ pub struct Canvas<'a> {
 }
 
 /// Draws a chart of the given size and returns the SVG document.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn draw(
     width: f64,
     height: f64,
@@ -260,7 +208,6 @@ impl Canvas<'_> {
         self.line(&piece, stroke);
     }
 
-    /// A filled polygon.
     pub fn polygon(&mut self, points: &[(f64, f64)], ink: Ink) {
         let points = whole(points);
         if points.len() > 2 {
@@ -287,6 +234,12 @@ impl Canvas<'_> {
             (r.x0, r.y0),
         ];
         self.line(&corners, stroke);
+    }
+
+    /// The ground on which failed runs stand.
+    pub fn edge_of_failures(&mut self, r: &Rect) {
+        self.fill(r, Ink(0xf7, 0xf3, 0xf2, 1.0));
+        self.frame(r, Stroke::new(Ink::PALE, 1.0));
     }
 
     /// Diagonal hatching of a rectangle.
@@ -387,85 +340,9 @@ fn whole(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
     out
 }
 
-/// The part of a segment inside a rectangle (Liang and Barsky, ACM Trans. Graphics 3, 1984).
-pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64), (f64, f64))> {
-    if ![a.0, a.1, b.0, b.1].iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-    let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
-    for (p, q) in [
-        (-dx, a.0 - r.x0),
-        (dx, r.x1 - a.0),
-        (-dy, a.1 - r.y0),
-        (dy, r.y1 - a.1),
-    ] {
-        if p == 0.0 {
-            if q < 0.0 {
-                return None;
-            }
-        } else if p < 0.0 {
-            t0 = t0.max(q / p);
-        } else {
-            t1 = t1.min(q / p);
-        }
-    }
-    let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
-    // Ends that were not cut stay bit for bit, so that pieces join.
-    (t0 <= t1).then(|| {
-        (
-            if t0 > 0.0 { at(t0) } else { a },
-            if t1 < 1.0 { at(t1) } else { b },
-        )
-    })
-}
-
-/// A polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
-pub fn clip_polygon(points: &[(f64, f64)], r: &Rect) -> Vec<(f64, f64)> {
-    type Point = (f64, f64);
-    let mut polygon: Vec<Point> = points.to_vec();
-    let edges: [&dyn Fn(&Point) -> f64; 4] =
-        [&|p| p.0 - r.x0, &|p| r.x1 - p.0, &|p| p.1 - r.y0, &|p| {
-            r.y1 - p.1
-        }];
-    for inside in edges {
-        let mut cut = Vec::with_capacity(polygon.len());
-        for i in 0..polygon.len() {
-            let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
-            let (da, db) = (inside(&a), inside(&b));
-            if da >= 0.0 {
-                cut.push(a);
-            }
-            if (da < 0.0) != (db < 0.0) {
-                let t = da / (da - db);
-                cut.push((a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1)));
-            }
-        }
-        polygon = cut;
-    }
-    polygon
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn clipping() {
-        let r = Rect::new(0.0, 0.0, 1.0, 1.0);
-        let cut = clip_segment((-1.0, 0.5), (2.0, 0.5), &r).unwrap();
-        assert_eq!(cut, ((0.0, 0.5), (1.0, 0.5)));
-        assert!(clip_segment((-1.0, 2.0), (2.0, 2.0), &r).is_none());
-        let square = [(-1.0, -1.0), (0.5, -1.0), (0.5, 0.5), (-1.0, 0.5)];
-        let p = clip_polygon(&square, &r);
-        let area: f64 = (0..p.len())
-            .map(|i| {
-                let (a, b) = (p[i], p[(i + 1) % p.len()]);
-                0.5 * (a.0 * b.1 - b.0 * a.1)
-            })
-            .sum();
-        assert!((area.abs() - 0.25).abs() < 1e-12);
-    }
 
     #[test]
     fn document_carries_dashes_and_no_bad_numbers() {

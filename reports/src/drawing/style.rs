@@ -8,24 +8,17 @@ use super::canvas::{Canvas, Ink, Stroke};
 /// Look of one model.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Colour.
     pub ink: Ink,
     /// Dash pattern of its lines.
     pub dash: &'static [f64],
-    /// Marker.
     pub marker: Marker,
 }
 
-/// Marker shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
-    /// Circle.
     Circle,
-    /// Square.
     Square,
-    /// Triangle, point up.
     Triangle,
-    /// Diamond.
     Diamond,
     /// Triangle, point down.
     Wedge,

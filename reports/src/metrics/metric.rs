@@ -1,120 +1,93 @@
 //! The metrics there are, with what is said of them: the only place that knows their names.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use crate::words::words;
 
-/// A metric of a run against a reference; definitions in [`crate::metrics`].
-///
-/// An error is worse the larger its magnitude; quantities have no better and worse by themselves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Metric {
-    /// Relative L2 error of the force history.
-    ForceL2,
-    /// The same after the best shift in time.
-    #[default]
-    ForceL2Aligned,
-    /// That shift.
-    TimeShift,
-    /// Peak of the contact force.
-    PeakForce,
-    /// Its deviation, over the reference.
-    PeakForceRel,
-    /// Impulse of the contact force.
-    Impulse,
-    /// Its deviation, over the reference.
-    ImpulseRel,
-    /// Time in contact.
-    Duration,
-    /// Last angular velocity of gear 1.
-    Omega1End,
-    /// Last angular velocity of gear 2.
-    Omega2End,
-    /// Largest deviation of a last speed, over the span of that speed.
-    Rebound,
-    /// Relative L2 error of the transmission error.
-    TransmissionError,
-    /// Residual of the energy ledger over its largest entry.
-    EnergyDrift,
+words! {
+    /// A metric of a run against a reference by its key in records, tables and scene files; definitions in
+    /// [`crate::metrics`].
+    ///
+    /// An error is worse the larger its magnitude; quantities have no better and worse by themselves.
+    #[derive(PartialOrd, Ord)]
+    pub enum Metric {
+        /// Relative L2 error of the force history.
+        #[serde(alias = "force")]
+        ForceL2 = "force_l2",
+        /// The same after the best shift in time.
+        #[default]
+        #[serde(alias = "force-aligned")]
+        ForceL2Aligned = "force_l2_aligned",
+        /// That shift.
+        TimeShift = "time_shift_s",
+        /// Peak of the contact force.
+        PeakForce = "peak_force_n",
+        /// Its deviation, over the reference.
+        #[serde(alias = "peak")]
+        PeakForceRel = "peak_force_rel",
+        /// Impulse of the contact force.
+        Impulse = "impulse_ns",
+        /// Its deviation, over the reference.
+        #[serde(alias = "impulse")]
+        ImpulseRel = "impulse_rel",
+        /// Time in contact.
+        Duration = "duration_s",
+        /// Last angular velocity of gear 1.
+        Omega1End = "omega1_end",
+        /// Last angular velocity of gear 2.
+        Omega2End = "omega2_end",
+        /// Largest deviation of a last speed, over the span of that speed.
+        #[serde(alias = "rebound")]
+        Rebound = "rebound_rel",
+        /// Relative L2 error of the transmission error.
+        #[serde(alias = "transmission-error")]
+        TransmissionError = "transmission_error_l2",
+        /// Residual of the energy ledger over its largest entry.
+        #[serde(alias = "energy")]
+        EnergyDrift = "energy_drift_rel",
+    }
 }
 
 impl Metric {
-    /// All, in the order of the record.
-    pub const ALL: [Self; 13] = [
-        Self::ForceL2,
-        Self::ForceL2Aligned,
-        Self::TimeShift,
-        Self::PeakForce,
-        Self::PeakForceRel,
-        Self::Impulse,
-        Self::ImpulseRel,
-        Self::Duration,
-        Self::Omega1End,
-        Self::Omega2End,
-        Self::Rebound,
-        Self::TransmissionError,
-        Self::EnergyDrift,
-    ];
-
     /// Key in records, tables and scene files.
     pub fn key(self) -> &'static str {
-        match self {
-            Self::ForceL2 => "force_l2",
-            Self::ForceL2Aligned => "force_l2_aligned",
-            Self::TimeShift => "time_shift_s",
-            Self::PeakForce => "peak_force_n",
-            Self::PeakForceRel => "peak_force_rel",
-            Self::Impulse => "impulse_ns",
-            Self::ImpulseRel => "impulse_rel",
-            Self::Duration => "duration_s",
-            Self::Omega1End => "omega1_end",
-            Self::Omega2End => "omega2_end",
-            Self::Rebound => "rebound_rel",
-            Self::TransmissionError => "transmission_error_l2",
-            Self::EnergyDrift => "energy_drift_rel",
-        }
+        self.as_str()
     }
 
-    /// Name on the command line; only relative errors have one.
-    pub fn option(self) -> Option<&'static str> {
-        Some(match self {
-            Self::ForceL2 => "force",
-            Self::ForceL2Aligned => "force-aligned",
-            Self::PeakForceRel => "peak",
-            Self::ImpulseRel => "impulse",
-            Self::Rebound => "rebound",
-            Self::TransmissionError => "transmission-error",
-            Self::EnergyDrift => "energy",
-            _ => return None,
-        })
+    /// What it is called in prose, its SI unit (empty for ratios), its name on the command line.
+    fn facts(self) -> (&'static str, &'static str, Option<&'static str>) {
+        match self {
+            Self::ForceL2 => ("force-history error", "", Some("force")),
+            Self::ForceL2Aligned => (
+                "time-aligned force-history error",
+                "",
+                Some("force-aligned"),
+            ),
+            Self::TimeShift => ("shift in time", "s", None),
+            Self::PeakForce => ("peak force", "N", None),
+            Self::PeakForceRel => ("peak-force error", "", Some("peak")),
+            Self::Impulse => ("impulse", "N s", None),
+            Self::ImpulseRel => ("impulse error", "", Some("impulse")),
+            Self::Duration => ("contact duration", "s", None),
+            Self::Omega1End => ("last speed of gear 1", "rad/s", None),
+            Self::Omega2End => ("last speed of gear 2", "rad/s", None),
+            Self::Rebound => ("rebound error", "", Some("rebound")),
+            Self::TransmissionError => ("transmission-error error", "", Some("transmission-error")),
+            Self::EnergyDrift => ("energy drift", "", Some("energy")),
+        }
     }
 
     /// In prose.
     pub fn words(self) -> &'static str {
-        match self {
-            Self::ForceL2 => "force-history error",
-            Self::ForceL2Aligned => "time-aligned force-history error",
-            Self::TimeShift => "shift in time",
-            Self::PeakForce => "peak force",
-            Self::PeakForceRel => "peak-force error",
-            Self::Impulse => "impulse",
-            Self::ImpulseRel => "impulse error",
-            Self::Duration => "contact duration",
-            Self::Omega1End => "last speed of gear 1",
-            Self::Omega2End => "last speed of gear 2",
-            Self::Rebound => "rebound error",
-            Self::TransmissionError => "transmission-error error",
-            Self::EnergyDrift => "energy drift",
-        }
+        self.facts().0
     }
 
     /// SI unit; empty for ratios, which pages show in per cent.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::TimeShift | Self::Duration => "s",
-            Self::PeakForce => "N",
-            Self::Impulse => "N s",
-            Self::Omega1End | Self::Omega2End => "rad/s",
-            _ => "",
-        }
+        self.facts().1
+    }
+
+    /// Name on the command line; only relative errors have one.
+    pub fn option(self) -> Option<&'static str> {
+        self.facts().2
     }
 
     /// Whether it is a relative error: the larger its magnitude, the worse.
@@ -131,12 +104,6 @@ impl Metric {
     }
 }
 
-impl std::fmt::Display for Metric {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.key())
-    }
-}
-
 impl std::str::FromStr for Metric {
     type Err = String;
 
@@ -147,19 +114,6 @@ impl std::str::FromStr for Metric {
             let keys = Self::ALL.map(Self::key).join(", ");
             format!("there is no metric `{text}`; there are {keys}")
         })
-    }
-}
-
-impl Serialize for Metric {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.key())
-    }
-}
-
-impl<'de> Deserialize<'de> for Metric {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map_err(serde::de::Error::custom)
     }
 }
 

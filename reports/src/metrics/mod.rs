@@ -46,24 +46,15 @@ pub struct Finished<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the run stopped at {reached_s:.4e} s of {end_s:.4e} s: nothing can be told of the whole")]
 pub struct Unfinished {
-    /// Last time of its history \[s\].
+    /// Time that it reached \[s\].
     pub reached_s: f64,
     /// Time that it was to reach \[s\].
     pub end_s: f64,
 }
 
 impl<'a> Finished<'a> {
-    /// Histories and ledger of a run that was to reach `end_s`.
-    ///
-    /// # Errors
-    /// [`Unfinished`] when the histories end before.
-    pub fn new(series: &'a TimeSeries, ledger: &'a Ledger, end_s: f64) -> Result<Self, Unfinished> {
-        let reached_s = series.time_s.last().copied().unwrap_or(f64::NEG_INFINITY);
-        Self::reached(series, ledger, [reached_s, end_s])
-    }
-
-    /// The same of a run that says itself which time it reached: its history may end before, where only spells of
-    /// contact are recorded.
+    /// Histories and ledger of a run, with the time that it reached and the time that it was to reach \[s\]: the history
+    /// may end before, where only spells of contact are recorded.
     ///
     /// # Errors
     /// [`Unfinished`] when it did not reach its end, or has no history.

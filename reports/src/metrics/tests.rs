@@ -23,7 +23,7 @@ fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
 /// Metrics of a run that was to end where it does.
 fn told(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
     let ledger = Ledger::default();
-    let run = Finished::new(s, &ledger, *s.time_s.last().unwrap()).unwrap();
+    let run = Finished::reached(s, &ledger, [0.0, 0.0]).unwrap();
     compare(run, reference, against)
 }
 
@@ -142,7 +142,7 @@ fn broken_data_give_no_numbers_and_no_panic() {
     let (empty, ledger) = (TimeSeries::default(), Ledger::default());
     for s in [&blown, &empty] {
         for target in [&r, &empty, &blown] {
-            let Ok(run) = Finished::new(s, &ledger, 0.0) else {
+            let Ok(run) = Finished::reached(s, &ledger, [0.0, 0.0]) else {
                 assert!(s.is_empty());
                 continue;
             };
@@ -155,7 +155,7 @@ fn broken_data_give_no_numbers_and_no_panic() {
         residual_rel: Some(f64::INFINITY),
         ..Ledger::default()
     };
-    let run = Finished::new(&r, &ledger, 0.0).unwrap();
+    let run = Finished::reached(&r, &ledger, [0.0, 0.0]).unwrap();
     assert_eq!(compare(run, &r, "fe").energy_drift_rel, None);
 }
 
@@ -178,17 +178,19 @@ fn what_follows_the_reference_is_not_compared_with_it() {
 fn a_run_that_did_not_reach_its_end_is_refused() {
     let s = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
     let (ledger, end) = (Ledger::default(), *s.time_s.last().unwrap());
-    assert!(Finished::new(&s, &ledger, end).is_ok());
-    let early = Finished::new(&s, &ledger, 1.01 * end).unwrap_err();
+    assert!(Finished::reached(&s, &ledger, [end, end]).is_ok());
+    let early = Finished::reached(&s, &ledger, [end, 1.01 * end]).unwrap_err();
     assert_eq!((early.reached_s, early.end_s), (end, 1.01 * end));
     assert!(early.to_string().contains("stopped at 4.0"), "{early}");
-    assert!(Finished::new(&TimeSeries::default(), &ledger, 0.0).is_err());
+    assert!(Finished::reached(&TimeSeries::default(), &ledger, [0.0, 0.0]).is_err());
     let mut run = Run {
+        simulated_s: end,
         end_s: Some(1.01 * end),
         series: Some(s),
         ..Run::default()
     };
     assert_eq!(run.finished().unwrap_err(), early);
-    run.end_s = Some(end);
+    // The history may end with the last contact: the run says itself which time it reached.
+    run.simulated_s = 1.01 * end;
     assert!(run.finished().is_ok());
 }

@@ -17,29 +17,31 @@ use crate::drawing::Chart;
 use crate::drawing::canvas::DrawError;
 use crate::record::Results;
 use crate::view::View;
+use crate::words::words;
 use maud::Markup;
 use serde::{Deserialize, Serialize};
 
-/// A study.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Study {
-    /// All models and integrators of a scene against its references.
-    #[default]
-    Compare,
-    /// Error against cost.
-    Precision,
-    /// Where methods fail.
-    Stability,
-    /// The cheapest adequate model, integrator and step.
-    Choose,
-    /// Choices judged on random scenes.
-    ChoiceCheck,
-    /// Error over the number of modes that a reduction keeps.
-    Truncation,
-    /// Force and transmission error over the penalty of the contact.
-    Penalty,
-    /// Running under load at speed after speed.
-    Sweep,
+words! {
+    /// A study.
+    pub enum Study {
+        /// All models and integrators of a scene against its references.
+        #[default]
+        Compare = "compare",
+        /// Error against cost.
+        Precision = "precision",
+        /// Where methods fail.
+        Stability = "stability",
+        /// The cheapest adequate model, integrator and step.
+        Choose = "choose",
+        /// Choices judged on random scenes.
+        ChoiceCheck = "choice-check",
+        /// Error over the number of modes that a reduction keeps.
+        Truncation = "truncation",
+        /// Force and transmission error over the penalty of the contact.
+        Penalty = "penalty",
+        /// Running under load at speed after speed.
+        Sweep = "sweep",
+    }
 }
 
 /// What the record of each study has beside header, references and runs.
@@ -133,40 +135,6 @@ pub struct StudyReport {
     pub details: Markup,
     /// Tables in files of their own.
     pub csv: Vec<CsvTable>,
-}
-
-impl Study {
-    /// All.
-    pub const ALL: [Self; 8] = [
-        Self::Compare,
-        Self::Precision,
-        Self::Stability,
-        Self::Choose,
-        Self::ChoiceCheck,
-        Self::Truncation,
-        Self::Penalty,
-        Self::Sweep,
-    ];
-
-    /// The word of the format, of commands and of folders.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Compare => "compare",
-            Self::Precision => "precision",
-            Self::Stability => "stability",
-            Self::Choose => "choose",
-            Self::ChoiceCheck => "choice-check",
-            Self::Truncation => "truncation",
-            Self::Penalty => "penalty",
-            Self::Sweep => "sweep",
-        }
-    }
-}
-
-impl std::fmt::Display for Study {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.as_str())
-    }
 }
 
 /// What the study of mode counts was called in records.

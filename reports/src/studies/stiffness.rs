@@ -2,8 +2,9 @@
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
-use crate::drawing::canvas::{DrawError, Ink, Stroke, draw};
-use crate::drawing::lines::{Entry, Line, Panel, WIDTH, height, paint};
+use crate::drawing::canvas::{DrawError, Ink, Stroke};
+use crate::drawing::legend::Entry;
+use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::model_stroke;
 
 /// What one model says of a mesh. Positions are path coordinates of a pair from the pitch point over the base
@@ -42,19 +43,15 @@ const MARGIN: f64 = 0.08;
 
 impl StiffnessCurve {
     /// Repeats values of the cycle at all positions within a range.
-    fn repeated(&self, values: &[f64], [low, high]: [f64; 2], scale: f64) -> (Vec<f64>, Vec<f64>) {
-        let (mut x, mut y) = (Vec::new(), Vec::new());
+    fn repeated(&self, values: &[f64], [low, high]: [f64; 2], scale: f64) -> Vec<(f64, f64)> {
         let first = (low - 1.0).floor() as i64;
-        for turn in first..=(high.ceil() as i64 + 1) {
-            for (p, v) in self.position.iter().zip(values) {
-                let at = p + turn as f64;
-                if (low..=high).contains(&at) {
-                    x.push(at);
-                    y.push(v * scale);
-                }
-            }
-        }
-        (x, y)
+        (first..=(high.ceil() as i64 + 1))
+            .flat_map(|turn| {
+                let points = self.position.iter().zip(values);
+                points.map(move |(p, v)| (p + turn as f64, v * scale))
+            })
+            .filter(|(at, _)| (low..=high).contains(at))
+            .collect()
     }
 }
 
@@ -65,64 +62,34 @@ impl StiffnessCurve {
 pub fn stiffness(all: &StiffnessCurves) -> Result<Chart, DrawError> {
     let window = [all.path[0] - MARGIN, all.path[1] + MARGIN];
     let x = Axis::linear(window[0], window[1]);
-    let strokes: Vec<Stroke> = (0..all.curves.len()).map(model_stroke).collect();
-    let entries: Vec<Entry> = all
-        .curves
-        .iter()
-        .zip(&strokes)
-        .map(|(c, &stroke)| Entry {
-            text: c.label.clone(),
-            stroke,
-        })
+    let curves = || all.curves.iter().enumerate();
+    let entries: Vec<Entry> = curves()
+        .map(|(k, c)| Entry::line(&c.label, model_stroke(k)))
         .collect();
-    // Ends of the path, and pitch point, over the whole height of a panel.
-    let marks = |top: f64| -> Vec<Line> {
-        [all.path[0], 0.0, all.path[1]]
-            .into_iter()
-            .map(|at| Line {
-                x: vec![at, at],
-                y: vec![0.0, top],
-                stroke: Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]),
-            })
+    let panel = |y_name: &str, remark: &str, lines: Vec<Curve>, top: Option<f64>| {
+        let mut panel = Panel::new(190.0, &x, y_name).remark(remark).curves(lines);
+        let axis = Axis::from_zero(top.unwrap_or(1.18 * panel.ordinates().1));
+        // Ends of the path, and pitch point, over the whole height.
+        let marks = [all.path[0], 0.0, all.path[1]].map(|at| {
+            let stroke = Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]);
+            Curve::line(stroke, vec![(at, 0.0), (at, axis.max)])
+        });
+        panel.curves.splice(0..0, marks);
+        panel.y = Some(axis);
+        panel
+    };
+    let cyclic = |values: fn(&StiffnessCurve) -> &[f64], scale: f64| -> Vec<Curve> {
+        curves()
+            .map(|(k, c)| Curve::line(model_stroke(k), c.repeated(values(c), window, scale)))
             .collect()
     };
-    let panel = |y_name: &str, remark: &str, lines: Vec<Line>, top: Option<f64>| {
-        let greatest = lines
-            .iter()
-            .flat_map(|l| &l.y)
-            .filter(|y| y.is_finite())
-            .fold(0.0_f64, |m, y| m.max(*y));
-        let axis = Axis::from_zero(top.unwrap_or(1.18 * greatest));
-        let mut shown = marks(axis.max);
-        shown.extend(lines);
-        Panel {
-            height: 190.0,
-            y_name: y_name.into(),
-            y: Some(axis),
-            x: x.clone(),
-            remark: remark.into(),
-            lines: shown,
-            x_name: None,
-        }
-    };
-    let cyclic = |values: fn(&StiffnessCurve) -> &[f64], scale: f64| -> Vec<Line> {
-        all.curves
-            .iter()
-            .zip(&strokes)
-            .map(|(c, &stroke)| {
-                let (x, y) = c.repeated(values(c), window, scale);
-                Line { x, y, stroke }
-            })
-            .collect()
-    };
-    let shares = all
-        .curves
-        .iter()
-        .zip(&strokes)
-        .map(|(c, &stroke)| Line {
-            x: c.pair_position.clone(),
-            y: c.pair_share.iter().map(|y| 100.0 * y).collect(),
-            stroke,
+    let shares = curves()
+        .map(|(k, c)| {
+            let points = c.pair_position.iter().zip(&c.pair_share);
+            Curve::line(
+                model_stroke(k),
+                points.map(|(x, y)| (*x, 100.0 * y)).collect(),
+            )
         })
         .collect();
     let mut panels = vec![
@@ -140,23 +107,14 @@ pub fn stiffness(all: &StiffnessCurves) -> Result<Chart, DrawError> {
             None,
         ),
     ];
-    if let Some(last) = panels.last_mut() {
-        last.x_name = Some("path coordinate from the pitch point / base pitch".into());
-    }
+    panels[2].x_name = Some("path coordinate from the pitch point / base pitch".into());
+    let caption = format!(
+        "{} Pale lines: start of contact, pitch point, end of contact. Stiffness and transmission error repeat with the \
+         base pitch.",
+        all.remark
+    );
     let title = "Mesh stiffness, load sharing, transmission error";
-    let svg = draw(WIDTH, height(&panels, &entries), title, |c| {
-        paint(c, &panels, &entries);
-    })?;
-    Ok(Chart {
-        file: "stiffness.svg".into(),
-        title,
-        caption: format!(
-            "{} Pale lines: start of contact, pitch point, end of contact. Stiffness and transmission error \
-             repeat with the base pitch.",
-            all.remark
-        ),
-        svg,
-    })
+    chart("stiffness.svg", title, caption, &entries, &panels)
 }
 
 #[cfg(test)]
@@ -173,7 +131,10 @@ mod tests {
             pair_position: vec![-0.8, 0.8],
             pair_share: vec![0.3, 1.0],
         };
-        let (x, y) = curve.repeated(&curve.mesh, [-0.8, 0.8], 1e-9);
+        let (x, y): (Vec<f64>, Vec<f64>) = curve
+            .repeated(&curve.mesh, [-0.8, 0.8], 1e-9)
+            .into_iter()
+            .unzip();
         assert_eq!(x, [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75]);
         let expected = [40.0, 10.0, 20.0, 30.0, 40.0, 10.0, 20.0];
         assert!(y.iter().zip(expected).all(|(y, e)| (y - e).abs() < 1e-12));

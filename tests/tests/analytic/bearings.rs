@@ -7,7 +7,7 @@ use gearbench_integrators::{
 use gearbench_models::Vec3;
 use gearbench_models::kinematics::Tooth;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Load, Mount, Profile, Value, lever};
+use gearbench_models::spec::{Load, Mount, Profile, Value, effective_radius};
 use gearbench_tests::*;
 
 const NAMES: [&str; 2] = ["pinion", "wheel"];
@@ -24,9 +24,9 @@ fn bearings_balance_a_torque_at_rest() {
     spec.gears[0].speed = 0.0;
     spec.gears[0].loads = vec![Load::Applied(Profile::Constant(torque))];
     spec.gears[1].mount = Mount::Fixed;
-    let force = torque / lever(&spec.gears[0].body);
+    let force = torque / effective_radius(&spec.gears[0].body);
     for model in models() {
-        let both = [usual(&model, 20), usual(&model, 30)];
+        let both = [usual(&model), usual(&model)];
         let mut scene = build(&spec, &both, &contact(5e10));
         let mut s = scene.initial();
         equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
@@ -42,7 +42,7 @@ fn bearings_balance_a_torque_at_rest() {
         );
         assert_eq!(a[2], 0.0);
         // The left flank of the pinion pushes the wheel clockwise: its mount holds against that.
-        let want = force * lever(&spec.gears[1].body);
+        let want = force * effective_radius(&spec.gears[1].body);
         assert!(
             (b[2] - want).abs() < 1e-9 * want,
             "{}: {} {want}",
@@ -65,7 +65,7 @@ fn the_torque_of_a_drive_is_its_power_over_its_speed() {
             if driven == 1 {
                 spec.meshes[0].start = start(gearbench_models::geometry::Side::Right, 2e-6);
             }
-            let both = [usual(&model, 20), usual(&model, 30)];
+            let both = [usual(&model), usual(&model)];
             let mut scene = build(&spec, &both, &contact(5e10));
             let mut touched = 0;
             for end in [2e-5, 4e-5, 6e-5] {
@@ -127,7 +127,9 @@ fn movable_teeth_load_their_bearing_with_their_inertia() {
                 let g = &scene.gears()[k];
                 let mut sum = Vec3::zeros();
                 for index in 0..count[k] {
-                    let own = g.model.tooth_travel(g.at(x.at()), Tooth { index, mesh: 0 });
+                    let own = g
+                        .model
+                        .tooth_displacement(g.at(x.at()), Tooth { index, mesh: 0 });
                     let turn = index as f64 / count[k] as f64;
                     let (sin, cos) = (phase + own + std::f64::consts::TAU * turn).sin_cos();
                     sum += m * reference[k] * Vec3::new(cos, sin, 0.0);

@@ -53,7 +53,7 @@ fn oscillators_and_rest_make_the_acceleration() {
     scene.solve_mass(s.at(), &mut whole);
     let split = scene.modal().unwrap();
     split.oscillators(&mut omega, &mut zeta);
-    split.rest(s.at(), &mut rest);
+    split.remainder(s.at(), &mut rest);
     assert_eq!(rest, whole);
     assert_eq!(omega, [0.0, 0.0]);
     // A viscous load is not steady, and the flanks touch.

@@ -1,4 +1,4 @@
-//! The force is a pure function, guards say when its branch ends, and elastic laws switch without a jump.
+//! The force is a pure function, event functions say when its branch ends, and elastic laws switch without a jump.
 
 use gearbench_integrators::{Change, Events, SecondOrderSystem, State};
 use gearbench_models::law::{Damping, Friction};
@@ -74,17 +74,17 @@ fn force_repeats_bit_for_bit_whatever_is_evaluated_in_between() {
                 scene.begin(&mut s, located);
                 let first = force(&mut scene, &s);
                 let kept = s.clone();
-                // Other states, tangents, guards and outputs leave no trace.
+                // Other states, tangents, event functions and outputs leave no trace.
                 let (_, other) = around_touch(&models, &contact, -2e-6, &mut numbers);
                 let other = State {
-                    memory: s.memory.clone(),
+                    discrete: s.discrete.clone(),
                     ..other
                 };
                 force(&mut scene, &other);
                 let mut df = vec![0.0; s.q.len()];
                 scene.tangent_times(other.at(), &other.v, &other.v, &mut df);
-                let mut guards = vec![0.0; scene.layout().guards];
-                scene.guards(other.at(), &mut guards);
+                let mut event_functions = vec![0.0; scene.layout().event_functions];
+                scene.event_functions(other.at(), &mut event_functions);
                 channel(&mut scene, &other, "force:0");
                 let again = force(&mut scene, &s);
                 let bits = |f: &[f64]| f.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
@@ -96,8 +96,8 @@ fn force_repeats_bit_for_bit_whatever_is_evaluated_in_between() {
 }
 
 #[test]
-fn closed_contacts_with_positive_guards_push_and_others_do_not() {
-    // Just after `begin` every guard is positive or at its root, and the located force is the clipped one.
+fn closed_contacts_with_positive_event_functions_push_and_others_do_not() {
+    // Just after `begin` every event function is positive or at its root, and the located force is the clipped one.
     let mut numbers = Numbers::new(2);
     for models in pairs() {
         for contact in contacts() {
@@ -105,13 +105,13 @@ fn closed_contacts_with_positive_guards_push_and_others_do_not() {
                 let depth = 2e-7 * f64::from(i) + 1e-8;
                 let (mut scene, mut s) = around_touch(&models, &contact, depth, &mut numbers);
                 scene.begin(&mut s, true);
-                let mut guards = vec![0.0; scene.layout().guards];
-                scene.guards(s.at(), &mut guards);
+                let mut event_functions = vec![0.0; scene.layout().event_functions];
+                scene.event_functions(s.at(), &mut event_functions);
                 // A linear damper that has let go while the flanks still overlap may sit below its root.
-                let lowest = guards.iter().fold(f64::INFINITY, |m, &g| m.min(g));
+                let lowest = event_functions.iter().fold(f64::INFINITY, |m, &g| m.min(g));
                 assert!(
                     lowest >= -1e-9,
-                    "{:?} at depth {depth}: guard {lowest:e}",
+                    "{:?} at depth {depth}: event {lowest:e}",
                     contact.damping
                 );
                 assert!(channel(&mut scene, &s, "normal_min:0") >= 0.0);
@@ -150,17 +150,18 @@ fn elastic_laws_switch_without_a_jump_of_the_force() {
                 .map(|(_, c)| c.gap)
                 .fold(f64::INFINITY, f64::min);
             let range = scene.gears()[0].range();
-            let lever = gearbench_models::spec::lever(&case_a(3e-6).gears[0].body);
-            range.for_each(|i| s.q[i] += gap / lever);
-            let mut guards = vec![0.0; scene.layout().guards];
-            scene.guards(s.at(), &mut guards);
-            let at_root: Vec<usize> = (0..guards.len())
-                .filter(|&i| guards[i].abs() < 1e-15)
+            let effective_radius =
+                gearbench_models::spec::effective_radius(&case_a(3e-6).gears[0].body);
+            range.for_each(|i| s.q[i] += gap / effective_radius);
+            let mut event_functions = vec![0.0; scene.layout().event_functions];
+            scene.event_functions(s.at(), &mut event_functions);
+            let at_root: Vec<usize> = (0..event_functions.len())
+                .filter(|&i| event_functions[i].abs() < 1e-15)
                 .collect();
-            assert!(!at_root.is_empty(), "no guard at its root");
+            assert!(!at_root.is_empty(), "no event at its root");
             let before = force(&mut scene, &s);
-            for &guard in &at_root {
-                assert_eq!(scene.switch(&mut s, guard), Change::Restart);
+            for &event in &at_root {
+                assert_eq!(scene.transition(&mut s, event), Change::Restart);
             }
             let after = force(&mut scene, &s);
             for (a, b) in before.iter().zip(&after) {
@@ -171,8 +172,8 @@ fn elastic_laws_switch_without_a_jump_of_the_force() {
                 );
             }
             // And back: opening there changes nothing either.
-            for &guard in &at_root {
-                scene.switch(&mut s, guard);
+            for &event in &at_root {
+                scene.transition(&mut s, event);
             }
             assert_eq!(force(&mut scene, &s), before);
         }

@@ -252,7 +252,7 @@ fn helical_slices_share_one_stiffness() {
         scene.force(s.at(), &mut f);
         let ratio = f[1] / f[0];
         assert!((ratio / 1.5 - 1.0).abs() < 1e-9, "{ratio}");
-        // Normal gap and the lever of the normal force carry a cosine of the base helix angle each.
+        // Normal gap and the effective base radius of the normal force carry a cosine of the base helix angle each.
         sum += -f[0] / (3e8 * depth * a.r_base() * a.base_helix_angle().cos().powi(2));
     }
     let mean = sum / f64::from(n);

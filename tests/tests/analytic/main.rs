@@ -3,10 +3,10 @@
 #![allow(clippy::print_stdout)]
 
 mod bearings;
-mod coast;
 mod flank_points;
 mod flight;
 mod force;
+mod free_flight;
 mod friction;
 mod kinematics;
 mod mounts;
@@ -15,9 +15,9 @@ mod nodal;
 mod records;
 mod refusals;
 mod rows;
-mod sleep;
 mod statics;
 mod tangents;
 mod tooth_springs;
 mod trains;
+mod vibration_cut_off;
 mod zones;

@@ -6,7 +6,9 @@ use gearbench_integrators::{
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Body, ContactSpec, Load, Mount, Profile, lever, mesh_layout};
+use gearbench_models::spec::{
+    Body, ContactSpec, Load, Mount, Profile, effective_radius, mesh_layout,
+};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 
@@ -51,7 +53,7 @@ impl Sink for Times {
 }
 
 #[test]
-fn applied_loads_are_integrated_exactly_and_steps_land_on_knots() {
+fn applied_loads_are_integrated_exactly_and_steps_land_on_breakpoints() {
     let j = case_a(0.0).gears[0].inertia.unwrap();
     let ramp = Profile::Ramp {
         from: 0.1,
@@ -63,7 +65,7 @@ fn applied_loads_are_integrated_exactly_and_steps_land_on_knots() {
         time: vec![0.7e-3, 1.9e-3, 3.3e-3],
         value: vec![0.0, 0.5, -0.2],
     };
-    for (profile, knots) in [
+    for (profile, breakpoints) in [
         (Profile::Constant(0.4), vec![]),
         (ramp, vec![1.33e-3, 2.71e-3]),
         (table, vec![0.7e-3, 1.9e-3, 3.3e-3]),
@@ -78,13 +80,13 @@ fn applied_loads_are_integrated_exactly_and_steps_land_on_knots() {
                 .run(&mut scene, &mut s, &plan, &mut times, &mut Work::default())
                 .unwrap();
             let id = method.info.id;
-            for knot in &knots {
+            for breakpoint in &breakpoints {
                 assert!(
-                    times.0.contains(knot),
-                    "{id} does not land on the knot at {knot} s"
+                    times.0.contains(breakpoint),
+                    "{id} does not land on the breakpoint at {breakpoint} s"
                 );
             }
-            // A torque that is linear between the knots is integrated exactly by order two and above.
+            // A torque that is linear between the breakpoints is integrated exactly by order two and above.
             let (got, want) = (s.v[0], profile.integral(5e-3) / j);
             let tolerance = if method.info.order > 1 { 1e-3 } else { 0.1 };
             assert!(
@@ -244,12 +246,12 @@ fn rack_and_pinion_exchange_momentum() {
                 start(side, 3e-6),
             );
             spec.gears[1].inertia = Some(0.4);
-            let levers = [0, 1].map(|i| lever(&spec.gears[i].body));
+            let effective_radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact(2e10));
             let inertia = [0, 1].map(|i| scene.gears()[i].model.hub().inertia);
             let momenta = |scene: &mut Scene, s: &State| {
                 let names = ["speed:pinion", "speed:rack"];
-                [0, 1].map(|i| channel(scene, s, names[i]) * inertia[i] / levers[i])
+                [0, 1].map(|i| channel(scene, s, names[i]) * inertia[i] / effective_radii[i])
             };
             let s = scene.initial();
             let before = momenta(&mut scene, &s);
@@ -261,9 +263,9 @@ fn rack_and_pinion_exchange_momentum() {
             let f = channel(&mut scene, &mid, "contact_torque:rack");
             let force = channel(&mut scene, &mid, "force:0");
             assert!(force > 100.0);
-            assert!((t.abs() / (force * levers[0]) - 1.0).abs() < 1e-9);
+            assert!((t.abs() / (force * effective_radii[0]) - 1.0).abs() < 1e-9);
             assert!(
-                (t / f + levers[0] / levers[1]).abs() < 1e-9 * levers[0],
+                (t / f + effective_radii[0] / effective_radii[1]).abs() < 1e-9 * effective_radii[0],
                 "T/F is {}",
                 t / f
             );

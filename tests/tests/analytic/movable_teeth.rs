@@ -72,7 +72,7 @@ impl Sink for Watch {
             .zip(names)
             .skip(OfMesh::ALL.len())
         {
-            // Speeds, travels and torques of the gears. Mounts answer to tooth deflections, differences of angles
+            // Speeds, displacements and torques of the gears. Mounts answer to tooth deflections, differences of angles
             // that grow with every turn: their rounding is larger.
             let answer = name.starts_with("bearing") || name.starts_with("mount");
             let rounding = if answer { 100.0 } else { 1.0 };

@@ -8,7 +8,7 @@ use gearbench_models::geometry::{
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, GearSpec, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value, lever,
+    Body, GearSpec, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value, effective_radius,
 };
 use gearbench_tests::*;
 
@@ -50,11 +50,11 @@ fn rolling_sign(index: usize, g: &GearSpec) -> f64 {
 fn rolled(scene: &mut Scene, spec: &SceneSpec, roll: f64, numbers: &mut Numbers) -> State {
     let mut s = scene.initial();
     let (sq, sv) = scales(scene);
-    let r0 = lever(&spec.gears[0].body);
+    let r0 = effective_radius(&spec.gears[0].body);
     for (i, (g, sg)) in spec.gears.iter().zip(scene.gears()).enumerate() {
-        let travel = rolling_sign(i, g) * roll * r0 / lever(&g.body);
+        let displacement = rolling_sign(i, g) * roll * r0 / effective_radius(&g.body);
         if sg.model.hub().coordinates() > 0 {
-            sg.range().for_each(|i| s.q[i] += travel);
+            sg.range().for_each(|i| s.q[i] += displacement);
         }
     }
     for i in 0..s.q.len() {
@@ -84,7 +84,7 @@ fn check(name: &str, spec: &SceneSpec, models: &[ModelSpec], tolerance: f64) {
     assert!(most >= 3, "{name}: only {most} candidates");
     assert!(
         worst <= tolerance,
-        "{name}: rows off by {worst:.3e} of the lever, tolerance {tolerance:.0e}"
+        "{name}: rows off by {worst:.3e} of the effective_radius, tolerance {tolerance:.0e}"
     );
 }
 

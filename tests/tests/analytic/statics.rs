@@ -2,7 +2,7 @@
 
 use gearbench_integrators::{EquilibriumError, EquilibriumOptions, State, equilibrium};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{Load, ModelSpec, Mount, Profile, SceneSpec, lever};
+use gearbench_models::spec::{Load, ModelSpec, Mount, Profile, SceneSpec, effective_radius};
 use gearbench_tests::*;
 
 /// Contact stiffness per width [N/m per m], and over the width of 20 mm.
@@ -23,7 +23,7 @@ fn force_and_stiffness(spec: &SceneSpec, torque: f64) -> (f64, f64) {
         panic!("a gear")
     };
     (
-        torque / lever(&spec.gears[0].body),
+        torque / effective_radius(&spec.gears[0].body),
         PER_WIDTH * g.face_width(),
     )
 }
@@ -41,8 +41,7 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
     let spec = held(torque, Mount::Fixed);
     let (force, k) = force_and_stiffness(&spec, torque);
     for model in models() {
-        let usual_of = |teeth| usual(&model, teeth);
-        let (mut scene, s) = at_rest(&spec, &[usual_of(20), usual_of(30)]);
+        let (mut scene, s) = at_rest(&spec, &[usual(&model), usual(&model)]);
         let found = channel(&mut scene, &s, "force:0");
         assert!(
             (found - force).abs() < 1e-9 * force,
@@ -50,10 +49,10 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
             model.id
         );
         let other = channel(&mut scene, &s, "contact_torque:wheel");
-        let want = force * lever(&spec.gears[1].body);
+        let want = force * effective_radius(&spec.gears[1].body);
         assert!((other.abs() - want).abs() < 1e-9 * want, "{}", model.id);
         // The line of action advances by the law in series with what the model adds.
-        let advance = s.q[0] * lever(&spec.gears[0].body) + 5e-6;
+        let advance = s.q[0] * effective_radius(&spec.gears[0].body) + 5e-6;
         let more = advance - force / k;
         match model.id {
             "rigid" => assert!(more.abs() < 1e-15, "{more}"),
@@ -64,7 +63,7 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
                 let omega = std::f64::consts::TAU * 2e4;
                 let give = spec.gears.iter().map(|g| {
                     let rim = 0.5 * g.inertia.unwrap();
-                    lever(&g.body).powi(2) / (rim * omega * omega)
+                    effective_radius(&g.body).powi(2) / (rim * omega * omega)
                 });
                 let want = force * give.sum::<f64>();
                 assert!((more - want).abs() < 1e-9 * want, "{more} {want}");
@@ -77,7 +76,7 @@ fn a_torque_is_held_by_the_contact_of_every_model() {
 #[test]
 fn gears_that_nothing_holds_are_named() {
     for model in models() {
-        let both = [usual(&model, 20), usual(&model, 30)];
+        let both = [usual(&model), usual(&model)];
         let at_rest = |spec: &SceneSpec| {
             let mut scene = build(spec, &both, &contact(PER_WIDTH));
             let mut s = scene.initial();
@@ -110,7 +109,7 @@ fn driven_gears_stand_where_their_motion_has_brought_them() {
     let mut spec = held(0.0, Mount::Fixed);
     spec.meshes[0].start.gap = 0.0;
     spec.gears[0].loads.clear();
-    let rb = lever(&spec.gears[0].body);
+    let rb = effective_radius(&spec.gears[0].body);
     spec.gears[0].mount = Mount::Driven(Profile::Ramp {
         from: 2.0 * approach / rb,
         to: 0.0,
@@ -119,7 +118,7 @@ fn driven_gears_stand_where_their_motion_has_brought_them() {
     });
     let (_, k) = force_and_stiffness(&spec, 1.0);
     for model in models() {
-        let both = [usual(&model, 20), usual(&model, 30)];
+        let both = [usual(&model), usual(&model)];
         let mut scene = build(&spec, &both, &contact(PER_WIDTH));
         let mut s = scene.initial();
         s.t = 2.0;

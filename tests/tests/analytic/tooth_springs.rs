@@ -57,7 +57,7 @@ fn one_tooth_deflects_by_its_torque_over_its_spring() {
             s.q[tooth]
         );
         // |T_i| = N r_b.
-        let rb = gearbench_models::spec::lever(&spec.gears[1].body);
+        let rb = gearbench_models::spec::effective_radius(&spec.gears[1].body);
         assert!((torque.abs() / (contact.normal_force * rb) - 1.0).abs() < 1e-12);
     }
 }

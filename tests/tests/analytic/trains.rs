@@ -5,7 +5,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, lever,
+    ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, effective_radius,
 };
 use gearbench_tests::*;
 
@@ -126,7 +126,7 @@ fn a_train_carries_its_load_in_motion() {
         o.state.v
     );
     // Over the last pitches: mean force times base radius is the viscous torque.
-    let rb = lever(&spec.gears[2].body);
+    let rb = effective_radius(&spec.gears[2].body);
     let plan = TimePlan::new(
         0.05 + 6.0 * std::f64::consts::TAU / 20.0 / 50.0,
         Resolution::Tolerance(1e-8),

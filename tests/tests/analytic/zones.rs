@@ -6,7 +6,7 @@ use gearbench_integrators::{
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, lever, mesh_layout,
+    ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_tests::*;
 
@@ -243,7 +243,7 @@ fn without_events_a_run_converges_to_the_same_motion() {
             "{}: dopri5 without events is off by {error:.2e}",
             model.id
         );
-        let _ = lever(&case_a(0.0).gears[0].body);
+        let _ = effective_radius(&case_a(0.0).gears[0].body);
     }
 }
 
@@ -265,8 +265,8 @@ fn impact_speeds_belong_to_their_own_impact() {
         let pitch = std::f64::consts::TAU / 20.0;
         s.q[0] += turned * pitch;
         s.q[1] -= turned * pitch / 1.5;
-        let levers = [0, 1].map(|i| lever(&spec.gears[i].body));
-        let closing = |s: &State| s.v[0] * levers[0] + s.v[1] * levers[1];
+        let effective_radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
+        let closing = |s: &State| s.v[0] * effective_radii[0] + s.v[1] * effective_radii[1];
         let first = closing(&s).abs();
         let mut switches = Switches::default();
         let plan = TimePlan::new(1.2e-3, Resolution::Tolerance(1e-9));

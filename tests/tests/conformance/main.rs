@@ -4,6 +4,8 @@
 //! Observed figures are printed: `cargo test --release -p gearbench-tests -- --nocapture`.
 #![allow(clippy::print_stdout)]
 
+mod core;
 mod elastic;
+mod example;
 mod flank_points;
 mod impact;

@@ -6,12 +6,14 @@
 mod wrong_laws;
 
 use gearbench::experiment::run::{Job, NO_BOUND, run};
-use gearbench::experiment::status::{Witness, against_contact, against_tolerance};
+use gearbench::experiment::status::{RunMonitor, against_contact, against_tolerance};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{Resolution, TimePlan, Work};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, lever};
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, effective_radius,
+};
 use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Results, Run, Status, StudyHeader, Tolerance};
 use gearbench_tests::*;
@@ -88,10 +90,15 @@ impl Way {
     /// The same scene under a wrong law; of the record only what a verdict says.
     fn run_wrong(&self, wrong: Wrong, text: &str, resolution: Resolution) -> Run {
         let scene = Scene::build(&self.scene, &self.modelling(), &models()).unwrap();
-        let levers = [0, 1].map(|i: usize| lever(&self.scene.gears[i].body));
-        let mut witness = Witness::new(&self.scene, &scene, vec![0.0, self.t_end], true);
+        let effective_radii = [0, 1].map(|i: usize| effective_radius(&self.scene.gears[i].body));
+        let mut monitor = RunMonitor::new(&self.scene, &scene, vec![0.0, self.t_end], true);
         let mut s = scene.initial();
-        let mut sys = WrongScene::new(scene, wrong, levers, self.scene.meshes[0].start.gap);
+        let mut sys = WrongScene::new(
+            scene,
+            wrong,
+            effective_radii,
+            self.scene.meshes[0].start.gap,
+        );
         let plan = TimePlan {
             events: self.events,
             max_steps: self.max_steps,
@@ -99,8 +106,8 @@ impl Way {
         };
         let mut method = gearbench_integrators::method(text).unwrap();
         let mut work = Work::default();
-        let outcome = method.run(&mut sys, &mut s, &plan, &mut witness, &mut work);
-        let (status, message) = witness.verdict(&mut sys, &s, &outcome);
+        let outcome = method.run(&mut sys, &mut s, &plan, &mut monitor, &mut work);
+        let (status, message) = monitor.status(&mut sys, &s, &outcome);
         Run {
             integrator: text.into(),
             status,
@@ -124,7 +131,7 @@ fn grazing() -> Way {
     let mut way = Way::rigid();
     way.scene.meshes[0].start.gap = 20e-6;
     let pinion = &mut way.scene.gears[0];
-    let r = lever(&pinion.body);
+    let r = effective_radius(&pinion.body);
     // It returns after v^2 / (2 a).
     let v = pinion.speed * r;
     let a = v * v / (2.0 * 20.5e-6);

@@ -22,24 +22,24 @@ pub struct WrongScene {
     pub scene: Scene,
     pub wrong: Wrong,
     /// Approach by unit turn of each hub [m], and the gap at the start [m].
-    pub levers: [f64; 2],
+    pub effective_radii: [f64; 2],
     pub gap: f64,
     closed: Option<f64>,
 }
 
 impl WrongScene {
-    pub fn new(scene: Scene, wrong: Wrong, levers: [f64; 2], gap: f64) -> Self {
+    pub fn new(scene: Scene, wrong: Wrong, effective_radii: [f64; 2], gap: f64) -> Self {
         WrongScene {
             scene,
             wrong,
-            levers,
+            effective_radii,
             gap,
             closed: None,
         }
     }
 
     fn open(&self, at: At<'_>) -> f64 {
-        self.gap - self.levers[0] * at.q[0] - self.levers[1] * at.q[1]
+        self.gap - self.effective_radii[0] * at.q[0] - self.effective_radii[1] * at.q[1]
     }
 
     /// Normal force of the glue [N], negative, and its potential [J].
@@ -65,14 +65,14 @@ impl SecondOrderSystem for WrongScene {
     fn scales(&self, q: &mut [f64], v: &mut [f64]) {
         SecondOrderSystem::scales(&self.scene, q, v);
     }
-    fn pace(&self, at: At<'_>) -> f64 {
-        self.scene.pace(at)
+    fn characteristic_time(&self, at: At<'_>) -> f64 {
+        self.scene.characteristic_time(at)
     }
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.scene.force(at, f);
         let (n, _) = self.pull(at);
-        for (f, lever) in f.iter_mut().zip(self.levers) {
-            *f -= lever * n;
+        for (f, effective_radius) in f.iter_mut().zip(self.effective_radii) {
+            *f -= effective_radius * n;
             if self.wrong == Wrong::NoNumber && self.open(at) < 0.0 {
                 *f = f64::NAN;
             }
@@ -99,8 +99,8 @@ impl SecondOrderSystem for WrongScene {
 }
 
 impl Events for WrongScene {
-    fn guards(&mut self, at: At<'_>, out: &mut [f64]) {
-        self.scene.guards(at, out);
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+        self.scene.event_functions(at, out);
         if let Some(t) = self.closed {
             out[0] = t - at.t;
         }
@@ -108,11 +108,11 @@ impl Events for WrongScene {
     fn begin(&mut self, s: &mut State, located: bool) {
         self.scene.begin(s, located);
     }
-    fn switch(&mut self, s: &mut State, guard: usize) -> Change {
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
         if self.wrong == Wrong::Flips {
             self.closed = Some(s.t);
         }
-        self.scene.switch(s, guard)
+        self.scene.transition(s, event)
     }
     fn commit(&mut self, s: &mut State) -> Change {
         self.scene.commit(s)

@@ -5,7 +5,7 @@ use super::entry;
 use gearbench::experiment::configuration::Configuration;
 use gearbench::experiment::run::{Job, NO_BOUND, run};
 use gearbench::models::models;
-use gearbench::studies::stability::limits::{Frozen, LineKind};
+use gearbench::studies::stability::limits::{LineKind, Linearised};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
 use gearbench_reports::record::{Run, Status};
@@ -35,10 +35,10 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
 #[test]
 fn explicit_methods_fail_where_implicit_ones_hold() {
     let e = entry("spur_rotation", "movable-teeth-5.6e10");
-    let mut frozen = Frozen::new(&e.scene, &e.modelling, models()).unwrap();
+    let mut linearised = Linearised::new(&e.scene, &e.modelling, models()).unwrap();
     let t_end = 2e-3;
     for text in ["velocity-verlet", "rk4", "dopri5"] {
-        let lines = frozen.lines(text.parse().unwrap()).unwrap();
+        let lines = linearised.lines(text.parse().unwrap()).unwrap();
         let h = (lines.iter().find(|l| l.kind == LineKind::Stability))
             .unwrap()
             .step_s;
@@ -74,9 +74,9 @@ fn explicit_methods_fail_where_implicit_ones_hold() {
 #[test]
 fn elastic_gears_fail_in_the_scene_where_theory_says() {
     let e = super::with_modes(entry("spur_impact", "elastic"), 35);
-    let mut frozen = Frozen::new(&e.scene, &e.modelling, models()).unwrap();
+    let mut linearised = Linearised::new(&e.scene, &e.modelling, models()).unwrap();
     for text in ["velocity-verlet", "rk4"] {
-        let lines = frozen.lines(text.parse().unwrap()).unwrap();
+        let lines = linearised.lines(text.parse().unwrap()).unwrap();
         let h = (lines.iter().find(|l| l.kind == LineKind::Stability))
             .unwrap()
             .step_s;

@@ -1,4 +1,4 @@
-//! Distributions that the parameters of a scene are drawn from.
+//! Distributions that the parameters of a scene are sampled from.
 
 use super::random::{Random, fitting, short};
 use super::sets::{SampleError, Set};
@@ -16,7 +16,6 @@ const TOOTH_FREQUENCY: f64 = 244.0;
 /// What happens in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// One impact.
     Impact,
     /// Several impacts within the backlash.
     Hammer,
@@ -30,7 +29,6 @@ impl Kind {
     pub const ALL: [Kind; 3] = [Kind::Impact, Kind::Hammer, Kind::Load];
 
     /// The word of records.
-    #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
             Kind::Impact => "one impact",
@@ -39,9 +37,8 @@ impl Kind {
         }
     }
 
-    /// Metrics that are asked for. After several impacts a history is all phase, so hammering is judged by numbers
+    /// Metrics that are asked for. After several impacts a history is all phase, so hammering is validated by numbers
     /// of the whole; under load the speed swings about a mean, and where it ends says little.
-    #[must_use]
     pub fn metrics(self) -> &'static [Metric] {
         match self {
             Kind::Impact => &[
@@ -125,7 +122,7 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
     } else {
         r.one(&PAIRS)
     };
-    let levers = toothing.levers()?;
+    let effective_radii = toothing.effective_radii()?;
     let added = [0, 1].map(|i| {
         let factor = r.one(&[0.0, 0.0, 2.0, 8.0]);
         short(factor * toothing.inertia(i))
@@ -139,7 +136,8 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
     let backlash = short(toothing.module * r.between(0.01, 0.05));
 
     // Masses on the line of action.
-    let mass = |i: usize| (toothing.inertia(i) + added[i]) / (levers[i] * levers[i]);
+    let mass =
+        |i: usize| (toothing.inertia(i) + added[i]) / (effective_radii[i] * effective_radii[i]);
     let reduced = match second {
         Second::Free => 1.0 / (mass(0).recip() + mass(1).recip()),
         _ => mass(0),
@@ -184,26 +182,26 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
                 Second::Free if !turning => 0.0,
                 _ => rolling,
             };
-            move_apart(&mut p, levers, rolling, approach);
+            move_apart(&mut p, effective_radii, rolling, approach);
             p.gap = short(r.decades(1e-6, 2e-5).min(0.5 * backlash));
             let share = r.decades(0.01, 0.3);
             let sign = r.one(&[0.0, 0.0, 1.0, -1.0]);
             // A load that holds back must not stop the gears before they touch.
             let least = 0.25 * reduced * approach * approach / p.gap;
             let along = if sign < 0.0 { least } else { f64::INFINITY };
-            p.load[0] = constant(sign * (share * peak).min(along) * levers[0]);
+            p.load[0] = constant(sign * (share * peak).min(along) * effective_radii[0]);
             p.window = 2.0 * p.gap / approach + 6.0 * contact_time;
         }
         Kind::Hammer => {
             let rolling = r.decades(0.1, 5.0);
-            move_apart(&mut p, levers, rolling, approach);
+            move_apart(&mut p, effective_radii, rolling, approach);
             p.gap = short(backlash * r.between(0.1, 0.9));
             p.count = r.one(&[2, 3, 4, 5, 6]);
             // Work of the load across the backlash over the energy of the approach.
             let share = r.between(0.1, 1.0);
             let sign = r.one(&[0.0, 0.0, 1.0, -1.0]);
             let load = share * 0.5 * reduced * approach * approach / backlash;
-            p.load[0] = constant(sign * load * levers[0]);
+            p.load[0] = constant(sign * load * effective_radii[0]);
             let flight = backlash / approach + contact_time;
             p.window = (3.0 * f64::from(p.count + 1) * flight).min(1.5 * LONGEST);
         }
@@ -212,12 +210,12 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
             p.count = r.one(&[2, 3]);
             let period = frequency.recip();
             let turn = TAU * frequency / f64::from(toothing.teeth[0]);
-            let ratio = levers[0] / levers[1];
+            let ratio = effective_radii[0] / effective_radii[1];
             let turn = short(turn);
             p.speed = [turn, fitting(-turn * ratio)];
             force = r.decades(4e6, 5e7) * toothing.width * toothing.module;
             // In step, and in balance: rounding must not drive the gears apart.
-            let torque = short(force * levers[0]);
+            let torque = short(force * effective_radii[0]);
             let torque = [torque, fitting(torque / ratio)];
             let ramp = r.chance(0.5);
             let end = short(period);
@@ -246,18 +244,24 @@ pub fn parameters(r: &mut Random, set: &Set, number: usize) -> Result<Parameters
         } else {
             short(modal)
         };
-        p.rigid_ratio = equal_loss(&p, levers, (stiffness, PI / contact_time), force, lag);
+        p.rigid_ratio = equal_loss(
+            &p,
+            effective_radii,
+            (stiffness, PI / contact_time),
+            force,
+            lag,
+        );
     }
     Ok(p)
 }
 
 /// Speeds at which the second gear's flank recedes at `rolling` and the first approaches it [m/s].
-fn move_apart(p: &mut Parameters, levers: [f64; 2], rolling: f64, approach: f64) {
+fn move_apart(p: &mut Parameters, effective_radii: [f64; 2], rolling: f64, approach: f64) {
     // A rack slides the way the flank of the gear goes, a wheel turns against it.
     let along = if p.toothing.rack { 1.0 } else { -1.0 };
     p.speed = [
-        short((rolling + approach) / levers[0]),
-        short(along * rolling / levers[1]),
+        short((rolling + approach) / effective_radii[0]),
+        short(along * rolling / effective_radii[1]),
     ];
 }
 
@@ -269,18 +273,19 @@ fn constant(load: f64) -> Load {
     }
 }
 
-/// Damping ratio of a spring `k` that loses as much in a cycle at `omega` as flank points with a dashpot that lags their
-/// penalty, in series with teeth. Flat contact under `F` with the penalty `p` [Pa/m], width `b` and radius `rho` has the
-/// half width `a = (3 F rho / (2 p b))^(1/3)` and the stiffness `2 a b p`.
+/// Damping ratio of a spring `k` that loses as much in a cycle at `omega` as flank points with a dashpot that lags
+/// their penalty, in series with teeth. Flat contact under `F` with the penalty `p` [Pa/m], width `b` and radius `rho`
+/// has the half width `a = (3 F rho / (2 p b))^(1/3)` and the stiffness `2 a b p`.
 fn equal_loss(
     p: &Parameters,
-    levers: [f64; 2],
+    effective_radii: [f64; 2],
     (k, omega): (f64, f64),
     force: f64,
     lag: f64,
 ) -> f64 {
     let t = &p.toothing;
-    let half_width = (1.5 * force * t.curvature(levers) / (p.penalty * t.width)).powf(1.0 / 3.0);
+    let half_width =
+        (1.5 * force * t.curvature(effective_radii) / (p.penalty * t.width)).powf(1.0 / 3.0);
     let contact = 2.0 * half_width * t.width * p.penalty;
     let tooth = TAU * TOOTH_FREQUENCY / t.module;
     short(0.5 * omega * lag * (k / contact).min(1.0) + p.modal_ratio * omega / tooth)

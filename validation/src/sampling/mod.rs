@@ -1,4 +1,4 @@
-//! Scenes drawn at random, on which a choice of model is judged.
+//! Scenes sampled at random, on which a choice of model is validated.
 //!
 //! A set has a seed; scene `n` of it follows from the seed and `n` alone. Gears come from a short list, everything else
 //! from distributions: approach speed `v`, added inertia, load, damping, backlash, start, mount, metric, tolerance.
@@ -13,7 +13,7 @@
 //!
 //! A scene is sound when rigid gears of the norm's stiffness do in it what its kind says, and no tooth is loaded beyond
 //! what steel bears; rigid gears take microseconds and say when contacts begin and end, from which the duration
-//! follows. A scene that is not sound is drawn again from the next stream of random numbers, and that is counted.
+//! follows. A scene that is not sound is sampled again from the next stream of random numbers, and that is counted.
 
 mod distributions;
 mod random;
@@ -31,7 +31,7 @@ use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::mesh_layout;
 use gearbench_reports::Metric;
 use random::Random;
-use sets::MOST_DRAWS;
+use sets::MOST_SAMPLES;
 
 /// Greatest `F / (b m_n)` [Pa]: some four times that is bending stress at the root.
 const BEARABLE: f64 = 150e6;
@@ -43,12 +43,11 @@ const AFTER_LAST: f64 = 0.3;
 /// Part of the path of contact at either end where no impact starts: there the corners of tips touch.
 const PATH_MARGIN: f64 = 0.1;
 
-/// A scene that was sample.
+/// A scene that was sampled.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// Its number in the set, from 1.
     pub number: usize,
-    /// What happens.
     pub kind: Kind,
     /// Metric that is asked for.
     pub metric: Metric,
@@ -56,18 +55,17 @@ pub struct Sample {
     pub tolerance: f64,
     /// Length of an impact by the estimate above [s].
     pub contact_time: f64,
-    /// The scene file.
     pub text: String,
     /// What the text says; its models are read, not built.
     pub scene: SceneFile,
-    /// Draws that were not sound.
-    pub redraws: u32,
+    /// Samples that were not sound.
+    pub rejected: u32,
 }
 
-/// Draws a scene of a set by its number, from 1.
+/// Samples a scene of a set by its number, from 1.
 ///
 /// # Errors
-/// [`SampleError`]: no such scene, or a drawing that breaks its own rules.
+/// [`SampleError`]: no such scene, or a sampling that breaks its own rules.
 pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
     if !(1..=set.scenes).contains(&number) {
         return Err(SampleError::Number {
@@ -77,8 +75,8 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
         });
     }
     let mut last = String::new();
-    for redraws in 0..MOST_DRAWS {
-        let mut random = Random::of(set.seed, number, redraws);
+    for rejected in 0..MOST_SAMPLES {
+        let mut random = Random::of(set.seed, number, rejected);
         let parameters = parameters(&mut random, set, number)?;
         match sound(&parameters)? {
             Ok((text, scene)) => {
@@ -90,7 +88,7 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
                     contact_time: parameters.contact_time,
                     text,
                     scene,
-                    redraws,
+                    rejected,
                 });
             }
             Err(why) => last = why.to_owned(),
@@ -103,10 +101,7 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
     })
 }
 
-/// Numbers of the scenes of a set that are judged against full finite elements: the first that have one impact.
-///
-/// # Errors
-/// As [`sample`].
+/// Numbers of the scenes of a set that are validated against full finite elements: the first that have one impact.
 pub fn full_order(set: &Set) -> Result<Vec<usize>, SampleError> {
     let mut found = Vec::new();
     for number in 1..=set.scenes {

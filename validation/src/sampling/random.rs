@@ -1,4 +1,4 @@
-//! Random numbers of the drawing: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014, fig. 14), one stream per scene and
+//! Random numbers of the sampling: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014, fig. 14), one stream per scene and
 //! attempt, so that no scene depends on how many numbers another took.
 
 /// Increment of the state, the odd number nearest to 2^64 over the golden ratio.
@@ -19,13 +19,11 @@ fn mix(mut z: u64) -> u64 {
 
 impl Random {
     /// The stream that starts at a state.
-    #[must_use]
     pub fn new(state: u64) -> Self {
         Random { state }
     }
 
     /// The stream of an attempt at a scene of a set.
-    #[must_use]
     pub fn of(seed: u64, number: usize, attempt: u32) -> Self {
         let scene = mix(seed.wrapping_add(GAMMA.wrapping_mul(number as u64 + 1)));
         Random::new(mix(
@@ -65,14 +63,12 @@ impl Random {
     }
 }
 
-/// A number with four significant digits: what a scene file says is what was drawn.
-#[must_use]
+/// A number with four significant digits: what a scene file says is what was sampled.
 pub fn short(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// A number with ten significant digits, for what follows from drawn ones and must fit them.
-#[must_use]
+/// A number with ten significant digits, for what follows from sampled ones and must fit them.
 pub fn fitting(x: f64) -> f64 {
     format!("{x:.9e}").parse().unwrap_or(x)
 }

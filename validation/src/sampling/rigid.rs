@@ -1,4 +1,4 @@
-//! Rigid gears run through a drawn scene: when their teeth touch, and how hard.
+//! Rigid gears run through a sampled scene: when their teeth touch, and how hard.
 
 use super::SampleError;
 use gearbench::models::models;
@@ -6,10 +6,9 @@ use gearbench::scene_file::SceneFile;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::table::DOPRI5;
 use gearbench_integrators::{AcceptedStep, Control, MethodSpec, Resolution, Sink, TimePlan, Work};
+use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 
-/// Label of the model.
-const RIGID: &str = "rigid";
 /// Method, which steps from event to event, its tolerance, and steps that are never needed: steps bound a run, not
 /// time, for a scene is the same on every machine.
 const METHOD: (MethodSpec, f64, u64) = (DOPRI5, 1e-8, 100_000);
@@ -53,12 +52,13 @@ impl Sink for Contacts {
 
 /// Peak force [N] of rigid gears, and when their contacts begin and end [s]; an impact takes about `contact_time`. The
 /// peak is not a number where the run does not reach the end.
-///
-/// # Errors
-/// [`SampleError`] when the scene cannot be built.
 pub fn contacts(scene: &SceneFile, contact_time: f64) -> Result<(f64, Vec<[f64; 2]>), SampleError> {
     let (method, tolerance, max_steps) = METHOD;
-    let Some(choice) = scene.model(RIGID) else {
+    let Some(choice) = scene
+        .models
+        .iter()
+        .find(|m| properties_of(models(), &m.model).rigid)
+    else {
         return Ok((f64::NAN, Vec::new()));
     };
     let mut integrator = method.build();

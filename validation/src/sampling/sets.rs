@@ -7,26 +7,24 @@ use std::collections::BTreeMap;
 
 /// Sets and their seeds.
 const SETS: &str = include_str!("../../sets.toml");
-/// Draws of a scene before it is given up.
-pub const MOST_DRAWS: u32 = 200;
+/// Samples of a scene before it is given up.
+pub const MOST_SAMPLES: u32 = 200;
 
 /// A set of scenes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Set {
     /// `tuning` or `held-out`.
     pub name: String,
-    /// Seed.
     pub seed: u64,
     /// Number of scenes, counted from 1.
     pub scenes: usize,
-    /// So many of its scenes of one impact, the first, are judged against full finite elements.
+    /// So many of its scenes of one impact, the first, are validated against full finite elements.
     pub full_order: usize,
 }
 
 /// Why there is no such scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SampleError {
-    /// No such set.
     #[error("there is no set `{name}`; there are {}", known.join(" and "))]
     Set {
         /// What was asked for.
@@ -34,10 +32,8 @@ pub enum SampleError {
         /// What there is.
         known: Vec<String>,
     },
-    /// No such scene.
     #[error("the set `{set}` has scenes 1 to {last}, not {number}")]
     Number {
-        /// The set.
         set: String,
         /// Its last scene.
         last: usize,
@@ -48,11 +44,9 @@ pub enum SampleError {
     #[error("validation/sets.toml: {0}")]
     Sets(String),
     /// Nothing sound was found.
-    #[error("scene {number} of `{set}`: none of {MOST_DRAWS} draws is sound; the last: {last}")]
+    #[error("scene {number} of `{set}`: none of {MOST_SAMPLES} samples is sound; the last: {last}")]
     Unsound {
-        /// The set.
         set: String,
-        /// The scene.
         number: usize,
         /// Why the last was not.
         last: String,
@@ -60,11 +54,11 @@ pub enum SampleError {
     /// A gear of the list cannot be cut.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// A drawn scene is no scene file.
-    #[error("a drawn scene cannot be read: {0}")]
+    /// A sampled scene is no scene file.
+    #[error("a sampled scene cannot be read: {0}")]
     Scene(#[from] SceneError),
     /// The gears do not mesh.
-    #[error("a drawn scene cannot be built: {0}")]
+    #[error("a sampled scene cannot be built: {0}")]
     Build(#[from] BuildError),
 }
 

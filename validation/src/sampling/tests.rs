@@ -37,7 +37,7 @@ fn sets_are_known_by_name_and_number() {
     assert!(sample(&tuning, 0).is_err());
 }
 
-/// A scene follows from seed and number alone: whether others were drawn before makes no difference.
+/// A scene follows from seed and number alone: whether others were sampled before makes no difference.
 #[test]
 fn scenes_are_reproducible_and_independent() {
     let tuning = set("tuning").unwrap();
@@ -54,8 +54,8 @@ fn scenes_are_reproducible_and_independent() {
     assert_ne!(sample(&moved, 5).unwrap().text, first.text);
 }
 
-/// The tuning set has every kind, metric, tolerance, mount; scenes that had to be drawn again are few; rigid gears see
-/// in every scene what its kind says, and the file says exactly what was sample.
+/// The tuning set has every kind, metric, tolerance, mount; scenes that had to be sampled again are few; rigid gears see
+/// in every scene what its kind says, and the file says exactly what was sampled.
 #[test]
 fn tuning_scenes_are_sound_and_varied() {
     let tuning = set("tuning").unwrap();
@@ -84,8 +84,8 @@ fn tuning_scenes_are_sound_and_varied() {
     for tolerance in TOLERANCES {
         assert!(all.iter().any(|d| d.tolerance == tolerance));
     }
-    let again: u32 = all.iter().map(|d| d.redraws).sum();
-    assert!((1..=200).contains(&again), "{again} drawn again");
+    let again: u32 = all.iter().map(|d| d.rejected).sum();
+    assert!((1..=200).contains(&again), "{again} rejected");
     for d in &all {
         let (peak, contacts) = rigid::contacts(&d.scene, d.contact_time).unwrap();
         let place = format!("scene {}: {contacts:?}", d.number);
@@ -104,7 +104,7 @@ fn tuning_scenes_are_sound_and_varied() {
 }
 
 /// Every pair of the list is cut, meshed and assembled as the scene file says, free and held. What is reduced from the
-/// same meshes takes minutes and is left to the judging.
+/// same meshes takes minutes and is left to the validation.
 #[test]
 fn every_toothing_is_built() {
     use gearbench_models::scene::Scene;

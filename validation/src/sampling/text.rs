@@ -1,4 +1,4 @@
-//! A drawn scene as a scene file: what anybody can look at and run.
+//! A sampled scene as a scene file: what anybody can look at and run.
 //!
 //! The finite elements of a scene define it: mesh, penalty and damping of the models `elastic`, `densest` and `fe` are
 //! the same. Rigid gears and movable teeth stand beside as a user would write them down without knowing more, with the

@@ -1,4 +1,4 @@
-//! The gears that scenes are drawn with. Few, so that finite elements are reduced once for many scenes.
+//! The gears that scenes are sampled with. Few, so that finite elements are reduced once for many scenes.
 
 use gearbench_models::geometry::{Gear, GearParams, GeometryError};
 
@@ -87,10 +87,7 @@ impl Toothing {
     }
 
     /// Deflection on the line of action per hub coordinate: base radii [m], of a rack `cos(alpha)`.
-    ///
-    /// # Errors
-    /// A gear that cannot be cut.
-    pub fn levers(&self) -> Result<[f64; 2], GeometryError> {
+    pub fn effective_radii(&self) -> Result<[f64; 2], GeometryError> {
         let first = self.gear(0)?;
         let second = if self.rack {
             first.transverse_pressure_angle().cos()
@@ -101,16 +98,14 @@ impl Toothing {
     }
 
     /// Radius of curvature of the two flanks against each other at the pitch point [m].
-    #[must_use]
-    pub fn curvature(&self, levers: [f64; 2]) -> f64 {
+    pub fn curvature(&self, effective_radii: [f64; 2]) -> f64 {
         let tangent = GearParams::default().pressure_angle.tan();
-        let [a, b] = levers;
+        let [a, b] = effective_radii;
         tangent * if self.rack { a } else { a * b / (a + b) }
     }
 
     /// Inertia [kg m^2] of the ring from bore to reference circle, or mass [kg] of a rack of mean height; rounded,
     /// and near what the toothing has.
-    #[must_use]
     pub fn inertia(&self, i: usize) -> f64 {
         let z = f64::from(self.teeth[i]);
         if self.rack && i == 1 {
@@ -122,7 +117,6 @@ impl Toothing {
     }
 
     /// Stiffness of a tooth pair [N/m].
-    #[must_use]
     pub fn stiffness(&self) -> f64 {
         PER_WIDTH * self.width
     }

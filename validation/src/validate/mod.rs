@@ -1,6 +1,6 @@
-//! Choices judged: on random scenes, against a reference over the whole scene, beside all other candidates.
+//! Choices validated: on random scenes, against a reference over the whole scene, beside all other candidates.
 //!
-//! For a scene the judge runs the reference, then every candidate there is: what it costs, and how far it is off. The
+//! For a scene validation runs the reference, then every candidate there is: what it costs, and how far it is off. The
 //! cheapest that keeps the tolerance is what a choice can be at best. Candidates that cannot be the cheapest are not run
 //! to the end: those that cost more than the cheapest adequate one so far need no error, and where a candidate costs
 //! three times that, the same integrator with shorter steps, or with more modes, is not run at all. At the end the
@@ -17,15 +17,17 @@ use crate::sampling::{Sample, SampleError};
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
 use gearbench::experiment::run::RunError;
-use gearbench::studies::choose::candidate::{Candidate, Rung, candidates};
-use gearbench::studies::choose::choice::{ChooseError, choose};
-use gearbench::studies::choose::situation::Situation;
-use gearbench::studies::choose::wish::{Metric, Wish};
+use gearbench::studies::choose::level::Level;
+use gearbench::studies::choose::plan::{Candidate, candidates};
+use gearbench::studies::choose::problem::Problem;
+use gearbench::studies::choose::requirement::Requirement;
+use gearbench::studies::choose::run::{ChooseError, choose};
+use gearbench::studies::choose::trial::{Outcome as Seen, Trial};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::Body;
-use gearbench_reports::choice_check::{JudgedChoice, Outcome, TriedCandidate};
+use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
-use measure::{Ready, grid, side_by_side};
+use measure::{error, grid, side_by_side, time};
 use std::time::{Duration, Instant};
 
 /// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
@@ -37,37 +39,26 @@ const LONGEST: Duration = Duration::from_secs(20);
 /// See [`LONGEST`]; and what the clock of a busy machine may be off [s].
 const TIMES_CHEAPEST: (f64, f64) = (5.0, 0.05);
 
-/// Why a scene could not be judged, or a set not be gone through.
+/// Why a scene could not be validated, or a set not be gone through.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
-    /// The sampling.
     #[error(transparent)]
     Sample(#[from] SampleError),
     /// A run could not start, or was stopped.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// Candidates or choice.
     #[error(transparent)]
     Choose(#[from] ChooseError),
     /// The reference did not reach the end.
     #[error("the reference under {method} did not reach the end: {why}")]
-    Reference {
-        /// Its method.
-        method: String,
-        /// How it ended.
-        why: String,
-    },
-    /// A metric that choices do not know.
-    #[error("there is no wish for the metric `{0}`")]
-    Metric(gearbench_reports::Metric),
-    /// The journal.
+    Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
 }
 
-/// Judges the choice for a drawn scene.
-pub fn validate(sample: &Sample, full_order: bool) -> JudgedChoice {
-    let mut row = JudgedChoice {
+/// Validates the choice for a sampled scene.
+pub fn validate(sample: &Sample, full_order: bool) -> ValidatedChoice {
+    let mut row = ValidatedChoice {
         scene: sample.scene.name.clone(),
         number: sample.number,
         kind: sample.kind.as_str().into(),
@@ -76,11 +67,11 @@ pub fn validate(sample: &Sample, full_order: bool) -> JudgedChoice {
         metric: sample.metric,
         tolerance: sample.tolerance,
         reference: if full_order { FULL_NAME } else { DENSEST_NAME }.into(),
-        redraws: sample.redraws,
-        ..JudgedChoice::default()
+        rejected: sample.rejected,
+        ..ValidatedChoice::default()
     };
     if let Err(e) = validate_into(&mut row, sample, full_order) {
-        row.outcome = Outcome::NotJudged;
+        row.outcome = Outcome::NotValidated;
         row.note = Some(e.to_string());
     }
     row
@@ -108,22 +99,20 @@ struct Best {
 }
 
 fn validate_into(
-    row: &mut JudgedChoice,
+    row: &mut ValidatedChoice,
     sample: &Sample,
     full_order: bool,
 ) -> Result<(), ValidationError> {
-    let metric = (Metric::ALL.into_iter())
-        .find(|m| m.key() == Some(sample.metric))
-        .ok_or(ValidationError::Metric(sample.metric))?;
-    let situation = Situation::of(&sample.scene);
-    let times = grid(situation.duration, sample.contact_time);
+    let metric = sample.metric;
+    let problem = Problem::of(&sample.scene);
+    let times = grid(problem.duration, sample.contact_time);
 
-    let wish = Wish {
+    let requirement = Requirement {
         metric,
         tolerance: sample.tolerance,
     };
     let (begin, start) = (Instant::now(), cpu_time());
-    let choice = choose(&situation, &wish, |_| {});
+    let choice = choose(&problem, &requirement, |_| {});
     row.choosing_s = match (start, cpu_time()) {
         (Some(a), Some(b)) => Some(b - a),
         _ => Some(begin.elapsed().as_secs_f64()),
@@ -137,26 +126,21 @@ fn validate_into(
         }
     };
 
-    let truth = reference::reference(
-        &situation,
-        metric,
-        full_order,
-        (&times, sample.contact_time),
-    )?;
+    let truth = reference::reference(&problem, metric, full_order, (&times, sample.contact_time))?;
     row.reference = truth.name.into();
     row.reference_error = truth.own_error;
     row.densest_error = truth.densest_error;
 
-    let mut all = candidates(&situation)?;
+    let mut all = candidates(&problem)?;
     all.sort_by(|a, b| effort(a).total_cmp(&effort(b)));
     row.candidates = all.len();
     let mut best: Option<Best> = None;
     for index in 0..all.len() {
         let tried = try_one(
-            (&situation, &all, index),
+            (&problem, &all, index),
             &row.tried,
             (&mut best, sample.tolerance),
-            |seen| seen.error(metric, &truth.run),
+            |seen| error(seen, metric, &truth.run),
             &times,
         )?;
         row.tried.push(tried);
@@ -192,9 +176,10 @@ fn validate_into(
         .as_ref()
         .map(|c| c.predicted_cost_s)
         .filter(|c| c.is_finite());
-    let mut ready = Ready::new(&situation, &chosen.scene, &chosen.modelling)?;
-    let seen = ready.observe(&chosen.method, &times, LONGEST)?;
-    row.error = seen.error(metric, &truth.run);
+    let mut trial = Trial::new(&problem, &chosen.scene, &chosen.modelling)?;
+    let whole = (problem.duration, &times[..]);
+    let seen = trial.observe(&chosen.method, whole, false, LONGEST)?;
+    row.error = error(&seen, metric, &truth.run);
     let adequate = row.error.is_some_and(|e| e <= sample.tolerance);
     row.outcome = if adequate {
         Outcome::Adequate
@@ -202,14 +187,17 @@ fn validate_into(
         Outcome::Inadequate
     };
     if row.error.is_none() {
-        row.note = seen.message.or_else(|| Some(seen.status.to_string()));
+        row.note = (seen.row.message).or_else(|| Some(seen.row.status.to_string()));
     }
     match &best {
         Some(b) if all[b.index].name() != chosen.name() => {
             let cheapest = &all[b.index];
-            let mut other = Ready::new(&situation, &cheapest.scene, &cheapest.modelling)?;
-            let [own, least] =
-                side_by_side((&mut ready, &chosen.method), (&mut other, &cheapest.method))?;
+            let mut other = Trial::new(&problem, &cheapest.scene, &cheapest.modelling)?;
+            let [own, least] = side_by_side(
+                (&mut trial, &chosen.method),
+                (&mut other, &cheapest.method),
+                problem.duration,
+            );
             row.cost_s = own;
             // Timed in turn the choice may turn out to be the cheapest itself.
             match (own, least) {
@@ -220,7 +208,7 @@ fn validate_into(
             }
         }
         _ => {
-            row.cost_s = ready.time(&chosen.method, LONGEST)?;
+            row.cost_s = time(&mut trial, &chosen.method, problem.duration, LONGEST);
             if adequate {
                 put_cheapest(row, chosen, row.error.unwrap_or_default(), row.cost_s);
             }
@@ -229,7 +217,7 @@ fn validate_into(
     Ok(())
 }
 
-fn put_cheapest(row: &mut JudgedChoice, c: &Candidate, error: f64, cost: Option<f64>) {
+fn put_cheapest(row: &mut ValidatedChoice, c: &Candidate, error: f64, cost: Option<f64>) {
     row.cheapest = Some(c.name());
     row.cheapest_error = Some(error);
     row.cheapest_cost_s = cost;
@@ -245,10 +233,10 @@ const SKIPPED: &str = "skipped";
 
 /// Tries one candidate and keeps the best so far up to date.
 fn try_one(
-    (situation, all, index): (&Situation, &[Candidate], usize),
+    (problem, all, index): (&Problem, &[Candidate], usize),
     before: &[TriedCandidate],
     (best, tolerance): (&mut Option<Best>, f64),
-    error: impl Fn(&measure::Observed) -> Option<f64>,
+    error: impl Fn(&Seen) -> Option<f64>,
     times: &[f64],
 ) -> Result<TriedCandidate, ValidationError> {
     let candidate = &all[index];
@@ -265,8 +253,8 @@ fn try_one(
         tried.status = SKIPPED.into();
         return Ok(tried);
     }
-    let mut ready = match Ready::new(situation, &candidate.scene, &candidate.modelling) {
-        Ok(ready) => ready,
+    let mut trial = match Trial::new(problem, &candidate.scene, &candidate.modelling) {
+        Ok(trial) => trial,
         Err(e) => {
             tried.status = e.to_string();
             return Ok(tried);
@@ -277,7 +265,7 @@ fn try_one(
         let (factor, slack) = TIMES_CHEAPEST;
         let limit = Duration::from_secs_f64(slack + factor * least).min(LONGEST);
         let begin = Instant::now();
-        match ready.time(&candidate.method, limit)? {
+        match time(&mut trial, &candidate.method, problem.duration, limit) {
             Some(cost) => {
                 tried.cost_s = Some(cost);
                 if cost > NEAR * least {
@@ -294,17 +282,18 @@ fn try_one(
             None => {}
         }
     }
-    let seen = match ready.observe(&candidate.method, times, LONGEST) {
+    let whole = (problem.duration, times);
+    let seen = match trial.observe(&candidate.method, whole, false, LONGEST) {
         Ok(seen) => seen,
-        Err(ValidationError::Run(RunError::NoLinearPart(e) | RunError::Unsupported(e))) => {
+        Err(RunError::NoLinearPart(e) | RunError::Unsupported(e)) => {
             tried.status = e;
             return Ok(tried);
         }
-        Err(e) => return Err(e),
+        Err(e) => return Err(e.into()),
     };
     tried.error = error(&seen);
     let Some(e) = tried.error else {
-        tried.status = seen.status.to_string();
+        tried.status = seen.row.status.to_string();
         return Ok(tried);
     };
     if e > tolerance {
@@ -312,7 +301,7 @@ fn try_one(
         return Ok(tried);
     }
     // Also a second look at what may be the cheapest.
-    let Some(cost) = ready.time(&candidate.method, LONGEST)? else {
+    let Some(cost) = time(&mut trial, &candidate.method, problem.duration, LONGEST) else {
         tried.status = Status::Timeout.to_string();
         return Ok(tried);
     };
@@ -330,14 +319,14 @@ fn try_one(
 }
 
 /// Order in which candidates are tried, so that cheap ones come first and dear ones need not be run: steps, by what one
-/// costs with so many coordinates. Only an order; nothing is judged by it.
+/// costs with so many coordinates. Only an order; nothing is validated by it.
 fn effort(c: &Candidate) -> f64 {
     // A step of rigid gears, of movable teeth (which swing faster than steps say), of elastic gears, of each of their
     // modes.
     let (rigid, teeth, elastic, mode) = (1.0, 100.0, 30.0, 0.5);
-    let step = match &c.rung {
-        Rung::Rigid(_) => rigid,
-        Rung::MovableTeeth(_) => teeth,
+    let step = match &c.level {
+        Level::Rigid(_) => rigid,
+        Level::MovableTeeth(_) => teeth,
         other => elastic + mode * other.modes().unwrap_or(0) as f64,
     };
     match c.method.resolution {
@@ -347,12 +336,12 @@ fn effort(c: &Candidate) -> f64 {
     }
 }
 
-/// A candidate cannot be cheaper than another: the same integrator with steps no longer, on the same rung or with no
+/// A candidate cannot be cheaper than another: the same integrator with steps no longer, on the same level or with no
 /// fewer modes.
 fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
-    let same_rung = match (c.rung.modes(), other.rung.modes()) {
+    let same_rung = match (c.level.modes(), other.level.modes()) {
         (Some(a), Some(b)) => a >= b,
-        _ => c.rung == other.rung,
+        _ => c.level == other.level,
     };
     let finer = match (c.method.resolution, other.method.resolution) {
         (Resolution::Step(a), Resolution::Step(b)) => a <= b,

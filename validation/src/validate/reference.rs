@@ -1,14 +1,15 @@
 //! What choices are held against: the densest elastic model, or full finite elements on the same mesh.
 
 use super::ValidationError;
-use super::measure::{Observed, PATIENCE, Ready};
-use gearbench::studies::choose::candidate::{DENSEST, densest, elastic, full};
-use gearbench::studies::choose::situation::Situation;
-use gearbench::studies::choose::wish::Metric;
+use super::measure::{PATIENCE, error};
+use gearbench::studies::choose::plan::{DENSEST, densest, elastic, full};
+use gearbench::studies::choose::problem::Problem;
+use gearbench::studies::choose::trial::{Outcome, Trial};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{HHT_ALPHA, NEWMARK};
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::Modelling;
+use gearbench_reports::Metric;
 
 /// Modes of the model whose distance tells what the densest is off by cutting modes.
 const FEWER: usize = 200;
@@ -20,12 +21,10 @@ const FULL: [(MethodSpec, f64); 2] = [(NEWMARK, 500.0), (HHT_ALPHA.with_value(0.
 /// Parts of its step that the densest elastic model is given, likewise.
 const FINER: [f64; 2] = [1.0, 0.25];
 
-/// A reference.
 pub struct Reference {
     /// In words.
     pub name: &'static str,
-    /// Its run.
-    pub run: Observed,
+    pub run: Outcome,
     /// The larger of what twice the step and fewer modes change; for the densest elastic model.
     pub own_error: Option<f64>,
     /// Error of the densest elastic model, where that is not the reference.
@@ -37,24 +36,20 @@ pub const DENSEST_NAME: &str = "densest elastic model";
 /// See [`DENSEST_NAME`].
 pub const FULL_NAME: &str = "full finite elements";
 
-/// Runs the reference.
-///
-/// # Errors
-/// A model that cannot be built or does not reach the end.
 pub fn reference(
-    situation: &Situation,
+    problem: &Problem,
     metric: Metric,
     full_order: bool,
     (grid, contact_time): (&[f64], f64),
 ) -> Result<Reference, ValidationError> {
-    let dense = densest(situation)?;
-    let run = |modelling: &Modelling, method: &Scheme| -> Result<Observed, ValidationError> {
-        let mut ready = Ready::new(situation, &dense.scene, modelling)?;
-        let seen = ready.observe(method, grid, PATIENCE)?;
-        if seen.status.is_failure() {
+    let dense = densest(problem)?;
+    let run = |modelling: &Modelling, method: &Scheme| -> Result<Outcome, ValidationError> {
+        let mut trial = Trial::new(problem, &dense.scene, modelling)?;
+        let seen = trial.observe(method, (problem.duration, grid), false, PATIENCE)?;
+        if !seen.usable() {
             return Err(ValidationError::Reference {
                 method: method.method.to_string(),
-                why: seen.message.unwrap_or_else(|| seen.status.to_string()),
+                why: (seen.row.message).unwrap_or_else(|| seen.row.status.to_string()),
             });
         }
         Ok(seen)
@@ -78,12 +73,12 @@ pub fn reference(
     let dense_method = &finer[used];
     if full_order {
         let methods = FULL.map(|(method, steps)| method.at_step(contact_time / steps));
-        match first(&full(situation), &methods) {
+        match first(&full(problem), &methods) {
             Ok((run, _)) => {
                 return Ok(Reference {
                     name: FULL_NAME,
                     own_error: None,
-                    densest_error: fine.error(metric, &run),
+                    densest_error: error(&fine, metric, &run),
                     run,
                 });
             }
@@ -91,17 +86,14 @@ pub fn reference(
             Err(e) => return Err(e),
         }
     }
-    let step = match dense_method.resolution {
-        Resolution::Step(h) => Some(h),
-        Resolution::Tolerance(_) => None,
-    };
+    let step = dense_method.resolution.step();
     // What does not reach the end says nothing of the one that does.
     let coarse = run(&dense.modelling, &scaled(dense_method, 2.0)).ok();
-    let fewer = run(&elastic(situation, FEWER, step), dense_method).ok();
+    let fewer = run(&elastic(problem, FEWER, step), dense_method).ok();
     let own = [coarse, fewer]
         .iter()
         .flatten()
-        .filter_map(|o| o.error(metric, &fine))
+        .filter_map(|o| error(o, metric, &fine))
         .fold(None, |worst: Option<f64>, e| {
             Some(worst.map_or(e, |w| w.max(e)))
         });
@@ -115,11 +107,8 @@ pub fn reference(
 
 /// A method at another step, or at a tolerance that is as much larger in decades as twice the step is one.
 fn scaled(method: &Scheme, part: f64) -> Scheme {
-    Scheme {
-        method: method.method,
-        resolution: match method.resolution {
-            Resolution::Step(h) => Resolution::Step(part * h),
-            Resolution::Tolerance(r) => Resolution::Tolerance(r * 10f64.powf(part.log2())),
-        },
-    }
+    method.method.at(match method.resolution {
+        Resolution::Step(h) => Resolution::Step(part * h),
+        Resolution::Tolerance(r) => Resolution::Tolerance(r * 10f64.powf(part.log2())),
+    })
 }

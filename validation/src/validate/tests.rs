@@ -1,8 +1,8 @@
 use super::*;
 use crate::sampling;
-use gearbench::studies::choose::candidate::MODES;
+use gearbench::studies::choose::plan::MODES;
 
-/// Choices on some scenes of the tuning set are judged to the end: the figures hang together, whatever the choice is.
+/// Choices on some scenes of the tuning set are validated to the end: the figures hang together, whatever the choice is.
 #[test]
 fn choices_are_judged() {
     let set = sampling::set("tuning").unwrap();
@@ -11,7 +11,7 @@ fn choices_are_judged() {
         let sample = sampling::sample(&set, number).unwrap();
         let row = validate(&sample, false);
         let place = format!("{row:?}");
-        assert_ne!(row.outcome, Outcome::NotJudged, "{place}");
+        assert_ne!(row.outcome, Outcome::NotValidated, "{place}");
         assert!(row.outcome.is_met(), "{}: {}", row.scene, row.why_missed());
         assert_eq!(row.tried.len(), row.candidates, "{place}");
         assert!(row.candidates > 10 * MODES.len() && row.cut_short < row.candidates);
@@ -35,11 +35,11 @@ fn choices_are_judged() {
 #[test]
 fn kin_is_ordered() {
     let set = sampling::set("tuning").unwrap();
-    let situation = Situation::of(&sampling::sample(&set, 33).unwrap().scene);
-    let all = candidates(&situation).unwrap();
-    let of = |rung: &str, text: &str| -> Vec<&Candidate> {
+    let problem = Problem::of(&sampling::sample(&set, 33).unwrap().scene);
+    let all = candidates(&problem).unwrap();
+    let of = |level: &str, text: &str| -> Vec<&Candidate> {
         (all.iter())
-            .filter(|c| c.rung.name() == rung && c.method.method == text.parse().unwrap())
+            .filter(|c| c.level.name() == level && c.method.method == text.parse().unwrap())
             .filter(|c| matches!(c.method.resolution, Resolution::Step(_)))
             .collect()
     };

@@ -14,7 +14,7 @@
 //! | converged | none of these |
 //!
 //! What an integrator says of itself ([`status_of`]) comes first; what only the whole run shows comes next, by a
-//! [`Witness`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
+//! [`RunMonitor`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
 //! only a comparison shows comes last ([`against_tolerance`], [`against_contact`]).
 
 mod tunnelling;
@@ -26,7 +26,7 @@ use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::record::{Run, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
-pub use tunnelling::Passage;
+pub use tunnelling::TunnellingDetector;
 
 /// Energy that the integration may make up, over the largest energy, before a run counts as growth.
 pub const ENERGY_GROWTH: f64 = 0.02;
@@ -90,12 +90,12 @@ pub struct Finding {
 
 /// Watches a run: records its history and energy, and stops it once its energy is mostly made up, as an unstable run
 /// would otherwise go on to ever larger numbers and ever more impacts.
-pub struct Witness {
+pub struct RunMonitor {
     /// Channels over time.
     pub history: History,
     /// Energy balance.
     pub ledger: Ledger,
-    passage: Passage,
+    tunnelling: TunnellingDetector,
     /// Channels of the mesh forces.
     forces: Vec<usize>,
     /// Since when more than [`ENERGY_GROWTH`] of the energy is made up [s].
@@ -103,14 +103,13 @@ pub struct Witness {
     stopped: Option<(f64, f64)>,
 }
 
-impl Witness {
+impl RunMonitor {
     /// Watches a scene on an ascending grid of times [s]; `also_steps` records the accepted steps in contact as well.
-    #[must_use]
     pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
-        Witness {
+        RunMonitor {
             history: History::new(scene, grid, also_steps),
             ledger: Ledger::default(),
-            passage: Passage::new(spec, scene),
+            tunnelling: TunnellingDetector::new(spec, scene),
             forces: scene.channels_of_meshes(OfMesh::Force),
             growth: None,
             stopped: None,
@@ -133,7 +132,7 @@ impl Witness {
     }
 
     /// Closes the books at the last state of a run that ended like `outcome`, and names what went wrong.
-    pub fn verdict(
+    pub fn status(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
         end: &State,
@@ -164,7 +163,7 @@ impl Witness {
             found.push(self.energy(time, end));
         }
         let rows = self.history.time.iter().zip(&self.history.rows);
-        let overlap = self.passage.finding(rows, &self.forces);
+        let overlap = self.tunnelling.finding(rows, &self.forces);
         found.extend(overlap);
         if self.history.least_normal < -ADHESION * self.history.peak {
             found.push(Finding {
@@ -218,11 +217,11 @@ impl Witness {
     }
 }
 
-impl Sink for Witness {
+impl Sink for RunMonitor {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
         self.history.accepted(sys, step);
         self.ledger.accepted(sys, step);
-        self.passage.accepted(sys, step);
+        self.tunnelling.accepted(sys, step);
         self.look(step.to.t)
     }
 

@@ -1,16 +1,16 @@
 //! Contacts that a run missed.
 //!
-//! The travels of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
+//! The displacements of two hubs say how far the flanks of rigid teeth would have moved into each other along the line of
 //! action: the approach less the gap they started with, or, on the other flank, less the rest of the backlash. Elastic
 //! teeth give way by their deflection, no more. So a contact was missed where
 //!
 //! - the overlap is larger than any deflection, a tenth of the module: teeth passed through each other;
 //! - it is clearly larger than the deflection, and no force acts: teeth stand in each other unseen;
-//! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return, but
-//!   the speeds changed as they would have without: the step went over it.
+//! - within one step the flanks met and parted again, the scene's own search finds a contact at the point of return,
+//!   but the speeds changed as they would have without: the step went over it.
 
-use super::super::run::approach;
 use super::Finding;
+use crate::experiment::record::approach;
 use gearbench_integrators::{AcceptedStep, Outputs, SecondOrderSystem, State};
 use gearbench_models::kinematics::Hub;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
@@ -32,12 +32,12 @@ const FELT: f64 = 0.25;
 /// A mesh as rigid geometry.
 struct Pair {
     hubs: [(Hub, Range<usize>); 2],
-    /// Approach by unit travel of each hub.
-    levers: [f64; 2],
+    /// Approach by unit displacement of each hub.
+    effective_radii: [f64; 2],
     gap: f64,
     backlash: f64,
     module: f64,
-    travel: [usize; 2],
+    displacement: [usize; 2],
     force: usize,
     /// Change of the approach's rate by loads alone [m/s^2], from the last step without contact.
     free: Option<f64>,
@@ -47,9 +47,9 @@ impl Pair {
     /// Approach and its rate.
     fn at(&self, s: &State) -> [f64; 2] {
         let mut sum = [0.0; 2];
-        for ((hub, own), lever) in self.hubs.iter().zip(self.levers) {
-            sum[0] += lever * hub.travel(s.t, &s.q[own.clone()]);
-            sum[1] += lever * hub.speed(s.t, &s.v[own.clone()]);
+        for ((hub, own), effective_radius) in self.hubs.iter().zip(self.effective_radii) {
+            sum[0] += effective_radius * hub.displacement(s.t, &s.q[own.clone()]);
+            sum[1] += effective_radius * hub.speed(s.t, &s.v[own.clone()]);
         }
         sum
     }
@@ -61,7 +61,7 @@ impl Pair {
 }
 
 /// Follows the meshes of a run.
-pub struct Passage {
+pub struct TunnellingDetector {
     pairs: Vec<(usize, Pair)>,
     deflection: f64,
     /// Mesh, time, overlap.
@@ -71,9 +71,8 @@ pub struct Passage {
     out: Outputs,
 }
 
-impl Passage {
-    /// The meshes of a scene; those whose geometry rigid travels do not tell are left out.
-    #[must_use]
+impl TunnellingDetector {
+    /// The meshes of a scene; those whose geometry rigid displacements do not tell are left out.
     pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
         let pair = |m: usize| {
             let mesh = &spec.meshes[m];
@@ -83,7 +82,7 @@ impl Passage {
                 return None;
             };
             let along = approach(mesh.start.side, [&a.body, &b.body]);
-            let travel = |i: usize| scene.channel(Channel::Gear(i, OfGear::Travel));
+            let displacement = |i: usize| scene.channel(Channel::Gear(i, OfGear::Displacement));
             Some((
                 m,
                 Pair {
@@ -91,17 +90,17 @@ impl Passage {
                         let g = &scene.gears()[i];
                         (g.model.hub().hub.clone(), g.range())
                     }),
-                    levers: [along(1.0, 0.0), along(0.0, 1.0)],
+                    effective_radii: [along(1.0, 0.0), along(0.0, 1.0)],
                     gap: mesh.start.gap,
                     backlash: layout.backlash,
                     module: gear.params().module,
-                    travel: [travel(mesh.gears[0])?, travel(mesh.gears[1])?],
+                    displacement: [displacement(mesh.gears[0])?, displacement(mesh.gears[1])?],
                     force: scene.channel(Channel::Mesh(m, OfMesh::Force))?,
                     free: None,
                 },
             ))
         };
-        Passage {
+        TunnellingDetector {
             pairs: (0..spec.meshes.len()).filter_map(pair).collect(),
             deflection: scene.magnitudes().deflection,
             passed: None,
@@ -142,11 +141,11 @@ impl Passage {
                 continue;
             }
             self.inside.copy_from(step.from);
-            let State { t, q, v, memory } = &mut self.inside;
+            let State { t, q, v, discrete } = &mut self.inside;
             *t = step.from.t + theta * h;
             step.dense.eval(theta, q, v);
             // The force of a scene without located events, whatever the branch.
-            memory[0] = 0.0;
+            discrete[0] = 0.0;
             sys.output(self.inside.at(), &mut self.out);
             if self.out.channels[pair.force] > 0.0 {
                 self.grazed = Some((*m, self.inside.t, overlap));
@@ -164,7 +163,7 @@ impl Passage {
         let mut unseen = None;
         for (t, row) in rows {
             for (m, pair) in &self.pairs {
-                let along = |k: usize| pair.levers[k] * row[pair.travel[k]];
+                let along = |k: usize| pair.effective_radii[k] * row[pair.displacement[k]];
                 let depth = pair.depth(along(0) + along(1));
                 let soft = self.deflection * DEFLECTIONS;
                 let earlier = |known: Option<(usize, f64, f64)>| known.is_none_or(|k| *t < k.1);

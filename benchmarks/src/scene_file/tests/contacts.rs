@@ -129,20 +129,3 @@ fn flank_points_with_and_without_their_settings() {
         })
     );
 }
-
-/// A law that the reader forgets is refused, not taken for another.
-#[test]
-fn every_damping_is_read_as_itself() {
-    for law in Damping::IDS {
-        let value = match law {
-            "none" => "",
-            "kelvin-voigt" => ", damping_ns_per_m = 5.0",
-            "kelvin-voigt-ratio" => ", ratio = 0.1",
-            _ => ", e = 0.9",
-        };
-        let to = format!("law = \"{law}\"{value}");
-        let scene = read("law = \"flores\", e = 0.9", &to);
-        assert_eq!(scene.models[0].modelling.contacts[0].damping.id(), law);
-    }
-    assert_eq!(Damping::of_restitution("another", 0.9), None);
-}

@@ -1,6 +1,6 @@
-//! `[study] precision`: what is read, and what is refused at which line.
+//! `[study] precision`: what is read.
 
-use super::{changed, parse, refused};
+use super::{changed, parse};
 use gearbench_integrators::table::RK4;
 use gearbench_reports::Metric;
 
@@ -30,32 +30,5 @@ fn values_and_defaults() {
     assert_eq!(
         labels(none.select_precision(None).unwrap()),
         ["rigid", "movable-teeth"]
-    );
-}
-
-#[test]
-fn refusals() {
-    let of = |inside: &str, words: &[&str]| {
-        let text = format!("[study]\nprecision = {{ {inside} }}");
-        refused("[study]", &text, 36, words);
-    };
-    of("stepps = [1]", &["unknown key `stepps`", "steps_s"]);
-    of("models = [\"rigd\"]", &["rigd", "rigid"]);
-    of("modes = [10, -1]", &["-1", "whole number"]);
-    of("modes = [10, 5000]", &["`modes` holds 5000", "0 to 2000"]);
-    of("modes = 10", &["`modes`"]);
-    of("factors = [1.0, 0]", &["`factors` holds 0", "more than 0"]);
-    of("steps_s = [-1e-6]", &["`steps_s` holds", "more than 0"]);
-    of("rtols = [1e-3, 2.0]", &["`rtols` holds 2", "less than 1"]);
-    of("rtols = []", &["is empty"]);
-    of("metrics = [\"farce\"]", &["farce", "force"]);
-    of("duration_s = 0", &["`duration_s` is 0", "more than 0"]);
-    of(
-        "integrators = [{ method = \"rk4\", rtol = 1e-3 }]",
-        &["rk4 has fixed steps"],
-    );
-    of(
-        "factors = [1.0], steps_s = [1e-6]",
-        &["steps are given twice", "give one"],
     );
 }

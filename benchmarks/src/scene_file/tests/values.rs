@@ -4,7 +4,7 @@ use super::{BASE, changed, parse, read, render};
 use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::error::{BuildError, GearPart, MeshPart};
-use gearbench_models::geometry::{Pair, RackPair, ReliefShape, Side};
+use gearbench_models::geometry::{Pair, ReliefShape, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{Body, Load, Mount, Profile};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
@@ -218,7 +218,7 @@ fn a_rack_is_placed_by_its_backlash() {
         let (Body::Gear(g), Body::Rack(r)) = (&gear.body, &rack.body) else {
             panic!("gear and rack")
         };
-        let pair = RackPair::new(g, r, rack.position[0]).unwrap();
+        let pair = Pair::new(g, r, rack.position[0]).unwrap();
         assert!(
             (pair.backlash_normal() - 1e-4).abs() < 1e-12,
             "{}",
@@ -232,17 +232,21 @@ fn a_rack_is_placed_by_its_backlash() {
     }
 }
 
-#[test]
-fn an_idler_has_two_meshes() {
-    let text = changed(
+/// The base scene with a third gear, which meshes with the second.
+fn idler() -> String {
+    changed(
         "[[models]]",
         "[[meshes]]\ngears = [\"wheel\", \"third\"]\ncentre_distance_m = 0.1201\n\n[[models]]",
     )
     .replace(
         "[gears.wheel]",
         "[gears.third]\nteeth = 30\nmodule_m = 0.004\nface_width_m = 0.01\n\n[gears.wheel]",
-    );
-    let scene = parse(&text).unwrap_or_else(|e| panic!("{}", render(&e)));
+    )
+}
+
+#[test]
+fn an_idler_has_two_meshes() {
+    let scene = parse(&idler()).unwrap_or_else(|e| panic!("{}", render(&e)));
     assert_eq!(scene.spec.meshes.len(), 2);
     let third = scene.spec.gears.iter().find(|g| g.name == "third").unwrap();
     assert!((third.position[0] - 0.2202).abs() < 1e-15);
@@ -350,6 +354,14 @@ fn errors_of_the_assembly_have_a_line() {
     ] {
         let e = BuildError::mesh(["pinion", "wheel"], part, "odd");
         assert_eq!(line("rigid", e), Some(expected), "{part:?}");
+    }
+    // Of one contact per mesh the one that is to blame is shown.
+    let two = "model = \"rigid\"\ncontact = [{ stiffness = \"iso6336\" },\n    { slices = 2, stiffness = \"iso6336\" }]\n\n[[models]]\nlabel = \"other\"\nmodel = \"rigid\"";
+    let train = idler().replacen("model = \"rigid\"", two, 1);
+    let scene_of_two = parse(&train).unwrap_or_else(|e| panic!("{}", render(&e)));
+    for (gears, line) in [(["pinion", "wheel"], 37), (["wheel", "third"], 38)] {
+        let e = BuildError::mesh(gears, MeshPart::Slices, "too many");
+        assert_eq!(scene_of_two.locate_in("rigid", &e).line(), Some(line));
     }
     let why = ("inertia 0 is not positive", "give another");
     let e = BuildError::gear("wheel", GearPart::Inertia, why);

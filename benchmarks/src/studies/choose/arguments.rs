@@ -1,8 +1,9 @@
 //! Arguments of `choose`.
 
-use crate::studies::choose::Metric;
+use crate::cli::arguments::Output;
+use crate::cli::values::metric;
 use clap::Args;
-use std::path::PathBuf;
+use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -10,8 +11,8 @@ Examples:
   gearbench choose hammer --metric impulse --tolerance 0.02
   gearbench choose my_scene.toml --metric peak --tolerance 0.1 --out out/peak
 
-No finite-element transient runs: a ladder of models is climbed on a short part of the scene, and differences between
-its rungs estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
+No finite-element transient runs: a hierarchy of models is refined on a short part of the scene, and differences between
+its levels estimate the errors. The folder holds chosen.toml, the scene with the choice written in:
 `gearbench compare out/SCENE/choose/chosen.toml` runs it. Exit code 1 says that nothing is adequate.";
 
 /// Arguments of `choose`.
@@ -26,16 +27,9 @@ pub struct Choose {
     /// Largest relative error in it that is accurate enough, 0.05 for 5 %
     #[arg(long, value_name = "T", default_value_t = 0.05, value_parser = tolerance)]
     pub tolerance: f64,
-    /// Folder to write to [default: out/SCENE/choose]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
-
-fn metric(text: &str) -> Result<Metric, String> {
-    Metric::named(text.trim()).ok_or_else(|| {
-        let known = Metric::ALL.map(Metric::name);
-        format!("expected one of {}", known.join(", "))
-    })
+    /// Where results go.
+    #[command(flatten)]
+    pub output: Output,
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -58,7 +52,7 @@ mod tests {
         let Some(Command::Choose(c)) = given.command else {
             panic!("another command");
         };
-        assert_eq!((c.metric, c.tolerance), (Metric::Peak, 0.02));
+        assert_eq!((c.metric, c.tolerance), (Metric::PeakForceRel, 0.02));
         for (bad, says) in [
             (["hammer", "--metric", "speed"], "force-aligned"),
             (["hammer", "--tolerance", "5"], "between 0 and 1"),

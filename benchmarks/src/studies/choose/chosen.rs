@@ -1,6 +1,6 @@
 //! The scene file with a choice written in: the gears and meshes as they stood, one model, one integrator.
 
-use super::candidate::Candidate;
+use super::plan::Candidate;
 use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_models::law::Damping;

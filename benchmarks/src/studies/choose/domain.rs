@@ -1,11 +1,11 @@
 //! What the choice has been checked on, and in which ways a scene lies outside of it.
 
-use super::candidate::Prepared;
-use super::situation::Situation;
+use super::plan::Prepared;
+use super::problem::Problem;
 use gearbench_models::spec::{Body, Mount, Profile};
 use std::f64::consts::{PI, TAU};
 
-/// Numbers of teeth of the gears that choices were judged on.
+/// Numbers of teeth of the gears that choices were validated on.
 pub const TEETH: [u32; 2] = [14, 56];
 /// Their modules [m].
 pub const MODULE: [f64; 2] = [1.5e-3, 10e-3];
@@ -17,10 +17,9 @@ pub const FREQUENCY: f64 = 2500.0;
 pub const LONGEST: f64 = 20e-3;
 
 /// Sentences on what is unusual about a scene; none when nothing is.
-#[must_use]
-pub fn outside(situation: &Situation, prepared: &Prepared) -> Vec<String> {
+pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
     let mut found = Vec::new();
-    let scene = &situation.scene;
+    let scene = &problem.scene;
     if scene.gears.len() != 2 || scene.meshes.len() != 1 {
         found.push(format!(
             "it has {} gears and {} meshes; checked were two gears, or a gear on a rack",
@@ -100,13 +99,13 @@ pub fn outside(situation: &Situation, prepared: &Prepared) -> Vec<String> {
             )),
         }
     }
-    if situation.duration > LONGEST {
+    if problem.duration > LONGEST {
         found.push(format!(
             "it lasts {:.3} s; checked were scenes of up to {LONGEST} s",
-            situation.duration
+            problem.duration
         ));
     }
-    for c in &situation.flexible.contacts {
+    for c in &problem.flexible.contacts {
         if c.friction.is_some() {
             found.push("flanks have friction; checked were smooth ones".into());
         }

@@ -1,19 +1,17 @@
 //! The reason of a choice in plain words.
 
-use super::candidate::Rung;
-use super::choice::Choice;
-use super::climb::Climb;
-use super::wish::Wish;
+use super::level::Level;
+use super::refinement::Refinement;
+use super::requirement::Requirement;
+use super::run::Choice;
 use gearbench_reports::numbers::percent;
 
 /// A ratio in per cent, with the unit.
-#[must_use]
 pub fn per_cent(x: f64) -> String {
     format!("{} %", percent(x, 2))
 }
 
 /// Seconds with a fitting unit.
-#[must_use]
 pub fn seconds(s: f64) -> String {
     match s {
         s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
@@ -23,24 +21,23 @@ pub fn seconds(s: f64) -> String {
 }
 
 /// Sentences on why a choice is what it is.
-#[must_use]
-pub fn reason(choice: &Choice, wish: &Wish, climb: &Climb) -> Vec<String> {
+pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinement) -> Vec<String> {
     let mut said = Vec::new();
-    let limit = per_cent(wish.tolerance);
-    let metric = wish.metric.title();
-    let top = climb
+    let limit = per_cent(requirement.tolerance);
+    let metric = requirement.title();
+    let top = refinement
         .top()
-        .map_or(String::new(), |l| l.candidate.rung.name());
+        .map_or(String::new(), |l| l.candidate.level.name());
     said.push(format!(
-        "On the window ({}) the ladder of elastic gears {} `{top}`, which is estimated to be {} off in the {metric}.",
+        "On the window ({}) the hierarchy of elastic gears {} `{top}`, which is estimated to be {} off in the {metric}.",
         choice.window.describe(),
-        if climb.settled { "settles at" } else { "ends unsettled at" },
-        per_cent(climb.remaining)
+        if refinement.settled { "settles at" } else { "ends unsettled at" },
+        per_cent(refinement.remaining)
     ));
-    if climb.growth > 1.05 {
+    if refinement.growth > 1.05 {
         said.push(format!(
             "A little more stiffness moves the {metric} {:.1} times as far over the whole scene as over the window; estimates are larger by that.",
-            climb.growth
+            refinement.growth
         ));
     }
     let Some(candidate) = &choice.candidate else {
@@ -50,12 +47,12 @@ pub fn reason(choice: &Choice, wish: &Wish, climb: &Climb) -> Vec<String> {
         ));
         return said;
     };
-    let cheaper: Vec<String> = (choice.rungs.iter())
-        .take_while(|r| r.rung != candidate.rung)
+    let cheaper: Vec<String> = (choice.levels.iter())
+        .take_while(|r| r.level != candidate.level)
         .filter(|r| !r.adequate)
         .map(|r| match &r.failure {
-            Some(f) => format!("{} ({f})", r.rung.name()),
-            None => format!("{} ({})", r.rung.name(), per_cent(r.error)),
+            Some(f) => format!("{} ({f})", r.level.name()),
+            None => format!("{} ({})", r.level.name(), per_cent(r.error)),
         })
         .collect();
     if !cheaper.is_empty() {
@@ -66,14 +63,14 @@ pub fn reason(choice: &Choice, wish: &Wish, climb: &Climb) -> Vec<String> {
     }
     said.push(format!(
         "{} with {} is estimated to be {} off: {} of it from the model, {} from the integration.",
-        capital(&candidate.rung.name()),
+        capital(&candidate.level.name()),
         candidate.method.method,
         per_cent(choice.predicted_error),
         per_cent(choice.parts.model),
         per_cent(choice.parts.integration)
     ));
-    let next = (choice.rungs.iter())
-        .filter(|r| r.rung != candidate.rung)
+    let next = (choice.levels.iter())
+        .filter(|r| r.level != candidate.level)
         .filter_map(|r| r.cheapest.as_ref().map(|(c, cost)| (c, *cost)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     if let Some((other, cost)) = next {
@@ -83,7 +80,7 @@ pub fn reason(choice: &Choice, wish: &Wish, climb: &Climb) -> Vec<String> {
             cost / choice.predicted_cost_s
         ));
     }
-    if !matches!(candidate.rung, Rung::Rigid(_) | Rung::MovableTeeth(_)) {
+    if !matches!(candidate.level, Level::Rigid(_) | Level::MovableTeeth(_)) {
         said.push(format!(
             "Reducing the meshes is paid once ({} here) and kept on disk.",
             seconds(choice.setup_s)

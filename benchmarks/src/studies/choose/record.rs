@@ -1,29 +1,27 @@
 //! A choice as a record.
 
-use super::choice::{Choice, RungTried, Tried};
-use super::situation::Situation;
-use super::wish::Wish;
+use super::problem::Problem;
+use super::requirement::Requirement;
+use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::machine;
-use gearbench_integrators::Resolution;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
-use gearbench_reports::{ChoiceRecord, ChooseRecord, RungRecord, TriedRecord};
+use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 
 /// The record of a choice.
-#[must_use]
 pub fn results(
-    situation: &Situation,
+    problem: &Problem,
     (title, command): (&str, &str),
-    wish: &Wish,
+    requirement: &Requirement,
     choice: &Choice,
 ) -> Results {
-    let place = |c: &super::candidate::Candidate| {
+    let place = |c: &super::plan::Candidate| {
         (choice.tried.iter())
-            .position(|t| t.candidate.rung == c.rung && t.candidate.method == c.method)
+            .position(|t| t.candidate.level == c.level && t.candidate.method == c.method)
     };
     let answer = ChoiceRecord {
-        metric: wish.metric.name().into(),
-        metric_title: wish.metric.title().into(),
-        tolerance: wish.tolerance,
+        metric: requirement.name().into(),
+        metric_title: requirement.title().into(),
+        tolerance: requirement.tolerance,
         chosen: choice.candidate.as_ref().and_then(place),
         predicted_error: finite(choice.predicted_error),
         model_error: finite(choice.parts.model),
@@ -36,29 +34,30 @@ pub fn results(
         window_s: finite(choice.window.end),
         reason: choice.reason.clone(),
         outside: choice.outside.clone(),
-        rungs: (choice.rungs.iter())
-            .map(|r| rung(r, r.cheapest.as_ref().and_then(|(c, _)| place(c))))
+        levels: (choice.levels.iter())
+            .map(|r| level(r, r.cheapest.as_ref().and_then(|(c, _)| place(c))))
             .collect(),
         tried: choice.tried.iter().map(tried).collect(),
     };
     Results {
-        header: machine::header(&situation.name, title, command),
+        header: machine::header(&problem.name, title, command),
         part: Part::Choose(Box::new(ChooseRecord { choice: answer })),
-        settings: settings(situation, choice),
-        tolerance: wish.metric.key().map(|key| Tolerance {
-            metric: key,
-            limit: wish.tolerance,
+        settings: settings(problem, choice),
+        // The energy lost is no metric of a record.
+        tolerance: (requirement.metric != Metric::EnergyDrift).then(|| Tolerance {
+            metric: requirement.metric,
+            limit: requirement.tolerance,
             against: "top".into(),
         }),
         ..Results::default()
     }
 }
 
-fn rung(r: &RungTried, cheapest: Option<usize>) -> RungRecord {
-    RungRecord {
-        name: r.rung.name(),
-        family: r.rung.family().into(),
-        modes: r.rung.modes(),
+fn level(r: &LevelTried, cheapest: Option<usize>) -> LevelRecord {
+    LevelRecord {
+        name: r.level.name(),
+        family: r.level.family().into(),
+        modes: r.level.modes(),
         distance: finite(r.distance),
         step_up: r.step_up.and_then(finite),
         error: finite(r.error),
@@ -70,16 +69,12 @@ fn rung(r: &RungTried, cheapest: Option<usize>) -> RungRecord {
 }
 
 fn tried(t: &Tried) -> TriedRecord {
-    let (step_s, rtol) = match t.candidate.method.resolution {
-        Resolution::Step(h) => (Some(h), None),
-        Resolution::Tolerance(r) => (None, Some(r)),
-    };
     TriedRecord {
-        rung: t.candidate.rung.name(),
-        family: t.candidate.rung.family().into(),
+        level: t.candidate.level.name(),
+        family: t.candidate.level.family().into(),
         integrator: t.candidate.method.method.to_string(),
-        step_s,
-        rtol,
+        step_s: t.candidate.method.resolution.step(),
+        rtol: t.candidate.method.resolution.tolerance(),
         error: finite(t.error),
         cost_s: finite(t.cost_s),
         steps: t.work[0],
@@ -89,17 +84,17 @@ fn tried(t: &Tried) -> TriedRecord {
     }
 }
 
-fn settings(situation: &Situation, choice: &Choice) -> Vec<(String, String)> {
-    let elastic = match &situation.flexible.label {
+fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
+    let elastic = match &problem.flexible.label {
         Some(label) => format!("meshes, contact and damping of the model `{label}` of the scene"),
         None => "generated meshes and a penalty: the scene has no elastic model".into(),
     };
     let mut all = vec![
-        ("duration".into(), format!("{:.6e} s", situation.duration)),
+        ("duration".into(), format!("{:.6e} s", problem.duration)),
         ("elastic gears".into(), elastic),
         ("window".into(), choice.window.describe()),
     ];
-    for (i, c) in situation.flexible.contacts.iter().enumerate() {
+    for (i, c) in problem.flexible.contacts.iter().enumerate() {
         if let Some(p) = c.points {
             let law = if p.hard {
                 "hard contact".into()

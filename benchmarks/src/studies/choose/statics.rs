@@ -2,25 +2,26 @@
 //! static solves of the elastic gears without modes.
 //!
 //! The last costs some tens of equilibria and no time step. At positions over one base pitch both hubs are held at an
-//! approach `d` of the size that the scene will see; the part of the force `F_j` that each tooth pair then carries gives
-//! the coefficient of `N = k(s) d^n`, `k = F_j / d^n`, with one exponent `n` from a second approach: the penalty touches
-//! on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in contact is the
-//! mesh stiffness of the elastic gears at every position, coupling through the bodies included.
+//! approach `d` of the size that the scene will see; the part of the force `F_j` that each tooth pair then carries
+//! gives the coefficient of `N = k(s) d^n`, `k = F_j / d^n`, with one exponent `n` from a second approach: the penalty
+//! touches on a patch that grows. Pairs carry what they do beside their neighbours, so the sum over the pairs in
+//! contact is the mesh stiffness of the elastic gears at every position, coupling through the bodies included.
 
-use super::situation::Situation;
+use super::problem::Problem;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_models::error::{BuildError, MeshPart, Reason};
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Modelling, Parameters, SceneSpec, lever, mesh_layout,
+    Body, ContactSpec, GearSpec, Modelling, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{
-    ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, Mate, PairOrMesh,
-    PairStiffness, RootLength, ToothModel, compliance_table,
+    ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness,
+    RootLength, ToothModel, compliance_table,
 };
 use gearbench_reference::statics::{LoadedPair, StaticsError};
 
@@ -35,8 +36,6 @@ const IN_TEETH: f64 = 0.8;
 /// Mass that moves with the tip of a clamped bar over the mass of the bar.
 const BAR: f64 = 33.0 / 140.0;
 
-/// Stiffness of the norm.
-#[must_use]
 pub fn norm() -> PairStiffness {
     PairStiffness::Iso6336 {
         variation: IsoVariation::default(),
@@ -50,7 +49,6 @@ const ANALYTIC: (ToothModel, Foundation, Hertz) = (
 );
 
 /// Stiffness from analytic compliances.
-#[must_use]
 pub fn analytic() -> PairStiffness {
     let (tooth, foundation, hertz) = ANALYTIC;
     PairStiffness::Compliance {
@@ -61,20 +59,14 @@ pub fn analytic() -> PairStiffness {
 }
 
 /// Rigid gears with a contact for all meshes.
-#[must_use]
 pub fn rigid(scene: &SceneSpec, contacts: Vec<ContactSpec>) -> Modelling {
-    let gear = ModelSpec {
-        id: "rigid".into(),
-        parameters: Parameters::new(),
-    };
     Modelling {
-        gears: vec![gear; scene.gears.len()],
+        gears: vec![rigid::spec(); scene.gears.len()],
         contacts,
     }
 }
 
 /// A contact between tooth pairs.
-#[must_use]
 pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> ContactSpec {
     ContactSpec {
         stiffness,
@@ -89,17 +81,13 @@ pub fn contact(stiffness: PairStiffness, exponent: f64, damping: Damping) -> Con
 /// Where the stiffness of a contact between rigid gears is from.
 #[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
-    /// The norm.
     Norm,
-    /// Analytic compliances.
     Analytic,
-    /// Static solves.
     Static(&'a Calibrated),
 }
 
 impl Source<'_> {
     /// The contact with the damper that goes with the relaxation time `tau` [s].
-    #[must_use]
     pub fn contact(self, tau: f64, swing: &Swing) -> ContactSpec {
         match self {
             Source::Norm => contact(norm(), 1.0, damper(tau, swing.stiffness)),
@@ -110,7 +98,6 @@ impl Source<'_> {
 }
 
 /// The damper of a tooth pair with a stiffness [N/m] and the relaxation time `tau` [s].
-#[must_use]
 pub fn damper(tau: f64, stiffness: f64) -> Damping {
     if tau > 0.0 {
         Damping::KelvinVoigt { c: tau * stiffness }
@@ -130,13 +117,10 @@ pub struct Swing {
 
 impl Swing {
     /// Of the stiffest mesh of a scene.
-    ///
-    /// # Errors
-    /// A scene that cannot be assembled.
     pub fn of(scene: &SceneSpec) -> Result<Swing, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
-        let pace = built.pace(built.initial().at());
+        let characteristic_time = built.characteristic_time(built.initial().at());
         let mass = |i: usize| built.gears()[i].model.hub().contact_mass;
         let of = |m: &gearbench_models::spec::MeshSpec| {
             1.0 / m.gears.map(|i| 1.0 / mass(i)).iter().sum::<f64>()
@@ -146,19 +130,17 @@ impl Swing {
         let mass = if mass.is_finite() { mass } else { 1.0 };
         Ok(Swing {
             mass,
-            stiffness: mass / (pace * pace),
+            stiffness: mass / (characteristic_time * characteristic_time),
         })
     }
 
     /// Half a period: how long a tooth pair touches in an impact [s].
-    #[must_use]
     pub fn contact_time(&self) -> f64 {
         std::f64::consts::PI * (self.mass / self.stiffness).sqrt()
     }
 }
 
 /// Time `tau = c/k` of the damper of a tooth pair [s]; `None` for laws that are no dampers.
-#[must_use]
 pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
     let swing = Swing::of(scene).ok()?;
     match contact.damping {
@@ -188,13 +170,11 @@ pub struct Calibrated {
 
 impl Calibrated {
     /// As the stiffness of a contact.
-    #[must_use]
     pub fn stiffness(&self) -> PairStiffness {
         table(self.s.clone(), self.k.clone())
     }
 
     /// Secant stiffness of the pair in the middle of the path at the approach that it is for [N/m].
-    #[must_use]
     pub fn secant(&self) -> f64 {
         self.k[self.k.len() / 2] * self.approach.powf(self.exponent - 1.0)
     }
@@ -210,13 +190,13 @@ fn table(s: Vec<f64>, k: Vec<f64>) -> PairStiffness {
     }
 }
 
-/// Solves the elastic gears of a situation without modes at an approach of the flanks that the scene will see [m].
+/// Solves the elastic gears of a problem without modes at an approach of the flanks that the scene will see [m].
 ///
 /// # Errors
-/// [`StaticsError`]: more than one mesh, or no equilibrium.
-pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, StaticsError> {
-    let modelling = super::candidate::elastic(situation, 0, None);
-    let mut pair = LoadedPair::new(&situation.scene, &modelling, situation.models)?;
+/// [`StaticsError`]: more than one mesh, no equilibrium, or no pair that presses on the path.
+pub fn calibrate(problem: &Problem, approach: f64) -> Result<Calibrated, StaticsError> {
+    let modelling = super::plan::elastic(problem, 0, None);
+    let mut pair = LoadedPair::new(&problem.scene, &modelling, problem.models)?;
     let (pitch, base, path) = {
         let l = pair.layout();
         (l.pitch_point, l.base_pitch, l.path)
@@ -240,6 +220,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
             }
         }
     }
+    if forces.is_empty() {
+        return Err(StaticsError::NoContact { approach: high });
+    }
     forces.sort_by(|a, b| a.0.total_cmp(&b.0));
     forces.dedup_by(|b, a| b.0 - a.0 < 1e-9 * base);
     exponents.sort_by(f64::total_cmp);
@@ -257,9 +240,9 @@ pub fn calibrate(situation: &Situation, approach: f64) -> Result<Calibrated, Sta
     })
 }
 
-/// Movable teeth of a mesh without a fit: tooth and body compliance at the pitch point go into the springs, what is left
-/// of the stiffness along the path into the contact, and a tooth weighs what moves with the tip of a clamped bar of
-/// half a pitch and two and a quarter modules. `pair` is the stiffness along the path [m, N/m].
+/// Movable teeth of a mesh without a fit: tooth and body compliance at the pitch point go into the springs, what is
+/// left of the stiffness along the path into the contact, and a tooth weighs what moves with the tip of a clamped bar
+/// of half a pitch and two and a quarter modules. `pair` is the stiffness along the path [m, N/m].
 ///
 /// # Errors
 /// A pair that the analytic compliance does not know.
@@ -319,7 +302,7 @@ fn compliances(
     distance: f64,
     width: f64,
 ) -> Result<Vec<ComplianceRow>, BuildError> {
-    use gearbench_models::geometry::{Pair, RackPair};
+    use gearbench_models::geometry::Pair;
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let Body::Gear(one) = &a.body else {
         return Err(error(
@@ -328,23 +311,12 @@ fn compliances(
         ));
     };
     let materials = [a.material, b.material];
-    let rows = |mate: Mate<'_>| {
-        compliance_table(one, mate, ANALYTIC, materials, width, 33)
-            .map(|t| t.rows)
-            .map_err(|e| error(MeshPart::Stiffness, e.reason()))
-    };
-    match &b.body {
-        Body::Gear(two) => {
-            let pair =
-                Pair::new(one, two, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
-            rows(Mate::Gear(two, &pair))
-        }
-        Body::Rack(rack) => {
-            let pair = RackPair::new(one, rack, distance)
-                .map_err(|e| error(MeshPart::Layout, e.reason()))?;
-            rows(Mate::Rack(rack, &pair))
-        }
-    }
+    let pair =
+        Pair::new(one, &b.body, distance).map_err(|e| error(MeshPart::Layout, e.reason()))?;
+    let mate = ((&b.body).into(), &pair);
+    compliance_table(one, mate, ANALYTIC, materials, width, 33)
+        .map(|t| t.rows)
+        .map_err(|e| error(MeshPart::Stiffness, e.reason()))
 }
 
 /// Spring of a tooth whose compliance along the line of action is given [N/m], on the radius that it acts at.
@@ -353,7 +325,7 @@ fn spring(gear: &GearSpec, compliance: f64) -> f64 {
         Body::Gear(g) => g.r_root(),
         Body::Rack(_) => 1.0,
     };
-    (lever(&gear.body) / radius).powi(2) / compliance
+    (effective_radius(&gear.body) / radius).powi(2) / compliance
 }
 
 fn tooth_mass(gear: &GearSpec) -> f64 {

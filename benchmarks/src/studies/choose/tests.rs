@@ -1,56 +1,30 @@
 //! Static calibration, candidates and domain on a coarse pair that reduces in a fraction of a second.
 
-use super::candidate::{Prepared, Rung, Stiffness, elastic};
-use super::{Situation, candidates, domain};
-use crate::scene_file::{Origin, SceneFile};
+use super::domain;
+use super::level::{Level, Stiffness};
+use super::plan::{Candidate, Prepared, candidates, elastic};
+use super::problem::Problem;
+use super::statics::calibrate;
+use crate::studies::test_scene::coarse;
 use gearbench_integrators::Resolution;
-use gearbench_reference::statics::LoadedPair;
+use gearbench_models::spec::SurfaceKind;
+use gearbench_reference::statics::{LoadedPair, StaticsError};
 use std::collections::BTreeSet;
 
-const SCENE: &str = r#"
-schema = 1
-name = "coarse"
-duration_s = 1.2e-4
-
-[gears.a]
-teeth = 18
-module_m = 0.002
-face_width_m = 0.006
-bore_radius_m = 0.007
-speed_rad_s = 20.0
-
-[gears.b]
-teeth = 24
-module_m = 0.002
-face_width_m = 0.006
-bore_radius_m = 0.01
-
-[[meshes]]
-gears = ["a", "b"]
-backlash_m = 80e-6
-start = { flank = "left", gap_m = 1e-6 }
-
-[[models]]
-model = "elastic"
-parameters = { flank_elements = 4, fillet_elements = 2, across_elements = 6, rim_elements = 2, width_elements = 1, modes = 30, damping_ratio = 0.01 }
-contact = { penalty_pa_per_m = 2e15, damping_ns_per_m3 = 2e9 }
-"#;
-
-fn situation() -> Situation {
-    let file = SceneFile::unbuilt("coarse.toml", SCENE, Origin::Shipped, false);
-    Situation::of(&file.expect("a scene"))
+fn problem() -> Problem {
+    Problem::of(&coarse("modes = 30, damping_ratio = 0.01"))
 }
 
 /// Rigid gears with the stiffness of static solves carry what the elastic ones without modes carry, at positions and
 /// approaches that were not solved for.
 #[test]
 fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
-    let s = situation();
+    let s = problem();
     let p = Prepared::of(&s).expect("a scene that runs");
     let found = p.statics.clone().expect("a stiffness");
     assert!((1.0..1.5).contains(&found.exponent), "{}", found.exponent);
     let rigid = p.best_rigid();
-    assert_eq!(rigid.rung, Rung::Rigid(Stiffness::Static));
+    assert_eq!(rigid.level, Level::Rigid(Stiffness::Static));
     let pair = |m| LoadedPair::new(&s.scene, m, s.models).expect("a pair");
     let (mut one, mut two) = (pair(&rigid.modelling), pair(&elastic(&s, 0, None)));
     let l = two.layout();
@@ -68,11 +42,25 @@ fn static_solves_make_rigid_gears_as_stiff_as_elastic_ones() {
     assert!((1.05..1.3).contains(&two_pairs), "{found:?}");
 }
 
+/// Facets of coarse flanks lie below the involute: at a small approach none of them touches, and there is no stiffness.
+#[test]
+fn gears_that_do_not_touch_have_no_static_stiffness() {
+    let mut s = problem();
+    for c in &mut s.flexible.contacts {
+        c.points.as_mut().expect("points").surface = SurfaceKind::Faceted;
+    }
+    let found = calibrate(&s, 1e-9);
+    assert!(
+        matches!(found, Err(StaticsError::NoContact { .. })),
+        "{found:?}"
+    );
+}
+
 /// The damper of rigid gears: of a lag that sits in the patch of contact alone a stiff pair sees a part, and modal
 /// damping fills the rest.
 #[test]
 fn dampers_of_rigid_gears_follow_the_flanks() {
-    let mut s = situation();
+    let mut s = problem();
     let lag = 2e9 / 2e15;
     let (k, force) = (8e7, 300.0);
     let both = s.relaxation(0, k, force);
@@ -89,18 +77,18 @@ fn dampers_of_rigid_gears_follow_the_flanks() {
 
 #[test]
 fn candidates_are_distinct_and_go_from_cheap_to_dear() {
-    let s = situation();
+    let s = problem();
     let all = candidates(&s).expect("candidates");
-    let names: BTreeSet<String> = all.iter().map(super::Candidate::name).collect();
+    let names: BTreeSet<String> = all.iter().map(Candidate::name).collect();
     assert_eq!(names.len(), all.len());
-    assert!(matches!(all[0].rung, Rung::Rigid(_)));
-    assert_eq!(all[all.len() - 1].rung, Rung::Elastic { modes: 300 });
+    assert!(matches!(all[0].level, Level::Rigid(_)));
+    assert_eq!(all[all.len() - 1].level, Level::Elastic { modes: 300 });
     for pair in all.windows(2) {
         let steps = [&pair[0], &pair[1]].map(|c| match c.method.resolution {
             Resolution::Step(h) => Some(h),
             Resolution::Tolerance(_) => None,
         });
-        if pair[0].rung == pair[1].rung
+        if pair[0].level == pair[1].level
             && pair[0].method.method == pair[1].method.method
             && let [Some(a), Some(b)] = steps
         {
@@ -111,7 +99,7 @@ fn candidates_are_distinct_and_go_from_cheap_to_dear() {
 
 #[test]
 fn scenes_outside_of_the_domain_are_told() {
-    let mut s = situation();
+    let mut s = problem();
     let p = Prepared::of(&s).expect("a scene that runs");
     assert_eq!(domain::outside(&s, &p), Vec::<String>::new());
     s.duration = 1.0;

@@ -1,15 +1,16 @@
 //! A model that has been set up once and runs on the window under one method after the other.
 
-use super::choice::ChooseError;
-use super::scout::Window;
-use super::situation::Situation;
-use super::wish::Metric;
+use super::pilot::Window;
+use super::problem::Problem;
+use super::requirement;
 use crate::experiment::machine::cpu_time;
-use crate::experiment::run::{Job, run_in};
+use crate::experiment::run::{Job, RunError, run_in};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::{NullSink, TimePlan, Work};
+use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reports::Metric;
 use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Run};
 use gearbench_reports::series::TimeSeries;
@@ -24,8 +25,9 @@ const LONG_ENOUGH: f64 = 0.04;
 pub struct Trial<'a> {
     spec: &'a SceneSpec,
     modelling: &'a Modelling,
-    situation: &'a Situation,
-    scene: Scene,
+    problem: &'a Problem,
+    /// The scene, set up.
+    pub scene: Scene,
     /// No gear has coordinates but its hub's.
     rigid: bool,
     /// Time of the set-up [s].
@@ -45,63 +47,69 @@ pub struct Outcome {
 
 impl Outcome {
     /// It reached the end and its numbers may be used.
-    #[must_use]
     pub fn usable(&self) -> bool {
         !self.row.status.is_failure()
     }
 
     /// Error against another run; infinite where there is none to be had.
-    #[must_use]
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
         let reached = self.row.simulated_s;
         let times = [reached, self.row.end_s.unwrap_or(reached)];
         (self.usable().then_some(()))
             .and_then(|()| Finished::reached(&self.series, &self.ledger, times).ok())
-            .and_then(|run| metric.error(run, (&reference.series, &reference.ledger)))
+            .and_then(|run| requirement::error(metric, run, (&reference.series, &reference.ledger)))
             .unwrap_or(f64::INFINITY)
     }
 }
 
 impl<'a> Trial<'a> {
     /// Sets a model up.
-    ///
-    /// # Errors
-    /// A scene that cannot be assembled.
     pub fn new(
-        situation: &'a Situation,
+        problem: &'a Problem,
         spec: &'a SceneSpec,
         modelling: &'a Modelling,
-    ) -> Result<Trial<'a>, ChooseError> {
+    ) -> Result<Trial<'a>, RunError> {
         let begin = Instant::now();
-        let scene = Scene::build(spec, modelling, situation.models)?;
+        let scene = Scene::build(spec, modelling, problem.models)?;
         Ok(Trial {
             spec,
             modelling,
-            situation,
-            rigid: modelling.gears.iter().all(|g| g.id == "rigid"),
+            problem,
+            rigid: (modelling.gears.iter()).all(|g| properties_of(problem.models, &g.id).rigid),
             scene,
             setup: begin.elapsed(),
         })
     }
 
     /// Runs a method to the end of a window.
+    pub fn run(&mut self, method: &Scheme, window: &Window) -> Result<Outcome, RunError> {
+        // The characteristic time of modes and of movable teeth is far finer than any jump of a dashpot asks for.
+        self.observe(method, (window.end, &window.grid), self.rigid, PATIENCE)
+    }
+
+    /// Runs a method to an end [s] and records at the times of a grid, with accepted steps in contact or without.
     ///
     /// # Errors
-    /// A method that the model does not take, or an interruption.
-    pub fn run(&mut self, method: &Scheme, window: &Window) -> Result<Outcome, ChooseError> {
+    /// A method that the model does not take; a run that fails is a result.
+    pub fn observe(
+        &mut self,
+        method: &Scheme,
+        (t_end, grid): (f64, &[f64]),
+        also_steps: bool,
+        timeout: Duration,
+    ) -> Result<Outcome, RunError> {
         let job = Job {
             scene: self.spec,
             modelling: self.modelling,
-            models: self.situation.models,
+            models: self.problem.models,
             method,
-            t_end: window.end,
-            grid: &window.grid,
-            // The pace of modes and of movable teeth is far finer than any jump of a dashpot asks for.
-            also_steps: self.rigid,
+            t_end,
+            grid,
+            also_steps,
             forces: false,
             events: true,
             repeats: 0,
-            timeout: PATIENCE,
+            timeout,
             max_steps: u64::MAX,
         };
         let mut row = run_in(&job, &mut self.scene, self.setup)?;
@@ -115,10 +123,7 @@ impl<'a> Trial<'a> {
 
     /// Time that a method takes to the end of a window without observers [s]: processor time over repeats where they
     /// last long enough for its ticks, else the shortest of `repeats`.
-    ///
-    /// # Errors
-    /// A method that the model does not take, or an interruption.
-    pub fn cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> Result<f64, ChooseError> {
+    pub fn cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> f64 {
         let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let (begin, start) = (Instant::now(), cpu_time());
@@ -142,6 +147,6 @@ impl<'a> Trial<'a> {
             (Some(a), Some(b)) if b - a >= LONG_ENOUGH => (b - a) / runs as f64,
             _ => shortest,
         };
-        Ok(on_processor.min(shortest))
+        on_processor.min(shortest)
     }
 }

@@ -1,8 +1,8 @@
 //! Arguments of `compare`.
 
-use crate::cli::values::{DEFAULT_REPEATS, DEFAULT_SCENE, DEFAULT_TIMEOUT, positive};
+use crate::cli::arguments::Timed;
+use crate::cli::values::DEFAULT_SCENE;
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -32,15 +32,9 @@ pub struct Compare {
     /// [default: those of the scene's study]
     #[arg(long, value_name = "X,Y")]
     pub integrators: Option<String>,
-    /// Folder to write to [default: out/SCENE/compare]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Timed repeats of every run; the report shows their median and spread
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub repeats: u32,
-    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
-    pub timeout: f64,
+    /// Where results go, how long a run may take, how often it is timed.
+    #[command(flatten)]
+    pub run: Timed,
     /// Do not locate contact events: shows what a method loses when steps run across them
     #[arg(long)]
     pub no_events: bool,
@@ -53,9 +47,7 @@ impl Default for Compare {
             scene: DEFAULT_SCENE.to_owned(),
             models: None,
             integrators: None,
-            out: None,
-            repeats: DEFAULT_REPEATS,
-            timeout: DEFAULT_TIMEOUT,
+            run: Timed::default(),
             no_events: false,
         }
     }

@@ -12,7 +12,6 @@ use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
 use gearbench_integrators::Scheme;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Runs the comparison and writes its folder.
 pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
@@ -23,9 +22,9 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
         conditions: Conditions {
             command: command.to_string(),
             settings: settings(&scene, &choices, args.no_events),
-            repeats: args.repeats.max(1),
+            repeats: args.run.repeats,
             events: scene.study.events && !args.no_events,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.bounded.timeout(),
             ..Conditions::of(&scene)
         },
         ..Plan::of(&scene, &choices, reference.as_ref())
@@ -42,6 +41,6 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     let results =
         with_progress(plan.len(), |progress| compare(&plan, progress)).map_err(refuse_run)?;
 
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
 }

@@ -5,8 +5,8 @@
 //! integrator's. The converged solution is Dormand-Prince with located events at a tolerance of 1e-10 (1e-8 where
 //! that takes too long); of gears with modes it is the trigonometric method at 1e-4.
 
-pub mod arguments;
-pub mod command;
+pub(crate) mod arguments;
+pub(crate) mod command;
 mod plan;
 mod run;
 mod summary;

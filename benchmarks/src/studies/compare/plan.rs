@@ -49,7 +49,6 @@ impl Plan<'_> {
     }
 
     /// The same under other integrators, for all models.
-    #[must_use]
     pub fn with_methods(mut self, methods: Vec<Scheme>) -> Self {
         for entry in &mut self.entries {
             entry.methods = None;

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::converged::{EXACT_MODES, SMALL, converged, exact_for_modes, tight};
+use crate::experiment::converged::{EXACT_MODES, exact_for_modes, of_model, tight};
 use crate::experiment::run::{LEFT_OUT, RunError, run};
 use crate::experiment::status::{against_contact, against_tolerance};
 use crate::experiment::thin::thin;
@@ -61,13 +61,7 @@ pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunEr
                         plan.len(),
                         &format!("{}, converged solution", entry.label),
                     );
-                    none.insert(if row.modes.is_some() {
-                        converged(&job, 1, &exact_modes)?
-                    } else if row.dofs <= SMALL {
-                        converged(&job, row.dofs, &tight)?
-                    } else {
-                        None
-                    })
+                    none.insert(of_model(&job, &row, &exact_modes, &tight)?)
                 }
             };
             measure_against(&mut row, plan, &references, own.as_ref());
@@ -139,5 +133,28 @@ fn measure_against(
     }
     if let Some(t) = &plan.tolerance {
         against_tolerance(row, t);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::conditions::silent;
+    use crate::studies::test_scene::coarse;
+    use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
+
+    /// Terms of rotation couple the modes: the method that is exact for oscillators is left out, also as the converged
+    /// solution, and the others run.
+    #[test]
+    fn a_method_that_a_model_does_not_take_is_left_out() {
+        let scene = coarse("modes = 4, spin_terms = \"full\"");
+        let choices: Vec<_> = scene.models.iter().collect();
+        let methods = vec![TRIGONOMETRIC.at_step(1e-6), DOPRI5.at_tolerance(1e-5)];
+        let plan = Plan::of(&scene, &choices, None).with_methods(methods);
+        let results = compare(&plan, &silent).unwrap();
+        assert_eq!(results.runs.len(), 1);
+        let own = results.runs[0].against("self").and_then(|m| m.force_l2);
+        assert!(own.is_some_and(|e| e < 0.01), "{own:?}");
+        assert!(results.settings.iter().any(|(what, _)| what == LEFT_OUT));
     }
 }

@@ -1,12 +1,14 @@
 //! `gearbench identify SCENE`: constants fitted to the scene's reference, printed and, on request, written.
 
 use super::arguments::Identify;
-use super::{Identification, IdentifyError, identify, keys};
+use super::summary::summarise;
+use super::{Identification, IdentifyError, identify};
 use crate::cli::terminal::{Refusal, progress_bar, say};
 use crate::experiment::machine;
 use crate::models::models;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::{self, Calibration, SceneFile, Selection};
+use gearbench_models::gear::table::properties_of;
 use std::process::ExitCode;
 
 /// Name of the calibration that an impact gives.
@@ -33,7 +35,10 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
     let choices = scene.select(args.model.as_deref())?;
     let fitted: Vec<_> = choices
         .into_iter()
-        .filter(|c| args.model.is_some() || (keys(&c.model).is_some() && calibrated(c)))
+        .filter(|c| {
+            args.model.is_some()
+                || (properties_of(models(), &c.model).fit.is_some() && calibrated(c))
+        })
         .collect();
     if fitted.is_empty() {
         return Err(Refusal::Input(miette::miette!(
@@ -61,10 +66,10 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
         bar.finish_and_clear();
         let result = result.map_err(|e| match e {
             IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
-            IdentifyError::Model(_) => Refusal::Input(miette::miette!("{e}")),
+            IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
             other => Refusal::Failed(other.to_string()),
         })?;
-        print(&choice.label, id, &result);
+        summarise(&choice.label, id, &result);
         found.push((choice.label.clone(), result));
     }
     if args.write {
@@ -80,27 +85,6 @@ fn calibrated(choice: &scene_file::ModelChoice) -> bool {
         .calibration
         .as_ref()
         .is_some_and(|c| c.name == NAME && c.label == choice.label)
-}
-
-fn print(label: &str, reference: &str, r: &Identification) {
-    say(&format!(
-        "{label}: force history within {:.3} % (relative L2) of {reference}, {} integrations",
-        100.0 * r.force_l2,
-        r.evaluations
-    ));
-    for p in &r.parameters {
-        say(&format!(
-            "  {:<26} {:>12.5e}  +- {:.1} % (95 %)",
-            p.key,
-            p.value,
-            100.0 * p.relative_95
-        ));
-        if p.relative_95 > 0.5 {
-            say(
-                "    hardly identifiable: the force history does not tell this value apart from its neighbours",
-            );
-        }
-    }
 }
 
 fn write(

@@ -6,16 +6,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// A fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Parameters.
     pub x: Vec<f64>,
     /// Half width of the 95 % confidence interval of each parameter, relative to it.
     pub relative_95: Vec<f64>,
     /// Sum of squared residuals.
     pub sum: f64,
-    /// Evaluations of the residuals.
     pub evaluations: u32,
     /// The sum of squares stopped falling before the bound on iterations.
     pub converged: bool,

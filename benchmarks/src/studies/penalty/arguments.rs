@@ -1,10 +1,8 @@
 //! Arguments of `penalty`.
 
-use crate::cli::values::{
-    DEFAULT_LOAD, DEFAULT_SCENE, DEFAULT_TIMEOUT, positions, positive, positive_load,
-};
+use crate::cli::arguments::Bounded;
+use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, positions, positive_load};
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -23,7 +21,7 @@ pub struct Penalty {
     /// Name of a shipped scene, or path of a scene file (.toml)
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: String,
-    /// The model by label [default: the first with a hard twin LABEL-hard, else `elastic`]
+    /// The model by label [default: the first with a hard twin LABEL-hard, else the first that touches with flank points]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,
     /// The same model with hard contact by label [default: LABEL-hard, if the scene has it]
@@ -44,12 +42,9 @@ pub struct Penalty {
     /// Positions of the static cycle over one base pitch
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = positions)]
     pub positions: usize,
-    /// Folder to write to [default: out/SCENE/penalty]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Wall-clock bound of one integration in seconds
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
-    pub timeout: f64,
+    /// Where results go, and how long a run may take.
+    #[command(flatten)]
+    pub run: Bounded,
 }
 
 fn penalty(text: &str) -> Result<f64, String> {

@@ -1,25 +1,33 @@
 //! `gearbench penalty SCENE`: results over the penalty of the contact.
 
 use super::arguments::Penalty;
+use super::run::TAKE_POINTS;
 use super::summary::summarise;
-use super::{PenaltyError, Plan, study};
-use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_progress, write};
+use super::{Plan, study};
+use crate::cli::terminal::{Refusal, exit_code, refuse_study, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
-use gearbench_models::spec::mesh_layout;
+use gearbench_models::spec::{ContactSpec, mesh_layout};
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
-    let found = scene.models.iter().find(twin).map(|m| m.label.as_str());
-    let label = args.model.as_deref().or(found).unwrap_or("elastic");
-    let choice = scene.select(Some(label))?[0];
+    let soft = |c: &ContactSpec| c.points.is_some_and(|p| !p.hard);
+    let penalty = |m: &&ModelChoice| m.modelling.contacts.iter().any(soft);
+    let found = (scene.models.iter().find(twin)).or_else(|| scene.models.iter().find(penalty));
+    let choice = match (&args.model, found) {
+        (Some(label), _) => scene.select(Some(label))?[0],
+        (None, Some(found)) => found,
+        (None, None) => {
+            let why = format!("no model of the scene `{}` has a penalty", scene.name);
+            return Err(SceneError::plain(why, TAKE_POINTS).into());
+        }
+    };
     let hard: Option<&ModelChoice> = match &args.hard {
         Some(label) => Some(scene.select(Some(label))?[0]),
         None => scene.model(&format!("{}-hard", choice.label)),
@@ -56,7 +64,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
             command: command.to_string(),
             settings: told,
             events: true,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(&scene)
         },
         entry: Configuration::of(&scene, choice),
@@ -73,14 +81,8 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
         load,
         positions: args.positions,
     };
-    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress)).map_err(|e| match e {
-        PenaltyError::Run(e) => refuse_run(e),
-        PenaltyError::Statics(label, e) => refuse_statics(&scene, &label, &e),
-        PenaltyError::NoPenalty(label) => Refusal::from(SceneError::plain(
-            format!("the contact of `{label}` has no penalty"),
-            "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`",
-        )),
-    })?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress))
+        .map_err(|e| refuse_study(&scene, e))?;
+    write(&results, (args.run.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
 }

@@ -4,11 +4,11 @@
 //! A penalty is a spring that no body has. Results that change with it say nothing of the gears; with hard contact as
 //! the limit the study shows from where on they no longer do.
 
-pub mod arguments;
-pub mod command;
+pub(crate) mod arguments;
+pub(crate) mod command;
 mod plan;
 mod run;
 mod summary;
 
-pub use plan::{PenaltyError, Plan};
+pub use plan::Plan;
 pub use run::study;

@@ -2,14 +2,11 @@
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::run::RunError;
 use gearbench_integrators::Scheme;
-use gearbench_reference::statics::StaticsError;
 
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What all runs share.
     pub conditions: Conditions<'a>,
     /// The model; its penalty is the study's.
     pub entry: Configuration,
@@ -23,18 +20,4 @@ pub struct Plan<'a> {
     pub load: Option<f64>,
     /// Positions of the static cycle.
     pub positions: usize,
-}
-
-/// Why the study ends before its end.
-#[derive(Debug, thiserror::Error)]
-pub enum PenaltyError {
-    /// A run.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A static equilibrium.
-    #[error("{0}: {1}")]
-    Statics(String, StaticsError),
-    /// The model's contact has no penalty per area.
-    #[error("the contact of `{0}` has no penalty in Pa/m")]
-    NoPenalty(String),
 }

@@ -1,16 +1,20 @@
 //! Runs over the penalty.
 
-use super::plan::{PenaltyError, Plan};
+use super::plan::Plan;
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::error::StudyError;
 use crate::experiment::run::run;
 use crate::experiment::thin::thin;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 
+/// The way out for a model without a penalty.
+pub(super) const TAKE_POINTS: &str = "take a model that touches with the points of its flanks: `contact = { penalty_pa_per_m = .. }`";
+
 /// The entry with another penalty in all its meshes.
-fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, PenaltyError> {
+fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, StudyError> {
     let mut entry = entry.clone();
     let mut any = false;
     for contact in &mut entry.modelling.contacts {
@@ -22,16 +26,17 @@ fn with_penalty(entry: &Configuration, penalty: f64) -> Result<Configuration, Pe
     if any {
         Ok(entry)
     } else {
-        Err(PenaltyError::NoPenalty(entry.label))
+        let why = format!("the contact of `{}` has no penalty", entry.label);
+        Err(StudyError::Scene(why, TAKE_POINTS))
     }
 }
 
 /// Mean static transmission error over one base pitch [m].
-fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, PenaltyError> {
+fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, StudyError> {
     let Some(force) = plan.load else {
         return Ok(None);
     };
-    let fail = |e| PenaltyError::Statics(entry.label.clone(), e);
+    let fail = |e| StudyError::Statics(entry.label.clone(), e);
     let mut pair =
         LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
     let cycle = MeshCycle::solve(&mut pair, Load::Force(force), plan.positions, |_| {});
@@ -41,11 +46,11 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, P
 /// Runs the study. `progress` is told the runs done and the name of the next.
 ///
 /// # Errors
-/// [`PenaltyError`]; runs that fail are rows.
-pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, PenaltyError> {
+/// [`StudyError`]; runs that fail are rows.
+pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyError> {
     let grid = plan.conditions.grid();
     let total = plan.penalties.len() + usize::from(plan.hard.is_some());
-    let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, PenaltyError> {
+    let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, StudyError> {
         progress(done, total, what);
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())

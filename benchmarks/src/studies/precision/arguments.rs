@@ -1,9 +1,10 @@
 //! Arguments of `precision`.
 
-use crate::cli::values::{DEFAULT_REPEATS, positive};
+use crate::cli::arguments::Output;
+use crate::cli::values::{DEFAULT_REPEATS, metric, positive};
 use clap::Args;
-use gearbench_integrators::spec::seconds;
-use std::path::PathBuf;
+use gearbench_integrators::scheme::seconds;
+use gearbench_reports::Metric;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -13,8 +14,8 @@ Examples:
   gearbench precision hammer --integrators rk4,dopri5 --steps 500ns,1us,2us --rtols 1e-3,1e-5
   gearbench precision my_scene.toml --modes 0,25,100 --timeout 10
 
-Every model runs under every integrator at a ladder of steps or tolerances, coarse enough to fail, elastic models also
-with a ladder of mode counts. Errors against the model's own converged solution are those of the integrator; errors
+Every model runs under every integrator at a series of steps or tolerances, coarse enough to fail, elastic models also
+with a series of mode counts. Errors against the model's own converged solution are those of the integrator; errors
 against a reference are those of the model. Failed and timed-out runs are rows, and crosses on their own edge of the
 charts. Cost is wall time without setup, and work: steps, force evaluations, factorisations.
 
@@ -35,15 +36,15 @@ pub struct Precision {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
     /// Metrics between commas, the first above all [default: that of the scene's tolerance]
-    #[arg(long, visible_alias = "metrics", value_name = "M,N")]
-    pub metric: Option<String>,
+    #[arg(long, visible_alias = "metrics", value_name = "M,N", value_delimiter = ',', value_parser = metric)]
+    pub metric: Vec<Metric>,
     /// References between commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     pub against: Vec<String>,
     /// Models of the scene by label, between commas [default: those of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
-    /// Integrators between commas: id, id(name=value); with @STEP or @RTOL that resolution alone, else the ladder
+    /// Integrators between commas: id, id(name=value); with @STEP or @RTOL that resolution alone, else the series
     ///
     /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
     /// methods of fixed steps and a tolerance for adaptive ones. [default: those of the scene]
@@ -58,9 +59,9 @@ pub struct Precision {
     /// Tolerances of adaptive methods, between commas
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = tolerance)]
     pub rtols: Vec<f64>,
-    /// Folder to write to [default: out/SCENE/precision]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub output: Output,
     /// Timed repeats of every run, at least; short runs are repeated more often
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
@@ -108,8 +109,16 @@ mod tests {
             "1e-3,1e-5",
             "--modes",
             "0,35",
+            "--metric",
+            "force-aligned, peak,energy_drift_rel",
         ])
         .unwrap();
+        let metrics = [
+            Metric::ForceL2Aligned,
+            Metric::PeakForceRel,
+            Metric::EnergyDrift,
+        ];
+        assert_eq!(p.metric, metrics);
         assert_eq!(p.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
         assert_eq!((p.rtols, p.modes), (vec![1e-3, 1e-5], vec![0, 35]));
         for wrong in [
@@ -118,6 +127,8 @@ mod tests {
             ["--rtols", "2"],
             ["--modes", "-1"],
             ["--timeout", "0"],
+            ["--metric", "farce"],
+            ["--metric", " ,"],
         ] {
             let e = parse(&["hammer", wrong[0], wrong[1]]).unwrap_err();
             assert_eq!(e.exit_code(), 2, "{wrong:?}");

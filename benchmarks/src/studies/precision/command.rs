@@ -2,7 +2,7 @@
 
 use super::arguments::Precision;
 use super::summary::summarise;
-use super::{Asked, Plan, metrics_of, study};
+use super::{Asked, Plan, study};
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
@@ -24,9 +24,14 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     };
     let asked = Asked {
         integrators: args.integrators.clone(),
-        metrics: match &args.metric {
-            Some(text) => metrics_of(text).map_err(refused)?,
-            None => Vec::new(),
+        metrics: {
+            let mut each_once = Vec::new();
+            for m in &args.metric {
+                if !each_once.contains(m) {
+                    each_once.push(*m);
+                }
+            }
+            each_once
         },
         against: args.against.clone(),
         modes: args.modes.iter().map(|n| *n as usize).collect(),
@@ -59,6 +64,10 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     let results =
         with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
 
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(
+        &results,
+        (args.output.out.as_deref(), &scene.name),
+        summarise,
+    )?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,5 +1,5 @@
-//! The study of accuracy against cost: every model under every integrator at a ladder of steps or tolerances, elastic
-//! models with a ladder of mode counts as well.
+//! The study of accuracy against cost: every model under every integrator at a series of steps or tolerances, elastic
+//! models with a series of mode counts as well.
 //!
 //! Two errors, never mixed. Against the model's own converged solution (`self`, one per number of modes) a run shows
 //! what its integrator loses; against a reference (stored finite elements, a full model of the scene on a fine step,
@@ -7,15 +7,14 @@
 //! together, and its distance to the reference is what a user of the model gets. References are computed once, before
 //! all runs. Every failure is a row. Runs are timed without observers, short ones often enough for a median.
 
-pub mod arguments;
-pub mod command;
-mod ladder;
-mod metric;
+pub(crate) mod arguments;
+pub(crate) mod command;
 mod plan;
 mod references;
+mod resolutions;
 mod run;
+pub mod scene;
 mod summary;
 
-pub use metric::metrics_of;
-pub use plan::{Asked, COUNTS, Full, Plan, Variant};
+pub use plan::{Asked, Plan};
 pub use run::study;

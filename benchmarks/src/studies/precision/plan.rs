@@ -1,12 +1,12 @@
-//! What accuracy against cost runs: variants of models with their ladders, and the references they are held against.
+//! What accuracy against cost runs: variants of models with their series, and the references they are held against.
 
-use super::ladder::Rungs;
 use super::references::{held_against, references};
+use super::resolutions::Resolutions;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::external::external;
 use crate::scene_file::{ModelChoice, SceneFile};
-use gearbench_integrators::spec::SchemeRequest;
+use gearbench_integrators::scheme::SchemeRequest;
 use gearbench_integrators::{MethodError, Scheme};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_reference::ExternalReference;
@@ -28,22 +28,18 @@ const MOST_STEPS: u64 = 20_000_000;
 pub struct Asked {
     /// Integrators, as [`Scheme::list`] takes them; those with `@` have that step or tolerance alone.
     pub integrators: Option<String>,
-    /// The metrics.
     pub metrics: Vec<Metric>,
     /// Ids of the references.
     pub against: Vec<String>,
-    /// Numbers of modes.
     pub modes: Vec<usize>,
     /// Steps [s].
     pub steps: Vec<f64>,
-    /// Tolerances.
     pub rtols: Vec<f64>,
 }
 
-/// A model with a number of modes, and its ladders.
+/// A model with a number of modes, and its series.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// The model.
     pub entry: Configuration,
     /// Modes per gear, where they are the study's choice.
     pub modes: Option<usize>,
@@ -70,7 +66,6 @@ impl Variant {
 pub struct Full {
     /// Its id in metrics.
     pub id: String,
-    /// The model.
     pub entry: Configuration,
     /// Its integrator at a step so small that its own error does not show; `None` takes the converged solution of
     /// gears with modes.
@@ -82,13 +77,10 @@ pub struct Full {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What all runs share.
     pub conditions: Conditions<'a>,
-    /// Models with their ladders.
+    /// Models with their series.
     pub variants: Vec<Variant>,
-    /// Computed references.
     pub fulls: Vec<Full>,
-    /// Stored reference.
     pub external: Option<ReferenceSeries>,
     /// The metrics, the first above all.
     pub metrics: Vec<Metric>,
@@ -173,11 +165,6 @@ impl Plan<'_> {
     pub fn len(&self) -> usize {
         self.fulls.len() + self.variants.iter().map(|v| v.methods.len()).sum::<usize>()
     }
-
-    /// True when there is nothing to run.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 /// Metrics asked for, else the scene's, else that of its tolerance.
@@ -203,7 +190,7 @@ fn variants_of(
         let list = if asked.is_empty() { scene } else { asked };
         (!list.is_empty()).then(|| list.to_vec())
     };
-    let rungs = Rungs {
+    let resolutions = Resolutions {
         factors: (asked.steps.is_empty() && !own.factors.is_empty()).then(|| own.factors.clone()),
         steps: if choice.model == FULL {
             or_scene(&asked.steps, &[])
@@ -213,24 +200,25 @@ fn variants_of(
         rtols: or_scene(&asked.rtols, &own.rtols),
         full: choice.model == FULL,
     };
-    let ladders =
-        |methods: &[Scheme]| -> Vec<Scheme> { methods.iter().flat_map(|m| rungs.of(m)).collect() };
+    let series = |methods: &[Scheme]| -> Vec<Scheme> {
+        methods.iter().flat_map(|m| resolutions.of(m)).collect()
+    };
     let of_model = choice.integrators.as_deref();
     let (methods, beside) = match &asked.integrators {
         Some(text) => (
-            from_command_line(text, scene, &rungs).map_err(|e| e.to_string())?,
+            from_command_line(text, scene, &resolutions).map_err(|e| e.to_string())?,
             Vec::new(),
         ),
         None => match of_model {
-            Some(methods) if choice.model == FULL => (ladders(methods), Vec::new()),
+            Some(methods) if choice.model == FULL => (series(methods), Vec::new()),
             Some(methods) => {
                 let others = own.integrators.iter();
                 let others = others.filter(|o| methods.iter().all(|m| m.method != o.method));
                 let others: Vec<Scheme> = others.cloned().collect();
-                (ladders(methods), ladders(&others))
+                (series(methods), series(&others))
             }
-            None if own.integrators.is_empty() => (ladders(&scene.study.integrators), Vec::new()),
-            None => (ladders(&own.integrators), Vec::new()),
+            None if own.integrators.is_empty() => (series(&scene.study.integrators), Vec::new()),
+            None => (series(&own.integrators), Vec::new()),
         },
     };
     let one = |modes: Option<usize>, methods: Vec<Scheme>| {
@@ -269,11 +257,11 @@ fn variants_of(
         .collect())
 }
 
-/// Integrators of the command line: those with `@` at that step or tolerance, the others with their ladder.
+/// Integrators of the command line: those with `@` at that step or tolerance, the others with their series.
 fn from_command_line(
     text: &str,
     scene: &SceneFile,
-    rungs: &Rungs,
+    resolutions: &Resolutions,
 ) -> Result<Vec<Scheme>, MethodError> {
     let asked = SchemeRequest::list(text)?;
     if asked.is_empty() {
@@ -282,7 +270,7 @@ fn from_command_line(
     let known = &scene.study.integrators;
     let of = |a: &SchemeRequest| match a.resolution {
         Some(_) => vec![a.or_known(known)],
-        None => rungs.of(&a.or_known(known)),
+        None => resolutions.of(&a.or_known(known)),
     };
     Ok(asked.iter().flat_map(of).collect())
 }

@@ -4,7 +4,6 @@
 use super::plan::{Asked, FULL, Full, Variant};
 use crate::experiment::configuration::Configuration;
 use crate::scene_file::{ModelChoice, SceneFile};
-use gearbench_integrators::Resolution;
 use gearbench_integrators::table::NEWMARK;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::spec::{PointContact, PointRule};
@@ -96,15 +95,11 @@ pub(super) fn references(
 /// A full model at a fraction of its step.
 fn full(scene: &SceneFile, choice: &ModelChoice) -> Full {
     let own = choice.integrators.as_ref().and_then(|m| m.first());
-    let step = match own.map(|m| m.resolution) {
-        Some(Resolution::Step(h)) => h,
-        _ => FULL_STEP,
-    };
-    let step = FINER * step;
+    let step = own.and_then(|m| m.resolution.step()).unwrap_or(FULL_STEP);
     Full {
         id: choice.label.clone(),
         entry: Configuration::of(scene, choice),
-        method: Some(NEWMARK.at_step(step)),
+        method: Some(NEWMARK.at_step(FINER * step)),
         title: format!("full finite elements ({}{})", choice.label, penalty(choice)),
     }
 }

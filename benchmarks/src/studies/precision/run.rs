@@ -17,14 +17,14 @@ use gearbench_reports::series::{Column, TimeSeries};
 mod tests;
 
 /// Tolerances tried for the converged solution of gears with modes and the steps each may take. A hundredth of the
-/// finest tolerance of a ladder, where that is affordable.
+/// finest tolerance of a series, where that is affordable.
 const EXACT_MODES: [(f64, u64); 3] = [(1e-6, 1_000_000), (1e-4, 2_500_000), (1e-3, 2_500_000)];
-/// Step of the converged solution of a full model that is no reference over the finest of its ladder.
+/// Step of the converged solution of a full model that is no reference over the finest of its series.
 const FINER: f64 = 0.5;
 /// So many times longer than others a reference may take.
 const PATIENCE: u32 = 10;
 
-/// The setting that says which rungs were left out.
+/// The setting that says which resolutions were left out.
 const TOO_FINE: &str = "left out: finer than a run that took too long";
 
 /// Runs the study. `progress` is told the runs done and the name of the next.
@@ -93,7 +93,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
                     none.insert(found.map(|s| Held::new(s, &study.grid)))
                 }
             };
-            let steps = matches!(method.resolution, Resolution::Step(_));
+            let steps = method.resolution.step().is_some();
             if row.status == Status::Timeout && !finest(variant, method) {
                 let kind = if steps { "steps" } else { "tolerances" };
                 note(
@@ -132,7 +132,7 @@ fn note(notes: &mut Vec<(String, String)>, what: &str, text: String) {
     }
 }
 
-/// Whether a method is the last of its ladder.
+/// Whether a method is the last of its series.
 fn finest(variant: &Variant, method: &Scheme) -> bool {
     let last = variant.methods.iter().rfind(|m| m.method == method.method);
     last == Some(method)
@@ -230,7 +230,6 @@ fn measure_against(
     row.series = None;
 }
 
-/// What all runs share.
 struct Study<'a> {
     plan: &'a Plan<'a>,
     grid: Vec<f64>,
@@ -335,8 +334,11 @@ impl Study<'_> {
             return Ok(found.map(|(_, held)| held.whole.clone()));
         }
         if row.modes.is_some() {
-            let found = self.exact(&entry.scene, &entry.modelling)?;
-            return Ok(found.map(|(_, series)| series));
+            match self.exact(&entry.scene, &entry.modelling) {
+                // Terms of rotation couple the modes.
+                Err(RunError::NoLinearPart(_)) => {}
+                found => return Ok(found?.map(|(_, series)| series)),
+            }
         }
         let job = |method| Job {
             timeout: PATIENCE * self.plan.conditions.timeout,
@@ -346,17 +348,10 @@ impl Study<'_> {
             return converged(&job, row.dofs, &tight());
         }
         // A full model: its own integrator on half the finest step.
-        let steps = variant.methods.iter().filter_map(|m| match m.resolution {
-            Resolution::Step(h) => Some((h, m)),
-            Resolution::Tolerance(_) => None,
-        });
+        let steps = (variant.methods.iter()).filter_map(|m| Some((m.resolution.step()?, m)));
         let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             return Ok(None);
         };
-        let finer = Scheme {
-            method: method.method,
-            resolution: Resolution::Step(FINER * h),
-        };
-        converged(&job, 1, &[(finer, u64::MAX)])
+        converged(&job, 1, &[(method.method.at_step(FINER * h), u64::MAX)])
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{percent, quantity};
-use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, rung};
+use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
 use gearbench_reports::record::Results;
 
 /// The front against every reference, and who leads.
@@ -22,7 +22,7 @@ pub fn summarise(results: &Results) {
                 percent(s.point.error, 3),
                 quantity(s.run.wall_s, "s", 3),
                 family(s.run),
-                rung(s.run)
+                modes_and_step(s.run)
             ));
         }
         for fitted_too in [false, true] {

@@ -1,10 +1,10 @@
 //! Arguments of `stability`.
 
-use crate::cli::values::{DEFAULT_TIMEOUT, positive, positive_load};
-use crate::scene_file::stability::{AxisValues, COLUMNS, MOST, ROWS, Span};
+use crate::cli::arguments::Bounded;
+use crate::cli::values::positive_load;
 use crate::studies::stability::axis::{Axis, spaced};
+use crate::studies::stability::scene::{AxisValues, COLUMNS, MOST, ROWS, Span};
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -56,7 +56,7 @@ pub struct Stability {
     /// Simulated time in seconds [default: that of the scene's maps]
     #[arg(long, value_name = "S", value_parser = positive_load)]
     pub duration: Option<f64>,
-    /// Steps after which a run is a timeout, rejected ones included [default: that of the scene, else 200000]
+    /// Steps after which a run is a timeout, whatever the clock says, rejected ones included [default: that of the scene, else 200000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_steps: Option<u64>,
     /// Do not close in on the largest stable steps
@@ -68,12 +68,9 @@ pub struct Stability {
     /// Do not go on with what an earlier start left in the folder
     #[arg(long)]
     pub fresh: bool,
-    /// Folder to write to [default: out/SCENE/stability]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Wall-clock bound of one integration in seconds: a backstop, what counts is --max-steps
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
-    pub timeout: f64,
+    /// Where results go, and how long a run may take.
+    #[command(flatten)]
+    pub run: Bounded,
 }
 
 fn number(text: &str) -> Result<f64, String> {

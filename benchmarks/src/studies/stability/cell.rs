@@ -5,13 +5,15 @@
 //! another method, agrees with it to a fifth of the tolerance that cells are judged by. Where none is to be had the
 //! energy ledger alone judges, and the cells say so.
 
-use super::axis::Setup;
 use super::plan::{MapPlan, Plan};
+use super::setup::Setup;
 use crate::experiment::conditions::even;
 use crate::experiment::run::{Job, RunError, run};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 use gearbench_integrators::{MethodSpec, Scheme};
+use gearbench_models::gear::properties::Properties;
+use gearbench_models::gear::table::properties_of;
 use gearbench_reports::metrics::{Metric, compare};
 use gearbench_reports::record::{Run, Status, Tolerance, finite};
 use gearbench_reports::series::TimeSeries;
@@ -34,7 +36,6 @@ const SMALL: [[(MethodSpec, f64); 2]; 2] = [
 const WITH_MODES: [[(MethodSpec, f64); 2]; 1] = [[(TRIGONOMETRIC, 1e-4), (DOPRI5, 1e-5)]];
 
 /// The tolerance of the cells: that of the scene, against the model's own converged solution.
-#[must_use]
 pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
     let own = scene.filter(|t| t.metric.is_error());
     Tolerance {
@@ -76,18 +77,19 @@ fn error(row: &Run, against: &TimeSeries, tolerance: &Tolerance) -> Option<f64> 
 }
 
 /// The converged solution of a setup.
-///
-/// # Errors
-/// [`RunError`] when the scene cannot be built.
 pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Reference, RunError> {
-    let any = |id: &str| setup.modelling.gears.iter().any(|g| g.id == id);
-    let (tried, mut why): (&[[(MethodSpec, f64); 2]], String) = match (any("fe"), any("elastic")) {
-        (true, _) => (
-            &[],
-            "a converged solution of full finite elements takes too long".into(),
-        ),
-        (false, true) => (&WITH_MODES, String::new()),
-        (false, false) => (&SMALL, String::new()),
+    let any = |has: fn(Properties) -> bool| {
+        let mut gears = setup.modelling.gears.iter();
+        gears.any(|g| has(properties_of(plan.conditions.models, &g.id)))
+    };
+    let mut why = String::new();
+    let tried: &[[(MethodSpec, f64); 2]] = if any(|p| p.full_order) {
+        why = "a converged solution of full finite elements takes too long".into();
+        &[]
+    } else if any(|p| p.modes) {
+        &WITH_MODES
+    } else {
+        &SMALL
     };
     let budget = map.max_steps.saturating_mul(MORE_STEPS);
     for pair in tried {
@@ -134,9 +136,6 @@ pub fn reference(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Result<Refere
 }
 
 /// Runs a cell at a step or tolerance and labels it; also the wall time.
-///
-/// # Errors
-/// [`RunError`] when the scene cannot be built or the method not be run.
 pub fn cell(
     plan: &Plan<'_>,
     map: &MapPlan,
@@ -145,13 +144,10 @@ pub fn cell(
     reference: &Reference,
 ) -> Result<(Cell, Duration), RunError> {
     let begin = Instant::now();
-    let method = Scheme {
-        method: setup.method,
-        resolution: match map.columns {
-            Columns::Step => Resolution::Step(at),
-            Columns::Tolerance => Resolution::Tolerance(at),
-        },
-    };
+    let method = setup.method.at(match map.columns {
+        Columns::Step => Resolution::Step(at),
+        Columns::Tolerance => Resolution::Tolerance(at),
+    });
     let row = run_one(plan, map, setup, &method, map.max_steps)?;
     let (mut status, mut message) = (row.status, row.message.clone());
     let mut distance = None;

@@ -1,32 +1,34 @@
 //! `gearbench stability SCENE`: maps of where methods fail.
 
 use super::arguments::Stability;
-use super::axis::{Axis, AxisError, Setup, spaced};
+use super::axis::{Axis, spaced};
 use super::cell::tolerance;
 use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
+use super::run::{Means, Timings, study};
+use super::setup::{AxisError, Setup};
 use super::summary::summarise;
-use super::{Means, StabilityError, Timings, study};
-use crate::cli::terminal::{Refusal, refuse_run, say, with_progress, write};
+use crate::cli::terminal::{Refusal, folder, refuse_run, refuse_study, say, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::journal::JOURNAL;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::models::models;
-use crate::scene_file::stability::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use crate::scene_file::{self, ModelChoice, SceneError, SceneFile, Selection};
+use crate::studies::stability::scene::{AxisValues, COLUMNS, MAX_STEPS, StabilitySet};
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::table::{
     DOPRI5, GENERALISED_ALPHA, NEWMARK, RK4, TRIGONOMETRIC, VELOCITY_VERLET,
 };
 use gearbench_integrators::{MethodSpec, Scheme, Stepping};
+use gearbench_models::gear::table::properties_of;
 use gearbench_models::scene::Scene;
+use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
 const USUAL: [MethodSpec; 6] = [
@@ -37,14 +39,12 @@ const USUAL: [MethodSpec; 6] = [
     NEWMARK,
     GENERALISED_ALPHA.with_value(0.8),
 ];
-/// Steps when nobody says, over the pace of the model.
+/// Steps when nobody says, over the characteristic time of the model.
 const STEPS: [f64; 2] = [0.05, 20.0];
 /// Tolerances when nobody says.
 const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// Samples of the histories that errors are taken from.
 const SAMPLES: usize = 500;
-/// Models whose maps take too long unless they are named.
-const SLOW: &str = "fe";
 /// Wall times of the runs.
 const TIMINGS: &str = "timings.csv";
 
@@ -52,8 +52,8 @@ const TIMINGS: &str = "timings.csv";
 pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
-    let folder =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(&scene.name).join("stability"));
+    let out = args.run.out();
+    let folder = folder(out, &scene.name, Study::Stability.as_str());
     let journal = Journal::open(&folder.join(JOURNAL), &plan.echo(), args.fresh)
         .map_err(|e| Refusal::Files(e.to_string()))?;
     if !journal.is_empty() {
@@ -72,18 +72,10 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
         };
         study(&plan, means)
     });
-    let (results, timings) = made.map_err(refuse)?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    let (results, timings) = made.map_err(|e| refuse_study(&scene, e))?;
+    write(&results, (out, &scene.name), summarise)?;
     write_timings(&folder, &timings)?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn refuse(e: StabilityError) -> Refusal {
-    match e {
-        StabilityError::Run(e) => refuse_run(e),
-        e @ StabilityError::Axis(..) => Refusal::Input(miette::miette!("{e}")),
-        StabilityError::Journal(e) => Refusal::Files(e.to_string()),
-    }
 }
 
 fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {
@@ -168,13 +160,15 @@ fn sets(scene: &SceneFile, args: &Stability) -> Result<Vec<StabilitySet>, Refusa
     Ok(sets)
 }
 
-/// Labels of a set: those it names, else those of the study that do not take too long.
+/// Labels of a set: those it names, else those of the study, but for full finite elements, whose maps take too long.
 fn choices<'s>(scene: &'s SceneFile, set: &StabilitySet) -> Result<Vec<&'s ModelChoice>, Refusal> {
     Ok(match &set.models {
         Some(labels) => scene.select(Some(&labels.join(",")))?,
         None => {
             let all = scene.select(None)?;
-            all.into_iter().filter(|c| c.model != SLOW).collect()
+            (all.into_iter()
+                .filter(|c| !properties_of(models(), &c.model).full_order))
+            .collect()
         }
     })
 }
@@ -200,7 +194,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
                 set,
                 number,
                 entry,
-                pace: built.pace(built.initial().at()),
+                characteristic_time: built.characteristic_time(built.initial().at()),
                 linear_part: built.modal().is_some(),
                 columns: args.grid.map_or(COLUMNS, |g| g[0]),
             };
@@ -242,7 +236,7 @@ fn plan(scene: &SceneFile, args: &Stability, command: &str) -> Result<Plan<'stat
             command: command.to_string(),
             settings: told,
             samples: SAMPLES,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(scene)
         },
         entries,
@@ -258,7 +252,7 @@ struct About<'a> {
     set: &'a StabilitySet,
     number: usize,
     entry: usize,
-    pace: f64,
+    characteristic_time: f64,
     linear_part: bool,
     columns: usize,
 }
@@ -299,7 +293,7 @@ fn map(
     } else {
         set.steps.map_or_else(
             || {
-                let [from, to] = STEPS.map(|x| x * about.pace);
+                let [from, to] = STEPS.map(|x| x * about.characteristic_time);
                 spaced(from, to.min(duration).max(2.0 * from), about.columns)
             },
             |s| s.values(),

@@ -11,9 +11,7 @@ pub type Journal = journal::Journal<Line>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// A run.
     Cell(Cell),
-    /// A converged solution.
     Reference(SelfReference),
 }
 
@@ -22,7 +20,6 @@ pub enum Outcome {
 pub struct Line {
     /// Which run of the plan.
     pub key: String,
-    /// How it ended.
     #[serde(flatten)]
     pub outcome: Outcome,
     /// Wall time [s]: the only part that differs when the run is made again.
@@ -36,18 +33,14 @@ impl journal::Finished for Line {
 }
 
 impl Journal {
-    /// A finished run's cell.
-    #[must_use]
-    pub fn cell(&self, key: &str) -> Option<&Cell> {
+    pub(super) fn cell(&self, key: &str) -> Option<&Cell> {
         match &self.get(key)?.outcome {
             Outcome::Cell(cell) => Some(cell),
             Outcome::Reference(_) => None,
         }
     }
 
-    /// A converged solution's check.
-    #[must_use]
-    pub fn reference(&self, key: &str) -> Option<&SelfReference> {
+    pub(super) fn reference(&self, key: &str) -> Option<&SelfReference> {
         match &self.get(key)?.outcome {
             Outcome::Reference(reference) => Some(reference),
             Outcome::Cell(_) => None,

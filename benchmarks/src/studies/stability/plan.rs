@@ -1,7 +1,8 @@
 //! What a study of stability is to compute: maps with their axes, cells in order, and an echo that tells one plan from
 //! another.
 
-use super::axis::{Axis, AxisError, Setup};
+use super::axis::Axis;
+use super::setup::{AxisError, Setup};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::machine;
@@ -14,7 +15,6 @@ use gearbench_reports::stability::Columns;
 /// One parameter with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedAxis {
-    /// The parameter.
     pub axis: Axis,
     /// Its values, ascending, the scene's own among them.
     pub values: Vec<f64>,
@@ -51,7 +51,6 @@ pub struct MapPlan {
     pub set: usize,
     /// Place of the model in the plan.
     pub entry: usize,
-    /// Integrator.
     pub method: MethodSpec,
     /// Whether it is implicit.
     pub implicit: bool,
@@ -69,25 +68,15 @@ pub struct MapPlan {
 
 impl MapPlan {
     /// Number of rows: the first axis runs first.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.axes.iter().map(|a| a.values.len()).product()
     }
 
-    /// Number of cells.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.rows() * self.at.len()
     }
 
-    /// Whether the map has no cell.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// The row of the scene's own parameters.
-    #[must_use]
     pub fn own_row(&self) -> usize {
         let mut place = 1;
         let mut row = 0;
@@ -99,7 +88,6 @@ impl MapPlan {
     }
 
     /// Value of every axis in a row.
-    #[must_use]
     pub fn values(&self, row: usize) -> Vec<(Axis, f64)> {
         let mut rest = row;
         (self.axes.iter())
@@ -113,7 +101,6 @@ impl MapPlan {
 
     /// Name of the converged solution of a row: rows that differ in parameters of the integrator alone share it, and so
     /// do all integrators of a model.
-    #[must_use]
     pub fn reference_key(&self, row: usize) -> String {
         let values: Vec<String> = (self.values(row).iter())
             .filter(|(a, _)| !a.is_of_method())
@@ -126,9 +113,7 @@ impl MapPlan {
 /// What to study.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What all runs share.
     pub conditions: Conditions<'a>,
-    /// Models.
     pub entries: Vec<Configuration>,
     /// Maps, in the order of the record.
     pub maps: Vec<MapPlan>,
@@ -140,9 +125,6 @@ pub struct Plan<'a> {
 
 impl Plan<'_> {
     /// Scene, models and integrator of a row of a map.
-    ///
-    /// # Errors
-    /// [`AxisError`].
     pub fn setup(&self, map: &MapPlan, row: usize) -> Result<Setup, AxisError> {
         let mut setup = self.own(map);
         for (axis, value) in map.values(row) {
@@ -152,7 +134,6 @@ impl Plan<'_> {
     }
 
     /// The same at the scene's own parameters.
-    #[must_use]
     pub fn own(&self, map: &MapPlan) -> Setup {
         let entry = &self.entries[map.entry];
         Setup {
@@ -163,14 +144,12 @@ impl Plan<'_> {
     }
 
     /// Number of cells of all maps.
-    #[must_use]
     pub fn cells(&self) -> usize {
         self.maps.iter().map(MapPlan::len).sum()
     }
 
     /// What a plan consists of, by name: two plans are one when all of it is equal. Long parts are told by their
     /// fingerprint.
-    #[must_use]
     pub fn echo(&self) -> Vec<(String, String)> {
         let mut all = vec![
             (

@@ -1,11 +1,11 @@
 //! Runs of the maps on several threads, and the record put together from their journal.
 
-use super::axis::AxisError;
 use super::cell::Reference;
 use super::journal::{Journal, Line, Outcome};
 use super::plan::{MapPlan, Plan};
+use super::setup::Setup;
 use crate::experiment::conditions::Progress;
-use crate::experiment::journal::JournalError;
+use crate::experiment::error::StudyError;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
 use gearbench_models::scene::Scene;
@@ -22,20 +22,6 @@ mod tests;
 /// Runs that close in on the largest stable step of one map, at most.
 const MOST_REFINED: usize = 24;
 
-/// Why the study ends before its end.
-#[derive(Debug, thiserror::Error)]
-pub enum StabilityError {
-    /// A run could not start.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A parameter does not go with a model.
-    #[error("{0}: {1}")]
-    Axis(String, AxisError),
-    /// The journal.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-}
-
 /// Wall time of a run by its name in the journal [s].
 pub type Timings = Vec<(String, f64)>;
 
@@ -43,7 +29,6 @@ pub type Timings = Vec<(String, f64)>;
 pub struct Means<'a> {
     /// Finished runs, with those of an earlier start.
     pub journal: Journal,
-    /// Threads.
     pub threads: usize,
     /// Told the runs done, all that are known of, and the name of the last.
     pub progress: Progress<'a>,
@@ -74,8 +59,8 @@ fn refined_key(map: usize, step: f64) -> String {
 /// Runs the study.
 ///
 /// # Errors
-/// [`StabilityError`]; runs that fail are cells.
-pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), StabilityError> {
+/// [`StudyError`]; runs that fail are cells.
+pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), StudyError> {
     let Means {
         journal,
         threads,
@@ -116,7 +101,7 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
     in_parallel(threads, &super::theory::shared(plan), |maps| {
         let found = super::theory::lines(plan, maps);
         lock(&lines).extend(found);
-        Ok::<(), StabilityError>(())
+        Ok::<(), StudyError>(())
     })?;
     let mut lines = lines.into_inner().unwrap_or_else(PoisonError::into_inner);
     let journal = work
@@ -144,7 +129,7 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
 
 /// Builds the gears that keep most modes first: reductions are kept in the process by what was asked for, and one with
 /// more modes serves those with fewer.
-fn reduce_once(plan: &Plan<'_>) -> Result<(), StabilityError> {
+fn reduce_once(plan: &Plan<'_>) -> Result<(), StudyError> {
     let mut seen: Vec<(usize, usize)> = Vec::new();
     for map in &plan.maps {
         if seen.contains(&(map.set, map.entry)) {
@@ -162,9 +147,11 @@ fn reduce_once(plan: &Plan<'_>) -> Result<(), StabilityError> {
     Ok(())
 }
 
-fn setup(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Result<super::axis::Setup, StabilityError> {
-    plan.setup(map, row)
-        .map_err(|e| StabilityError::Axis(plan.entries[map.entry].label.clone(), e))
+fn setup(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Result<Setup, StudyError> {
+    plan.setup(map, row).map_err(|e| {
+        let why = format!("{}: {e}", plan.entries[map.entry].label);
+        StudyError::Scene(why, "leave the parameter out for this model")
+    })
 }
 
 impl Work<'_> {
@@ -176,7 +163,7 @@ impl Work<'_> {
         );
     }
 
-    fn store(&self, key: String, outcome: Outcome, wall_s: f64) -> Result<(), StabilityError> {
+    fn store(&self, key: String, outcome: Outcome, wall_s: f64) -> Result<(), StudyError> {
         let line = Line {
             key,
             outcome,
@@ -186,7 +173,7 @@ impl Work<'_> {
     }
 
     /// The converged solution of a row, computed by the first who asks.
-    fn reference(&self, m: usize, row: usize) -> Result<Arc<Reference>, StabilityError> {
+    fn reference(&self, m: usize, row: usize) -> Result<Arc<Reference>, StudyError> {
         let map = &self.plan.maps[m];
         let key = map.reference_key(row);
         let slot = lock(&self.references)
@@ -210,7 +197,7 @@ impl Work<'_> {
         Ok(found)
     }
 
-    fn run(&self, m: usize, row: usize, at: f64, key: String) -> Result<(), StabilityError> {
+    fn run(&self, m: usize, row: usize, at: f64, key: String) -> Result<(), StudyError> {
         let map = &self.plan.maps[m];
         let setup = setup(self.plan, map, row)?;
         let reference = self.reference(m, row)?;
@@ -222,14 +209,14 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn cell(&self, m: usize, c: usize) -> Result<(), StabilityError> {
+    fn cell(&self, m: usize, c: usize) -> Result<(), StudyError> {
         let map = &self.plan.maps[m];
         let (row, column) = (c / map.at.len(), c % map.at.len());
         self.run(m, row, map.at[column], cell_key(m, c))
     }
 
     /// Halves the distance, over the decades, between the largest stable step and the next that failed.
-    fn refine(&self, m: usize) -> Result<(), StabilityError> {
+    fn refine(&self, m: usize) -> Result<(), StudyError> {
         for _ in 0..MOST_REFINED {
             let map = assemble(self.plan, m, &lock(&self.journal), &mut Timings::new());
             let Some(step) = map.limit().and_then(|l| l.next()) else {

@@ -3,16 +3,15 @@
 //! A scene is linearised once per model and row; all integrators of the model take their lines from there.
 
 use super::plan::{MapPlan, Plan};
-use crate::studies::stability::limits::{Frozen, LineKind};
+use crate::studies::stability::limits::{LineKind, Linearised};
 use gearbench_reports::record::finite;
 use gearbench_reports::stability::{Columns, LineKind as Kind, MapLine};
 
 /// The lines of all maps that share their converged solutions with map `first` (one model over one set of axes), by
 /// place in the plan. A row that cannot be linearised has no lines.
-#[must_use]
 pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     let mut all: Vec<(usize, Vec<MapLine>)> = maps.iter().map(|m| (*m, Vec::new())).collect();
-    let mut frozen: Vec<(String, Option<Frozen>)> = Vec::new();
+    let mut linearised: Vec<(String, Option<Linearised>)> = Vec::new();
     for (m, lines) in &mut all {
         let map = &plan.maps[*m];
         if map.columns != Columns::Step {
@@ -20,14 +19,14 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
         }
         for row in 0..map.rows() {
             let key = map.reference_key(row);
-            let at = match frozen.iter().position(|f| f.0 == key) {
+            let at = match linearised.iter().position(|f| f.0 == key) {
                 Some(at) => at,
                 None => {
-                    frozen.push((key, freeze(plan, map, row)));
-                    frozen.len() - 1
+                    linearised.push((key, linearise(plan, map, row)));
+                    linearised.len() - 1
                 }
             };
-            if let Some(scene) = &mut frozen[at].1
+            if let Some(scene) = &mut linearised[at].1
                 && let Ok(setup) = plan.setup(map, row)
                 && let Ok(found) = scene.lines(setup.method)
             {
@@ -46,9 +45,9 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     all
 }
 
-fn freeze(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Option<Frozen> {
+fn linearise(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Option<Linearised> {
     let setup = plan.setup(map, row).ok()?;
-    Frozen::new(&setup.scene, &setup.modelling, plan.conditions.models).ok()
+    Linearised::new(&setup.scene, &setup.modelling, plan.conditions.models).ok()
 }
 
 fn kind(kind: LineKind) -> Kind {
@@ -82,7 +81,6 @@ fn put(
 }
 
 /// The places of maps that share their linearised scenes.
-#[must_use]
 pub fn shared(plan: &Plan<'_>) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
     for (m, map) in plan.maps.iter().enumerate() {

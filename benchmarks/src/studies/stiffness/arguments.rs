@@ -1,8 +1,8 @@
 //! Arguments of `stiffness`.
 
+use crate::cli::arguments::Output;
 use crate::cli::values::{DEFAULT_LOAD, DEFAULT_POSITIONS, positions, positive_load};
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,7 +37,7 @@ pub struct Stiffness {
     /// Positions over one base pitch
     #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]
     pub positions: usize,
-    /// Folder to write to [default: out/SCENE/stiffness]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub output: Output,
 }

@@ -1,18 +1,19 @@
 //! `gearbench stiffness SCENE`: static mesh stiffness, load sharing and transmission error of its models.
 
 use super::arguments::Stiffness;
-use super::{Entry, Row, build_error, formulas, includes, solve, summary_csv};
-use crate::cli::terminal::{Refusal, progress_bar, say};
+use super::csv::summary_csv;
+use super::plan::{Entry, formulas, includes};
+use super::run::{Row, solve};
+use super::summary::summarise;
+use crate::cli::terminal::{Refusal, folder, progress_bar, refuse_study, say};
+use crate::experiment::error::StudyError;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
-use gearbench_models::spec::lever;
-use gearbench_reference::statics::{Load, StaticsError};
+use gearbench_models::spec::effective_radius;
+use gearbench_reference::statics::Load;
 use gearbench_reports::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// N/(mm um) in N/m^2.
-const PER_MM_UM: f64 = 1e9;
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
 pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
@@ -22,12 +23,11 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
         .iter()
         .map(|c| Entry {
             label: c.label.clone(),
-            includes: includes(&c.modelling),
+            includes: includes(&c.modelling, models()),
             spec: scene.spec_for(c),
             modelling: c.modelling.clone(),
         })
         .collect();
-    let own = entries.len();
     let first = &entries[0];
     if first.spec.gears.len() != 2 || first.spec.meshes.len() != 1 {
         return Err(Refusal::Input(miette::miette!(
@@ -52,10 +52,7 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
         });
         let row = row.map_err(|e| {
             bar.finish_and_clear();
-            match build_error(&e) {
-                Some(b) if i < own => Refusal::from(scene.locate_in(&entry.label, b)),
-                _ => refuse(&entry.label, &e),
-            }
+            refuse_study(&scene, StudyError::Statics(entry.label.clone(), e))
         })?;
         load_text = format!(
             "{:.4} N along the line of action, {:.4} N/mm",
@@ -66,18 +63,11 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
     }
     bar.finish_and_clear();
 
-    let dir = args
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("out").join(&scene.name).join("stiffness"));
-    print(&scene.name, &load_text, &rows);
+    let dir = folder(args.output.out.as_deref(), &scene.name, "stiffness");
+    summarise(&scene.name, &load_text, &rows);
     write(&dir, &rows, &load_text)?;
     say(&format!("written: {}", dir.display()));
     Ok(ExitCode::SUCCESS)
-}
-
-fn refuse(label: &str, e: &StaticsError) -> Refusal {
-    Refusal::Failed(format!("{label}: {e}"))
 }
 
 /// The force along the line of action that the command line asks for.
@@ -87,49 +77,9 @@ fn force_of(args: &Stiffness, entry: &Entry) -> Result<f64, Refusal> {
     let layout = gearbench_models::spec::mesh_layout(&gears[a], &gears[b])
         .map_err(|e| Refusal::Failed(e.to_string()))?;
     Ok(match args.torque {
-        Some(torque) => torque / lever(&gears[a].body),
+        Some(torque) => torque / effective_radius(&gears[a].body),
         None => 1e3 * args.load * layout.face_width,
     })
-}
-
-fn print(scene: &str, load: &str, rows: &[Row]) {
-    let c = &rows[0].cycle;
-    say(&format!(
-        "{scene}: {load}, {} positions over one base pitch, common width {:.4} mm",
-        c.positions.len(),
-        1e3 * c.face_width
-    ));
-    say("stiffness in N/(mm um), transmission error in um:");
-    say("  c'      largest secant stiffness of one pair, its load over the approach of the gears");
-    say("  at C    the same at the pitch point");
-    say("  c_g     mean secant stiffness of the mesh;  tangent: its slope at the load, mean");
-    say("  TE      mean static transmission error, and peak to peak");
-    say("");
-    let wide = rows.iter().map(|r| r.label.len()).max().unwrap_or(0).max(5);
-    say(&format!(
-        "{:<wide$} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8}  includes",
-        "model", "c'", "at C", "c_g", "tangent", "TE", "p-p"
-    ));
-    for r in rows {
-        let c = &r.cycle;
-        say(&format!(
-            "{:<wide$} {:>7.2} {:>7.2} {:>7.2} {:>8.2} {:>8.3} {:>8.3}  {}",
-            r.label,
-            c.single_stiffness() / PER_MM_UM,
-            c.at_pitch_point() / PER_MM_UM,
-            c.mesh_stiffness() / PER_MM_UM,
-            c.mesh_tangent() / PER_MM_UM,
-            1e6 * c.mean_error(),
-            1e6 * c.peak_to_peak(),
-            r.includes
-        ));
-    }
-    for r in rows.iter().filter(|r| r.unknowns > 0) {
-        say(&format!(
-            "{}: {} unknowns, set up in {:.2} s, {} equilibria with {} Newton iterations in {:.2} s",
-            r.label, r.unknowns, r.wall[0], r.work[0], r.work[1], r.wall[1]
-        ));
-    }
 }
 
 /// Name of a file for a label.

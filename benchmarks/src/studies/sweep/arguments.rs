@@ -1,8 +1,8 @@
 //! Arguments of `sweep`.
 
-use crate::cli::values::{DEFAULT_POSITIONS, DEFAULT_TIMEOUT, positions, positive, positive_load};
+use crate::cli::arguments::Bounded;
+use crate::cli::values::{DEFAULT_POSITIONS, positions, positive_load};
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -47,10 +47,7 @@ pub struct Sweep {
     /// Positions of the static cycle over one base pitch
     #[arg(long, value_name = "N", default_value_t = DEFAULT_POSITIONS, value_parser = positions)]
     pub positions: usize,
-    /// Folder to write to [default: out/SCENE/sweep]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Wall-clock bound of one integration in seconds
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
-    pub timeout: f64,
+    /// Where results go, and how long a run may take.
+    #[command(flatten)]
+    pub run: Bounded,
 }

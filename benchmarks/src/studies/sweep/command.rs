@@ -2,15 +2,16 @@
 
 use super::arguments::Sweep;
 use super::summary::summarise;
-use super::{Plan, SweepError, mesh_resonance, sweep};
-use crate::cli::terminal::{Refusal, exit_code, refuse_run, refuse_statics, with_progress, write};
+use super::{Plan, mesh_resonance, sweep};
+use crate::cli::terminal::{Refusal, exit_code, refuse_study, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
+use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
+use gearbench_models::gear::table::properties_of;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// Speeds around the mesh resonance when nobody says.
 const AROUND: [f64; 2] = [0.06, 1.5];
@@ -20,7 +21,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
-    let full = |m: &ModelChoice| m.model == "fe";
+    let full = |m: &ModelChoice| properties_of(models(), &m.model).full_order;
     let mut standing: Vec<&ModelChoice> = choices.iter().copied().filter(|m| full(m)).collect();
     if args.models.is_none() {
         let more = scene.models.iter().filter(|m| full(m));
@@ -37,27 +38,19 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
             settings: settings(&scene, &shown, false),
             events: true,
             repeats: 0,
-            timeout: Duration::from_secs_f64(args.timeout),
+            timeout: args.run.timeout(),
             ..Conditions::of(&scene)
         },
         entries: running.iter().map(entry).collect(),
         standing: standing.iter().map(entry).collect(),
         method: (scene.study.integrators.first().cloned()).unwrap_or(VELOCITY_VERLET.at_step(2e-7)),
         frequencies: Vec::new(),
-        cycles: args.cycles.map_or(told.cycles, |n| n as usize),
-        settle: told.settle,
+        cycles: args.cycles.map_or(told.cycles(), |n| n as usize),
+        settle: told.settle(),
         positions: args.positions,
     };
-    let refuse = |e: SweepError| match e {
-        SweepError::Run(e) => refuse_run(e),
-        SweepError::Scene(message) => Refusal::Input(miette::miette!(
-            help = "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how",
-            "the scene `{}` cannot be swept: {message}",
-            scene.name
-        )),
-        SweepError::Statics(label, e) => refuse_statics(&scene, &label, &e),
-    };
-    let range = match (args.from, args.to, told.range) {
+    let refuse = |e| refuse_study(&scene, e);
+    let range = match (args.from, args.to, told.range()) {
         (Some(from), Some(to), _) if from < to => [from, to],
         (Some(from), Some(to), _) => {
             return Err(Refusal::Input(miette::miette!(
@@ -73,13 +66,13 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
             AROUND.map(|x| x * f)
         }
     };
-    let points = args.points.map_or(told.points, |n| n as usize).max(2);
+    let points = args.points.map_or(told.points(), |n| n as usize).max(2);
     plan.frequencies = (0..points)
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();
 
     let results =
         with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
-    write(&results, (&args.out, &scene.name), summarise)?;
+    write(&results, (args.run.out(), &scene.name), summarise)?;
     Ok(exit_code(&results))
 }

@@ -4,12 +4,13 @@
 //! given to settle, and then stay. Measured are whole mesh cycles after that ([`steady`]). The static transmission error
 //! over one base pitch under the same load, by [`gearbench_reference::statics`], is the limit of slow running.
 
-pub mod arguments;
-pub mod command;
+pub(crate) mod arguments;
+pub(crate) mod command;
 mod plan;
 mod run;
+pub mod scene;
 pub mod steady;
 mod summary;
 
-pub use plan::{Plan, SweepError};
+pub use plan::Plan;
 pub use run::{mesh_resonance, sweep};

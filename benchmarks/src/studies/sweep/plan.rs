@@ -2,14 +2,11 @@
 
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::run::RunError;
 use gearbench_integrators::Scheme;
-use gearbench_reference::statics::StaticsError;
 
 /// What to sweep.
 #[derive(Clone, Debug)]
 pub struct Plan<'a> {
-    /// What all runs share.
     pub conditions: Conditions<'a>,
     /// Models that run.
     pub entries: Vec<Configuration>,
@@ -25,18 +22,4 @@ pub struct Plan<'a> {
     pub settle: f64,
     /// Positions of the static cycle.
     pub positions: usize,
-}
-
-/// Why a sweep ends before its end.
-#[derive(Debug, thiserror::Error)]
-pub enum SweepError {
-    /// A run.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The scene cannot be swept.
-    #[error("{0}")]
-    Scene(String),
-    /// A static equilibrium.
-    #[error("{0}: {1}")]
-    Statics(String, StaticsError),
 }

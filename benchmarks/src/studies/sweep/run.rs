@@ -1,15 +1,16 @@
 //! Runs over the speed.
 
-use super::plan::{Plan, SweepError};
+use super::plan::Plan;
 use super::steady::{Histories, measure};
 use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
+use crate::experiment::error::StudyError;
 use crate::experiment::run::{Job, run};
 use gearbench_integrators::Scheme;
-use gearbench_models::gear::table::Model;
+use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, Load, MeshLayout, Mount, Profile, SceneSpec, lever, mesh_layout,
+    Body, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
@@ -35,12 +36,12 @@ const UNSETTLED: f64 = 0.2;
 /// The mesh that is swept.
 struct Pair {
     layout: MeshLayout,
-    /// Levers of both gears [m].
-    levers: [f64; 2],
+    /// Effective base radii of both gears [m].
+    effective_radii: [f64; 2],
     teeth: f64,
     /// Of the flank in contact, as the first gear turns.
     sign: f64,
-    /// Path coordinate of the reference pair at zero travel [m].
+    /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     /// Force along the line of action [N].
     force: f64,
@@ -69,11 +70,14 @@ impl Pair {
         };
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
         let sign = mesh.start.side.sign();
-        let levers = [lever(&a.body), lever(&b.body)];
+        let effective_radii = [effective_radius(&a.body), effective_radius(&b.body)];
         let loads = [torque(&a.loads), torque(&b.loads)];
         let driven = [a, b].map(|g| matches!(g.mount, Mount::Driven(_)));
         // Both torques press the flanks together along the line of action.
-        let forces = [sign * loads[0] / levers[0], sign * loads[1] / levers[1]];
+        let forces = [
+            sign * loads[0] / effective_radii[0],
+            sign * loads[1] / effective_radii[1],
+        ];
         let force = match driven {
             [true, true] => return Err("both gears are driven: nothing can vibrate".into()),
             [true, false] => forces[1],
@@ -86,7 +90,7 @@ impl Pair {
                         loads[0],
                         loads[1],
                         loads[0],
-                        loads[0] * levers[1] / levers[0]
+                        loads[0] * effective_radii[1] / effective_radii[0]
                     ));
                 }
                 forces[0]
@@ -100,17 +104,31 @@ impl Pair {
         Ok(Pair {
             start: mesh.start.path_coordinate.unwrap_or(layout.pitch_point),
             layout,
-            levers,
+            effective_radii,
             teeth: f64::from(first.teeth()),
             sign,
             force,
         })
     }
 
+    /// That of a model, or why there is none.
+    fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
+        Pair::of(&entry.scene).map_err(|why| {
+            let name = &plan.conditions.name;
+            let why = format!("the scene `{name}` cannot be swept: {why}");
+            let help =
+                "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how";
+            StudyError::Scene(why, help)
+        })
+    }
+
     /// Speeds of both gears at a mesh frequency [rad/s].
     fn speeds(&self, frequency: f64) -> [f64; 2] {
         let first = self.sign * TAU * frequency / self.teeth;
-        [first, -first * self.levers[0] / self.levers[1]]
+        [
+            first,
+            -first * self.effective_radii[0] / self.effective_radii[1],
+        ]
     }
 
     /// The scene at a speed, its loads rising until `rise` [s], the teeth touching.
@@ -147,9 +165,9 @@ impl Pair {
             let found = series.columns.iter().find(|c| c.name == name);
             found.map(|c| c.values.as_slice())
         };
-        let travel = |k: usize| column(format!("travel_{}_rad", gears[k].0));
-        let (first, second) = (travel(0)?, travel(1)?);
-        let [ra, rb] = self.levers;
+        let displacement = |k: usize| column(format!("hub_angle_{}_rad", gears[k].0));
+        let (first, second) = (displacement(0)?, displacement(1)?);
+        let [ra, rb] = self.effective_radii;
         let error: Vec<f64> = (first.iter().zip(second))
             .map(|(a, b)| self.sign * (ra * a + rb * b))
             .collect();
@@ -193,16 +211,16 @@ fn resonance(entry: &Configuration, models: &[Model], stiffness: f64) -> Option<
     let compliance: f64 = (scene.gears().iter().zip(&entry.scene.gears))
         .map(|(g, spec)| {
             let hub = g.model.hub();
-            hub.coordinates() as f64 * lever(&spec.body).powi(2) / hub.inertia
+            hub.coordinates() as f64 * effective_radius(&spec.body).powi(2) / hub.inertia
         })
         .sum();
     (compliance > 0.0).then(|| (stiffness * compliance).sqrt() / TAU)
 }
 
 /// Equilibria over one base pitch under the force of the loads.
-fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, SweepError> {
-    let fail = |e| SweepError::Statics(entry.label.clone(), e);
-    let pair = Pair::of(&entry.scene).map_err(SweepError::Scene)?;
+fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, StudyError> {
+    let fail = |e| StudyError::Statics(entry.label.clone(), e);
+    let pair = Pair::of_entry(plan, entry)?;
     let mut loaded =
         LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
     let load = StaticLoad::Force(pair.force);
@@ -225,17 +243,17 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Sweep
 /// Mesh resonance of a model at the loads of its scene [Hz]: for the choice of speeds.
 ///
 /// # Errors
-/// [`SweepError`] when there is no static contact.
-pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, SweepError> {
+/// [`StudyError`] when there is no static contact.
+pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, StudyError> {
     Ok(standing(plan, entry)?.resonance_hz)
 }
 
 /// Runs the sweep. `progress` is told the runs done and the name of the next.
 ///
 /// # Errors
-/// [`SweepError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
+/// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
 /// are rows.
-pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, SweepError> {
+pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyError> {
     let mut statics = Vec::new();
     let total = plan.frequencies.len() * plan.entries.len();
     for entry in plan.entries.iter().chain(&plan.standing) {
@@ -244,7 +262,7 @@ pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, SweepEr
     }
     let mut runs = Vec::new();
     for entry in &plan.entries {
-        let pair = Pair::of(&entry.scene).map_err(SweepError::Scene)?;
+        let pair = Pair::of_entry(plan, entry)?;
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())
             .unwrap_or(&plan.method);
@@ -267,7 +285,7 @@ fn one(
     pair: &Pair,
     method: &Scheme,
     frequency: f64,
-) -> Result<Run, SweepError> {
+) -> Result<Run, StudyError> {
     let period = frequency.recip();
     let settle = plan.settle.max(LEAST_CYCLES * period);
     // One cycle more: whole cycles begin where a pair's do.
@@ -289,7 +307,7 @@ fn one(
     row.contacts = None;
     // Rigid gears hand the contact force on; others have inertia of their own vibration.
     let gears = [0, 1].map(|i| {
-        let vibrates = entry.modelling.gears[i].id != "rigid";
+        let vibrates = !properties_of(plan.conditions.models, &entry.modelling.gears[i].id).rigid;
         (entry.scene.gears[i].name.as_str(), vibrates)
     });
     let series = row.series.take().unwrap_or_default();

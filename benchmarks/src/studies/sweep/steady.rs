@@ -14,7 +14,7 @@ const APART: f64 = 1e-6;
 pub struct Histories<'a> {
     /// Time [s].
     pub time: &'a [f64],
-    /// Position of the reference pair over the base pitch, from the pitch point, by the second gear's travel.
+    /// Position of the reference pair over the base pitch, from the pitch point, by the second gear's displacement.
     pub position: &'a [f64],
     /// Transmission error [m].
     pub error: &'a [f64],

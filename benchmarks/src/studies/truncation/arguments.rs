@@ -1,8 +1,8 @@
 //! Arguments of `truncation`.
 
-use crate::cli::values::{DEFAULT_REPEATS, DEFAULT_SCENE, DEFAULT_TIMEOUT, positive};
+use crate::cli::arguments::Timed;
+use crate::cli::values::DEFAULT_SCENE;
 use clap::Args;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -36,13 +36,7 @@ pub struct Truncation {
     /// Do not narrow down the fewest modes that reach 2, 1 and 0.5 %
     #[arg(long)]
     pub no_refine: bool,
-    /// Folder to write to [default: out/SCENE/truncation]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Timed repeats of every run
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub repeats: u32,
-    /// Wall-clock bound of one integration in seconds
-    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
-    pub timeout: f64,
+    /// Where results go, how long a run may take, how often it is timed.
+    #[command(flatten)]
+    pub run: Timed,
 }

@@ -10,7 +10,7 @@ use gearbench_models::stiffness::Material;
 use gearbench_reference::deck::{self, GearDeck};
 use gearbench_reference::mesh::vtu::{self, Field, Values};
 use gearbench_reference::mesh::{
-    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, RackMeshParams, Tooth,
+    self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth,
 };
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -149,7 +149,7 @@ fn from_scene(args: &Arguments) -> Result<Vec<Meshed>, Refusal> {
                         g.name
                     )));
                 }
-                Body::Rack(rack) => mesh::rack(rack, &of_rack(&params)),
+                Body::Rack(rack) => mesh::rack(rack, &params),
             };
             let mesh = made.map_err(|e| refuse(&g.name, &e))?;
             Ok(Meshed {
@@ -195,18 +195,6 @@ fn params(args: &Arguments) -> Result<GearMeshParams, Refusal> {
         });
     }
     Ok(p)
-}
-
-fn of_rack(p: &GearMeshParams) -> RackMeshParams {
-    RackMeshParams {
-        kind: p.kind,
-        tooth: p.tooth,
-        layers: p.layers,
-        body: p.rim,
-        width: p.width,
-        fine_teeth: p.fine_teeth.clone(),
-        ..RackMeshParams::default()
-    }
 }
 
 /// The refusal of a mesh, with the option or the line of the scene that helps.

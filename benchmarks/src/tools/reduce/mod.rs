@@ -214,7 +214,7 @@ fn of_scene(
         hub: &hub,
         added_inertia: args.added_inertia.unwrap_or(g.added_inertia),
         placement: Placement::new(&hub, 0.0),
-        lever: 1.0,
+        effective_radius: 1.0,
         meshes: &[],
         speed: 0.0,
         parameters,

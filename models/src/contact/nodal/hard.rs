@@ -13,7 +13,8 @@
 //! should that cycle, one by one (C. L. Lawson, R. J. Hanson, *Solving Least Squares Problems*, 1974, ch. 23). As
 //! everywhere the result is that of the final set, wherever the search began.
 
-use super::solve::{Block, Spring};
+use super::compliance::Block;
+use super::spring::Spring;
 use crate::cholesky::{backward, cholesky, dot, forward};
 use gearbench_integrators::system::Singular;
 
@@ -35,7 +36,7 @@ pub struct HardSolve {
     force: Vec<f64>,
     /// `W` and `W R`, by constraint.
     rows: Vec<f64>,
-    answers: Vec<f64>,
+    responses: Vec<f64>,
     /// `C`, row-major.
     c: Vec<f64>,
     shares: Vec<Share>,
@@ -83,7 +84,7 @@ impl HardSolve {
         self.u.clear();
         self.u.resize(n, 0.0);
         for k in 0..m {
-            for (u, y) in self.u.iter_mut().zip(&self.answers[k * n..][..n]) {
+            for (u, y) in self.u.iter_mut().zip(&self.responses[k * n..][..n]) {
                 *u -= self.force[k] * y;
             }
         }
@@ -151,13 +152,13 @@ impl HardSolve {
             self.gap0[k as usize] += c * s.gap0;
             s.add(c, &mut self.rows[k as usize * n..][..n]);
         }
-        self.answers.clear();
-        self.answers.resize(m * n, 0.0);
+        self.responses.clear();
+        self.responses.resize(m * n, 0.0);
         for k in 0..m {
             let mut begin = 0;
             for b in blocks {
                 let row = &self.rows[k * n + b.start..][..b.len];
-                for (i, y) in self.answers[k * n + b.start..][..b.len]
+                for (i, y) in self.responses[k * n + b.start..][..b.len]
                     .iter_mut()
                     .enumerate()
                 {
@@ -169,8 +170,8 @@ impl HardSolve {
         self.c.clear();
         for k in 0..m {
             for l in 0..m {
-                let (row, answer) = (&self.rows[k * n..][..n], &self.answers[l * n..][..n]);
-                self.c.push(dot(row, answer));
+                let (row, response) = (&self.rows[k * n..][..n], &self.responses[l * n..][..n]);
+                self.c.push(dot(row, response));
             }
         }
     }

@@ -1,15 +1,15 @@
-//! Contact of gears whose flank nodes stand off the rigid flank: gap, forces on nodes, levers.
+//! Contact of gears whose flank nodes stand off the rigid flank: gap, forces on nodes, effective base radii.
 //!
-//! The flanks of a gear with a [`FlankDisplacement`] move rigidly with its frame; outward displacements `a` of their nodes
-//! reduce the gap of a point, with the bilinear weights `W` of the faces that it lies on (slave) and is projected to
-//! (master):
+//! The flanks of a gear with a [`FlankDisplacement`] move rigidly with its frame; outward displacements `a` of their
+//! nodes reduce the gap of a point, with the bilinear weights `W` of the faces that it lies on (slave) and is projected
+//! to (master):
 //!
 //! ```text
 //! g = g_rigid - W_s a_s - W_m a_m,      a = B q + r T + u,      u = -R F,      F = sum_p W_p N_p
 //! ```
 //!
 //! `T` is what loads apply to the hub; a viscous load is left out of `r T`, or gaps would know speeds. All of this
-//! derives from one potential of travels and modal coordinates,
+//! derives from one potential of displacements and modal coordinates,
 //!
 //! ```text
 //! Pi = min_u  u^T R^-1 u / 2 + sum_p phi(g_p)
@@ -29,12 +29,16 @@
 //! The solve for `u` works on the nodes, of which there are fewer than points ([`NodalSolve`]): the massless residual
 //! compliance is condensed with the contact as in quasi-static mode acceleration.
 
+mod compliance;
 mod hard;
 mod nodes;
 mod points;
 mod solve;
+mod spring;
 
+pub use compliance::Block;
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
-pub use points::{Margin, NodalParty, NodalPoint, NodalPoints};
-pub use solve::{Block, NodalSolve, Spring, UNUSED};
+pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};
+pub use solve::NodalSolve;
+pub use spring::{Spring, UNUSED};

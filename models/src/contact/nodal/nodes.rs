@@ -1,6 +1,6 @@
 //! The nodes of a gear that take part in contact at a state.
 
-use super::UNUSED;
+use super::spring::UNUSED;
 use crate::gear::FlankDisplacement;
 use gearbench_integrators::system::At;
 

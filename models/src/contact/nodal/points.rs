@@ -1,6 +1,6 @@
 //! What a search hands over: points with the nodes that they lie on.
 
-use super::GearNodes;
+use super::nodes::GearNodes;
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::FlankDisplacement;
@@ -28,14 +28,14 @@ impl NodalParty<'_> {
 /// Which points are wanted beyond those that touch without residual compliance: between loaded nodes the residual
 /// displacement may rise outwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Margin {
+pub struct GapBound {
     /// Deepest overlap found so far [m].
     pub depth: f64,
     /// Gap [m] up to which points are wanted whatever the overlap.
     pub least: f64,
 }
 
-impl Margin {
+impl GapBound {
     /// Part of the deepest overlap.
     const BESIDE: f64 = 0.125;
 
@@ -81,7 +81,7 @@ pub struct NodalPoint {
     /// Unit normal of the rigid master, out of its tooth.
     pub normal: Vec3,
     /// How the place on the master's face answers to the point's motion [1/m].
-    pub answer: [Vec3; 2],
+    pub sensitivity: [Vec3; 2],
     /// Place on the master's face, 0 to 1.
     pub place: [f64; 2],
     /// Corners of the faces among the [`GearNodes`] of both gears; [`UNUSED`](super::UNUSED) without a field.
@@ -95,7 +95,7 @@ pub struct NodalPoint {
     /// What the law's damper per area is multiplied by [m^2].
     pub share: f64,
     /// `A' / A`: relative change of the area with the first place on the master.
-    pub fading: f64,
+    pub weight_derivative: f64,
 }
 
 impl NodalPoint {
@@ -123,6 +123,6 @@ impl NodalPoint {
     #[must_use]
     pub fn direction(&self, a: [f64; 4]) -> Vec3 {
         let [s, t] = self.slope(a);
-        self.normal - s * self.answer[0] - t * self.answer[1]
+        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1]
     }
 }

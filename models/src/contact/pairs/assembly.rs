@@ -1,30 +1,11 @@
 //! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
 
-use super::{Deviation, Line, LinesOfAction, PathMap, Slice, side_index};
+use super::deviation::Deviation;
+use super::lines::{Line, LinesOfAction, MeshGeometry, PathMap, Slice, side_index};
 use crate::Vec3;
 use crate::contact::clearance::LineClearance;
 use crate::geometry::Side;
-use crate::kinematics::MeshView;
 use crate::stiffness::StiffnessCurve;
-
-/// Everything of [`LinesOfAction`] that is given; lines and slots follow.
-#[derive(Clone, Debug)]
-pub struct MeshGeometry {
-    /// See [`LinesOfAction::views`].
-    pub views: [MeshView; 2],
-    /// See [`LinesOfAction::mesh_of_gear`].
-    pub mesh_of_gear: [u8; 2],
-    /// See [`LinesOfAction::centre_a`].
-    pub centre_a: Vec3,
-    /// See [`LinesOfAction::length`].
-    pub length: f64,
-    /// See [`LinesOfAction::base_pitch`].
-    pub base_pitch: f64,
-    /// See [`LinesOfAction::zone`].
-    pub zone: [f64; 2],
-    /// See [`LinesOfAction::base_helix`].
-    pub base_helix: f64,
-}
 
 impl LinesOfAction {
     /// Builds the lines of both flanks.
@@ -69,13 +50,6 @@ impl LinesOfAction {
             ratio.floor() as usize + 2
         };
         let mut loa = LinesOfAction {
-            views: g.views,
-            mesh_of_gear: g.mesh_of_gear,
-            centre_a: g.centre_a,
-            length: g.length,
-            base_pitch: g.base_pitch,
-            zone: g.zone,
-            base_helix: g.base_helix,
             partner: [0, 0],
             stiffness,
             whole_mesh,
@@ -83,14 +57,15 @@ impl LinesOfAction {
             pairs,
             helix_cos: g.base_helix.cos(),
             per_base_pitch: g.base_pitch.recip(),
+            mesh: g,
             lines,
         };
         for side in [Side::Left, Side::Right] {
             let gap = |j: i64| {
-                let a = loa.views[0].path_coordinate(side, loa.views[0].assembled);
-                let vb = &loa.views[1];
+                let a = loa.mesh.views[0].path_coordinate(side, loa.mesh.views[0].assembled);
+                let vb = &loa.mesh.views[1];
                 let b = vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch);
-                loa.length - a - b
+                loa.mesh.length - a - b
             };
             let slope = gap(1) - gap(0);
             loa.partner[side_index(side)] = (-gap(0) / slope).round() as i64;
@@ -101,21 +76,21 @@ impl LinesOfAction {
             let teeth = [0, 1].map(|pair| loa.teeth(side, pair));
             loa.lines[l].ascending = [0, 1].map(|k| teeth[1][k].index > teeth[0][k].index);
             loa.lines[l].map = [0, 1].map(|k| {
-                let v = &loa.views[k];
-                let s = |tooth: i64, travel: f64| {
-                    v.path_coordinate(side, v.assembled + travel + tooth as f64 * v.pitch)
+                let v = &loa.mesh.views[k];
+                let s = |tooth: i64, displacement: f64| {
+                    v.path_coordinate(side, v.assembled + displacement + tooth as f64 * v.pitch)
                 };
                 let (t0, t1) = (teeth[0][k].index, teeth[1][k].index);
                 let shift = if k == 0 { offset } else { -offset };
                 PathMap {
                     at_zero: s(t0, 0.0) + shift,
-                    per_travel: side.sign() * v.path_per_travel(),
+                    per_displacement: side.sign() * v.path_per_displacement(),
                     // One base pitch per pair, up for gear a and down for gear b.
-                    per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.base_pitch,
+                    per_pair: (s(t1, 0.0) - s(t0, 0.0)).signum() * loa.mesh.base_pitch,
                 }
             });
             loa.lines[l].slack =
-                loa.length - loa.lines[l].map[0].at_zero - loa.lines[l].map[1].at_zero;
+                loa.mesh.length - loa.lines[l].map[0].at_zero - loa.lines[l].map[1].at_zero;
         }
         loa
     }
@@ -127,7 +102,7 @@ impl LinesOfAction {
             let modified: f64 = self.slices[line.slice].deviation.iter().map(lowest).sum();
             LineClearance {
                 assembled: self.helix_cos * line.slack + modified,
-                per_travel: line.map.map(|m| -self.helix_cos * m.per_travel),
+                per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
             }
         };
         self.lines.iter().map(of).collect()
@@ -136,8 +111,8 @@ impl LinesOfAction {
     /// Gap of pair 0 of a flank at the assembled position [m], without modifications.
     pub fn assembled_gap(&self, side: Side) -> f64 {
         let j = self.partner[side_index(side)];
-        let a = self.views[0].path_coordinate(side, self.views[0].assembled);
-        let vb = &self.views[1];
-        self.length - a - vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch)
+        let a = self.mesh.views[0].path_coordinate(side, self.mesh.views[0].assembled);
+        let vb = &self.mesh.views[1];
+        self.mesh.length - a - vb.path_coordinate(side, vb.assembled + j as f64 * vb.pitch)
     }
 }

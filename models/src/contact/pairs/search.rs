@@ -1,6 +1,6 @@
-//! The lines of action as a contact search: candidates, gaps, guards of the contact zone.
+//! The lines of action as a contact search: candidates, gaps, event functions of the contact zone.
 
-use super::{LinesOfAction, Mover, ZONE_GUARDS, all_open};
+use super::lines::{LinesOfAction, Mover, ZONE_EVENTS, all_open};
 use crate::Vec3;
 use crate::contact::candidate::Candidate;
 use crate::contact::party::{Party, Wanted, ZoneChange};
@@ -17,19 +17,19 @@ impl LinesOfAction {
         2 * self.lines.len()
     }
 
-    /// Number of the search's guards.
-    pub fn guard_count(&self) -> usize {
+    /// Number of the search's event functions.
+    pub fn event_count(&self) -> usize {
         if self.whole_mesh {
             0
         } else {
-            ZONE_GUARDS * self.lines.len()
+            ZONE_EVENTS * self.lines.len()
         }
     }
 
     /// Sets the discrete state from a state.
-    pub fn begin(&self, a: Party<'_>, memory: &mut [f64]) {
+    pub fn begin(&self, a: Party<'_>, discrete: &mut [f64]) {
         let a = Mover::new(&a);
-        for (line, m) in self.lines.iter().zip(memory.chunks_exact_mut(2)) {
+        for (line, m) in self.lines.iter().zip(discrete.chunks_exact_mut(2)) {
             let (lo, hi) = self.zone_now(line, &a);
             m[0] = lo as f64;
             m[1] = hi as f64;
@@ -41,7 +41,7 @@ impl LinesOfAction {
         &self,
         a: Party<'_>,
         b: Party<'_>,
-        memory: &[f64],
+        discrete: &[f64],
         wanted: Wanted<'_>,
         out: &mut Vec<Candidate>,
     ) {
@@ -55,40 +55,41 @@ impl LinesOfAction {
             if skip {
                 continue;
             }
-            self.collect(l, movers, memory, wanted, out);
+            self.collect(l, movers, discrete, wanted, out);
         }
     }
 
-    /// Guards of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as they are.
+    /// Event functions of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as
+    /// they are.
     pub fn watch(
         &self,
         a: Party<'_>,
         b: Party<'_>,
-        memory: &[f64],
-        guards: &mut [f64],
+        discrete: &[f64],
+        event_functions: &mut [f64],
         gaps: &mut [f64],
     ) {
         let movers = [&Mover::new(&a), &Mover::new(&b)];
         if self.whole_mesh {
             for l in 0..self.lines.len() {
-                let range = self.pairs_of(l, movers[0], memory, true);
+                let range = self.pairs_of(l, movers[0], discrete, true);
                 self.gaps_of_pairs(l, range, movers, gaps);
             }
             return;
         }
-        for (l, g) in guards.chunks_exact_mut(ZONE_GUARDS).enumerate() {
-            let (lo, hi) = (memory[2 * l] as i64, memory[2 * l + 1] as i64);
+        for (l, g) in event_functions.chunks_exact_mut(ZONE_EVENTS).enumerate() {
+            let (lo, hi) = (discrete[2 * l] as i64, discrete[2 * l + 1] as i64);
             self.watch_line(l, (lo, hi), movers, g, gaps);
         }
     }
 
-    /// Flips what guard `i` watches.
-    pub fn switch(&self, guard: usize, memory: &mut [f64]) -> ZoneChange {
-        let l = guard / ZONE_GUARDS;
+    /// Flips what event function `i` watches.
+    pub fn transition(&self, event: usize, discrete: &mut [f64]) -> ZoneChange {
+        let l = event / ZONE_EVENTS;
         let slot = |p: f64| l * self.pairs + (p as i64).rem_euclid(self.pairs as i64) as usize;
-        let m = &mut memory[2 * l..2 * l + 2];
+        let m = &mut discrete[2 * l..2 * l + 2];
         let mut change = ZoneChange::default();
-        match guard % ZONE_GUARDS {
+        match event % ZONE_EVENTS {
             0 => {
                 change.left = Some(slot(m[1]));
                 m[1] -= 1.0;
@@ -113,10 +114,10 @@ impl LinesOfAction {
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         let line = self.lines.iter().find(|l| l.side == side)?;
         // A rack has no tangent point: the line is shown as far as the path of contact reaches.
-        let end = if self.views[1].base_radius.is_some() {
-            self.length
+        let end = if self.mesh.views[1].base_radius.is_some() {
+            self.mesh.length
         } else {
-            1.2 * self.zone[1]
+            1.2 * self.mesh.zone[1]
         };
         Some([line.origin, line.origin + end * line.transverse])
     }

@@ -6,8 +6,8 @@
 //!
 //! - [`ToothIndices`] looks up sorted path coordinates. It asks that flanks follow the involutes of the toothing that
 //!   the scene names, so that one number tells where they are.
-//! - [`FlankBoxes`] asks nothing of tooth numbers, of the shape of flanks, or of the poses of the gears: every flank has a
-//!   box in its own frame, and two trees of boxes are held against each other in the relative pose (parry). Flanks move
+//! - [`FlankBoxes`] asks nothing of tooth numbers, of the shape of flanks, or of the poses of the gears: every flank
+//!   has a box in its own frame, and two trees of boxes are held against each other in the relative pose (parry). Flanks move
 //!   as their gears do, so that no tree is ever refitted. It serves what the indices cannot: flanks of meshes of any
 //!   origin, later crossed axes.
 //!
@@ -19,7 +19,7 @@
 //! ```
 
 use super::flanked::{Flanked, Near};
-use super::search::FlankPoints;
+use super::mesh_flanks::MeshFlanks;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::Side;
@@ -40,8 +40,14 @@ pub(super) struct CoarseScratch {
 
 /// Finds the pairs of flanks that may touch.
 pub(super) trait CoarseStep: Debug + Send {
-    /// The pairs of a side at finite travels of both hubs, appended to `scratch.pairs`.
-    fn pairs(&self, of: &FlankPoints, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch);
+    /// The pairs of a side at finite displacements of both hubs, appended to `scratch.pairs`.
+    fn pairs(
+        &self,
+        of: &MeshFlanks,
+        side: Side,
+        displacements: [f64; 2],
+        scratch: &mut CoarseScratch,
+    );
 }
 
 /// Flanks about the line of centres, and the flanks that they face: by path coordinates.
@@ -49,14 +55,20 @@ pub(super) trait CoarseStep: Debug + Send {
 pub(super) struct ToothIndices;
 
 impl CoarseStep for ToothIndices {
-    fn pairs(&self, of: &FlankPoints, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch) {
+    fn pairs(
+        &self,
+        of: &MeshFlanks,
+        side: Side,
+        displacements: [f64; 2],
+        scratch: &mut CoarseScratch,
+    ) {
         let CoarseScratch { pairs, near, .. } = scratch;
         near[0].clear();
-        of.gears[0].each_near(side, travels[0], of.zone, |first| near[0].push(first));
+        of.gears[0].each_near(side, displacements[0], of.zone, |first| near[0].push(first));
         for first in &near[0] {
             let facing = of.length - first.s;
             let range = [facing - of.reach_along(), facing + 0.5 * of.base_pitch];
-            of.gears[1].each_near(side, travels[1], range, |second| {
+            of.gears[1].each_near(side, displacements[1], range, |second| {
                 pairs.push([*first, second]);
             });
         }
@@ -120,7 +132,7 @@ impl FlankBoxes {
 /// How far the surface of a flank and its continuation beyond the tip may leave the box of its nodes [m].
 fn beyond_the_nodes(shape: &Shape) -> f64 {
     let most = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(*x));
-    most(&shape.stray) + most(&shape.lengths)
+    most(&shape.chord_bound) + most(&shape.lengths)
 }
 
 impl Flank {
@@ -178,9 +190,16 @@ fn in_space(pose: &Pose) -> math::Pose {
 }
 
 impl CoarseStep for FlankBoxes {
-    fn pairs(&self, of: &FlankPoints, side: Side, travels: [f64; 2], scratch: &mut CoarseScratch) {
+    fn pairs(
+        &self,
+        of: &MeshFlanks,
+        side: Side,
+        displacements: [f64; 2],
+        scratch: &mut CoarseScratch,
+    ) {
         let CoarseScratch { pairs, near, found } = scratch;
-        let [first, second] = [0, 1].map(|k| in_space(&of.gears[k].placement.pose(travels[k])));
+        let [first, second] =
+            [0, 1].map(|k| in_space(&of.gears[k].placement.pose(displacements[k])));
         // From the second gear's frame to the first's, and back.
         let pose = first.inverse() * second;
         let back = pose.inverse();
@@ -199,7 +218,7 @@ impl CoarseStep for FlankBoxes {
         let middle = 0.5 * (of.zone[0] + of.zone[1]);
         for (k, about) in [middle, of.length - middle].into_iter().enumerate() {
             near[k].clear();
-            of.gears[k].each_about(side, travels[k], about, |flank| near[k].push(flank));
+            of.gears[k].each_about(side, displacements[k], about, |flank| near[k].push(flank));
         }
         for a in near[0].iter() {
             for b in near[1].iter() {

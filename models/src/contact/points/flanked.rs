@@ -2,40 +2,27 @@
 //!
 //! Teeth are found as in the two-step search of the gear train module: the teeth about the line of centres
 //! first, then for each flank the one it faces. A flank stands at the path coordinate `s` of the involute
-//! through its outermost node, which is linear in the gear's travel, so both steps look up sorted lists.
+//! through its outermost node, which is linear in the gear's displacement, so both steps look up sorted lists.
 
 use super::generated;
-use super::involute::{off_involute, outermost, path_at_zero, proud};
-use super::search::MOST_PAST;
-use super::surface::{Rule, Shape};
+use super::involute::{deviation_bound, off_involute, outermost, path_at_zero};
+use super::owner::Owner;
+use super::projection::MOST_PAST;
+use super::rule::Rule;
+use super::surface::Shape;
 use crate::error::Reason;
-use crate::gear::GearModel;
 use crate::geometry::{Flanks, Side};
-use crate::kinematics::{MeshView, Placement};
+use crate::kinematics::Placement;
 use crate::spec::{Body, SurfaceKind};
 use std::f64::consts::TAU;
 
 /// Part of the base pitch by which the nodes of a flank may lie off one involute and still be found as lying on it.
 const OFF_INVOLUTE: f64 = 0.1;
-/// What a point search needs to know of a gear.
-#[derive(Clone, Copy)]
-pub struct Owner<'a> {
-    /// Toothing.
-    pub body: &'a Body,
-    /// The model; its flanks are taken where it has some.
-    pub gear: &'a dyn GearModel,
-    /// Angle [rad] (travel [m] of a rack) of tooth 0 at the assembled position.
-    pub phase: f64,
-    /// How the mesh sees it.
-    pub view: MeshView,
-    /// The mesh's index in the gear's own count.
-    pub mesh: u8,
-}
 
 /// A flank's place in the sorted list of its side.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    /// Path coordinate at zero travel [m], in one turn for a gear.
+    /// Path coordinate at zero displacement [m], in one turn for a gear.
     s: f64,
     shape: usize,
     tooth: i64,
@@ -54,13 +41,13 @@ pub(super) struct Flanked {
     pub mesh: u8,
     pub face_width: f64,
     teeth: i64,
-    /// Path coordinate per travel of left flanks.
-    per_travel: f64,
+    /// Path coordinate per displacement of left flanks.
+    per_displacement: f64,
     /// Path coordinate of a whole turn [m]; infinite for a rack.
     turn: f64,
     /// Flanks of both sides by their path coordinate.
     sorted: [Vec<Entry>; 2],
-    /// Flanks that move with the hub alone: the largest path coordinate at zero travel of any surface of either
+    /// Flanks that move with the hub alone: the largest path coordinate at zero displacement of any surface of either
     /// side, in one base pitch.
     foremost: Option<[f64; 2]>,
     /// Flanks move with the hub alone.
@@ -68,7 +55,7 @@ pub(super) struct Flanked {
     /// The flanks follow their involutes, near enough to be found by path coordinates.
     pub involute: bool,
     /// How far a flank stands outward of its involute at most, on the path coordinate [m]; for such flanks.
-    pub proud: f64,
+    pub deviation_bound: f64,
     /// Base radius [m]; `None` for a rack.
     pub base_radius: Option<f64>,
 }
@@ -128,7 +115,7 @@ impl Flanked {
             pitch
         };
         // The first flank of a side stands for all, with what others stand before their place by its pitch.
-        let mut most_proud = 0.0_f64;
+        let mut largest = 0.0_f64;
         let mut foremost: [Option<(f64, f64)>; 2] = [None; 2];
         let mut involute = true;
         let mut sorted = [vec![], vec![]];
@@ -137,8 +124,8 @@ impl Flanked {
             let (s, tooth) = path_at_zero(&o, g.side, outermost);
             involute &= off_involute(&o, g) <= OFF_INVOLUTE * pitch;
             if moves_as_one {
-                let stands = proud(&o, &shapes[shape], outermost, MOST_PAST);
-                most_proud = most_proud.max(stands);
+                let stands = deviation_bound(&o, &shapes[shape], outermost, MOST_PAST);
+                largest = largest.max(stands);
                 let s = s + stands;
                 let of_side = &mut foremost[side_index(g.side)];
                 let (first, ahead) = of_side.get_or_insert((s, 0.0));
@@ -166,12 +153,12 @@ impl Flanked {
                 Body::Rack(r) => r.face_width(),
             },
             teeth,
-            per_travel: o.view.path_per_travel(),
+            per_displacement: o.view.path_per_displacement(),
             turn,
             sorted,
             rigid: moves_as_one,
             involute,
-            proud: most_proud,
+            deviation_bound: largest,
             base_radius: o.view.base_radius,
             foremost: match foremost {
                 [Some(left), Some(right)] if involute => Some([left.0 + left.1, right.0 + right.1]),
@@ -180,31 +167,31 @@ impl Flanked {
         })
     }
 
-    /// The largest path coordinate of the flanks of a side at a travel, whole base pitches aside; none for flanks
+    /// The largest path coordinate of the flanks of a side at a displacement, whole base pitches aside; none for flanks
     /// that do not move with the hub alone.
     #[inline]
-    pub fn foremost(&self, side: Side, travel: f64) -> Option<f64> {
+    pub fn foremost(&self, side: Side, displacement: f64) -> Option<f64> {
         let at_zero = self.foremost?[side_index(side)];
-        Some(at_zero + side.sign() * self.per_travel * travel)
+        Some(at_zero + side.sign() * self.per_displacement * displacement)
     }
 
-    /// Path coordinate per travel of left flanks; right ones have the opposite.
+    /// Path coordinate per displacement of left flanks; right ones have the opposite.
     #[inline]
-    pub fn per_travel(&self) -> f64 {
-        self.per_travel
+    pub fn per_displacement(&self) -> f64 {
+        self.per_displacement
     }
 
-    /// Calls `f` for the flanks of a side with a path coordinate from `low` to `high` at a travel.
+    /// Calls `f` for the flanks of a side with a path coordinate from `low` to `high` at a displacement.
     #[inline]
     pub fn each_near(
         &self,
         side: Side,
-        travel: f64,
+        displacement: f64,
         [low, high]: [f64; 2],
         mut f: impl FnMut(Near),
     ) {
         let list = &self.sorted[side_index(side)];
-        let shift = side.sign() * self.per_travel * travel;
+        let shift = side.sign() * self.per_displacement * displacement;
         if self.rack {
             let first = list.partition_point(|e| e.s + shift < low);
             for e in list[first..].iter().take_while(|e| e.s + shift <= high) {
@@ -245,8 +232,13 @@ impl Flanked {
 
     /// Calls `f` for all flanks of a side in the order of their path coordinates, those of a gear within half a turn
     /// of `s`.
-    pub fn each_about(&self, side: Side, travel: f64, s: f64, f: impl FnMut(Near)) {
-        self.each_near(side, travel, [s - 0.5 * self.turn, s + 0.5 * self.turn], f);
+    pub fn each_about(&self, side: Side, displacement: f64, s: f64, f: impl FnMut(Near)) {
+        self.each_near(
+            side,
+            displacement,
+            [s - 0.5 * self.turn, s + 0.5 * self.turn],
+            f,
+        );
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where a flank stands on the path coordinate, and how far it is from the involute that stands there.
 
-use super::flanked::Owner;
+use super::owner::Owner;
 use super::surface::Shape;
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Side, inv};
@@ -86,7 +86,7 @@ fn place_of(body: &Body, view: &MeshView, side: Side, x: &Vec3) -> Option<f64> {
 
 /// How far the surface of a flank, continued beyond the tip by `past` of its last face, stands outward of the
 /// involute through its outermost node, on the path coordinate [m].
-pub(super) fn proud(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
+pub(super) fn deviation_bound(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> f64 {
     let sign = shape.side.sign();
     let per_place = match o.view.base_radius {
         Some(rb) => sign * rb,
@@ -123,7 +123,7 @@ pub(super) fn proud(o: &Owner<'_>, shape: &Shape, outermost: f64, past: f64) -> 
     most + BETWEEN_SAMPLES * (most - least)
 }
 
-/// Path coordinate [m] of a flank at zero travel and its tooth, from its [`outermost`] place.
+/// Path coordinate [m] of a flank at zero displacement and its tooth, from its [`outermost`] place.
 pub(super) fn path_at_zero(o: &Owner<'_>, side: Side, outermost: f64) -> (f64, i64) {
     let (sign, v) = (side.sign(), &o.view);
     let tooth = |centre: f64| (centre / v.pitch).round() as i64;

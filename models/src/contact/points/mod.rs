@@ -17,21 +17,28 @@ mod coarse;
 mod flanked;
 mod generated;
 mod involute;
+mod mesh_flanks;
+mod narrow;
+mod owner;
 mod profile;
 mod projection;
 mod quadrature;
+mod rule;
 mod search;
+mod sections;
 mod spline;
 mod spur;
+mod spur_face;
 mod surface;
 
-pub use flanked::Owner;
+pub use owner::Owner;
 pub use search::FlankPoints;
 
 use crate::Vec3;
 use crate::geometry::Flanks;
 use crate::spec::{PointRule, SurfaceKind};
-use surface::{Rule, Shape};
+use rule::Rule;
+use surface::Shape;
 
 /// Reference areas [m^2] that the points of a rule stand for on grid `grid`: nodes row by row, or faces row by
 /// row with their points along the profile, then over the width.

@@ -6,7 +6,8 @@
 //! that both send a point to the other the closest point is their common edge.
 
 use super::projection::{NEAR_EDGE, OVERLAP, RIM};
-use super::surface::{Rule, Shape};
+use super::rule::Rule;
+use super::surface::Shape;
 use crate::geometry::Side;
 
 /// A point or direction in the transverse plane.
@@ -51,7 +52,7 @@ pub(super) struct Foot {
     /// Distance along it [m], positive outside.
     pub gap: f64,
     /// How the place answers to a displacement of the point [1/m].
-    pub answer: Vec2,
+    pub sensitivity: Vec2,
 }
 
 impl Profile {
@@ -98,7 +99,7 @@ impl Profile {
                 (
                     n,
                     n.dot(&(0.5 * (knots[row] + knots[row + 1]))),
-                    shape.stray[row],
+                    shape.chord_bound[row],
                 )
             })
             .collect();
@@ -106,7 +107,7 @@ impl Profile {
             knots.clone()
         } else {
             let faces = 0..shape.rows - 1;
-            let of_face = |row| rule.along().iter().map(move |&(a, _)| (row, a));
+            let of_face = |row| rule.along.iter().map(move |&(a, _)| (row, a));
             faces
                 .flat_map(of_face)
                 .map(|(row, a)| flat(row, 0, [a, 0.0]))
@@ -177,14 +178,14 @@ impl Profile {
         if !(-1.0..=2.0).contains(&a) {
             return (f64::INFINITY, row);
         }
-        (self.stands_off(x, row), row)
+        (self.clearance_bound(x, row), row)
     }
 
     /// A gap [m] that a point facing a face surely has.
     #[inline]
-    pub fn stands_off(&self, x: &Vec2, row: usize) -> f64 {
-        let (n, d, stray) = &self.chords[row];
-        n.dot(x) - d - stray
+    pub fn clearance_bound(&self, x: &Vec2, row: usize) -> f64 {
+        let (n, d, chord_bound) = &self.chords[row];
+        n.dot(x) - d - chord_bound
     }
 
     #[inline]
@@ -206,7 +207,7 @@ impl Profile {
                 a,
                 normal,
                 gap: normal.dot(&(x - c0)),
-                answer: per * c1,
+                sensitivity: per * c1,
             };
         }
         let mut left = ITERATIONS;
@@ -229,7 +230,7 @@ impl Profile {
                     a: a + step,
                     normal,
                     gap: normal.dot(&r),
-                    answer: per * tangent,
+                    sensitivity: per * tangent,
                 };
             }
             a = (a + step).clamp(-2.0, 3.0);
@@ -252,7 +253,7 @@ impl Profile {
             a,
             normal,
             gap: normal.dot(&r),
-            answer: Vec2::zeros(),
+            sensitivity: Vec2::zeros(),
             ..foot
         }
     }

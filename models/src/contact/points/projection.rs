@@ -52,6 +52,8 @@ pub(super) const OVERLAP: f64 = 1e-9;
 /// Part of a face by which a point may lie beyond the outer edges of the flank: elastic displacements along
 /// the edge would else lose points that stand on it.
 pub(super) const RIM: f64 = 0.01;
+/// Part of the last face by which a point may at most lie beyond the tip and still count.
+pub(super) const MOST_PAST: f64 = 0.5;
 /// Near an edge both faces are looked at, so that the gap over facets has no jump.
 pub(super) const NEAR_EDGE: f64 = 0.1;
 /// Newton step on a face [1] after which the closest point is found.
@@ -65,6 +67,18 @@ pub(super) struct Begin {
     pub row: usize,
     pub column: usize,
     pub place: [f64; 2],
+}
+
+/// The part of a point's length that is on the flank, and its slope by the place `a` on the last face, `past` half that
+/// length over the face: points leave over the tip without a jump.
+#[inline]
+pub(super) fn on_flank(last: bool, a: f64, past: f64) -> (f64, f64) {
+    if !last {
+        return (1.0, 0.0);
+    }
+    let on = 0.5 + 0.5 * (1.0 - a) / past;
+    let fades = (0.0..=1.0).contains(&on);
+    (on.clamp(0.0, 1.0), if fades { -0.5 / past } else { 0.0 })
 }
 
 /// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
@@ -122,7 +136,7 @@ impl Deformed<'_> {
     }
 
     /// How the place of the closest point answers to a displacement of `x` against the flank [1/m].
-    pub fn answer(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
+    pub fn sensitivity(&self, x: &Vec3, hit: &Hit) -> [Vec3; 2] {
         let spot = (self.face(hit.row, hit.column)).eval(self.shape, hit.a, hit.b);
         let r = x - spot.x;
         let aa = spot.along.dot(&spot.along) - spot.bend[0].dot(&r);

@@ -9,7 +9,7 @@
 //! surfaces. Between the rows and columns `B` is the bilinearly blended patch of its four edge curves
 //! (S. A. Coons, MIT MAC-TR-41, 1967). `a`, `b` run from 0 to 1, `xi = 2 (a, b) - 1`.
 
-use super::quadrature::gauss_legendre;
+use super::rule::{FlankPoint, Rule};
 use super::spline::{bulge, bulges};
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Flanks, Side};
@@ -37,72 +37,10 @@ pub(super) struct Shape {
     /// Length of the faces along the profile of each row [m].
     pub lengths: Vec<f64>,
     /// How far the flank may leave the plane of a face of each row within the neighbouring rows [m].
-    pub stray: Vec<f64>,
+    pub chord_bound: Vec<f64>,
     /// Reference area of each point [m^2], in the order of [`Shape::points`]; ones for nodes that count alike.
     pub areas: Vec<f64>,
     first_face: u32,
-}
-
-/// A point of a flank.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FlankPoint {
-    pub row: usize,
-    pub column: usize,
-    /// Place on the face, 0 to 1.
-    pub a: f64,
-    pub b: f64,
-    /// Reference area it stands for [m^2].
-    pub area: f64,
-    /// Length along the profile it stands for [m].
-    pub length: f64,
-}
-
-/// Points and weights on [0, 1] in both directions of a face; none for nodes.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Rule {
-    along: Vec<(f64, f64)>,
-    across: Vec<(f64, f64)>,
-    /// Nodes count alike: each stands for a unit of area.
-    alike: bool,
-}
-
-impl Rule {
-    pub fn new(rule: PointRule) -> Self {
-        let unit = |n: usize| -> Vec<(f64, f64)> {
-            gauss_legendre(n)
-                .into_iter()
-                .map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w))
-                .collect()
-        };
-        match rule {
-            PointRule::Nodes => Rule::default(),
-            PointRule::EachNode => Rule {
-                alike: true,
-                ..Rule::default()
-            },
-            PointRule::Quadrature { along, across } => Rule {
-                along: unit(along),
-                across: unit(across),
-                alike: false,
-            },
-        }
-    }
-
-    pub fn is_nodes(&self) -> bool {
-        self.along.is_empty()
-    }
-}
-
-impl Rule {
-    /// Points and weights along the profile of a face.
-    pub fn along(&self) -> &[(f64, f64)] {
-        &self.along
-    }
-
-    /// The same over the width.
-    pub fn across(&self) -> &[(f64, f64)] {
-        &self.across
-    }
 }
 
 impl Shape {
@@ -148,7 +86,7 @@ impl Shape {
             lengths: (0..rows - 1)
                 .map(|r| (at(r + 1, mid_column) - at(r, mid_column)).norm())
                 .collect(),
-            stray: stray(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
+            chord_bound: chord_bound(&(0..rows).map(|r| at(r, mid_column)).collect::<Vec<_>>()),
             positions: positions.clone(),
             profile,
             width,
@@ -348,7 +286,7 @@ impl Shape {
 }
 
 /// How far the nodes next to each chord of a line lie off it, with room for deformation [m].
-fn stray(line: &[Vec3]) -> Vec<f64> {
+fn chord_bound(line: &[Vec3]) -> Vec<f64> {
     (0..line.len() - 1)
         .map(|r| {
             let chord = line[r + 1] - line[r];

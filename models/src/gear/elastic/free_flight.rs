@@ -9,11 +9,12 @@
 //!
 //! bounds how far a node stands off its rigid flank for the whole flight.
 
-use super::gear::Elastic;
+use super::body::Elastic;
 use crate::error::Reason;
+use crate::gear::capabilities::{LinearMotion, Oscillators};
 use crate::gear::free_flight::FreeFlight;
 use crate::gear::model::GearModel;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
 
 impl Elastic {
@@ -21,7 +22,7 @@ impl Elastic {
     ///
     /// # Errors
     /// A share outside [0, 1).
-    pub fn with_sleep(mut self, share: f64) -> Result<Self, Reason> {
+    pub fn with_vibration_cut_off(mut self, share: f64) -> Result<Self, Reason> {
         if !(0.0..1.0).contains(&share) {
             return Err((format!("{share} lies outside [0, 1)"), "1e-12 is usual").into());
         }
@@ -55,8 +56,32 @@ impl Elastic {
         }
         [swinging, resting]
     }
+}
 
-    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+impl LinearMotion for Elastic {
+    fn oscillators(&self) -> Option<Oscillators<'_>> {
+        // Coriolis forces couple the modes.
+        self.spinning().is_none().then_some(Oscillators {
+            omega: &self.omega,
+            zeta: &self.zeta,
+        })
+    }
+
+    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
+        let acceleration = self.hub.prescribed_acceleration(t);
+        if acceleration == 0.0 {
+            return;
+        }
+        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
+            *f -= acceleration * l;
+        }
+    }
+
+    fn set_quasi_static_correction(&self, missing: Option<&[f64]>) {
+        self.correct_by(missing);
+    }
+
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         if self.spinning().is_some() {
             return None;
         }
@@ -65,25 +90,32 @@ impl Elastic {
         Some(FreeFlight {
             frame: self.hub.frame(at, load),
             outward: outward + (self.hub_reach * load).abs(),
-            travel: 0.0,
+            displacement: 0.0,
             energy: 0.5 * swinging,
         })
     }
 
-    pub(super) fn add_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.hub.add_to_coast(at, load, first, coast);
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
+        self.hub.add_to_path(at, load, first, path);
         for (i, g) in (self.own..).zip(self.modal_loads(at.t, load)) {
-            coast.swing(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
-            coast.moves(first + i, 1.0);
+            path.oscillator(self.omega[i], self.zeta[i], [at.q[i], at.v[i]], g);
+            path.moves(first + i, 1.0);
         }
     }
 
-    pub(super) fn rest_modes(&self, t: f64, load: f64, q: &mut [f64], v: &mut [f64]) -> bool {
+    fn cut_off_vibrations(
+        &self,
+        t: f64,
+        load: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        _discrete: &mut [f64],
+    ) -> bool {
         let at = At {
             t,
             q: &*q,
             v: &*v,
-            memory: &[],
+            discrete: &[],
         };
         let [swinging, resting] = self.energies(at, load);
         if swinging <= (64.0 * f64::EPSILON).powi(2) * resting {
@@ -97,9 +129,9 @@ impl Elastic {
     }
 
     /// Of a prescribed acceleration on the modes, besides what loads do.
-    pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         if self.own > 0 {
-            return load * (self.hub_state(to).travel - self.hub_state(from).travel);
+            return load * (self.hub_state(to).displacement - self.hub_state(from).displacement);
         }
         let moved: f64 = (self.data.participation.iter().zip(from.q).zip(to.q))
             .map(|((l, a), b)| l * (b - a))

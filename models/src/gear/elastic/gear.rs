@@ -1,148 +1,15 @@
 //! The elastic gear as a gear model.
 
+use super::body::Elastic;
 use super::kernels;
-use super::quasi_static::QuasiStatic;
-use super::reduced::Reduced;
-use super::spin::Spin;
 use crate::Vec3;
-use crate::error::Reason;
-use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion, Oscillators};
+use crate::gear::capabilities::{CoupledMass, FlankNodes, FlankSurface, LinearMotion};
 use crate::gear::flank_displacement::FlankDisplacement;
-use crate::gear::free_flight::FreeFlight;
-use crate::gear::hub_body::HubBody;
-use crate::gear::model::{GearModel, HubState};
+use crate::gear::hub_body::{HubBody, HubState};
+use crate::gear::model::GearModel;
 use crate::geometry::Flanks;
-use crate::kinematics::{Hub, Locus, Placement, Point, Row, Wrench};
-use gearbench_integrators::Coast;
+use crate::kinematics::{Locus, Point, Row, Wrench};
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
-use std::cell::RefCell;
-use std::sync::Arc;
-
-/// A reduced elastic body on its hub.
-#[derive(Clone, Debug)]
-pub struct Elastic {
-    pub(super) hub: HubBody,
-    placement: Placement,
-    pub(super) data: Arc<Reduced>,
-    /// Undeformed flank nodes in the own frame [m].
-    pub(super) positions: Vec<Vec3>,
-    /// Coordinates of the hub: 0 or 1; the modes follow.
-    pub(super) own: usize,
-    /// Per coordinate; zero for the hub.
-    pub(super) omega: Vec<f64>,
-    pub(super) zeta: Vec<f64>,
-    /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
-    pub(super) softest: f64,
-    /// Largest residual displacement of a flank node by unit load on the hub.
-    pub(super) hub_reach: f64,
-    pub(super) spin: Spin,
-    pub(super) correction: RefCell<QuasiStatic>,
-}
-
-impl Elastic {
-    /// A reduced body on its hub; with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia
-    /// becomes that of the reduction.
-    ///
-    /// # Errors
-    /// What of the data does not fit together, or does not fit the mount.
-    pub fn new(
-        mut hub: Hub,
-        effective_base_radius: f64,
-        placement: Placement,
-        data: Arc<Reduced>,
-    ) -> Result<Self, Reason> {
-        if let Some(problem) = data.problem() {
-            return Err(problem.into());
-        }
-        let own = hub.coordinates();
-        if (own == 1) != data.free {
-            let (is, of) = if data.free {
-                ("free", "held")
-            } else {
-                ("held", "free")
-            };
-            return Err((
-                format!(
-                    "the modes are those of a hub that is {is} to move, but the mount's hub is {of}"
-                ),
-                "reduce the gear for this mount",
-            )
-                .into());
-        }
-        hub.inertia = data.inertia;
-        let with_hub = |x: &[f64]| -> Vec<f64> {
-            std::iter::repeat_n(0.0, own)
-                .chain(x.iter().copied())
-                .collect()
-        };
-        let mut largest = vec![0.0_f64; data.modes()];
-        let mut softest = 0.0_f64;
-        for node in 0..data.nodes() as u32 {
-            let mut compliance = 0.0;
-            for ((b, w), l) in data
-                .shapes_at(node)
-                .iter()
-                .zip(&data.omega)
-                .zip(&mut largest)
-            {
-                *l = l.max(b.abs());
-                compliance += (b / w).powi(2);
-            }
-            softest = softest.max(compliance);
-        }
-        let hub_reach = data.residual.as_ref().map_or(0.0, |r| {
-            r.hub.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
-        });
-        let mut positions = vec![Vec3::zeros(); data.nodes()];
-        for grid in data.flanks.grids() {
-            for (&node, x) in grid.nodes.iter().zip(&grid.positions) {
-                positions[node as usize] = *x;
-            }
-        }
-        // A mode that moves no flank has no magnitude of its own.
-        let floor = 1e-3 * largest.iter().copied().fold(0.0, f64::max);
-        let of_modes = largest
-            .iter()
-            .map(|shape| shape.max(floor).max(f64::MIN_POSITIVE));
-        let body = HubBody::new(hub, effective_base_radius);
-        let on_hub = |x: f64| std::iter::repeat_n(x, own);
-        let hub = HubBody {
-            own: data.modes(),
-            characteristic_time: 1.0 / data.omega.iter().copied().fold(0.0, f64::max),
-            scales: on_hub(effective_base_radius).chain(of_modes).collect(),
-            masses: on_hub(body.inertia)
-                .chain(data.omega.iter().map(|_| 1.0))
-                .collect(),
-            hub_shapes: data.hub.clone(),
-            conservative: data.damping.iter().all(|z| *z <= 0.0),
-            ..body
-        };
-        Ok(Elastic {
-            positions,
-            own,
-            omega: with_hub(&data.omega),
-            zeta: with_hub(&data.damping),
-            hub,
-            placement,
-            data,
-            softest,
-            hub_reach,
-            spin: Spin::default(),
-            correction: RefCell::default(),
-        })
-    }
-
-    /// The reduction.
-    #[must_use]
-    pub fn data(&self) -> &Reduced {
-        &self.data
-    }
-
-    /// Sum over the modes of `w_i x_i`.
-    fn over_modes(&self, w: &[f64], x: &[f64]) -> f64 {
-        w.iter().zip(&x[self.own..]).map(|(w, x)| w * x).sum()
-    }
-}
 
 impl FlankDisplacement for Elastic {
     fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]) {
@@ -205,7 +72,7 @@ impl GearModel for Elastic {
             Locus::Flank { .. } => return prescribed,
         };
         // Displacements are outward: they count with the sign of the normal.
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
         let outward = pose.turn(&self.data.normals[corners[0] as usize]);
         let sign = outward.dot(n).signum();
         let shapes = corners.map(|k| self.data.shapes_at(k));
@@ -321,7 +188,7 @@ impl GearModel for Elastic {
     fn hub_state(&self, at: At<'_>) -> HubState {
         let speed = self.hub.speed(at.t, at.v);
         HubState {
-            travel: self.hub.travel(at.t, at.q) + self.hub.over_shapes(at.q),
+            displacement: self.hub.displacement(at.t, at.q) + self.hub.over_shapes(at.q),
             speed: speed + self.hub.over_shapes(at.v),
             momentum: self.hub.inertia * speed
                 + self.over_modes(&self.data.participation, at.v)
@@ -329,8 +196,8 @@ impl GearModel for Elastic {
         }
     }
 
-    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`. Modes
-    /// that were cut follow their loads without inertia.
+    /// Modes and frame together: the centre of mass is at `R(theta) (s + sum_i p_i q_i) / m` with the unbalance `s`.
+    /// Modes that were cut follow their loads without inertia.
     fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let d = &*self.data;
         let mut reaction = self.hub.reaction(at.t, contact);
@@ -355,7 +222,7 @@ impl GearModel for Elastic {
             turning += a * along;
         }
         let [place, momentum, rate] = own.map(|x| Vec3::new(x[0], x[1], 0.0));
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
         let Some(slide) = &self.hub.slide else {
             let acceleration = match &accelerations {
                 _ if self.own == 0 => prescribed,
@@ -421,7 +288,7 @@ impl Elastic {
 
 impl FlankNodes for Elastic {
     fn positions(&self, at: At<'_>, nodes: &[u32], out: &mut [Vec3]) {
-        let pose = self.placement.pose(self.hub.travel(at.t, at.q));
+        let pose = self.placement.pose(self.hub.displacement(at.t, at.q));
         for (x, &node) in out.iter_mut().zip(nodes) {
             *x = pose.point(&self.positions[node as usize]);
         }
@@ -439,52 +306,5 @@ impl CoupledMass for Elastic {
         if let Some(integrals) = self.spinning() {
             self.apply_spin_mass(integrals, at, x, y);
         }
-    }
-}
-
-impl LinearMotion for Elastic {
-    fn oscillators(&self) -> Option<Oscillators<'_>> {
-        // Coriolis forces couple the modes.
-        self.spinning().is_none().then_some(Oscillators {
-            omega: &self.omega,
-            zeta: &self.zeta,
-        })
-    }
-
-    fn add_inertia_force(&self, t: f64, f: &mut [f64]) {
-        let acceleration = self.hub.prescribed_acceleration(t);
-        if acceleration == 0.0 {
-            return;
-        }
-        for (f, l) in f[self.own..].iter_mut().zip(&self.data.participation) {
-            *f -= acceleration * l;
-        }
-    }
-
-    fn set_quasi_static_correction(&self, missing: Option<&[f64]>) {
-        self.correct_by(missing);
-    }
-
-    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
-        self.flight_of(at, load)
-    }
-
-    fn add_to_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
-        self.add_coast(at, load, first, coast);
-    }
-
-    fn cut_off_vibrations(
-        &self,
-        t: f64,
-        load: f64,
-        q: &mut [f64],
-        v: &mut [f64],
-        _discrete: &mut [f64],
-    ) -> bool {
-        self.rest_modes(t, load, q, v)
-    }
-
-    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
-        self.work_of(from, to, load)
     }
 }

@@ -2,9 +2,9 @@
 //! that were cut.
 //!
 //! Generalised coordinates: the turn `theta` of the mean-axis frame where the mount leaves it free (a rack: its
-//! travel), then one coordinate `q_i` per kept mode, shapes orthonormal in the mass. Modes of a hub that is free to
-//! move hold no momentum about the mount's axis, so frame and modes are decoupled to first order
-//! (A. A. Shabana, *Dynamics of Multibody Systems*, ch. 5; W. Schiehlen, P. Eberhard, *Technische Dynamik*):
+//! displacement), then one coordinate `q_i` per kept mode, shapes orthonormal in the mass. Modes of a hub that is free
+//! to move hold no momentum about the mount's axis, so frame and modes are decoupled to first order (A. A. Shabana,
+//! *Dynamics of Multibody Systems*, ch. 5; W. Schiehlen, P. Eberhard, *Technische Dynamik*):
 //!
 //! ```text
 //! J theta'' = T + sum_c N_c l_c
@@ -18,6 +18,7 @@
 //! along the flank changes it in second order, by `u_t^2 / (2 rho)`, a part in a thousand of the deflection of a
 //! steel tooth. Gears that turn fast have the centrifugal and Coriolis terms of [`inertia`] as well.
 
+mod body;
 mod free_flight;
 mod gear;
 pub mod inertia;
@@ -26,5 +27,5 @@ mod quasi_static;
 pub mod reduced;
 mod spin;
 
-pub use gear::Elastic;
+pub use body::Elastic;
 pub use inertia::SpinTerms;

@@ -4,36 +4,19 @@
 //! `1/omega_i^2` ([`ModalSplit::prepare`](gearbench_integrators::ModalSplit::prepare)). The flank nodes get it back as
 //!
 //! ```text
-//! R_h = R + B diag(lag) B^T + l l^T lag_0 / J
+//! R_h = R + B diag(quasi_static) B^T + l l^T lag_0 / J
 //! ```
 //!
-//! with the levers `l` of the nodes about a free hub: the deflection under load is that of the model whatever the step.
-//! It is of the size of `h^2 / 12` over the mass that follows at once, and as local as that mass: nodes more than
-//! [`NEAR`] teeth apart are left as they are.
+//! with the effective base radii `l` of the nodes about a free hub: the deflection under load is that of the model
+//! whatever the step. It is of the size of `h^2 / 12` over the mass that follows at once, and as local as that mass:
+//! nodes more than [`NEAR`] teeth apart are left as they are.
 
-use super::gear::Elastic;
-use super::reduced::{FlankCompliance, Reduced};
+use super::body::Elastic;
+use super::reduced::FlankCompliance;
 use crate::cholesky::dot;
 
 /// Teeth up to which nodes are near each other.
 const NEAR: usize = 2;
-
-/// Compliance between flank nodes for a method that leaves something out.
-#[derive(Clone, Debug, Default)]
-pub(super) struct QuasiStatic {
-    /// What is missing; it is made once for a run after run with one step.
-    missing: Vec<f64>,
-    flanks: Option<FlankCompliance>,
-    /// The method of this run leaves something out.
-    on: bool,
-}
-
-impl QuasiStatic {
-    pub(super) fn flanks<'a>(&'a self, data: &'a Reduced) -> Option<&'a FlankCompliance> {
-        let made = self.flanks.as_ref().filter(|_| self.on);
-        made.or(data.residual.as_ref().map(|r| &r.flanks))
-    }
-}
 
 impl Elastic {
     pub(super) fn correct_by(&self, missing: Option<&[f64]>) {
@@ -55,12 +38,17 @@ impl Elastic {
         let width = modes + self.own;
         let mut rows = Vec::with_capacity(nodes * width);
         for node in 0..nodes {
-            for lag in frame {
-                let lever = self.own_lever(node);
-                rows.push(lever * (lag / self.hub.inertia).sqrt());
+            for quasi_static in frame {
+                let effective_radius = self.own_radius(node);
+                rows.push(effective_radius * (quasi_static / self.hub.inertia).sqrt());
             }
             let shapes = self.data.shapes_at(node as u32);
-            rows.extend(shapes.iter().zip(of_modes).map(|(b, lag)| b * lag.sqrt()));
+            rows.extend(
+                shapes
+                    .iter()
+                    .zip(of_modes)
+                    .map(|(b, quasi_static)| b * quasi_static.sqrt()),
+            );
         }
         let row = |node: usize| &rows[node * width..][..width];
         let mut flanks = residual.flanks.clone();
@@ -109,8 +97,8 @@ impl Elastic {
         correction.missing.extend_from_slice(missing);
     }
 
-    /// Outward displacement of a flank node by unit turn (travel) of the frame.
-    fn own_lever(&self, node: usize) -> f64 {
+    /// Outward displacement of a flank node by unit turn (displacement) of the frame.
+    fn own_radius(&self, node: usize) -> f64 {
         let (x, n) = (&self.positions[node], &self.data.normals[node]);
         match self.hub.slide {
             None => x.x * n.y - x.y * n.x,

@@ -31,7 +31,7 @@ pub struct Reduced {
     pub damping: Vec<f64>,
     /// Shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
     pub shapes: Vec<f64>,
-    /// Turn [rad] (travel [m]) of a free hub beyond the frame by unit coordinate; zeros for a held hub.
+    /// Turn [rad] (displacement [m]) of a free hub beyond the frame by unit coordinate; zeros for a held hub.
     pub hub: Vec<f64>,
     /// Held hubs: inertia coupling `phi_i^T M e` with the prescribed motion `e`; zeros for a free hub.
     pub participation: Vec<f64>,
@@ -54,7 +54,7 @@ pub struct Residual {
     /// Outward displacement of each flank node by unit torque at a free hub [m/(N m)] (force of a rack [m/N]);
     /// zeros for a held hub.
     pub hub: Vec<f64>,
-    /// Turn (travel) of the hub by unit torque (force) at it.
+    /// Turn (displacement) of the hub by unit torque (force) at it.
     pub hub_hub: f64,
 }
 

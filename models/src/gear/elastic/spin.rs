@@ -7,22 +7,12 @@
 //! [ -C q      1    ] [  q''  ] = [ f ],     theta'' = (f_0 + (C q).f) / (J(q) - |C q|^2)
 //! ```
 
-use super::gear::Elastic;
+use super::body::Elastic;
 use super::inertia::{AUTO_LIMIT, Integrals, SpinTerms};
 use crate::cholesky::dot;
 use crate::error::Reason;
 use crate::spec::Mount;
 use gearbench_integrators::system::At;
-use std::cell::RefCell;
-
-/// Whether a gear has the terms, and room to evaluate them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Spin {
-    terms: SpinTerms,
-    active: bool,
-    /// Vectors over the modes.
-    room: RefCell<[Vec<f64>; 3]>,
-}
 
 impl Elastic {
     /// The gear with these inertia terms of its turning frame; [`SpinTerms::Auto`] without it.
@@ -58,11 +48,11 @@ impl Elastic {
             return;
         }
         if let Mount::Driven(course) = &self.hub.mount {
-            // Straight between its knots.
+            // Straight between its breakpoints.
             let mut t = 0.0_f64;
             while t.is_finite() {
                 speed = speed.abs().max(course.value(t).abs());
-                t = course.next_knot(t);
+                t = course.next_breakpoint(t);
             }
         }
         let lowest = self

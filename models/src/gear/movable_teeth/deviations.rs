@@ -3,12 +3,12 @@
 //! `m d'' + c d' + k d = 0` for every such tooth, so `(d, d')` at time `t` follows from its value at a common
 //! reference time by one 2 x 2 matrix. The deviations sum to zero: they do not act on the body.
 //!
-//! Memory: `[t_ref, sum d^2, sum d d', sum d'^2, d_0, d_0', d_1, d_1', ...]`; entries of teeth inside windows
+//! Discrete state: `[t_ref, sum d^2, sum d d', sum d'^2, d_0, d_0', d_1, d_1', ...]`; entries of teeth inside windows
 //! are zero.
 
 use super::springs::ToothSprings;
 
-/// The deviations of a gear with so many teeth; all functions take their own slice of the memory.
+/// The deviations of a gear with so many teeth; all functions take their own slice of the discrete state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deviations {
     pub teeth: usize,
@@ -29,8 +29,8 @@ pub(super) struct Exchange {
 
 /// Cells before the deviations.
 const HEAD: usize = 4;
-/// Square of an amplitude that no angle can show [rad^2]: what has decayed below it is nothing, before it becomes numbers
-/// that processors are slow with.
+/// Square of an amplitude that no angle can show [rad^2]: what has decayed below it is nothing, before it becomes
+/// numbers that processors are slow with.
 const NOTHING: f64 = 1e-60;
 
 /// `[d; d'](t) = P [d; d'](t_ref)`, row by row.
@@ -58,7 +58,7 @@ fn propagator(p: &ToothSprings, dt: f64) -> [f64; 4] {
 }
 
 impl Deviations {
-    /// Length of the memory.
+    /// Length of the discrete state.
     pub fn cells(&self) -> usize {
         HEAD + 2 * self.teeth
     }
@@ -67,30 +67,20 @@ impl Deviations {
         HEAD + 2 * index.rem_euclid(self.teeth as i64) as usize
     }
 
-    /// Deviation of a tooth at time `t`.
-    pub fn of(&self, p: &ToothSprings, t: f64, memory: &[f64], index: i64) -> f64 {
-        let i = self.cell(index);
-        if memory[i] == 0.0 && memory[i + 1] == 0.0 {
-            return 0.0;
-        }
-        let m = propagator(p, t - memory[0]);
-        m[0] * memory[i] + m[1] * memory[i + 1]
-    }
-
     /// Calls `f` with `[d, d', d'']` at time `t` of every tooth that deviates.
     pub fn each(
         &self,
         p: &ToothSprings,
         t: f64,
-        memory: &[f64],
+        discrete: &[f64],
         mut f: impl FnMut(usize, [f64; 3]),
     ) {
-        if memory[1] == 0.0 && memory[3] == 0.0 {
+        if discrete[1] == 0.0 && discrete[3] == 0.0 {
             return;
         }
-        let m = propagator(p, t - memory[0]);
+        let m = propagator(p, t - discrete[0]);
         let (k, c) = (p.stiffness[0] / p.mass[0], p.damping[0] / p.mass[0]);
-        for (i, cell) in memory[HEAD..].chunks_exact(2).enumerate() {
+        for (i, cell) in discrete[HEAD..].chunks_exact(2).enumerate() {
             let d = m[0] * cell[0] + m[1] * cell[1];
             let v = m[2] * cell[0] + m[3] * cell[1];
             f(i, [d, v, -k * d - c * v]);
@@ -98,12 +88,12 @@ impl Deviations {
     }
 
     /// `(sum d^2, sum d'^2)` at time `t`.
-    pub fn squares(&self, p: &ToothSprings, t: f64, memory: &[f64]) -> (f64, f64) {
-        let [dd, dv, vv] = [memory[1], memory[2], memory[3]];
+    pub fn squares(&self, p: &ToothSprings, t: f64, discrete: &[f64]) -> (f64, f64) {
+        let [dd, dv, vv] = [discrete[1], discrete[2], discrete[3]];
         if dd == 0.0 && vv == 0.0 {
             return (0.0, 0.0);
         }
-        let m = propagator(p, t - memory[0]);
+        let m = propagator(p, t - discrete[0]);
         (
             m[0] * m[0] * dd + 2.0 * m[0] * m[1] * dv + m[1] * m[1] * vv,
             m[2] * m[2] * dd + 2.0 * m[2] * m[3] * dv + m[3] * m[3] * vv,
@@ -116,15 +106,15 @@ impl Deviations {
         &self,
         p: &ToothSprings,
         teeth: Exchange,
-        memory: &mut [f64],
+        discrete: &mut [f64],
         state: &mut [f64; 4],
         outside: impl Fn(i64) -> bool,
     ) {
         let Exchange { t, count, .. } = teeth;
-        let m = propagator(p, t - memory[0]);
-        memory[0] = t;
+        let m = propagator(p, t - discrete[0]);
+        discrete[0] = t;
         let per_square = p.mass[0] / p.stiffness[0];
-        for cell in memory[HEAD..].chunks_exact_mut(2) {
+        for cell in discrete[HEAD..].chunks_exact_mut(2) {
             let (d, v) = (cell[0], cell[1]);
             cell[0] = m[0] * d + m[1] * v;
             cell[1] = m[2] * d + m[3] * v;
@@ -134,26 +124,26 @@ impl Deviations {
         }
         let (leaves, enters) = (self.cell(teeth.leaves), self.cell(teeth.enters));
         let [mean, mean_v, s, v] = *state;
-        let (s_in, v_in) = (mean + memory[enters], mean_v + memory[enters + 1]);
+        let (s_in, v_in) = (mean + discrete[enters], mean_v + discrete[enters + 1]);
         let (new, new_v) = (mean + (s - s_in) / count, mean_v + (v - v_in) / count);
         *state = [new, new_v, s_in, v_in];
-        memory[leaves] = s - mean;
-        memory[leaves + 1] = v - mean_v;
-        memory[enters] = 0.0;
-        memory[enters + 1] = 0.0;
+        discrete[leaves] = s - mean;
+        discrete[leaves + 1] = v - mean_v;
+        discrete[enters] = 0.0;
+        discrete[enters + 1] = 0.0;
         let mut sums = [0.0; 3];
         for i in 0..self.teeth {
             if !outside(i as i64) {
                 continue;
             }
-            let cell = &mut memory[HEAD + 2 * i..][..2];
+            let cell = &mut discrete[HEAD + 2 * i..][..2];
             cell[0] += mean - new;
             cell[1] += mean_v - new_v;
             sums[0] += cell[0] * cell[0];
             sums[1] += cell[0] * cell[1];
             sums[2] += cell[1] * cell[1];
         }
-        memory[1..HEAD].copy_from_slice(&sums);
+        discrete[1..HEAD].copy_from_slice(&sums);
     }
 }
 
@@ -198,10 +188,10 @@ mod tests {
     fn exchange_keeps_sums_and_zero_mean_of_deviations() {
         let p = springs(0.0);
         let d = Deviations { teeth: 6 };
-        let mut memory = vec![0.0; d.cells()];
+        let mut discrete = vec![0.0; d.cells()];
         // Teeth 0, 1, 2 in the window, 3, 4, 5 outside with deviations that sum to zero.
         for (i, x) in [(3, 2e-6), (4, -5e-6), (5, 3e-6)] {
-            memory[HEAD + 2 * i] = x;
+            discrete[HEAD + 2 * i] = x;
         }
         let mut state = [1e-4, 2.0, 9e-5, 1.5];
         let before = 3.0 * state[0] + state[2];
@@ -212,15 +202,15 @@ mod tests {
             leaves: 0,
             enters: 3,
         };
-        d.exchange(&p, teeth, &mut memory, &mut state, |i| {
+        d.exchange(&p, teeth, &mut discrete, &mut state, |i| {
             ![1, 2, 3].contains(&i)
         });
         assert!((3.0 * state[0] + state[2] - before).abs() < 1e-18);
         assert!((3.0 * state[1] + state[3] - before_v).abs() < 1e-14);
-        let sum: f64 = (0..6).map(|i| memory[HEAD + 2 * i]).sum();
+        let sum: f64 = (0..6).map(|i| discrete[HEAD + 2 * i]).sum();
         assert!(sum.abs() < 1e-19, "{sum}");
         assert!((state[2] - (1e-4 + 2e-6)).abs() < 1e-18);
         // Tooth 0 is where it was, measured from the new mean.
-        assert!((state[0] + memory[HEAD] - 9e-5).abs() < 1e-18);
+        assert!((state[0] + discrete[HEAD] - 9e-5).abs() < 1e-18);
     }
 }

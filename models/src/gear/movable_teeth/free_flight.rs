@@ -11,15 +11,16 @@
 //! and on a hub whose motion is prescribed `theta = phi`, `x'' + c/m x' + k/m x = -phi''`. So teeth in flight are not
 //! integrated at all. The deviations of teeth outside the windows from their mean are in closed form already.
 
-use super::MovableTeeth;
+use super::teeth::MovableTeeth;
+use crate::gear::capabilities::LinearMotion;
 use crate::gear::free_flight::FreeFlight;
-use gearbench_integrators::Coast;
+use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::At;
 
 /// The gear as a frame and oscillators.
 #[derive(Clone, Copy, Debug)]
 struct Parts {
-    /// Travel, speed and acceleration of the momentum mean, or of the prescribed hub.
+    /// Displacement, speed and acceleration of the momentum mean, or of the prescribed hub.
     frame: [f64; 3],
     /// Mean of the teeth and its rate.
     mean: [f64; 2],
@@ -55,7 +56,7 @@ impl MovableTeeth {
     fn parts(&self, at: At<'_>, load: f64) -> Option<Parts> {
         let p = &self.springs;
         let slots = self.engaged_cell(0)..self.head();
-        let engaged = p.radius.is_some() && at.memory[slots].iter().any(|x| *x != 0.0);
+        let engaged = p.radius.is_some() && at.discrete[slots].iter().any(|x| *x != 0.0);
         if !p.uniform || engaged {
             return None;
         }
@@ -72,7 +73,10 @@ impl MovableTeeth {
             mean[1] += self.count(i) * at.v[first + i];
         }
         let mean = mean.map(|x| x / number);
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let stretch = [mean[0] - phi, mean[1] - speed];
         let own_omega = (k / m).sqrt();
         let own_zeta = 0.5 * c / (k * m).sqrt();
@@ -125,8 +129,10 @@ impl MovableTeeth {
             && v.abs() <= parts.own_omega * rounding + 4.0 * f64::EPSILON * at.v[i].abs();
         if rests { [0.0; 2] } else { [d, v] }
     }
+}
 
-    pub(super) fn flight_of(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
+impl LinearMotion for MovableTeeth {
+    fn free_flight(&self, at: At<'_>, load: f64) -> Option<FreeFlight> {
         let parts = self.parts(at, load)?;
         let resting = parts.resting();
         let stretched = doubled(parts.omega, parts.stretch[0] - resting, parts.stretch[1]);
@@ -137,80 +143,80 @@ impl MovableTeeth {
             widest = widest.max(twice);
             deviating += self.count(i) * twice;
         }
-        let mut travel = parts.shares[1] * (resting.abs() + stretched.sqrt() / parts.omega)
+        let mut displacement = parts.shares[1] * (resting.abs() + stretched.sqrt() / parts.omega)
             + widest.sqrt() / parts.own_omega;
         if self.slots > 0 {
             // A tooth may enter a window with the deviation that it has outside.
             let (dd, vv) =
                 self.deviations()
-                    .squares(&self.springs, at.t, &at.memory[self.head()..]);
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
             let twice = vv + parts.own_omega.powi(2) * dd;
-            travel += twice.sqrt() / parts.own_omega;
+            displacement += twice.sqrt() / parts.own_omega;
             deviating += twice;
         }
         Some(FreeFlight {
             frame: parts.frame,
             outward: 0.0,
-            travel,
+            displacement,
             energy: 0.5 * (parts.swinging * stretched + parts.tooth * deviating),
         })
     }
 
-    pub(super) fn add_coast(&self, at: At<'_>, load: f64, first: usize, coast: &mut Coast) {
+    fn add_to_path(&self, at: At<'_>, load: f64, first: usize, path: &mut FlightPath) {
         let Some(parts) = self.parts(at, load) else {
             return;
         };
         let own = self.first();
         let teeth = first + own..first + at.q.len();
-        let [travel, speed, acceleration] = parts.frame;
-        coast.swing(0.0, 0.0, [travel, speed], acceleration);
+        let [displacement, speed, acceleration] = parts.frame;
+        path.oscillator(0.0, 0.0, [displacement, speed], acceleration);
         if own > 0 {
-            coast.moves(first, 1.0);
+            path.moves(first, 1.0);
         }
-        teeth.clone().for_each(|i| coast.moves(i, 1.0));
-        coast.swing(parts.omega, parts.zeta, parts.stretch, parts.load);
+        teeth.clone().for_each(|i| path.moves(i, 1.0));
+        path.oscillator(parts.omega, parts.zeta, parts.stretch, parts.load);
         if own > 0 {
-            coast.moves(first, parts.shares[0]);
+            path.moves(first, parts.shares[0]);
         }
-        teeth.clone().for_each(|i| coast.moves(i, parts.shares[1]));
+        teeth.clone().for_each(|i| path.moves(i, parts.shares[1]));
         for (i, coordinate) in teeth.enumerate() {
             let start = self.deviation(at, &parts, i);
             if start != [0.0; 2] {
-                coast.swing(parts.own_omega, parts.own_zeta, start, 0.0);
-                coast.moves(coordinate, 1.0);
+                path.oscillator(parts.own_omega, parts.own_zeta, start, 0.0);
+                path.moves(coordinate, 1.0);
             }
         }
     }
 
-    pub(super) fn rest_teeth(
+    fn cut_off_vibrations(
         &self,
         t: f64,
         load: f64,
         q: &mut [f64],
         v: &mut [f64],
-        memory: &mut [f64],
+        discrete: &mut [f64],
     ) -> bool {
         let at = At {
             t,
             q: &*q,
             v: &*v,
-            memory: &*memory,
+            discrete: &*discrete,
         };
         let Some(parts) = self.parts(at, load) else {
             return false;
         };
         let resting = parts.resting();
         let own = self.first();
-        let [travel, speed, _] = parts.frame;
-        let place = |i: usize| travel + parts.shares[usize::from(i >= own)] * resting;
+        let [displacement, speed, _] = parts.frame;
+        let place = |i: usize| displacement + parts.shares[usize::from(i >= own)] * resting;
         // Angles hold deflections to some units of their own rounding.
-        let rounding = 64.0 * f64::EPSILON * (travel.abs() + resting.abs());
+        let rounding = 64.0 * f64::EPSILON * (displacement.abs() + resting.abs());
         let rests = |i: usize| {
             (q[i] - place(i)).abs() <= rounding
                 && (v[i] - speed).abs()
                     <= parts.omega * rounding + 64.0 * f64::EPSILON * speed.abs()
         };
-        let free = &memory[self.head()..];
+        let free = &discrete[self.head()..];
         let outside_rests = self.slots == 0 || {
             let (dd, vv) = self.deviations().squares(&self.springs, t, free);
             vv + parts.own_omega.powi(2) * dd <= (parts.own_omega * rounding).powi(2)
@@ -223,14 +229,15 @@ impl MovableTeeth {
             v[i] = speed;
         }
         let head = self.head();
-        memory[head + 1..].fill(0.0);
+        discrete[head + 1..].fill(0.0);
         true
     }
 
     /// On a prescribed hub the springs take `sum m S''` from it.
-    pub(super) fn work_of(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
+    fn steady_work(&self, from: At<'_>, to: At<'_>, load: f64) -> f64 {
         if self.first() > 0 {
-            return load * (self.hub.travel(to.t, to.q) - self.hub.travel(from.t, from.q));
+            return load
+                * (self.hub.displacement(to.t, to.q) - self.hub.displacement(from.t, from.q));
         }
         let slope = self.hub.prescribed_acceleration(from.t);
         let [before, after] = [from, to].map(|at| self.hub.speed(at.t, at.v));

@@ -1,7 +1,7 @@
 //! Parameters of the model and its construction.
 
 use super::springs::{RadiusStiffness, ToothSprings};
-use super::{Integrated, MovableTeeth};
+use super::teeth::{Integrated, MovableTeeth};
 use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
@@ -101,7 +101,7 @@ pub struct MovableTeethParameters {
     pub stiffness_at_radius_n_per_m: Option<Vec<f64>>,
     pub integrate: Option<Integrate>,
     #[serde(deserialize_with = "number")]
-    pub sleep: Option<f64>,
+    pub vibration_cut_off: Option<f64>,
 }
 
 impl ModelParameters for MovableTeethParameters {
@@ -147,7 +147,7 @@ pub const PARAMETERS: &[ParameterInfo] = &[
         required: false,
     },
     ParameterInfo {
-        key: "sleep",
+        key: "vibration_cut_off",
         meaning: "teeth are put to rest in flight below this share, at least 0 and less than 1, of the energy of the next impact; default 0: never",
         required: false,
     },
@@ -258,11 +258,11 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     };
     positive("spring_radius_m", &[r_d], false)?;
 
-    let sleep = given.sleep.unwrap_or(0.0);
-    if !(0.0..1.0).contains(&sleep) {
+    let vibration_cut_off = given.vibration_cut_off.unwrap_or(0.0);
+    if !(0.0..1.0).contains(&vibration_cut_off) {
         return Err(BuildError::parameter(
             MODEL,
-            "sleep",
+            "vibration_cut_off",
             "expected a number of at least 0 and less than 1, for example 1e-12",
         ));
     }
@@ -309,10 +309,10 @@ pub fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     }
     let lightest = springs.mass.iter().copied().fold(f64::INFINITY, f64::min);
     let hub = HubBody {
-        contact_mass: lightest * springs.radius_squared / context.lever.powi(2),
+        contact_mass: lightest * springs.radius_squared / context.effective_radius.powi(2),
         characteristic_time: springs.shortest_time(),
-        vibration_cut_off: sleep,
-        ..HubBody::new(context.hub.clone(), context.lever)
+        vibration_cut_off,
+        ..HubBody::new(context.hub.clone(), context.effective_radius)
     };
     let mut gear = MovableTeeth {
         hub,

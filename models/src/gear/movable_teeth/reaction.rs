@@ -10,7 +10,7 @@
 //! the windows are the mean, whose sum over a whole gear vanishes, and their free deviations `d`.
 //! The torque of a held mount is what the springs exert on the body.
 
-use super::{Integrated, MovableTeeth};
+use super::teeth::{Integrated, MovableTeeth};
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use crate::spec::Mount;
@@ -20,7 +20,10 @@ impl MovableTeeth {
     pub(super) fn reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
         let mut reaction = self.hub.reaction(at.t, contact);
         let first = self.first();
-        let (phi, speed) = (self.hub.travel(at.t, at.q), self.hub.speed(at.t, at.v));
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
         let torque = |i: usize| {
             let (s, v) = (at.q[first + i], at.v[first + i]);
             let p = self.spring(at, i, s);
@@ -46,15 +49,15 @@ impl MovableTeeth {
             Some(view) => (view.assembled, view.pitch),
             None => return reaction,
         };
-        let lever = self.springs.radius_squared.sqrt();
+        let effective_radius = self.springs.radius_squared.sqrt();
         let mass = |slot: usize| {
             let tooth = if self.springs.uniform { 0 } else { slot };
             self.springs.mass[tooth]
         };
         let mut rate = Vec3::zeros();
         let mut add = |mass: f64, (sin, cos): (f64, f64), v2: f64, a: f64| {
-            rate.x += mass * lever * (-a * sin - v2 * cos);
-            rate.y += mass * lever * (a * cos - v2 * sin);
+            rate.x += mass * effective_radius * (-a * sin - v2 * cos);
+            rate.y += mass * effective_radius * (a * cos - v2 * sin);
         };
         let windows = match &self.integrated {
             Integrated::All => {
@@ -72,7 +75,7 @@ impl MovableTeeth {
         for (mesh, w) in windows.iter().enumerate() {
             for local in 0..w.len() as usize {
                 let i = w.base - first + local;
-                let tooth = self.tooth_of_slot(at.memory, mesh, w.slot + local);
+                let tooth = self.tooth_of_slot(at.discrete, mesh, w.slot + local);
                 let base = assembled + tooth as f64 * pitch;
                 let (s, v) = (at.q[first + i], at.v[first + i]);
                 add(mass(0), (base + s).sin_cos(), v * v, acceleration(i));
@@ -83,7 +86,7 @@ impl MovableTeeth {
         let (mut sin, mut cos) = (assembled + mean).sin_cos();
         let (step_sin, step_cos) = pitch.sin_cos();
         let mut at_tooth = 0;
-        let free = &at.memory[self.head()..];
+        let free = &at.discrete[self.head()..];
         self.deviations()
             .each(&self.springs, at.t, free, |tooth, [d, v, a]| {
                 while at_tooth < tooth {

@@ -1,5 +1,3 @@
-mod calculix;
-mod highest;
 mod patch;
 mod support;
 mod waves;
@@ -7,37 +5,20 @@ mod waves;
 use super::tie::{HubMotion, MassKind, Tie};
 use super::{Assembly, assemble};
 use crate::mesh::{ElementKind, Mesh};
+use crate::test_support::{brick, largest, product};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
-use std::collections::BTreeMap;
-use support::largest;
 
 /// A bar of `n` bricks along x, slightly distorted inside.
 fn bar(n: usize) -> Mesh {
-    let mut nodes = Vec::new();
-    for i in 0..=n {
-        for (y, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            let inside = f64::from(u8::from(i > 0 && i < n));
-            nodes.push(Vec3::new(
-                1e-2 * (i as f64 + 0.1 * inside * (y + 0.5 * z)),
-                5e-3 * y,
-                4e-3 * z,
-            ));
+    let length = 1e-2 * n as f64;
+    let mut mesh = brick(ElementKind::C3D8, [n, 1, 1], [length, 1e-2, 8e-3]);
+    for x in &mut mesh.nodes {
+        if x.x > 1e-6 && x.x < length - 1e-6 {
+            x.x += 0.1 * (2.0 * x.y + x.z - 9e-3);
         }
     }
-    let connectivity = (0..n as u32)
-        .flat_map(|i| {
-            let a = 4 * i;
-            [a, a + 4, a + 5, a + 1, a + 3, a + 7, a + 6, a + 2]
-        })
-        .collect();
-    Mesh {
-        nodes,
-        kind: ElementKind::C3D8,
-        connectivity,
-        node_sets: BTreeMap::new(),
-        face_sets: BTreeMap::new(),
-    }
+    mesh
 }
 
 fn assembled(n: usize) -> (Mesh, Assembly) {
@@ -70,9 +51,9 @@ fn consistent_and_lumped_mass_are_that_of_the_body() {
     let size = [5e-2, 1e-2, 8e-3];
     let expected = Material::STEEL.density * size.iter().product::<f64>();
     for kind in ElementKind::ALL {
-        let a = assemble(&support::brick(kind, [3, 2, 2], size), &Material::STEEL).unwrap();
+        let a = assemble(&brick(kind, [3, 2, 2], size), &Material::STEEL).unwrap();
         let mut y = vec![0.0; 3 * a.lumped.len()];
-        a.mass.apply3(&vec![1.0; y.len()], &mut y);
+        a.mass.apply(&vec![1.0; y.len()], &mut y);
         assert!((y.iter().sum::<f64>() / 3.0 / expected - 1.0).abs() < 1e-12);
         assert!((a.lumped.iter().sum::<f64>() / expected - 1.0).abs() < 1e-12);
         assert!(a.lumped.iter().all(|m| *m > 0.0), "{kind:?}");
@@ -107,7 +88,7 @@ fn reduced_matrices_are_those_of_the_tied_mesh() {
                 assert!((found - expected[i]).abs() < 1e-12 * size, "{i} {j}");
             }
             match kind {
-                MassKind::Consistent => a.mass.apply3(&u, &mut f),
+                MassKind::Consistent => a.mass.apply(&u, &mut f),
                 MassKind::Lumped => {
                     for i in 0..full {
                         f[i] = a.lumped[i / 3] * u[i];
@@ -141,17 +122,7 @@ fn turning_the_whole_body_with_its_hub_stores_no_energy() {
         r[3 * place..][..3].copy_from_slice(turned.as_slice());
     }
     r[n - 1] = 1.0;
-    let mut f = vec![0.0; n];
-    let k = &reduced.stiffness;
-    let mut size = 0.0_f64;
-    for j in 0..n {
-        for (i, x) in k.row_idx_of_col(j).zip(k.val_of_col(j)) {
-            size = size.max(x.abs() * r[j].abs());
-            f[i] += x * r[j];
-            if i != j {
-                f[j] += x * r[i];
-            }
-        }
-    }
-    assert!(largest(&f) < 1e-11 * size, "{} {size}", largest(&f));
+    let size = largest(reduced.stiffness.val()) * largest(&r);
+    let f = product(&reduced.stiffness, &r);
+    assert!(largest(&f) < 1e-13 * size, "{} {size}", largest(&f));
 }

@@ -1,9 +1,9 @@
 //! What every element must hold exactly: constant strain on distorted meshes, and its own kind of bending.
 
-use super::support::{brick, largest};
 use crate::assembly::assemble;
-use crate::element::matrices;
+use crate::element::Integrator;
 use crate::mesh::{EDGES, ElementKind, Mesh};
+use crate::test_support::{brick, largest};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use nalgebra::DMatrix;
@@ -88,7 +88,9 @@ fn null_spaces_are_those_of_the_integration_rules() {
             .iter()
             .map(|&i| mesh.nodes[i as usize])
             .collect();
-        matrices(kind, 0, &order, &Material::STEEL, &mut k, &mut m).unwrap();
+        Integrator::new(kind)
+            .matrices(0, &order, &Material::STEEL, &mut k, &mut m)
+            .unwrap();
         let size = largest(&k);
         let k = DMatrix::from_row_slice(3 * n, 3 * n, &k) / size;
         let values = k.symmetric_eigenvalues();

@@ -27,7 +27,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 deck,
                 "",
                 format!("coordinates within {GREATEST:e} m"),
-                format!("node {} beyond", deck.node_labels.label(n)),
+                format!("node {} beyond", deck.node_labels[n as usize]),
                 "give coordinates in metres",
             ));
         }
@@ -78,7 +78,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 deck,
                 set,
                 "nodes of one body",
-                format!("node {} of another", deck.node_labels.label(n)),
+                format!("node {} of another", deck.node_labels[n as usize]),
                 "give each gear sets of its own, such as `bore1` and `bore2`",
             )),
             None => Ok(body),
@@ -127,7 +127,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                 "a node set `bore` (or `bore1`, ...) on each body",
                 format!(
                     "none on the body of element {}",
-                    deck.element_labels.label(first)
+                    deck.element_labels[first as usize]
                 ),
                 "name the nodes that the hub holds",
             ));
@@ -143,7 +143,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                     format!("one kind of element in a body, {}", kind.name()),
                     format!(
                         "element {} of kind {}",
-                        deck.element_labels.label(e),
+                        deck.element_labels[e as usize],
                         deck.block(e).kind.name()
                     ),
                     "mesh a gear with one kind",
@@ -154,7 +154,7 @@ pub(super) fn split(deck: &Deck, other: Option<Material>) -> Result<Vec<Body>, D
                     deck,
                     bore_set,
                     "one material in a body",
-                    format!("another at element {}", deck.element_labels.label(e)),
+                    format!("another at element {}", deck.element_labels[e as usize]),
                     "gears are homogeneous",
                 ));
             }

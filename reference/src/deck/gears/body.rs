@@ -6,8 +6,7 @@ use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
 use crate::mesh::{ElementKind, GearMesh, Mesh};
 use gearbench_models::Vec3;
-use gearbench_models::geometry::FlankGrid;
-use gearbench_models::geometry::Side;
+use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
 use std::collections::BTreeMap;
 

@@ -21,6 +21,7 @@ mod spur;
 use super::data::Deck;
 use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
+use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
@@ -64,7 +65,6 @@ pub struct DeckGear {
 
 impl DeckGear {
     /// Where a point of the own frame stands in the deck [m].
-    #[must_use]
     pub fn to_deck(&self, x: Vec3) -> Vec3 {
         placed(self.shape, self.centre, self.phase, x)
     }
@@ -128,17 +128,11 @@ pub(super) fn bore_axis(deck: &Deck, set: &str) -> Option<char> {
 }
 
 /// Splits a deck into its toothed bodies, in the order of their first elements.
-///
-/// # Errors
-/// [`DeckError`] names the set or element that a gear cannot be made of.
 pub fn gears(deck: &Deck) -> Result<Vec<DeckGear>, DeckError> {
     gears_with(deck, None)
 }
 
 /// As [`gears`]; what the deck does not say of a material is taken from `other`.
-///
-/// # Errors
-/// As [`gears`].
 pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>, DeckError> {
     let bodies = bodies::split(deck, other)?;
     if bodies.is_empty() {
@@ -151,15 +145,6 @@ pub fn gears_with(deck: &Deck, other: Option<Material>) -> Result<Vec<DeckGear>,
         ));
     }
     bodies.into_iter().map(|b| b.into_gear(deck)).collect()
-}
-
-/// Turned about z; no turn leaves every bit.
-fn turned(x: Vec3, angle: f64) -> Vec3 {
-    if angle == 0.0 {
-        return x;
-    }
-    let (s, c) = angle.sin_cos();
-    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
 }
 
 /// An angle in (-pi, pi].
@@ -193,18 +178,14 @@ fn decline(
     found: impl Into<String>,
     help: impl Into<String>,
 ) -> DeckError {
-    let place = deck.defined.get(set);
-    DeckError {
-        kind: DeckErrorKind::Gear,
-        file: place.map_or(deck.name.as_str(), |p| &p.file).into(),
-        line: place.map_or(0, |p| p.line),
-        context: match set.is_empty() {
-            true => "".into(),
-            false => format!("set `{set}`").into(),
-        },
-        expected: expected.into().into(),
-        found: found.into().into(),
-        help: help.into().into(),
+    let context = match set.is_empty() {
+        true => String::new(),
+        false => format!("set `{set}`"),
+    };
+    let refused = DeckError::new(DeckErrorKind::Gear, context, expected, found, help);
+    match deck.defined.get(set) {
+        Some(place) => refused.at(&place.file, place.line),
+        None => refused.at(&deck.name, 0),
     }
 }
 

@@ -2,9 +2,10 @@
 
 use super::body::{Body, PlacedFlank, Placement};
 use super::spur::{centreline, stands, teeth};
-use super::{BodyShape, decline, snapped, turned};
+use super::{BodyShape, decline, snapped};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
+use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 

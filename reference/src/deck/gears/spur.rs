@@ -3,9 +3,10 @@
 use super::body::{Body, PlacedFlank, Placement};
 use super::groups::Groups;
 use super::patch::{Grid, grid};
-use super::{BodyShape, circle, decline, snapped, turned, wrapped};
+use super::{BodyShape, circle, decline, snapped, wrapped};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
+use crate::vector::turned;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use std::f64::consts::TAU;
@@ -185,7 +186,7 @@ pub(super) fn place(
                 "the rigid body's reference node on the axis",
                 format!(
                     "node {} {off:.3e} m off it",
-                    deck.node_labels.label(r.reference)
+                    deck.node_labels[r.reference as usize]
                 ),
                 "the hub turns about its reference node: put it on the axis of the bore",
             ));

@@ -1,11 +1,7 @@
 use super::*;
-use crate::deck::{read, read_str};
 use crate::mesh::ElementKind;
+use crate::test_support::{calculix, parsed};
 use gearbench_models::geometry::FlankGrid;
-
-fn stored(name: &str) -> Deck {
-    read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
 
 fn parameters(case: &str) -> serde_json::Value {
     let path = format!("{}/calculix/{case}/params.json", env!("CARGO_MANIFEST_DIR"));
@@ -48,7 +44,7 @@ fn impacts_become_two_gears_where_their_parameters_say() {
         ("case-c", "C8_d25", [21, 21]),
         ("case-a-coarse", "A8_d05", [9, 9]),
     ] {
-        let deck = stored(&format!("{case}/{deck}.inp.gz"));
+        let deck = calculix(&format!("{case}/{deck}.inp.gz"));
         let p = parameters(case);
         let found = gears(&deck).unwrap();
         assert_eq!(found.len(), 2);
@@ -103,7 +99,7 @@ fn impacts_become_two_gears_where_their_parameters_say() {
 
 #[test]
 fn the_rack_stands_on_its_reference_line() {
-    let deck = stored("rack-pinion/R8b_d05.inp.gz");
+    let deck = calculix("rack-pinion/R8b_d05.inp.gz");
     let p = parameters("rack-pinion");
     let found = gears(&deck).unwrap();
     let (pinion, rack) = (&found[0], &found[1]);
@@ -154,7 +150,7 @@ fn the_rack_stands_on_its_reference_line() {
 
 #[test]
 fn a_turned_rack_is_the_same_rack() {
-    let deck = stored("rack-pinion/R8b_d05.inp.gz");
+    let deck = calculix("rack-pinion/R8b_d05.inp.gz");
     let rack = gears(&deck).unwrap().swap_remove(1);
     let mut other = deck;
     let shift = Vec3::new(3e-3, -1e-3, 2e-3);
@@ -185,7 +181,7 @@ fn modal_and_static_decks_become_gears() {
         ("impA_g2_C3D8I", 30, ElementKind::C3D8I),
     ];
     for (name, teeth, kind) in modal {
-        let deck = stored(&format!("modal/{name}.inp.gz"));
+        let deck = calculix(&format!("modal/{name}.inp.gz"));
         let g = gears(&deck).unwrap().swap_remove(0);
         assert_eq!(
             (g.mesh.teeth, g.mesh.mesh.kind, g.phase),
@@ -203,12 +199,12 @@ fn modal_and_static_decks_become_gears() {
         assert_eq!(g.mesh.flanks.len(), flanks as usize, "{name}");
         g.mesh.flanks.iter().for_each(|f| check_grid(&g, f));
     }
-    let beam = stored("modal/beam_C3D20R.inp.gz");
+    let beam = calculix("modal/beam_C3D20R.inp.gz");
     assert_eq!(beam.element_count(), 80);
     let text = gears(&beam).unwrap_err().to_string();
     assert!(text.contains("expected a node set `bore`"), "{text}");
     for name in ["p0_34um_C3D8", "p6_17um_C3D8", "p6_25um_C3D20R"] {
-        let deck = stored(&format!("static/{name}.inp.gz"));
+        let deck = calculix(&format!("static/{name}.inp.gz"));
         let g = gears(&deck).unwrap();
         assert_eq!([g[0].mesh.teeth, g[1].mesh.teeth], [20, 30]);
         g.iter()
@@ -240,7 +236,7 @@ fn one_embedded_reference_reads_too() {
     let a = crate::reference("calculix/case-a-fine").unwrap();
     let deck = crate::deck::read_bytes("AF8_d05.inp.gz", a.deck).unwrap();
     assert_eq!(gears(&deck).unwrap().len(), 2);
-    let none = read_str("empty.inp", "", &mut |_| unreachable!()).unwrap();
+    let none = parsed("empty.inp", "");
     assert!(gears(&none).is_err());
 }
 
@@ -255,7 +251,7 @@ fn materials_are_completed() {
         density: 2700.0,
     };
     let of = |text: &str, other| {
-        let deck = crate::deck::read_str("g.inp", text, &mut |_| unreachable!()).unwrap();
+        let deck = parsed("g.inp", text);
         gears_with(&deck, other).map(|g| g[0].material)
     };
     assert_eq!(of(&whole, Some(other)).unwrap(), Material::STEEL);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::deck::read_str;
+use crate::test_support::{calculix, parsed};
 
 fn seed(name: &str) -> String {
     let folder = format!("{}/fuzz/corpus/deck", env!("CARGO_MANIFEST_DIR"));
@@ -7,8 +7,7 @@ fn seed(name: &str) -> String {
 }
 
 fn findings(text: &str) -> Vec<Finding> {
-    let deck = read_str("g.inp", text, &mut |_| Err(std::io::Error::other("none")));
-    check_gtm(&deck.unwrap_or_else(|e| panic!("{e}")))
+    check_gtm(&parsed("g.inp", text))
 }
 
 /// The only finding there is.
@@ -25,8 +24,7 @@ fn only(text: &str, requirement: GtmRequirement, words: &[&str]) {
 #[test]
 fn a_good_deck_has_no_findings() {
     assert_eq!(findings(&seed("gear.inp")), []);
-    let root = env!("CARGO_MANIFEST_DIR");
-    let deck = crate::deck::read(format!("{root}/calculix/modal/impA_g1_C3D8.inp.gz")).unwrap();
+    let deck = calculix("modal/impA_g1_C3D8.inp.gz");
     assert_eq!(check_gtm(&deck), []);
 }
 
@@ -149,8 +147,7 @@ fn size_place_and_axis() {
 
 #[test]
 fn a_flank_with_holes_is_no_grid() {
-    let root = env!("CARGO_MANIFEST_DIR");
-    let mut deck = crate::deck::read(format!("{root}/calculix/modal/impA_g1_C3D8.inp.gz")).unwrap();
+    let mut deck = calculix("modal/impA_g1_C3D8.inp.gz");
     deck.node_sets.get_mut("flank_3l").unwrap().remove(2);
     let all = check_gtm(&deck);
     assert_eq!(all.len(), 1);

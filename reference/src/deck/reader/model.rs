@@ -37,16 +37,17 @@ impl Reader<'_> {
                 number_or_zero(k, &data, 2)?,
                 number_or_zero(k, &data, 3)?,
             );
-            let Some(dense) = self.deck.node_labels.push(label) else {
+            let (dense, new_label) = self.deck.node_labels.insert_full(label);
+            if !new_label {
                 return Err(data.reference(
                     k,
                     "each node once",
                     format!("label {label} again"),
                     "renumber one of them",
                 ));
-            };
+            }
             self.deck.nodes.push(x);
-            new.push(dense);
+            new.push(dense as u32);
         }
         if let Some(set) = set {
             self.extend(k, Of::Nodes, set, new);
@@ -77,7 +78,7 @@ impl Reader<'_> {
         let mut sorted: Vec<u32> = Vec::new();
         while let Some(mut data) = self.lexer.data()? {
             let label = label(k, &data, field(&data, 0))?;
-            if self.deck.element_labels.push(label).is_none() {
+            if !self.deck.element_labels.insert(label) {
                 return Err(data.reference(
                     k,
                     "each element once",
@@ -221,7 +222,7 @@ impl Reader<'_> {
         let mut label = first;
         loop {
             // The first undefined label ends the loop, so that it never runs longer than the deck has labels.
-            let Some(dense) = labels.find(label) else {
+            let Some(dense) = labels.get_index_of(&label) else {
                 return Err(data.reference(
                     k,
                     format!("all of {first} to {last} by {step} defined above"),
@@ -229,7 +230,7 @@ impl Reader<'_> {
                     "generate existing labels only",
                 ));
             };
-            members.push(dense);
+            members.push(dense as u32);
             match label.checked_add(step) {
                 Some(next) if next <= last => label = next,
                 _ => return Ok(()),

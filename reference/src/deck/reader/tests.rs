@@ -3,11 +3,12 @@ use crate::deck::{
     read_str,
 };
 use crate::mesh::{ElementKind, Face};
+use crate::test_support::parsed;
 use gearbench_models::Vec3;
 use std::io;
 
 fn read(text: &str) -> Deck {
-    read_str("a.inp", text, &mut none).unwrap_or_else(|e| panic!("{e}"))
+    parsed("a.inp", text)
 }
 
 fn none(name: &str) -> io::Result<String> {
@@ -32,8 +33,8 @@ fn free_format_is_read() {
     );
     assert_eq!(deck.heading, ["two, words"]);
     assert_eq!(deck.nodes, [Vec3::new(1.5e-3, -0.5, 2.0), Vec3::zeros()]);
-    assert_eq!(deck.node_labels.find(7), Some(0));
-    assert_eq!(deck.node_labels.label(1), 3);
+    assert_eq!(deck.node_labels.get_index_of(&7), Some(0));
+    assert_eq!(deck.node_labels[1], 3);
     assert_eq!(deck.node_sets["my set"], [0, 1]);
     assert_eq!(deck.node_sets["other"], [0, 1]);
 }
@@ -48,7 +49,7 @@ fn elements_sets_and_surfaces() {
     assert_eq!(deck.element_count(), 2);
     assert_eq!(deck.blocks[1].kind, ElementKind::C3D8);
     assert_eq!(deck.element(1), [4, 5, 6, 7, 8, 9, 10, 11]);
-    assert_eq!(deck.element_labels.find(40), Some(1));
+    assert_eq!(deck.element_labels.get_index_of(&40), Some(1));
     assert_eq!(deck.element_sets["both"], [0, 1]);
     assert_eq!(deck.node_sets["odd"], [0, 2, 4, 6, 8, 10]);
     assert_eq!(deck.node_sets["two"], [0, 1]);

@@ -9,18 +9,10 @@ use gearbench_models::geometry::Side;
 
 impl<'a> Impact<'a> {
     /// The impact of a deck with two gears, their contact pairs and one implicit dynamic step.
-    ///
-    /// # Errors
-    /// [`DeckError`] says what is missing or of another kind.
     pub fn of(deck: &Deck, gears: &'a [DeckGear]) -> Result<Self, DeckError> {
-        let decline = |expected: &str, found: String, help: &str| DeckError {
-            kind: DeckErrorKind::Gear,
-            file: deck.name.as_str().into(),
-            line: 0,
-            context: "an impact".into(),
-            expected: expected.into(),
-            found: found.into(),
-            help: help.into(),
+        let decline = |expected: &str, found: String, help: &str| {
+            DeckError::new(DeckErrorKind::Gear, "an impact", expected, found, help)
+                .at(&deck.name, 0)
         };
         let [one, two] = gears else {
             let found = gears.len().to_string();

@@ -39,7 +39,6 @@ pub struct ImpactGear<'a> {
 
 impl<'a> ImpactGear<'a> {
     /// A gear where its deck has it.
-    #[must_use]
     pub fn new(gear: &'a DeckGear, hub: Hub) -> Self {
         ImpactGear {
             mesh: &gear.mesh,
@@ -74,9 +73,6 @@ pub struct Impact<'a> {
 }
 
 /// Writes the deck of an impact, with the sets, surfaces and prints of the stored references.
-///
-/// # Errors
-/// [`WriteError`] says what cannot be written.
 pub fn write_impact(out: &mut dyn Write, impact: &Impact<'_>) -> Result<(), WriteError> {
     impact.check()?;
     heading(out, &impact.title)?;

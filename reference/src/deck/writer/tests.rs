@@ -1,13 +1,9 @@
 use super::*;
-use crate::deck::{Deck, DeckGear, Procedure, gears, read, read_str};
-
-fn stored(name: &str) -> Deck {
-    read(format!("{}/calculix/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use crate::deck::{Deck, DeckGear, Procedure, gears};
+use crate::test_support::{calculix, parsed};
 
 fn read_text(text: &[u8]) -> Deck {
-    let text = std::str::from_utf8(text).unwrap();
-    read_str("written.inp", text, &mut |_| Err(io::Error::other("none"))).unwrap()
+    parsed("written.inp", std::str::from_utf8(text).unwrap())
 }
 
 fn same_mesh(a: &DeckGear, b: &DeckGear) {
@@ -23,7 +19,7 @@ fn one_gear_comes_back_bit_for_bit() {
         "modal/impA_g1_C3D8I.inp.gz",
         "modal/g1_C3D20R.inp.gz",
     ] {
-        for gear in gears(&stored(name)).unwrap() {
+        for gear in gears(&calculix(name)).unwrap() {
             let mut text = Vec::new();
             let options = GearDeck {
                 title: format!("{name}\n*a line of stars"),
@@ -48,7 +44,7 @@ fn one_gear_comes_back_bit_for_bit() {
 
 #[test]
 fn an_impact_says_what_the_stored_one_says() {
-    let stored = stored("case-a-fine/AF8_d05.inp.gz");
+    let stored = calculix("case-a-fine/AF8_d05.inp.gz");
     let found = gears(&stored).unwrap();
     let impact = Impact::of(&stored, &found).unwrap();
     assert_eq!(impact.pairs, [[19, 1], [0, 0], [1, 29]]);
@@ -103,7 +99,7 @@ fn an_impact_says_what_the_stored_one_says() {
 
 #[test]
 fn a_clamped_rack_has_no_hub() {
-    let stored = stored("rack-pinion/R8b_d05.inp.gz");
+    let stored = calculix("rack-pinion/R8b_d05.inp.gz");
     let found = gears(&stored).unwrap();
     let mut text = Vec::new();
     let impact = Impact::of(&stored, &found).unwrap();
@@ -121,7 +117,7 @@ fn a_clamped_rack_has_no_hub() {
 
 #[test]
 fn what_cannot_be_written_is_named() {
-    let deck = stored("case-a-coarse/A8_d05.inp.gz");
+    let deck = calculix("case-a-coarse/A8_d05.inp.gz");
     let found = gears(&deck).unwrap();
     let good = Impact::of(&deck, &found).unwrap();
     let refuse = |change: &dyn Fn(&mut Impact<'_>)| {
@@ -183,7 +179,7 @@ fn numbers_fit_into_twenty_characters() {
 /// preprocessing.
 #[test]
 fn generated_meshes_come_back_bit_for_bit() {
-    use crate::mesh::{ElementKind, GearMeshParams, RackMeshParams, gear, rack};
+    use crate::mesh::{ElementKind, GearMeshParams, gear, rack};
     use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
     let mut meshes = Vec::new();
     for (teeth, helix, kind) in [
@@ -213,7 +209,7 @@ fn generated_meshes_come_back_bit_for_bit() {
             module: 2e-3,
             ..RackParams::default()
         };
-        let rack = rack(&Rack::new(spec).unwrap(), &RackMeshParams::default()).unwrap();
+        let rack = rack(&Rack::new(spec).unwrap(), &GearMeshParams::default()).unwrap();
         meshes.push((format!("rack of {teeth}"), rack));
     }
     for (name, mesh) in &meshes {

@@ -6,14 +6,13 @@ use super::FullOrder;
 use super::body::Body;
 use crate::assembly::tie::MassKind;
 use crate::mesh::{ElementKind, GearMesh, Mesh};
-use crate::test_support::noise;
+use crate::test_support::{hub, noise};
 use gearbench_integrators::system::{At, Coeffs};
 use gearbench_models::Vec3;
 use gearbench_models::gear::{CoupledMass, FlankNodes, GearModel, LargeGear};
-use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::kinematics::Placement;
 use gearbench_models::spec::{Mount, Profile};
 use gearbench_models::stiffness::Material;
-use std::collections::BTreeMap;
 
 /// A ring without teeth: `around` elements, two across, one over the width.
 /// `f <- M^-1 f`.
@@ -46,25 +45,10 @@ fn ring(around: usize) -> GearMesh {
     }
     let bore = (0..2 * around as u32).map(|k| 3 * k).collect();
     GearMesh {
-        mesh: Mesh {
-            nodes,
-            kind: ElementKind::C3D8,
-            connectivity,
-            node_sets: BTreeMap::new(),
-            face_sets: BTreeMap::new(),
-        },
+        mesh: Mesh::new(ElementKind::C3D8, nodes, connectivity),
         teeth: around as u32,
         bore,
         flanks: Vec::new(),
-    }
-}
-
-fn hub(mount: Mount, slide: Option<Vec3>) -> Hub {
-    Hub {
-        mount,
-        centre: Vec3::new(0.1, -0.2, 0.0),
-        slide,
-        inertia: 1.0,
     }
 }
 
@@ -88,21 +72,21 @@ fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
         t,
         q,
         v,
-        memory: &[],
+        discrete: &[],
     }
 }
 
-/// A state turned (or moved) by `travel` with small displacements and velocities on top.
-fn state(gear: &FullOrder, travel: f64, speed: f64) -> (Vec<f64>, Vec<f64>) {
+/// A state turned (or moved) by `displacement` with small displacements and velocities on top.
+fn state(gear: &FullOrder, displacement: f64, speed: f64) -> (Vec<f64>, Vec<f64>) {
     let n = gear.hub().len();
     let own = gear.hub().coordinates();
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
     gear.initialise(speed, &mut q, &mut v, &mut []);
     if own > 0 {
-        q[0] = travel;
+        q[0] = displacement;
     }
     let body = gear.body();
-    let frame = super::frame::Frame::at(travel, gear.hub().slide.as_ref());
+    let frame = super::frame::Frame::at(displacement, gear.hub().slide.as_ref());
     let jitter = noise(3 * body.free.len(), 1e-6);
     for (k, &node) in body.free.iter().enumerate() {
         let carried = frame.carried(&body.position[node as usize]);

@@ -13,7 +13,11 @@ fn a_drive_puts_in_what_the_energy_gains() {
         };
         let mut gear = gear(Mount::Driven(ramp), None, mass);
         let t = 0.5;
-        let (q, v) = state(&gear, gear.hub().travel(t, &[]), gear.hub().speed(t, &[]));
+        let (q, v) = state(
+            &gear,
+            gear.hub().displacement(t, &[]),
+            gear.hub().speed(t, &[]),
+        );
         let mut a = vec![0.0; q.len()];
         gear.forces(at(t, &q, &v), &mut a);
         solve_mass(&gear, at(t, &q, &v), &mut a);
@@ -42,8 +46,11 @@ fn the_mount_gives_what_momentum_takes() {
             continue;
         }
         let own = g.hub().coordinates();
-        let (travel, speed) = (g.hub().travel(0.5, &[0.4]), g.hub().speed(0.5, &[90.0]));
-        let (q, v) = state(&g, travel, speed);
+        let (displacement, speed) = (
+            g.hub().displacement(0.5, &[0.4]),
+            g.hub().speed(0.5, &[90.0]),
+        );
+        let (q, v) = state(&g, displacement, speed);
         let at = at(0.5, &q, &v);
         // Contact forces on free nodes, in space.
         let forces: Vec<f64> = (0..q.len())
@@ -82,7 +89,7 @@ fn the_mount_gives_what_momentum_takes() {
                 (place, _) => {
                     let f = Vec3::from_column_slice(&forces[own + 3 * place as usize..][..3]);
                     contact.force += f;
-                    contact.torque += g.hub().lever(&x[node], &f);
+                    contact.torque += g.hub().effective_radius(&x[node], &f);
                     Vec3::from_column_slice(&a[own + 3 * place as usize..][..3])
                 }
             };
@@ -93,7 +100,7 @@ fn the_mount_gives_what_momentum_takes() {
         for node in 0..nodes {
             let f = Vec3::from_column_slice(&image[3 * node..][..3]);
             rate += f;
-            turning += g.hub().lever(&x[node], &f);
+            turning += g.hub().effective_radius(&x[node], &f);
         }
         let r = g.mount_reaction(at, &forces, &contact);
         let mut exact = rate - contact.force;

@@ -1,8 +1,9 @@
 //! What all teeth of a mesh share, fine and coarse: skin, rim, web and hub.
 
-use crate::mesh::error::{MeshError, Part};
+use crate::mesh::build::refine;
+use crate::mesh::error::Part;
 use crate::mesh::grading::{geometric, ratio_from_first};
-use crate::mesh::params::{Tooth, Web};
+use crate::mesh::params::GearMeshParams;
 use crate::mesh::profile::{Body, Plane, Root};
 
 /// What all teeth of a mesh share, fine and coarse.
@@ -33,51 +34,44 @@ pub(super) fn skin_part(layers: usize, growth: f64, across: usize) -> f64 {
 }
 
 impl<'a> Common<'a> {
-    #[allow(clippy::too_many_arguments)]
-    pub(in crate::mesh) fn new(
-        body: Body<'a>,
-        tooth: &Tooth,
-        refine: usize,
-        layers: usize,
-        rim: usize,
-        growths: (f64, f64, Option<f64>),
-        web: Option<&Web>,
-    ) -> Result<Self, MeshError> {
-        let (flank_grading, skin_growth, rim_growth) = growths;
+    pub(in crate::mesh) fn new(body: Body<'a>, p: &GearMeshParams, layers: usize) -> Self {
+        let (refine, skin_growth) = (refine(p.kind), p.skin_growth);
         let depth = body.depth();
-        let rim_depth = web.map_or(depth, |w| -body.unrolled_radius(w.outer_radius));
+        let rim_depth = p
+            .web
+            .map_or(depth, |w| -body.unrolled_radius(w.outer_radius));
         let form = body.flank(0.0).0[0];
-        let part = skin_part(layers, skin_growth, tooth.across);
+        let part = skin_part(layers, skin_growth, p.tooth.across);
         let root_skin = (0.7 * part * form).min(0.35 * rim_depth);
         let last = {
             let g = geometric(layers, skin_growth, 1);
             root_skin * (1.0 - g[layers - 1])
         };
-        let growth = rim_growth.unwrap_or_else(|| {
-            ratio_from_first(rim, 1.3 * last, rim_depth - root_skin, (1.0 / 1.5, 2.5))
+        let growth = p.rim_growth.unwrap_or_else(|| {
+            ratio_from_first(p.rim, 1.3 * last, rim_depth - root_skin, (1.0 / 1.5, 2.5))
         });
         let zone = |part: Part, fractions: Vec<f64>| fractions.into_iter().map(move |f| (part, f));
-        let mut levels: Vec<_> = zone(Part::Rim, geometric(rim, growth, refine)).collect();
+        let mut levels: Vec<_> = zone(Part::Rim, geometric(p.rim, growth, refine)).collect();
         let mut zone_ends = [-depth; 3];
-        if let Some(w) = web {
+        if let Some(w) = p.web {
             zone_ends[0] = -rim_depth;
             zone_ends[1] = body.unrolled_radius(w.inner_radius);
             levels.extend(zone(Part::Web, geometric(w.layers, 1.0, refine)).skip(1));
             levels.extend(zone(Part::Hub, geometric(w.hub_layers, 1.0, refine)).skip(1));
         }
-        Ok(Common {
+        Common {
             body,
             root: Root::new(body),
             refine,
             layers,
             skin_growth,
-            flank_grading,
+            flank_grading: p.flank_grading,
             root_skin,
             rim_depth,
             depth,
             levels,
             zone_ends,
-        })
+        }
     }
 
     /// Elements from the skin to the bore.

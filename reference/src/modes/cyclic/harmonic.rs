@@ -3,7 +3,6 @@
 use super::{Sector, Shared};
 use crate::modes::lanczos::{Lanczos, Target, is_small};
 use crate::modes::{Modes, ModesError, Options, Symmetric, default_shift, dense};
-use crate::solve::ordering::Ordering;
 use crate::solve::{Cholesky, Scalar, Symbolic, negative_eigenvalues};
 use faer::{Mat, Par, c64};
 use std::sync::Arc;
@@ -151,13 +150,13 @@ impl<T: Scalar> State<T> {
         let symbolic = if sector.hub_coordinates(harmonic) == 0 {
             shared.clone()
         } else {
-            Arc::new(Symbolic::new(pair.stiffness.symbolic(), Ordering::Best)?)
+            Arc::new(Symbolic::new(pair.stiffness.symbolic())?)
         };
         let block = options.block.unwrap_or(BLOCK).max(1);
         let engine = if is_small(n, guess, block) {
             Engine::Dense(dense::lowest(&stiffness, &mass, n, shift)?)
         } else {
-            Engine::Iteration(Lanczos::new(mass.clone(), shift, block, options, Par::Seq))
+            Engine::Iteration(Lanczos::new(mass.clone(), shift, block, Par::Seq))
         };
         Ok(Self {
             stiffness,

@@ -25,7 +25,6 @@ use crate::assembly::tie::HubMotion;
 use crate::mesh::GearMesh;
 use crate::solve::Symbolic;
 use faer::{Mat, c64};
-use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use harmonic::Harmonic;
 use rayon::prelude::*;
@@ -107,7 +106,6 @@ impl CyclicModes {
     }
 
     /// Frequencies [Hz].
-    #[must_use]
     pub fn frequencies(&self) -> Vec<f64> {
         let to_hz = |m: &CyclicMode| m.omega2.max(0.0).sqrt() / std::f64::consts::TAU;
         self.modes.iter().map(to_hz).collect()
@@ -125,13 +123,11 @@ pub struct Hub {
 
 impl Hub {
     /// Held in every direction.
-    #[must_use]
     pub fn fixed() -> Self {
         Self::default()
     }
 
     /// Free to turn about z, with added inertia [kg m²].
-    #[must_use]
     pub fn turning(added_inertia: f64) -> Self {
         Self {
             motions: vec![HubMotion::Turn],
@@ -144,10 +140,6 @@ impl Hub {
 const KEEP_BELOW: usize = 800_000_000;
 
 /// The lowest `count` modes of the gear whose sector is given (one more if the last is half of a pair).
-///
-/// # Errors
-/// A sector whose cuts do not match, hub motions that break the symmetry, elements that cannot be integrated,
-/// and what [`super::lowest`] declines.
 pub fn lowest(
     sector: &GearMesh,
     material: &Material,
@@ -155,36 +147,19 @@ pub fn lowest(
     count: usize,
     options: &Options,
 ) -> Result<CyclicModes, ModesError> {
-    Sector::new(sector, material, hub)?.lowest(count, options)
+    Sector::new(sector, material, hub)?.find(Target::Count(count), options)
 }
 
 impl Sector {
-    /// The lowest `count` modes of the whole gear (one more if the last is half of a pair).
-    ///
-    /// # Errors
-    /// As [`lowest`].
-    pub fn lowest(&self, count: usize, options: &Options) -> Result<CyclicModes, ModesError> {
-        let unknowns = self.unknowns() * self.teeth() as usize;
-        if count > unknowns {
-            return Err(ModesError::TooMany {
-                wanted: count,
-                unknowns,
-            });
-        }
-        self.search(Target::Count(count), options)
-    }
-
-    /// All modes of the whole gear with `omega^2` up to a bound [rad²/s²].
-    ///
-    /// # Errors
-    /// As [`lowest`].
-    pub fn up_to(&self, omega2: f64, options: &Options) -> Result<CyclicModes, ModesError> {
-        self.search(Target::Above(omega2), options)
-    }
-
-    fn search(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
+    /// The lowest modes of the whole gear (one more if the last is half of a pair), or all up to a bound.
+    pub fn find(&self, target: Target, options: &Options) -> Result<CyclicModes, ModesError> {
         let teeth = self.teeth() as usize;
         let unknowns = self.unknowns() * teeth;
+        if let Target::Count(wanted) = target
+            && wanted > unknowns
+        {
+            return Err(ModesError::TooMany { wanted, unknowns });
+        }
         let symbolic = Arc::new(self.symbolic()?);
         let harmonics = teeth / 2 + 1;
         let keep = 16 * symbolic.stored() * harmonics < KEEP_BELOW;
@@ -285,9 +260,3 @@ fn last_wanted(states: &[Harmonic], count: usize, otherwise: f64) -> f64 {
 
 /// Analysis shared by the harmonics; kept here so that the parts need not know each other.
 type Shared = Arc<Symbolic>;
-
-/// Turns a vector about z.
-fn turned(x: Vec3, angle: f64) -> Vec3 {
-    let (s, c) = angle.sin_cos();
-    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
-}

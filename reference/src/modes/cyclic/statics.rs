@@ -1,8 +1,9 @@
 //! Static responses of a gear, bore held, to forces on one tooth: one problem of a sector's size per harmonic.
 
-use super::{Sector, turned};
+use super::Sector;
 use crate::modes::ModesError;
 use crate::solve::{Cholesky, Scalar, Symbolic};
+use crate::vector::{self, turned};
 use faer::{Mat, Par, c64};
 use gearbench_models::Vec3;
 use std::sync::Arc;
@@ -60,8 +61,8 @@ impl Sector {
             }
         })?;
         let mut image = vec![0.0; e.len()];
-        self.assembly.mass.apply3(e, &mut image);
-        let inertia = e.iter().zip(&image).map(|(x, y)| x * y).sum();
+        self.assembly.mass.apply(e, &mut image);
+        let inertia = vector::dot(e, &image);
         // The high cut is the low cut of the next sector.
         let pitch = std::f64::consts::TAU / f64::from(teeth);
         let mut load = vec![0.0; self.unknowns()];

@@ -1,10 +1,11 @@
 //! Modes from one sector against modes of the whole mesh, and against what symmetry says.
 
 use super::*;
-use crate::assembly::assemble;
-use crate::assembly::tie::{MassKind, Tie};
 use crate::mesh::{ElementKind, Mesh};
 use crate::modes::{self, Symmetric};
+use crate::test_support::tied;
+use crate::vector::turned;
+use gearbench_models::Vec3;
 
 /// A ring of hexahedra with one tooth per pitch: radial bands, the outer one on the first half of the pitch only.
 /// `pitches` of `teeth` are meshed; a whole gear closes on itself.
@@ -14,13 +15,7 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
     let steps = per_pitch * pitches as usize;
     let columns = if closed { steps } else { steps + 1 };
     let (inner, band, width) = (0.02, 0.006, 0.01);
-    let mut mesh = Mesh {
-        nodes: Vec::new(),
-        kind,
-        connectivity: Vec::new(),
-        node_sets: Default::default(),
-        face_sets: Default::default(),
-    };
+    let mut mesh = Mesh::new(kind, Vec::new(), Vec::new());
     let pitch = std::f64::consts::TAU / f64::from(teeth);
     let index = |column: usize, row: usize, layer: usize| {
         (((column % columns) * (bands + 2) + row) * (layers + 1) + layer) as u32
@@ -88,14 +83,6 @@ fn ring(kind: ElementKind, teeth: u32, pitches: u32, bands: usize, layers: usize
     }
 }
 
-/// Whole-mesh matrices of a gear with the motions of its hub.
-fn whole(gear: &GearMesh, hub: &Hub) -> (Tie, crate::assembly::tie::Reduced) {
-    let assembly = assemble(&gear.mesh, &Material::STEEL).unwrap();
-    let tie = Tie::new(&gear.mesh.nodes, &gear.bore, &hub.motions);
-    let reduced = tie.reduce(&assembly, &hub.added_inertia, MassKind::Consistent);
-    (tie, reduced)
-}
-
 /// Displacements of a cyclic mode on the nodes of the whole mesh, found by position.
 fn on_whole(modes: &CyclicModes, i: usize, sector: &GearMesh, gear: &GearMesh) -> Vec<f64> {
     let mut full = vec![f64::NAN; 3 * gear.mesh.nodes.len()];
@@ -132,8 +119,8 @@ fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub,
     let gear = ring(kind, teeth, teeth, bands, layers);
     let options = Options::default();
     let cyclic = lowest(&sector, &Material::STEEL, hub, count, &options).unwrap();
-    let (tie, r) = whole(&gear, hub);
-    let full = modes::lowest(r.stiffness.as_ref(), r.mass.as_ref(), count, &options).unwrap();
+    let (tie, r) = tied(&gear, &hub.motions, &hub.added_inertia);
+    let full = modes::lowest(&r, count, &options).unwrap();
     assert!(cyclic.modes.len() == count || cyclic.modes.len() == count + 1);
     let scale = full.omega2[full.omega2.iter().position(|w| *w > 1e6).unwrap()];
     for i in 0..count {

@@ -9,8 +9,8 @@
 
 mod ritz;
 
-use super::dense::{adjoint_product, eigen};
-use super::{ModesError, Options, Symmetric};
+use super::dense::{adjoint_product, eigen, product};
+use super::{ModesError, Symmetric};
 use crate::solve::{Cholesky, Scalar};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
@@ -57,14 +57,17 @@ fn capacity_for(count: usize, block: usize) -> usize {
 /// A Gram matrix of a block whose smallest eigenvalue is this fraction of the largest loses three digits.
 const WELL_CONDITIONED: f64 = 1e-6;
 
+/// Residual of the inverse iteration relative to its eigenvalue at which a mode counts as found.
+const TOLERANCE: f64 = 1e-9;
+/// Steps after which the search gives up.
+const MAX_STEPS: usize = 2000;
+
 /// State of an iteration; it can be continued to find more modes.
 #[derive(Debug)]
 pub struct Lanczos<T: Scalar> {
     mass: Arc<Symmetric<T>>,
     shift: f64,
     block: usize,
-    tolerance: f64,
-    max_steps: usize,
     par: Par,
     /// Basis: `size` vectors that A has been applied to, then the last block.
     basis: Mat<T>,
@@ -83,22 +86,13 @@ pub struct Lanczos<T: Scalar> {
 }
 
 impl<T: Scalar> Lanczos<T> {
-    /// Prepares an iteration with `block` vectors per step, whatever the options say about it; nothing is solved yet.
-    #[must_use]
-    pub fn new(
-        mass: Arc<Symmetric<T>>,
-        shift: f64,
-        block: usize,
-        options: &Options,
-        par: Par,
-    ) -> Self {
+    /// Prepares an iteration with `block` vectors per step; nothing is solved yet.
+    pub fn new(mass: Arc<Symmetric<T>>, shift: f64, block: usize, par: Par) -> Self {
         let (n, block) = (mass.size(), block.max(1));
         let mut new = Self {
             mass,
             shift,
             block,
-            tolerance: options.tolerance,
-            max_steps: options.max_steps,
             par,
             basis: Mat::zeros(n, 0),
             size: 0,
@@ -140,9 +134,6 @@ impl<T: Scalar> Lanczos<T> {
     }
 
     /// Iterates until the target is met.
-    ///
-    /// # Errors
-    /// No convergence within the steps allowed, or matrices that are not finite.
     pub fn run(&mut self, factor: &Cholesky<T>, target: Target) -> Result<usize, ModesError> {
         let n = self.mass.size();
         if self.size == 0 && self.report.steps == 0 {
@@ -174,7 +165,7 @@ impl<T: Scalar> Lanczos<T> {
                 if enough {
                     return Ok(converged);
                 }
-                if self.report.steps >= self.max_steps || self.size + self.block > n {
+                if self.report.steps >= MAX_STEPS || self.size + self.block > n {
                     return Err(ModesError::NotConverged {
                         found: converged,
                         wanted,
@@ -209,9 +200,6 @@ impl<T: Scalar> Lanczos<T> {
     }
 
     /// Squares of the frequencies found so far without a gap, ascending [rad²/s²].
-    ///
-    /// # Errors
-    /// Matrices that are not finite.
     pub fn found(&self) -> Result<Vec<f64>, ModesError> {
         if self.size == 0 {
             return Ok(Vec::new());
@@ -320,16 +308,7 @@ impl<T: Scalar> Lanczos<T> {
             });
             combine(&mut w, &mut spare, &forward);
             combine(&mut mw, &mut spare, &forward);
-            let mut both = Mat::zeros(b, b);
-            matmul(
-                both.as_mut(),
-                Accum::Replace,
-                &back,
-                &coupling,
-                T::real(1.0),
-                Par::Seq,
-            );
-            coupling = both;
+            coupling = product(back.as_ref(), coupling.as_ref(), Par::Seq);
             if lambda[0] > 0.5 * top {
                 break;
             }

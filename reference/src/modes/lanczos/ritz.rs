@@ -1,11 +1,10 @@
 //! Ritz pairs of the basis: what has converged, restarts, and the last step of inverse iteration.
 
-use super::Lanczos;
-use crate::modes::dense::{adjoint_product, eigen, residuals};
+use super::{Lanczos, TOLERANCE};
+use crate::modes::dense::{adjoint_product, eigen, product, residuals};
 use crate::modes::{Modes, ModesError, Symmetric};
 use crate::solve::{Cholesky, Scalar};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Mat, MatRef, Par};
 
 /// Ritz values `theta`, descending, with vectors and estimated residuals.
 pub(super) struct Ritz<T: Scalar> {
@@ -20,15 +19,8 @@ impl<T: Scalar> Lanczos<T> {
         let (values, vectors) = eigen(self.projected.as_ref().submatrix(0, 0, m, m), self.par)?;
         let descending = Mat::from_fn(m, m, |i, j| vectors[(i, m - 1 - j)]);
         let theta: Vec<f64> = values.into_iter().rev().collect();
-        let mut rest = Mat::zeros(self.block, m);
-        matmul(
-            rest.as_mut(),
-            Accum::Replace,
-            &self.coupling,
-            descending.subrows(m - self.block, self.block),
-            T::real(1.0),
-            Par::Seq,
-        );
+        let last = descending.subrows(m - self.block, self.block);
+        let rest = product(self.coupling.as_ref(), last, Par::Seq);
         let norm = |j: usize| {
             (0..self.block)
                 .map(|i| rest[(i, j)].modulus2())
@@ -45,7 +37,7 @@ impl<T: Scalar> Lanczos<T> {
 
     /// Leading Ritz pairs that have all converged.
     pub(super) fn converged(&self, ritz: &Ritz<T>) -> usize {
-        let fine = |(t, r): &(&f64, &f64)| **t > 0.0 && **r <= self.tolerance * **t;
+        let fine = |(t, r): &(&f64, &f64)| **t > 0.0 && **r <= TOLERANCE * **t;
         ritz.theta
             .iter()
             .zip(&ritz.residuals)
@@ -73,23 +65,10 @@ impl<T: Scalar> Lanczos<T> {
     }
 
     pub(super) fn combined(&self, coefficients: MatRef<'_, T>) -> Mat<T> {
-        let mut x = Mat::zeros(self.basis.nrows(), coefficients.ncols());
-        let v = self.basis.subcols(0, self.size);
-        matmul(
-            x.as_mut(),
-            Accum::Replace,
-            v,
-            coefficients,
-            T::real(1.0),
-            self.par,
-        );
-        x
+        product(self.basis.subcols(0, self.size), coefficients, self.par)
     }
 
     /// The lowest `count` modes, improved once more, with their true residuals.
-    ///
-    /// # Errors
-    /// Matrices that are not finite.
     pub fn modes(
         &self,
         factor: &Cholesky<T>,
@@ -135,35 +114,11 @@ impl<T: Scalar> Lanczos<T> {
         let to_unit = Mat::from_fn(count, count, |i, j| {
             u[(i, j)] * T::real(1.0 / lambda[j].sqrt())
         });
-        let mut product = Mat::zeros(count, count);
-        matmul(
-            product.as_mut(),
-            Accum::Replace,
-            &elastic,
-            &to_unit,
-            T::real(1.0),
-            self.par,
-        );
-        let small = adjoint_product(to_unit.as_ref(), product.as_ref(), self.par);
+        let half = product(elastic.as_ref(), to_unit.as_ref(), self.par);
+        let small = adjoint_product(to_unit.as_ref(), half.as_ref(), self.par);
         let (shifted, s) = eigen(small.as_ref(), self.par)?;
-        let mut rotation = Mat::zeros(count, count);
-        matmul(
-            rotation.as_mut(),
-            Accum::Replace,
-            &to_unit,
-            &s,
-            T::real(1.0),
-            self.par,
-        );
-        let mut vectors = Mat::zeros(x.nrows(), count);
-        matmul(
-            vectors.as_mut(),
-            Accum::Replace,
-            &x,
-            &rotation,
-            T::real(1.0),
-            self.par,
-        );
+        let rotation = product(to_unit.as_ref(), s.as_ref(), self.par);
+        let vectors = product(x.as_ref(), rotation.as_ref(), self.par);
         let omega2: Vec<f64> = shifted.iter().map(|l| l + self.shift).collect();
         let residuals = residuals(stiffness, &self.mass, &omega2, vectors.as_ref(), self.shift);
         Ok(Modes {

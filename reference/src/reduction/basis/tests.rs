@@ -1,8 +1,8 @@
 //! One tooth sector against the whole mesh, and what every basis must be.
 
 use super::*;
-use crate::mesh::{self, GearMeshParams};
-use crate::test_support::{self, coarse_gear, coarse_rack};
+use crate::mesh;
+use crate::test_support::{self, coarse};
 use gearbench_models::geometry::{Gear, GearParams};
 
 fn params(teeth: u32) -> GearParams {
@@ -14,10 +14,6 @@ fn params(teeth: u32) -> GearParams {
         bore_radius: 5e-3,
         ..GearParams::default()
     }
-}
-
-fn coarse() -> GearMeshParams {
-    coarse_gear(2, 2)
 }
 
 /// Shapes of some modes at all flank nodes, and over the frequencies.
@@ -40,8 +36,8 @@ fn sector_and_whole_mesh_agree() {
             ..params(teeth)
         })
         .unwrap();
-        let whole = mesh::gear(&gear, &coarse()).unwrap();
-        let sector = mesh::sector(&gear, &coarse()).unwrap();
+        let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
+        let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
         let wanted = Wanted::Count(61);
         let a = of_sector(&sector, &Material::STEEL, &mounting, wanted).unwrap();
         let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted).unwrap();
@@ -117,7 +113,7 @@ fn sector_and_whole_mesh_agree() {
 #[test]
 fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
     let gear = Gear::new(params(10)).unwrap();
-    let whole = mesh::gear(&gear, &coarse()).unwrap();
+    let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
     let wanted = Wanted::Count(30);
     let frequencies = |added: f64| {
         let b = of_mesh(
@@ -161,7 +157,7 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
 #[test]
 fn a_rack_slides_and_a_held_one_is_pulled() {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
-    let whole = mesh::rack(&rack, &coarse_rack(2)).unwrap();
+    let whole = mesh::rack(&rack, &coarse(2, 1)).unwrap();
     for free in [true, false] {
         let mounting = Mounting::rack(free, 0.01);
         let all = of_mesh(
@@ -190,7 +186,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
 #[test]
 fn up_to_a_frequency_and_a_number_are_the_same_modes() {
     let gear = Gear::new(params(9)).unwrap();
-    let sector = mesh::sector(&gear, &coarse()).unwrap();
+    let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
     let of = |wanted| of_sector(&sector, &Material::STEEL, &mounting, wanted).unwrap();
     let by_number = of(Wanted::Count(50));

@@ -1,14 +1,14 @@
 use super::*;
 use crate::mesh;
 use crate::reduction::{Mounting, Wanted, basis};
-use crate::test_support::{self, coarse_gear, coarse_rack};
+use crate::test_support::{self, coarse};
 use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_models::stiffness::Material;
 
 /// All modes of a small rack.
 fn rack() -> Basis {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
-    let mesh = mesh::rack(&rack, &coarse_rack(2)).unwrap();
+    let mesh = mesh::rack(&rack, &coarse(2, 1)).unwrap();
     let wanted = Wanted::Count(usize::MAX / 2);
     basis::of_mesh(&mesh, &Material::STEEL, &Mounting::rack(true, 0.01), wanted).unwrap()
 }
@@ -18,7 +18,7 @@ fn gear() -> Basis {
         p.face_width = 5e-3;
         p.bore_radius = 6e-3;
     });
-    let sector = mesh::sector(&gear, &coarse_gear(2, 2)).unwrap();
+    let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 1e-6);
     basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(120)).unwrap()
 }

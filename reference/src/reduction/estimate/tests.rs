@@ -2,7 +2,7 @@ use super::*;
 use crate::mesh;
 use crate::reduction::choose::{Criterion, choose};
 use crate::reduction::{Mounting, Wanted, basis};
-use crate::test_support::{coarse_gear, gear};
+use crate::test_support::{coarse, gear};
 use gearbench_models::stiffness::Material;
 
 const LEVER: f64 = 0.0188;
@@ -12,7 +12,7 @@ fn pinion() -> Basis {
         p.face_width = 5e-3;
         p.bore_radius = 8e-3;
     });
-    let sector = mesh::sector(&gear, &coarse_gear(2, 1)).unwrap();
+    let sector = mesh::sector(&gear, &coarse(2, 1)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
     basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(300)).unwrap()
 }

@@ -1,8 +1,8 @@
 //! Toothings found again from their meshes.
 
 use super::*;
-use crate::mesh::{self, GearMesh, GearMeshParams, RackMeshParams};
-use crate::reduction::Surface;
+use crate::mesh::{self, GearMesh, GearMeshParams};
+use crate::reduction::surface::Surface;
 use crate::test_support;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
 
@@ -86,9 +86,9 @@ fn a_rack_is_found_again_from_its_flank_nodes() {
             p.pressure_angle = f64::to_radians(angle);
             p.face_width = 8e-3;
         });
-        let mut params = RackMeshParams {
+        let mut params = GearMeshParams {
             width: 1,
-            ..RackMeshParams::default()
+            ..GearMeshParams::default()
         };
         params.tooth.flank = 4;
         let basis = bare(&mesh::rack(&rack, &params).unwrap());

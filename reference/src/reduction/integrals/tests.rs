@@ -5,16 +5,15 @@ use crate::assembly::assemble;
 use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams, Mesh};
 use crate::reduction::choose::{ModalDamping, reduced};
 use crate::reduction::{Basis, Mounting, Wanted, basis};
-use crate::test_support::{self, coarse_gear};
+use crate::test_support::{self, coarse};
+use crate::vector::dot;
 use gearbench_integrators::system::At;
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::elastic::inertia::AUTO_LIMIT;
 use gearbench_models::gear::elastic::{Elastic, SpinTerms};
 use gearbench_models::geometry::{FlankGrid, Gear, Side};
-use gearbench_models::kinematics::Hub;
-use gearbench_models::kinematics::Placement;
-use gearbench_models::spec::Mount;
-use gearbench_models::spec::Profile;
+use gearbench_models::kinematics::{Hub, Placement};
+use gearbench_models::spec::{Mount, Profile};
 use gearbench_models::stiffness::Material;
 use std::sync::Arc;
 
@@ -24,17 +23,13 @@ fn gear() -> (Gear, GearMeshParams) {
         p.face_width = 8e-3;
         p.bore_radius = 5e-3;
     });
-    (gear, coarse_gear(2, 1))
+    (gear, coarse(2, 1))
 }
 
 fn noise(n: usize, seed: f64) -> Vec<f64> {
     (0..n)
         .map(|i| ((i as f64 * 12.9898 + seed).sin() * 43_758.545_3).fract())
         .collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Any fields will do for shapes: the kinetic energy of the nodes is that of the integrals.
@@ -66,7 +61,7 @@ fn kinetic_energy_is_that_of_the_nodes() {
     }
     let mut image = vec![0.0; n];
     let mut twice = |v: &[f64]| {
-        mass.apply3(v, &mut image);
+        mass.apply(v, &mut image);
         dot(v, &image)
     };
     let exact = twice(&velocity);
@@ -81,7 +76,7 @@ fn kinetic_energy_is_that_of_the_nodes() {
     // A slide along x: M_te is its momentum.
     let mut along: Vec<f64> = vec![0.0; n];
     along.iter_mut().step_by(3).for_each(|x| *x = 1.0);
-    mass.apply3(&along, &mut image);
+    mass.apply(&along, &mut image);
     for k in 0..3 {
         assert!((i.translation[3 * k] - dot(&fields[k], &image)).abs() < 1e-12);
     }
@@ -283,7 +278,7 @@ fn rim(b: &Basis, speed: f64, terms: SpinTerms) -> f64 {
         t: 1.0,
         q: &zero,
         v: &zero,
-        memory: &[],
+        discrete: &[],
     };
     gear.forces(at, &mut f);
     let part = |i: usize| b.shapes[i] * f[i] / b.omega[i].powi(2);

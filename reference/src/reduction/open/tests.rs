@@ -6,12 +6,8 @@ use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
 use crate::test_support;
-use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, GearParams};
-use gearbench_models::kinematics::Hub;
-use gearbench_models::kinematics::Placement;
-use gearbench_models::spec::Mount;
-use gearbench_models::spec::Parameters;
+use gearbench_models::spec::{Mount, Parameters};
 use gearbench_models::stiffness::Material;
 
 fn gear(teeth: u32, change: impl Fn(&mut GearParams)) -> Gear {
@@ -49,24 +45,11 @@ fn judged(
         meta: Meta::new(&request, "a test"),
         basis: Arc::new(basis),
     };
-    let hub = Hub {
-        mount,
-        centre: Vec3::zeros(),
-        slide: None,
-        inertia: 1.0,
-    };
-    let none = Parameters::new();
+    let (hub, none) = (test_support::hub(mount, None), Parameters::new());
     let context = GearContext {
-        name: "pinion",
-        body: &body,
         material,
-        hub: &hub,
         added_inertia,
-        placement: Placement::new(&hub, 0.0),
-        lever: 1.0,
-        meshes: &[],
-        speed: 0.0,
-        parameters: &none,
+        ..test_support::context(&body, &hub, &none)
     };
     misfit(&stored, &context)
 }

@@ -1,6 +1,6 @@
 //! The container: a zip archive with one `.npy` file per array.
 
-use super::error::{MAKE_AGAIN, StoreError, StoreErrorKind};
+use super::error::{StoreError, StoreErrorKind, refused, spoilt};
 use super::npy::{self, Head, shape_text};
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::collections::BTreeMap;
@@ -98,7 +98,7 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, StoreError> {
         let archive = ZipArchive::from_slice(bytes).map_err(|e| {
-            StoreError::new(
+            spoilt(
                 StoreErrorKind::NotZip,
                 "",
                 "a reduction as `gearbench reduce` writes it, a zip archive (.npz)",
@@ -106,18 +106,16 @@ impl<'a> Reader<'a> {
                     0 => "an empty file".to_owned(),
                     n => format!("{n} bytes that are none ({e})"),
                 },
-                MAKE_AGAIN,
             )
         })?;
         let mut entries = BTreeMap::new();
         for entry in archive.entries() {
             let damaged = |found: String| {
-                StoreError::new(
+                spoilt(
                     StoreErrorKind::Damaged,
                     "",
                     "a whole table of contents",
                     found,
-                    MAKE_AGAIN,
                 )
             };
             let entry = entry.map_err(|e| damaged(e.to_string()))?;
@@ -135,7 +133,7 @@ impl<'a> Reader<'a> {
 
     fn missing(&self, name: &str) -> StoreError {
         let there: Vec<&str> = self.entries.keys().map(String::as_str).take(40).collect();
-        StoreError::new(
+        spoilt(
             StoreErrorKind::Missing,
             name,
             "this array",
@@ -143,7 +141,6 @@ impl<'a> Reader<'a> {
                 true => "no array at all".to_owned(),
                 false => format!("only {}", there.join(", ").escape_debug()),
             },
-            MAKE_AGAIN,
         )
     }
 
@@ -179,7 +176,7 @@ impl<'a> Reader<'a> {
     ) -> Result<(Vec<usize>, Vec<T>), StoreError> {
         let (head, mut input) = self.open(name)?;
         if head.descr != descr || (head.fortran && head.shape.len() > 1) {
-            return Err(StoreError::new(
+            return Err(refused(
                 StoreErrorKind::Type,
                 name,
                 format!("{what} (`{descr}`), the last axis fastest"),
@@ -211,12 +208,11 @@ impl<'a> Reader<'a> {
                     Axis::Any(name) => (*name).to_owned(),
                 })
                 .collect();
-            return Err(StoreError::new(
+            return Err(spoilt(
                 StoreErrorKind::Shape,
                 name,
                 format!("the shape ({})", expected.join(", ")),
                 shape_text(&head.shape),
-                MAKE_AGAIN,
             ));
         };
         let mut numbers = Vec::with_capacity(count.min(CHUNK));
@@ -264,12 +260,11 @@ impl<'a> Reader<'a> {
             f64::from_le_bytes,
         )?;
         if let Some(i) = x.iter().position(|x| !x.is_finite()) {
-            return Err(StoreError::new(
+            return Err(spoilt(
                 StoreErrorKind::Value,
                 name,
                 "finite numbers",
                 format!("{} at [{}]", x[i], index(i, &shape)),
-                MAKE_AGAIN,
             ));
         }
         Ok((shape, x))
@@ -287,12 +282,11 @@ impl<'a> Reader<'a> {
             .iter()
             .position(|x| !(-1..=i64::from(u32::MAX)).contains(x))
         {
-            return Err(StoreError::new(
+            return Err(spoilt(
                 StoreErrorKind::Value,
                 name,
                 "numbers that count or name something",
                 format!("{} at [{i}]", x[i]),
-                MAKE_AGAIN,
             ));
         }
         Ok(x)
@@ -320,13 +314,7 @@ impl<'a> Reader<'a> {
 }
 
 fn damaged(name: &str, found: String) -> StoreError {
-    StoreError::new(
-        StoreErrorKind::Damaged,
-        name,
-        "a whole array",
-        found,
-        MAKE_AGAIN,
-    )
+    spoilt(StoreErrorKind::Damaged, name, "a whole array", found)
 }
 
 /// Place of number `i` in an array.

@@ -1,10 +1,10 @@
 //! What has to fit in a basis that is written or was read.
 
 use super::Meta;
-use super::error::{MAKE_AGAIN, StoreError, StoreErrorKind};
+use super::error::{StoreError, StoreErrorKind, spoilt, value};
 use super::names::{
     ADDED, COMPLIANCE, FAMILY, HUB, HUB_FLANK, HUB_HUB, INERTIA, MOMENTUM, NODES, NORMALS, OMEGA,
-    PARTICIPATION, ROWS, SHAPES, TOOTH, UNBALANCE, YOUNG, sign, value,
+    PARTICIPATION, ROWS, SHAPES, TOOTH, UNBALANCE, YOUNG, sign,
 };
 use crate::reduction::Basis;
 use gearbench_models::Vec3;
@@ -25,12 +25,11 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     ];
     for (array, found, expected) in lengths {
         if found != expected {
-            return Some(StoreError::new(
+            return Some(spoilt(
                 StoreErrorKind::Shape,
                 array,
                 format!("{expected} numbers"),
                 found.to_string(),
-                MAKE_AGAIN,
             ));
         }
     }
@@ -114,12 +113,11 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         }
     };
     if let Some(expected) = c {
-        return Some(StoreError::new(
+        return Some(spoilt(
             StoreErrorKind::Shape,
             COMPLIANCE,
             expected,
             "another shape",
-            MAKE_AGAIN,
         ));
     }
     let blocks = match &b.compliance.flanks {

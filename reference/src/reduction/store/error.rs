@@ -1,6 +1,6 @@
-//! Why a stored reduction is refused: file, array, what was expected, what was found, and a way out.
+//! Why a stored reduction is refused.
 
-use std::fmt;
+use crate::refusal::Refused;
 
 /// What kind of trouble a [`StoreError`] reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -23,68 +23,42 @@ pub enum StoreErrorKind {
     Newer,
 }
 
-/// A stored reduction was refused. The text reads `file: array: expected ..., found ...; way out`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StoreError {
-    /// Kind of trouble.
-    pub kind: StoreErrorKind,
-    /// File, as it was named.
-    pub file: Box<str>,
-    /// The array in question; may be empty.
-    pub array: Box<str>,
-    /// What was expected.
-    pub expected: Box<str>,
-    /// What was found.
-    pub found: Box<str>,
-    /// What to do about it.
-    pub help: Box<str>,
-}
+/// A stored reduction was refused; the context is the array in question.
+pub type StoreError = Refused<StoreErrorKind>;
 
 /// What to do about a file that no reading can repair.
 pub(super) const MAKE_AGAIN: &str = "make it again with `gearbench reduce`";
 
-impl StoreError {
-    pub(super) fn new(
-        kind: StoreErrorKind,
-        array: &str,
-        expected: impl Into<String>,
-        found: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Self {
-        StoreError {
-            kind,
-            file: "".into(),
-            array: array.into(),
-            expected: expected.into().into(),
-            found: found.into().into(),
-            help: help.into().into(),
-        }
-    }
-
-    /// A file that cannot be read or written.
-    pub(super) fn io(expected: &str, found: impl Into<String>, help: &str) -> Self {
-        StoreError::new(StoreErrorKind::Io, "", expected, found, help)
-    }
-
-    /// The same with the file's name.
-    pub(super) fn of(mut self, file: &str) -> Self {
-        self.file = file.into();
-        self
-    }
+/// A refusal of an array (or of no array in particular), with a way out.
+pub(super) fn refused(
+    kind: StoreErrorKind,
+    array: &str,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+    help: impl Into<String>,
+) -> StoreError {
+    let context = match array.is_empty() {
+        true => String::new(),
+        false => format!("`{array}`"),
+    };
+    Refused::new(kind, context, expected, found, help)
 }
 
-impl fmt::Display for StoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
-        if !self.array.is_empty() {
-            write!(f, ": `{}`", self.array)?;
-        }
-        write!(f, ": expected {}, found {}", self.expected, self.found)?;
-        if !self.help.is_empty() {
-            write!(f, "; {}", self.help)?;
-        }
-        Ok(())
-    }
+/// A refusal that only another file helps against.
+pub(super) fn spoilt(
+    kind: StoreErrorKind,
+    array: &str,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+) -> StoreError {
+    refused(kind, array, expected, found, MAKE_AGAIN)
 }
 
-impl std::error::Error for StoreError {}
+/// The refusal of a value.
+pub(super) fn value(
+    array: &str,
+    expected: impl Into<String>,
+    found: impl Into<String>,
+) -> StoreError {
+    spoilt(StoreErrorKind::Value, array, expected, found)
+}

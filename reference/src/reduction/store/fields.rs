@@ -1,12 +1,12 @@
 //! Which array holds what.
 
 use super::archive::{Axis, Reader, Writer};
-use super::error::StoreError;
+use super::error::{StoreError, value};
 use super::meta::{self, Entries};
 use super::names::{
     ADDED, COLUMNS, COMPLIANCE, DENSITY, FAMILY, HUB, HUB_FLANK, HUB_HUB, INERTIA, META, MOMENTUM,
     NODES, NORMALS, OMEGA, PARTICIPATION, POISSON, ROWS, SHAPES, SIDE, TOOTH, UNBALANCE, YOUNG,
-    sign, value,
+    sign,
 };
 use super::{Meta, Motion, Stored, checks, inertia};
 use crate::mesh::ElementKind;

@@ -1,7 +1,7 @@
 //! The array `meta`: JSON text that says where a basis comes from.
 
-use super::error::{MAKE_AGAIN, StoreError, StoreErrorKind};
-use super::names::{META, MOST, value};
+use super::error::{StoreError, StoreErrorKind, refused, spoilt, value};
+use super::names::{META, MOST};
 use super::{Meta, Motion, SCHEMA};
 use crate::hash::Hash;
 use crate::reduction::Basis;
@@ -40,7 +40,7 @@ impl Entries {
         let entries = Entries(text.map_err(|e| value(META, "JSON text", e.to_string()))?);
         match entries.0.get("schema").and_then(Value::as_u64) {
             Some(SCHEMA) => Ok(entries),
-            Some(newer) if newer > SCHEMA => Err(StoreError::new(
+            Some(newer) if newer > SCHEMA => Err(refused(
                 StoreErrorKind::Newer,
                 META,
                 format!("schema {SCHEMA}"),
@@ -63,7 +63,7 @@ impl Entries {
     ) -> Result<T, StoreError> {
         let found = self.0.get(name);
         found.and_then(as_t).ok_or_else(|| {
-            StoreError::new(
+            spoilt(
                 match found {
                     Some(_) => StoreErrorKind::Value,
                     None => StoreErrorKind::Missing,
@@ -73,7 +73,6 @@ impl Entries {
                 found.map_or("no such entry".to_owned(), |v| {
                     v.to_string().chars().take(60).collect()
                 }),
-                MAKE_AGAIN,
             )
         })
     }

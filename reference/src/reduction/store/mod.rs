@@ -25,6 +25,7 @@ use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
 use crate::mesh::ElementKind;
 use archive::Reader;
+use error::refused;
 use gearbench_models::stiffness::Material;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -86,7 +87,6 @@ pub struct Meta {
 impl Meta {
     /// What a file says of a basis that was computed from this request; `source` tells in words where the mesh is
     /// from.
-    #[must_use]
     pub fn new(request: &Request<'_>, source: &str) -> Self {
         let mesh = &request.mesh.mesh;
         Meta {
@@ -118,13 +118,10 @@ pub struct Stored {
 }
 
 /// Writes a basis to a file, which is whole or not there; returns its size in bytes.
-///
-/// # Errors
-/// [`StoreError`] when the file cannot be written, or the basis does not fit together.
 pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError> {
     let name = path.to_string_lossy();
     if let Some(problem) = checks::problem(basis, meta) {
-        return Err(problem.of(&name));
+        return Err(problem.at(&name, 0));
     }
     let part = part_of(path);
     let whole: io::Result<_> = File::create(&part).and_then(|file| {
@@ -136,7 +133,14 @@ pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError>
     kept.map_err(|e| {
         let _ = fs::remove_file(&part);
         let help = "choose another name for the output";
-        StoreError::io("a place to write to", e.to_string(), help).of(&name)
+        refused(
+            StoreErrorKind::Io,
+            "",
+            "a place to write to",
+            e.to_string(),
+            help,
+        )
+        .at(&name, 0)
     })
 }
 
@@ -150,14 +154,18 @@ fn part_of(path: &Path) -> PathBuf {
 }
 
 /// Reads a basis from a file.
-///
-/// # Errors
-/// [`StoreError`] says what is wrong with the file.
 pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let name = path.to_string_lossy();
     let fail = |found: String| {
         let help = "`gearbench reduce DECK --out F.npz` makes one";
-        StoreError::io("a readable reduction (.npz)", found, help).of(&name)
+        refused(
+            StoreErrorKind::Io,
+            "",
+            "a readable reduction (.npz)",
+            found,
+            help,
+        )
+        .at(&name, 0)
     };
     let size = fs::metadata(path).map_err(|e| fail(e.to_string()))?.len();
     if size > MAX_FILE_BYTES {
@@ -170,23 +178,24 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
 }
 
 /// Reads a basis from the bytes of a file; `name` stands in refusals.
-///
-/// # Errors
-/// [`StoreError`] says what is wrong.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Stored, StoreError> {
     Reader::new(bytes)
         .and_then(|reader| fields::read(&reader))
-        .map_err(|e| e.of(name))
+        .map_err(|e| e.at(name, 0))
 }
 
 /// The bytes of a file; for tests and for writing elsewhere than to a file.
-///
-/// # Errors
-/// [`StoreError`] when the basis does not fit together.
 pub fn to_bytes(basis: &Basis, meta: &Meta) -> Result<Vec<u8>, StoreError> {
     if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem);
     }
-    fields::write(Vec::new(), basis, meta)
-        .map_err(|e| StoreError::io("an archive in memory", e.to_string(), ""))
+    fields::write(Vec::new(), basis, meta).map_err(|e| {
+        refused(
+            StoreErrorKind::Io,
+            "",
+            "an archive in memory",
+            e.to_string(),
+            "",
+        )
+    })
 }

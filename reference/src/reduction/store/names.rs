@@ -1,6 +1,5 @@
-//! Names of the arrays, and the refusal of a value.
+//! Names of the arrays.
 
-use super::error::{MAKE_AGAIN, StoreError, StoreErrorKind};
 use gearbench_models::geometry::Side;
 
 pub(super) const META: &str = "meta";
@@ -28,14 +27,6 @@ pub(super) const DENSITY: &str = "density_kg_m3";
 
 /// Most flank nodes, modes or teeth that a file may name.
 pub(super) const MOST: usize = u32::MAX as usize;
-
-pub(super) fn value(
-    array: &str,
-    expected: impl Into<String>,
-    found: impl Into<String>,
-) -> StoreError {
-    StoreError::new(StoreErrorKind::Value, array, expected, found, MAKE_AGAIN)
-}
 
 pub(super) fn sign(side: Side) -> i64 {
     match side {

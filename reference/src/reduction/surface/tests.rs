@@ -1,5 +1,5 @@
 use super::*;
-use crate::mesh::{GearMeshParams, RackMeshParams, Tooth, gear, rack, sector};
+use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::test_support;
 use gearbench_models::geometry::{Gear, Side};
 
@@ -67,7 +67,7 @@ fn normals_are_those_of_the_involute() {
 #[test]
 fn a_rack_has_the_normals_of_its_planes_and_its_teeth_in_order() {
     let r = test_support::rack(6, 4e-3, |p| p.body_height = 12e-3);
-    let s = Surface::new(&rack(&r, &RackMeshParams::default()).unwrap()).unwrap();
+    let s = Surface::new(&rack(&r, &GearMeshParams::default()).unwrap()).unwrap();
     let teeth: Vec<u32> = s.flanks.grids().iter().map(|g| g.tooth).collect();
     assert_eq!(teeth, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
     let alpha = r.transverse_pressure_angle();

@@ -1,12 +1,13 @@
-//! Choices judged on random scenes: cost ratio, and error over tolerance, scene by scene.
+//! Choices validated on random scenes: cost ratio, and error over tolerance, scene by scene.
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
 use crate::drawing::canvas::{DrawError, Ink};
-use crate::drawing::curves::{Curve, CurvePanel, draw_curves};
+use crate::drawing::legend::Entry;
+use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::{Look, Marker, look};
 use crate::record::finite;
-use crate::studies::choice_check::{JudgedChoice, Outcome, quantile};
+use crate::studies::choice_check::{Outcome, ValidatedChoice, quantile};
 
 /// Look of misses.
 const MISSED: Look = Look {
@@ -26,15 +27,15 @@ const DEAR: f64 = 2.0;
 const ERRORS: [f64; 2] = [1e-3, 1e2];
 
 /// Scenes at their places on the chart: by kind, within a kind by number.
-fn ordered(choices: &[JudgedChoice]) -> Vec<(f64, &JudgedChoice)> {
-    let mut all: Vec<&JudgedChoice> = choices.iter().collect();
+fn ordered(choices: &[ValidatedChoice]) -> Vec<(f64, &ValidatedChoice)> {
+    let mut all: Vec<&ValidatedChoice> = choices.iter().collect();
     all.sort_by(|a, b| (&a.kind, a.number).cmp(&(&b.kind, b.number)));
     let placed = all.into_iter().enumerate();
     placed.map(|(i, s)| (i as f64 + 1.0, s)).collect()
 }
 
 /// Where kinds begin.
-fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
+fn starts(scenes: &[(f64, &ValidatedChoice)]) -> Vec<(f64, String)> {
     let mut found: Vec<(f64, String)> = Vec::new();
     for (x, s) in scenes {
         if found.last().is_none_or(|(_, kind)| *kind != s.kind) {
@@ -45,140 +46,87 @@ fn starts(scenes: &[(f64, &JudgedChoice)]) -> Vec<(f64, String)> {
 }
 
 /// The chart of a check.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
-pub fn choice_check(choices: &[JudgedChoice]) -> Result<Vec<Chart>, DrawError> {
+pub fn choice_check(choices: &[ValidatedChoice]) -> Result<Vec<Chart>, DrawError> {
     let scenes = ordered(choices);
     if scenes.is_empty() {
         return Ok(Vec::new());
     }
     let n = scenes.len() as f64;
     let x = Axis::linear(0.0, n + 1.0);
-    let points = |keep: &dyn Fn(&JudgedChoice) -> bool,
-                  y: &dyn Fn(&JudgedChoice) -> Option<f64>| {
-        (scenes.iter())
-            .filter(|(_, s)| keep(s))
-            .filter_map(|(x, s)| Some((*x, finite(y(s)?)?)))
-            .collect::<Vec<_>>()
+    let points = |look: Look,
+                  radius: f64,
+                  filled: bool,
+                  keep: &dyn Fn(&ValidatedChoice) -> bool,
+                  y: &dyn Fn(&ValidatedChoice) -> Option<f64>| {
+        let kept = scenes.iter().filter(|(_, s)| keep(s));
+        let points = kept.filter_map(|(x, s)| Some((*x, finite(y(s)?)?)));
+        Curve::points(look, radius, filled, points.collect())
     };
-    let curve = |look: Look, radius: f64, filled: bool, points: Vec<(f64, f64)>| Curve {
-        look,
-        width: 0.0,
-        radius,
-        filled,
-        points,
-        failed: Vec::new(),
-    };
-    let panel = |height: f64, y: Axis, y_name: &str, last: bool| CurvePanel {
-        height,
-        x: x.clone(),
-        x_ticks: Vec::new(),
-        x_name: last.then(|| "scenes, by kind and number".to_string()),
-        y: Some(y),
-        y_name: y_name.into(),
-        remark: String::new(),
-        curves: Vec::new(),
-        limits: Vec::new(),
-        verticals: Vec::new(),
-        marks: Vec::new(),
-    };
+    let is = |outcome: Outcome| move |s: &ValidatedChoice| s.outcome == outcome;
 
     let ratios: Vec<f64> = scenes.iter().filter_map(|(_, s)| s.cost_ratio()).collect();
     let dearest = ratios.iter().copied().fold(2.0 * DEAR, f64::max);
-    let mut cost = panel(
-        210.0,
-        Axis::logarithmic(0.8, dearest),
-        "cost / cheapest adequate",
-        false,
-    );
+    let mut cost = Panel::new(210.0, &x, "cost / cheapest adequate");
+    cost.y = Some(Axis::logarithmic(0.8, dearest));
     cost.verticals = starts(&scenes);
     cost.limits = vec![(DEAR, String::new())];
     if let Some(median) = quantile(&ratios, 0.5) {
         cost.limits.push((median, format!("median {median:.2}")));
     }
-    cost.curves.push(curve(
-        look(1),
-        3.8,
-        true,
-        points(&|s| s.outcome == Outcome::Adequate, &|s| s.cost_ratio()),
-    ));
+    let adequate = is(Outcome::Adequate);
+    let ratio = |s: &ValidatedChoice| s.cost_ratio();
+    cost.curves = vec![points(look(1), 3.8, true, &adequate, &ratio)];
     // Misses and scenes without an answer have no ratio: they stand on the strip above.
     for (kept, look) in [
         (Outcome::is_met as fn(Outcome) -> bool, NONE),
         (|o| !o.is_met(), MISSED),
     ] {
-        let mut c = curve(look, 0.0, true, Vec::new());
-        c.failed = (scenes.iter())
+        let crosses = (scenes.iter())
             .filter(|(_, s)| kept(s.outcome) && s.outcome != Outcome::Adequate)
-            .map(|(x, _)| *x)
-            .collect();
-        cost.curves.push(c);
+            .map(|(x, _)| *x);
+        let none = Curve::points(look, 0.0, true, Vec::new());
+        cost.curves.push(none.failed(crosses.collect()));
     }
 
     let [low, high] = ERRORS;
     let within = |x: Option<f64>| x.map(|x| x.clamp(1.05 * low, 0.95 * high));
-    let mut error = panel(
-        230.0,
-        Axis::logarithmic(low, high),
-        "error / tolerance",
-        true,
-    );
-    error.limits = vec![(1.0, "tolerance".into())];
-    let predicted = |s: &JudgedChoice| within(Some(s.predicted_error? / s.tolerance));
-    error.curves.push(curve(
-        Look {
-            ink: Ink::PALE,
-            ..look(1)
-        },
-        3.2,
-        false,
-        points(&|s| s.chosen.is_some(), &predicted),
-    ));
-    let found = |s: &JudgedChoice| within(s.error_ratio());
-    error.curves.push(curve(
-        look(1),
-        3.8,
-        true,
-        points(&|s| s.outcome == Outcome::Adequate, &found),
-    ));
-    error.curves.push(curve(
-        MISSED,
-        4.8,
-        true,
-        points(&|s| s.outcome == Outcome::Inadequate, &found),
-    ));
-    let least = |s: &JudgedChoice| within(Some(s.least_error? / s.tolerance));
-    error.curves.push(curve(
-        NONE,
-        3.8,
-        false,
-        points(&|s| s.chosen.is_none(), &least),
-    ));
+    let pale = Look {
+        ink: Ink::PALE,
+        ..look(1)
+    };
+    let predicted = |s: &ValidatedChoice| within(Some(s.predicted_error? / s.tolerance));
+    let found = |s: &ValidatedChoice| within(s.error_ratio());
+    let least = |s: &ValidatedChoice| within(Some(s.least_error? / s.tolerance));
+    let error = Panel {
+        y: Some(Axis::logarithmic(low, high)),
+        x_name: Some("scenes, by kind and number".into()),
+        limits: vec![(1.0, "tolerance".into())],
+        ..Panel::new(230.0, &x, "error / tolerance").curves([
+            points(pale, 3.2, false, &|s| s.chosen.is_some(), &predicted),
+            points(look(1), 3.8, true, &adequate, &found),
+            points(MISSED, 4.8, true, &is(Outcome::Inadequate), &found),
+            points(NONE, 3.8, false, &|s| s.chosen.is_none(), &least),
+        ])
+    };
 
     let legend = [
-        ("choice adequate".into(), look(1), true),
-        ("choice missed the tolerance".into(), MISSED, true),
-        ("none chosen: least error there is".into(), NONE, false),
-        (
-            "error as predicted".into(),
-            Look {
-                ink: Ink::PALE,
-                ..look(1)
-            },
-            false,
-        ),
+        Entry::marked("choice adequate", look(1), true),
+        Entry::marked("choice missed the tolerance", MISSED, true),
+        Entry::marked("none chosen: least error there is", NONE, false),
+        Entry::marked("error as predicted", pale, false),
     ];
+    let caption = format!(
+        "Above: processor time of the choice over that of the cheapest candidate that keeps the tolerance, \
+         of all but those that cannot be cheaper. Crosses in the strip: red, a miss; grey, nothing keeps the tolerance, as the choice \
+         said. Below: error of the choice over the tolerance, against the reference over the whole scene; points \
+         beyond {low} and {high} stand at the edge."
+    );
     let title = "Choices on random scenes";
-    Ok(vec![Chart {
-        file: "choice_check.svg".into(),
+    Ok(vec![chart(
+        "choice_check.svg",
         title,
-        caption: format!(
-            "Above: processor time of the choice over that of the cheapest candidate that keeps the tolerance, \
-             of all but those that cannot be cheaper. Crosses in the strip: red, a miss; grey, nothing keeps the tolerance, as the choice \
-             said. Below: error of the choice over the tolerance, against the reference over the whole scene; points \
-             beyond {low} and {high} stand at the edge."
-        ),
-        svg: draw_curves(title, &legend, &[cost, error])?,
-    }])
+        caption,
+        &legend,
+        &[cost, error],
+    )?])
 }

@@ -1,10 +1,10 @@
-//! The table of judged choices.
+//! The table of validated choices.
 
-use super::JudgedChoice;
+use super::ValidatedChoice;
 use crate::csv_table::{CsvTable, number, text};
 
 /// One line per scene.
-pub fn tables(choices: &[JudgedChoice]) -> Vec<CsvTable> {
+pub fn tables(choices: &[ValidatedChoice]) -> Vec<CsvTable> {
     vec![CsvTable::new(
         "choice_check.csv",
         choices,
@@ -18,7 +18,7 @@ pub fn tables(choices: &[JudgedChoice]) -> Vec<CsvTable> {
             ("reference", &|s| s.reference.clone()),
             ("reference_error", &|s| number(s.reference_error)),
             ("densest_error", &|s| number(s.densest_error)),
-            ("redraws", &|s| s.redraws.to_string()),
+            ("rejected", &|s| s.rejected.to_string()),
             ("candidates", &|s| s.candidates.to_string()),
             ("failed", &|s| s.failed.to_string()),
             ("cut_short", &|s| s.cut_short.to_string()),

@@ -1,4 +1,4 @@
-//! Choices of a model judged on random scenes, and what they come to together.
+//! Choices of a model validated on random scenes, and what they come to together.
 //!
 //! A scene is **met** when the chosen candidate keeps the tolerance against the reference over the whole scene, or when
 //! none was chosen and none of all that were tried keeps it. Its **cost ratio** is the time of the chosen candidate over
@@ -12,52 +12,32 @@ use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
 use crate::record::Results;
 use crate::studies::{Part, StudyReport};
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// How a choice came out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Outcome {
-    /// It keeps the tolerance.
-    #[serde(rename = "adequate")]
-    Adequate,
-    /// It does not.
-    #[serde(rename = "inadequate")]
-    Inadequate,
-    /// None was chosen, and none keeps the tolerance.
-    #[serde(rename = "rightly none")]
-    RightlyNone,
-    /// None was chosen, but there is one that keeps the tolerance.
-    #[serde(rename = "wrongly none")]
-    WronglyNone,
-    /// There is no reference to judge by.
-    #[default]
-    #[serde(rename = "not judged")]
-    NotJudged,
+words! {
+    /// How a choice came out.
+    pub enum Outcome {
+        /// It keeps the tolerance.
+        Adequate = "adequate",
+        /// It does not.
+        Inadequate = "inadequate",
+        /// None was chosen, and none keeps the tolerance.
+        RightlyNone = "rightly none",
+        /// None was chosen, but there is one that keeps the tolerance.
+        WronglyNone = "wrongly none",
+        /// There is no reference to validate against.
+        #[default]
+        #[serde(alias = "not judged")]
+        NotValidated = "not validated",
+    }
 }
 
 impl Outcome {
-    /// The words of the format and of the report.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Outcome::Adequate => "adequate",
-            Outcome::Inadequate => "inadequate",
-            Outcome::RightlyNone => "rightly none",
-            Outcome::WronglyNone => "wrongly none",
-            Outcome::NotJudged => "not judged",
-        }
-    }
-
-    /// The choice did what was asked; a scene that could not be judged did not.
+    /// The choice did what was asked; a scene that could not be validated did not.
     #[must_use]
     pub fn is_met(self) -> bool {
         matches!(self, Outcome::Adequate | Outcome::RightlyNone)
-    }
-}
-
-impl std::fmt::Display for Outcome {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.as_str())
     }
 }
 
@@ -80,7 +60,7 @@ pub struct TriedCandidate {
 /// A choice on one scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct JudgedChoice {
+pub struct ValidatedChoice {
     /// Name of the scene.
     pub scene: String,
     /// Its number in the set.
@@ -103,8 +83,9 @@ pub struct JudgedChoice {
     /// Error of the densest elastic model, where the reference is another [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub densest_error: Option<f64>,
-    /// Draws that were not sound before this scene.
-    pub redraws: u32,
+    /// Samples that were not sound before this scene.
+    #[serde(alias = "redraws")]
+    pub rejected: u32,
     /// Number of candidates.
     pub candidates: usize,
     /// Candidates that failed.
@@ -146,7 +127,7 @@ pub struct JudgedChoice {
     /// In which ways the choice says that the scene lies outside of what it has been checked on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside: Vec<String>,
-    /// Why it could not be judged, or there is no answer.
+    /// Why it could not be validated, or there is no answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
     /// All candidates; left out of records that are kept.
@@ -154,7 +135,7 @@ pub struct JudgedChoice {
     pub tried: Vec<TriedCandidate>,
 }
 
-impl JudgedChoice {
+impl ValidatedChoice {
     /// Cost of the choice over that of the cheapest adequate candidate, where the choice is adequate.
     #[must_use]
     pub fn cost_ratio(&self) -> Option<f64> {
@@ -201,7 +182,7 @@ impl JudgedChoice {
                     .as_ref()
                     .map_or(String::new(), |n| format!("; {n}"))
             ),
-            Outcome::NotJudged => self.note.clone().unwrap_or_default(),
+            Outcome::NotValidated => self.note.clone().unwrap_or_default(),
         }
     }
 }
@@ -245,34 +226,36 @@ pub fn quantile(values: &[f64], part: f64) -> Option<f64> {
 
 /// Figures of scenes.
 #[must_use]
-pub fn share(name: &str, scenes: &[&JudgedChoice]) -> Share {
-    let quantiles = |get: fn(&JudgedChoice) -> Option<f64>| {
+pub fn share(name: &str, scenes: &[&ValidatedChoice]) -> Share {
+    let quantiles = |get: fn(&ValidatedChoice) -> Option<f64>| {
         let values: Vec<f64> = scenes.iter().filter_map(|s| get(s)).collect();
         QUANTILES.map(|part| quantile(&values, part))
     };
-    let count = |f: fn(&JudgedChoice) -> bool| scenes.iter().filter(|s| f(s)).count();
+    let count = |f: fn(&ValidatedChoice) -> bool| scenes.iter().filter(|s| f(s)).count();
     Share {
         name: name.into(),
         scenes: scenes.len(),
         met: count(|s| s.outcome.is_met()),
         rightly_none: count(|s| s.outcome == Outcome::RightlyNone),
-        cost_ratio: quantiles(JudgedChoice::cost_ratio),
+        cost_ratio: quantiles(ValidatedChoice::cost_ratio),
         prediction: quantiles(|s| s.prediction_ratio().filter(|r| *r > 0.0)),
     }
 }
 
 /// Figures of all scenes, then by kind, by metric and by reference.
 #[must_use]
-pub fn shares(scenes: &[JudgedChoice]) -> Vec<Share> {
-    let all: Vec<&JudgedChoice> = scenes.iter().collect();
+pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
+    let all: Vec<&ValidatedChoice> = scenes.iter().collect();
     let mut found = vec![share("all", &all)];
-    let keys: [fn(&JudgedChoice) -> &str; 3] = [|s| &s.kind, |s| s.metric.key(), |s| &s.reference];
+    let keys: [fn(&ValidatedChoice) -> &str; 3] =
+        [|s| &s.kind, |s| s.metric.key(), |s| &s.reference];
     for key in keys {
         let mut names: Vec<&str> = all.iter().map(|s| key(s)).collect();
         names.sort_unstable();
         names.dedup();
         for name in names {
-            let of: Vec<&JudgedChoice> = all.iter().filter(|s| key(s) == name).copied().collect();
+            let of: Vec<&ValidatedChoice> =
+                all.iter().filter(|s| key(s) == name).copied().collect();
             found.push(share(name, &of));
         }
     }
@@ -282,14 +265,14 @@ pub fn shares(scenes: &[JudgedChoice]) -> Vec<Share> {
 /// What the record of this study has of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CheckRecord {
-    /// Choices of a model judged on random scenes.
+    /// Choices of a model validated on random scenes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub choices: Vec<JudgedChoice>,
+    pub choices: Vec<ValidatedChoice>,
 }
 
 impl Results {
-    /// Choices of a model judged on random scenes; none in records of other studies.
-    pub fn choices(&self) -> &[JudgedChoice] {
+    /// Choices of a model validated on random scenes; none in records of other studies.
+    pub fn choices(&self) -> &[ValidatedChoice] {
         match &self.part {
             Part::ChoiceCheck(part) => &part.choices,
             _ => &[],
@@ -298,10 +281,7 @@ impl Results {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
-pub(super) fn report(choices: &[JudgedChoice]) -> Result<StudyReport, DrawError> {
+pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: vec![tables::finding(choices)],
         tables: tables::tables(choices),
@@ -315,8 +295,8 @@ pub(super) fn report(choices: &[JudgedChoice]) -> Result<StudyReport, DrawError>
 mod tests {
     use super::*;
 
-    fn judged(outcome: Outcome, cost: f64, cheapest: f64) -> JudgedChoice {
-        JudgedChoice {
+    fn validated(outcome: Outcome, cost: f64, cheapest: f64) -> ValidatedChoice {
+        ValidatedChoice {
             kind: if cost > 2.0 { "a" } else { "b" }.into(),
             metric: Metric::PeakForceRel,
             reference: "fe".into(),
@@ -326,7 +306,7 @@ mod tests {
             error: Some(0.01),
             cost_s: Some(cost),
             cheapest_cost_s: Some(cheapest),
-            ..JudgedChoice::default()
+            ..ValidatedChoice::default()
         }
     }
 
@@ -338,16 +318,16 @@ mod tests {
         assert_eq!(quantile(&[0.0, 10.0], 0.25), Some(2.5));
     }
 
-    /// A miss has no cost ratio: to be cheap and wrong is no merit. What could not be judged is not met.
+    /// A miss has no cost ratio: to be cheap and wrong is no merit. What could not be validated is not met.
     #[test]
     fn figures_of_a_set() {
         let scenes = [
-            judged(Outcome::Adequate, 3.0, 1.0),
-            judged(Outcome::Adequate, 1.0, 1.0),
-            judged(Outcome::Inadequate, 0.1, 1.0),
-            judged(Outcome::WronglyNone, 1.0, 1.0),
-            judged(Outcome::RightlyNone, 1.0, 1.0),
-            judged(Outcome::NotJudged, 1.0, 1.0),
+            validated(Outcome::Adequate, 3.0, 1.0),
+            validated(Outcome::Adequate, 1.0, 1.0),
+            validated(Outcome::Inadequate, 0.1, 1.0),
+            validated(Outcome::WronglyNone, 1.0, 1.0),
+            validated(Outcome::RightlyNone, 1.0, 1.0),
+            validated(Outcome::NotValidated, 1.0, 1.0),
         ];
         let found = shares(&scenes);
         let all = &found[0];

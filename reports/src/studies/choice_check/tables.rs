@@ -1,15 +1,14 @@
-//! Finding and tables of choices judged on random scenes.
+//! Finding and tables of choices validated on random scenes.
 
-use super::{JudgedChoice, Outcome, Share, share, shares};
+use super::{Outcome, Share, ValidatedChoice, share, shares};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
 use crate::numbers::{percent, significant};
 use maud::{Markup, html};
 
-/// The finding.
-pub fn finding(choices: &[JudgedChoice]) -> Markup {
+pub fn finding(choices: &[ValidatedChoice]) -> Markup {
     let scenes = choices;
-    let all: Vec<&JudgedChoice> = scenes.iter().collect();
+    let all: Vec<&ValidatedChoice> = scenes.iter().collect();
     let total = share("all", &all);
     let count = |o: Outcome| scenes.iter().filter(|s| s.outcome == o).count();
     let part = total.met as f64 / total.scenes.max(1) as f64;
@@ -18,8 +17,8 @@ pub fn finding(choices: &[JudgedChoice]) -> Markup {
         "On " b { (total.met) " of " (total.scenes) } " random scenes (" (percent(part, 3)) "\u{a0}%) the choice does what \
          was asked: " (count(Outcome::Adequate)) " times it keeps the tolerance, " (count(Outcome::RightlyNone)) " times it \
          rightly says that nothing tried does. " (count(Outcome::Inadequate)) " choices are beyond the tolerance, "
-        (count(Outcome::WronglyNone)) " times an adequate candidate was overlooked, " (count(Outcome::NotJudged)) " scenes \
-         could not be judged."
+        (count(Outcome::WronglyNone)) " times an adequate candidate was overlooked, " (count(Outcome::NotValidated)) " scenes \
+         could not be validated."
         @if let [Some(low), Some(middle), Some(high), Some(most)] = total.cost_ratio {
             " An adequate choice costs " b { (three(middle)) " times" } " the cheapest adequate candidate in the median \
              (quartiles " (three(low)) " and " (three(high)) ", nine tenths below " (three(most)) ")."
@@ -32,7 +31,7 @@ pub fn finding(choices: &[JudgedChoice]) -> Markup {
 }
 
 /// Tables: figures by group, and the scenes that were missed.
-pub fn tables(choices: &[JudgedChoice]) -> Markup {
+pub fn tables(choices: &[ValidatedChoice]) -> Markup {
     let groups = shares(choices);
     let sure = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| significant(x, 3));
     let part = |g: &Share| percent(g.met as f64 / g.scenes.max(1) as f64, 3);
@@ -51,7 +50,7 @@ pub fn tables(choices: &[JudgedChoice]) -> Markup {
         "met: the tolerance is kept against the reference over the whole scene, or nothing that was tried keeps it and the \
          choice said so. Cost ratio: processor time over that of the cheapest adequate candidate.",
     );
-    let missed: Vec<&JudgedChoice> = (choices.iter()).filter(|s| !s.outcome.is_met()).collect();
+    let missed: Vec<&ValidatedChoice> = (choices.iter()).filter(|s| !s.outcome.is_met()).collect();
     let misses = Table::of(&missed)
         .text("Scene", |s| s.scene.clone())
         .text("Kind", |s| s.kind.clone())
@@ -67,12 +66,12 @@ pub fn tables(choices: &[JudgedChoice]) -> Markup {
     }
 }
 
-fn chosen(s: &JudgedChoice) -> String {
+fn chosen(s: &ValidatedChoice) -> String {
     s.chosen.clone().unwrap_or_else(|| "none".into())
 }
 
 /// All scenes, one line each.
-pub fn scenes(choices: &[JudgedChoice]) -> Markup {
+pub fn scenes(choices: &[ValidatedChoice]) -> Markup {
     let table = Table::of(choices)
         .classed(|s| if s.outcome.is_met() { "" } else { "failed" })
         .text("Scene", |s| s.scene.clone())

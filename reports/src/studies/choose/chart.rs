@@ -2,17 +2,13 @@
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame};
-use crate::drawing::canvas::{
-    Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw, text_width,
-};
-use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
-use crate::drawing::style::{cross, look, marker};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Type, draw, text_width};
+use crate::drawing::geometry::Rect;
+use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
+use crate::drawing::scatter;
+use crate::drawing::style::{look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::studies::choose::{ChoiceRecord, TriedRecord};
-
-/// Failed candidates that are named.
-const NAMED: usize = 6;
-const ROW: f64 = 18.0;
 
 /// A candidate that has both an error and a cost.
 struct Point<'a> {
@@ -24,9 +20,6 @@ struct Point<'a> {
 }
 
 /// The chart of a choice.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let families = choice.families();
     let style = |t: &TriedRecord| families.iter().position(|f| *f == t.family).unwrap_or(0);
@@ -45,33 +38,33 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     if points.is_empty() {
         return Ok(None);
     }
-    let failed: Vec<&TriedRecord> = (choice.tried.iter())
-        .filter(|t| t.failure.is_some())
+    let failed: Vec<(Ink, String)> = (choice.tried.iter())
+        .filter_map(|t| {
+            let why = t.failure.as_deref()?;
+            let why = why.split(':').next().unwrap_or(why);
+            let text = format!("{}, {}: {why}", t.level, t.method());
+            Some((look(style(t)).ink, text))
+        })
         .collect();
     let limit = 100.0 * choice.tolerance;
-    let (least, most) = bounds(points.iter().map(|p| p.cost));
+    let (least, most) = extremes(points.iter().map(|p| p.cost));
     let prefix = Prefix::of(least, 1.0);
     let x = Axis::logarithmic(least * prefix.factor, most * prefix.factor);
-    let (low, high) = bounds(points.iter().map(|p| p.error).chain([limit]));
+    let (low, high) = extremes(points.iter().map(|p| p.error).chain([limit]));
     let y = Axis::logarithmic(low, high);
-    let strip = match failed.len() {
-        0 => 0.0,
-        n => 16.0 + ROW * n.min(NAMED) as f64,
-    };
-    let top = 34.0;
-    let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + 360.0);
+    let top = 34.0 + scatter::failures_height(failed.len());
+    let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 360.0);
     let title = "Estimated error against predicted cost";
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
-        key(c, &families);
-        if strip > 0.0 {
-            let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
-            failures(c, &failed, &edge, &style);
-        }
+        let names: Vec<(&str, usize)> = families.iter().copied().zip(0..).collect();
+        scatter::key(c, &names);
+        scatter::failures(c, &failed, top, "choose.csv");
         let frame = Frame { area, x, y };
         let name = format!("{} [%]", choice.metric_title);
         let cost = format!("processor time for the whole scene [{}s]", prefix.symbol);
         frame.paint(c, &cost, &name, true);
-        line(c, &frame, limit);
+        let text = format!("tolerance {} %", short(limit, 3));
+        scatter::tolerance(c, &frame, limit, &text);
         let at = |p: &Point<'_>| frame.at(p.cost * prefix.factor, p.error);
         for p in &points {
             let mut l = look(p.style);
@@ -92,68 +85,14 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     }))
 }
 
-fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, 0.0), |(low, high), x| {
-        (f64::min(low, x), f64::max(high, x))
-    })
-}
-
 fn caption(choice: &ChoiceRecord) -> String {
     format!(
         "Each point is a model under an integrator at one step or tolerance, run on the window ({}). Filled: estimated to \
          keep the tolerance with its margin; open and pale: not, or not by enough. The ring is the choice. Errors are \
-         distances to the top rung with what that rung is off, over the whole scene; costs are scaled from the window, set-up \
+         distances to the top level with what that level is off, over the whole scene; costs are scaled from the window, set-up \
          not included.",
         choice.window
     )
-}
-
-fn key(c: &mut Canvas<'_>, families: &[&str]) {
-    let mut x = LEFT + 6.0;
-    for (style, family) in families.iter().enumerate() {
-        marker(c, (x, 12.0), 5.0, look(style), true);
-        c.text(family, (x + 12.0, 12.0), Type::new(13.5, Anchor::Start));
-        x += 40.0 + text_width(family, 13.5);
-    }
-}
-
-fn failures(
-    c: &mut Canvas<'_>,
-    failed: &[&TriedRecord],
-    edge: &Rect,
-    style: &dyn Fn(&TriedRecord) -> usize,
-) {
-    c.fill(edge, Ink(0xf7, 0xf3, 0xf2, 1.0));
-    c.frame(edge, Stroke::new(Ink::PALE, 1.0));
-    let kind = Type::new(12.5, Anchor::End).ink(Ink::FAIL);
-    c.text("failed", (LEFT - 10.0, 0.5 * (edge.y0 + edge.y1)), kind);
-    let shown = if failed.len() > NAMED {
-        NAMED - 1
-    } else {
-        failed.len()
-    };
-    let mut y = edge.y0 + 13.0;
-    for t in &failed[..shown] {
-        cross(c, (edge.x0 + 14.0, y), 4.2, look(style(t)).ink);
-        let why = t.failure.as_deref().unwrap_or_default();
-        let why = why.split(':').next().unwrap_or(why);
-        let text = format!("{}, {}: {why}", t.rung, t.method());
-        c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
-        y += ROW;
-    }
-    if shown < failed.len() {
-        let text = format!("and {} more, see choose.csv", failed.len() - shown);
-        c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
-    }
-}
-
-fn line(c: &mut Canvas<'_>, frame: &Frame, limit: f64) {
-    let (x, y) = frame.at(frame.x.max, limit);
-    let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
-    c.line_within(&[(frame.area.x0, y), (x, y)], &frame.area, stroke);
-    let text = format!("tolerance {} %", short(limit, 3));
-    let kind = Type::new(12.5, Anchor::End).ink(Ink::GREY);
-    c.text(&text, (x - 8.0, y - 10.0), kind);
 }
 
 /// A ring around the choice, with its name beside it where there is room.
@@ -161,7 +100,7 @@ fn chosen(c: &mut Canvas<'_>, p: &Point<'_>, at: (f64, f64), area: &Rect) {
     c.circle(at, 10.0, Ink::DARK, Some(2.0));
     let text = format!(
         "{}, {}: {}",
-        p.tried.rung,
+        p.tried.level,
         p.tried.method(),
         quantity(p.cost, "s", 3)
     );

@@ -9,7 +9,7 @@ pub fn tables(choice: &ChoiceRecord) -> Vec<CsvTable> {
         "choose.csv",
         choice.tried.iter().enumerate(),
         &[
-            ("rung", &|(_, t)| t.rung.clone()),
+            ("level", &|(_, t)| t.level.clone()),
             ("family", &|(_, t)| t.family.clone()),
             ("integrator", &|(_, t)| t.integrator.clone()),
             ("step_s", &|(_, t)| number(t.step_s)),

@@ -1,4 +1,4 @@
-//! What a study of model choice records beside its scene: the wish, the ladder, what was tried, the answer.
+//! What a study of model choice records beside its scene: the requirement, the hierarchy, what was tried, the answer.
 
 mod chart;
 mod csv;
@@ -25,13 +25,13 @@ pub struct ChoiceRecord {
     /// Estimated error of the choice over the whole scene, else the least there is [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_error: Option<f64>,
-    /// Part of it by the model, against the top rung [-].
+    /// Part of it by the model, against the top level [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model_error: Option<f64>,
     /// Part of it by the integrator, against the model's own fine solution [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub integration_error: Option<f64>,
-    /// What the top rung is estimated to be off on the window [-].
+    /// What the top level is estimated to be off on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub top_error: Option<f64>,
     /// Factor by which errors grow from the window to the whole scene [-].
@@ -52,16 +52,17 @@ pub struct ChoiceRecord {
     pub reason: Vec<String>,
     /// In which ways the scene lies outside of what choices were checked on.
     pub outside: Vec<String>,
-    /// The ladder, simplest model first.
-    pub rungs: Vec<RungRecord>,
+    /// The hierarchy, simplest model first.
+    #[serde(alias = "rungs")]
+    pub levels: Vec<LevelRecord>,
     /// What was run on the window.
     pub tried: Vec<TriedRecord>,
 }
 
-/// A rung of the ladder.
+/// A level of the hierarchy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct RungRecord {
+pub struct LevelRecord {
     /// Name.
     pub name: String,
     /// Family: `rigid`, `movable-teeth`, `quasi-static`, `elastic`.
@@ -69,10 +70,10 @@ pub struct RungRecord {
     /// Modes per gear where gears are elastic.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
-    /// Distance to the top rung on the window [-].
+    /// Distance to the top level on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<f64>,
-    /// Distance to the next rung on the window [-].
+    /// Distance to the next level on the window [-].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_up: Option<f64>,
     /// Estimated error over the whole scene [-].
@@ -95,9 +96,10 @@ pub struct RungRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TriedRecord {
-    /// Its rung.
-    pub rung: String,
-    /// Family of its rung.
+    /// Its level.
+    #[serde(alias = "rung")]
+    pub level: String,
+    /// Family of its level.
     pub family: String,
     /// Integrator.
     pub integrator: String,
@@ -138,11 +140,11 @@ impl TriedRecord {
 }
 
 impl ChoiceRecord {
-    /// The families in the order of the ladder: their place is their style.
+    /// The families in the order of the hierarchy: their place is their style.
     #[must_use]
     pub fn families(&self) -> Vec<&str> {
         let mut all: Vec<&str> = Vec::new();
-        for r in &self.rungs {
+        for r in &self.levels {
             if !all.contains(&r.family.as_str()) {
                 all.push(&r.family);
             }
@@ -161,7 +163,7 @@ impl ChoiceRecord {
     /// # Errors
     /// A sentence that names the rule.
     pub fn validate(&self) -> Result<(), String> {
-        let places = self.rungs.iter().filter_map(|r| r.cheapest);
+        let places = self.levels.iter().filter_map(|r| r.cheapest);
         match places.chain(self.chosen).find(|i| *i >= self.tried.len()) {
             Some(i) => Err(format!(
                 "the choice names candidate {i}, but {} were tried",
@@ -180,9 +182,6 @@ pub struct ChooseRecord {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: vec![tables::finding(choice)],

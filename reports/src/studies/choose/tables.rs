@@ -1,6 +1,6 @@
 //! Answer, reason and hierarchy of a choice.
 
-use super::{ChoiceRecord, RungRecord};
+use super::{ChoiceRecord, LevelRecord};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
 use crate::numbers::{percent, quantity};
@@ -25,7 +25,7 @@ pub fn finding(choice: &ChoiceRecord) -> Markup {
         };
     };
     html! {
-        "For the " (asked) ": " b { (t.rung) } " under " b { (t.method()) }
+        "For the " (asked) ": " b { (t.level) } " under " b { (t.method()) }
         @if let (Some(e), Some(cost)) = (choice.predicted_error, choice.predicted_cost_s) {
             ", with an estimated error of " (per_cent(e)) " and " (quantity(cost, "s", 3))
             " of processor time for the whole scene"
@@ -52,14 +52,14 @@ pub fn tables(choice: &ChoiceRecord) -> Markup {
 
 fn hierarchy(choice: &ChoiceRecord) -> Markup {
     let families = choice.families();
-    let place = |r: &RungRecord| families.iter().position(|f| *f == r.family).unwrap_or(0);
-    let mut rows: Vec<&RungRecord> = choice.rungs.iter().collect();
+    let place = |r: &LevelRecord| families.iter().position(|f| *f == r.family).unwrap_or(0);
+    let mut rows: Vec<&LevelRecord> = choice.levels.iter().collect();
     rows.sort_by_key(|r| place(r));
     if rows.is_empty() {
         return Markup::default();
     }
-    let cheapest = |r: &RungRecord| r.cheapest.and_then(|i| choice.tried.get(i));
-    let outcome = |r: &&RungRecord| match (&r.failure, r.cheapest) {
+    let cheapest = |r: &LevelRecord| r.cheapest.and_then(|i| choice.tried.get(i));
+    let outcome = |r: &&LevelRecord| match (&r.failure, r.cheapest) {
         (Some(f), _) => f.clone(),
         (_, Some(_)) if r.cheapest == choice.chosen => "chosen".into(),
         (_, Some(_)) => "adequate".into(),

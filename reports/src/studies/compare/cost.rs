@@ -2,11 +2,11 @@
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame, TICK_SIZE, tick_label};
-use crate::drawing::canvas::{
-    Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw, text_width,
-};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
+use crate::drawing::geometry::Rect;
 use crate::drawing::labels::point_label;
-use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
+use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
+use crate::drawing::scatter;
 use crate::drawing::style::{cross, look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{Run, Status};
@@ -22,9 +22,6 @@ fn measured(run: &Run) -> bool {
 }
 
 /// Bars of wall time, one per run, sorted within each model.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let times: Vec<f64> = (view.results.runs.iter())
         .filter(|r| !r.status.is_failure() && measured(r))
@@ -33,8 +30,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     if view.results.runs.is_empty() {
         return Ok(None);
     }
-    let least = times.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = times.iter().copied().fold(0.0, f64::max);
+    let (least, most) = extremes(times.iter().copied());
     let prefix = Prefix::of(if most > 0.0 { most } else { 1.0 }, 1.0);
     let (low, high) = (least * prefix.factor, most * prefix.factor);
     let log = times.len() > 1 && high > 30.0 * low;
@@ -170,9 +166,6 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
 }
 
 /// Error against wall time, one point per run.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(against) = &view.against else {
         return Ok(None);
@@ -186,56 +179,59 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     if good.is_empty() {
         return Ok(None);
     }
-    let failed: Vec<&Run> = (view.results.runs.iter())
+    let models: Vec<(&str, usize)> = (view.groups.iter())
+        .map(|g| (g.label.as_str(), g.style))
+        .collect();
+    let failed: Vec<(Ink, String)> = (view.results.runs.iter())
         .filter(|r| r.status.is_failure())
+        .map(|r| {
+            let model = r.model_label();
+            let style = models.iter().find(|m| m.0 == model).map_or(0, |m| m.1);
+            let text = format!(
+                "{model} under {} {}: {}",
+                r.integrator,
+                resolution(r),
+                r.status
+            );
+            (look(style).ink, text)
+        })
         .collect();
     let relative = view.metric.unit().is_empty();
     let factor = if relative { 100.0 } else { 1.0 };
     let limit = (view.results.tolerance.as_ref()).map(|t| t.limit * factor);
-    let errors = || good.iter().map(|p| p.2 * factor);
-    let (low, high) = (
-        errors().fold(f64::INFINITY, f64::min),
-        errors().chain(limit).fold(0.0, f64::max),
-    );
+    let (low, high) = extremes(good.iter().map(|p| p.2 * factor));
+    let high = limit.map_or(high, |l| high.max(l));
     let y = if high > 8.0 * low {
         Axis::logarithmic(low, high)
     } else {
         Axis::from_zero(high)
     };
-    let walls = || good.iter().map(|p| p.1.wall_s * 1e3);
-    let x = Axis::logarithmic(
-        walls().fold(f64::INFINITY, f64::min),
-        walls().fold(0.0, f64::max),
-    );
-    let strip = if failed.is_empty() {
-        0.0
-    } else {
-        16.0 + 18.0 * failed.len().min(6) as f64
-    };
-    let top = 62.0;
-    let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + 330.0);
+    let (fast, slow) = extremes(good.iter().map(|p| p.1.wall_s * 1e3));
+    let x = Axis::logarithmic(fast, slow);
+    let top = 62.0 + scatter::failures_height(failed.len());
+    let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 330.0);
     let title = "Error against wall time";
     let unit = if relative { "%" } else { view.metric.unit() };
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
-        key(c, view);
-        if strip > 0.0 {
-            let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
-            failures(c, view, &failed, &edge);
-        }
+        scatter::key(c, &models);
+        let kind = Type::new(12.5, Anchor::Start).ink(Ink::GREY);
+        c.text("filled: explicit, open: implicit", (LEFT, 44.0), kind);
+        scatter::failures(c, &failed, top, "the table of failures");
         let frame = Frame { area, x, y };
         frame.paint(c, "wall time [ms]", &view.metric.axis(), true);
         let mut taken: Vec<Rect> = Vec::new();
         if let Some(limit) = limit {
-            taken.push(tolerance_line(c, &frame, limit, unit));
+            let text = format!("tolerance {} {unit}", short(limit, 3));
+            taken.push(scatter::tolerance(c, &frame, limit, &text));
         }
         let points: Vec<(f64, f64)> = (good.iter())
             .map(|(_, r, e)| frame.at(r.wall_s * 1e3, e * factor))
             .collect();
         for p in &points {
-            taken.push(Rect::new(p.0 - 6.0, p.1 - 6.0, p.0 + 6.0, p.1 + 6.0));
+            taken.push(Rect::around(*p, 6.0));
         }
         for ((_, run, _), p) in good.iter().zip(&points) {
-            point_label(c, &run.integrator, *p, &area, &mut taken);
+            point_label(c, &run.integrator, *p, &area, &mut taken, false);
         }
         for ((style, run, _), p) in good.iter().zip(&points) {
             marker(c, *p, 5.2, look(*style), !run.implicit);
@@ -253,71 +249,4 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         ),
         svg,
     }))
-}
-
-fn key(c: &mut Canvas<'_>, view: &View<'_>) {
-    let mut at = (LEFT + 6.0, 12.0);
-    for group in &view.groups {
-        let width = 36.0 + text_width(&group.label, 13.5);
-        if at.0 + width > WIDTH - RIGHT && at.0 > LEFT + 6.0 {
-            at = (LEFT + 6.0, at.1 + 20.0);
-        }
-        marker(c, at, 5.2, look(group.style), true);
-        c.text(
-            &group.label,
-            (at.0 + 12.0, at.1),
-            Type::new(13.5, Anchor::Start),
-        );
-        at.0 += width;
-    }
-    let text = "filled: explicit, open: implicit";
-    let kind = Type::new(12.5, Anchor::Start).ink(Ink::GREY);
-    c.text(text, (LEFT, 44.0), kind);
-}
-
-fn failures(c: &mut Canvas<'_>, view: &View<'_>, failed: &[&Run], edge: &Rect) {
-    c.fill(edge, Ink(0xf7, 0xf3, 0xf2, 1.0));
-    c.frame(edge, Stroke::new(Ink::PALE, 1.0));
-    c.text(
-        "failed",
-        (LEFT - 10.0, 0.5 * (edge.y0 + edge.y1)),
-        Type::new(12.5, Anchor::End).ink(Ink::FAIL),
-    );
-    let shown = if failed.len() > 6 { 5 } else { failed.len() };
-    let mut y = edge.y0 + 13.0;
-    for run in &failed[..shown] {
-        let style = view
-            .groups
-            .iter()
-            .find(|g| g.label == run.model_label())
-            .map_or(0, |g| g.style);
-        cross(c, (edge.x0 + 14.0, y), 4.2, look(style).ink);
-        let text = format!(
-            "{} under {} {}: {}",
-            run.model_label(),
-            run.integrator,
-            resolution(run),
-            run.status
-        );
-        c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
-        y += 18.0;
-    }
-    if shown < failed.len() {
-        let text = format!(
-            "and {} more, see the table of failures",
-            failed.len() - shown
-        );
-        c.text(&text, (edge.x0 + 27.0, y), Type::new(12.5, Anchor::Start));
-    }
-}
-
-fn tolerance_line(c: &mut Canvas<'_>, frame: &Frame, limit: f64, unit: &str) -> Rect {
-    let (x, y) = frame.at(frame.x.max, limit);
-    let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
-    c.line_within(&[(frame.area.x0, y), (x, y)], &frame.area, stroke);
-    let text = format!("tolerance {} {unit}", short(limit, 3));
-    let width = text_width(&text, 12.5);
-    let kind = Type::new(12.5, Anchor::End).ink(Ink::GREY);
-    c.text(&text, (x - 8.0, y - 10.0), kind);
-    Rect::new(x - 12.0 - width, y - 18.0, x, y + 2.0)
 }

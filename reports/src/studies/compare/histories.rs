@@ -2,8 +2,9 @@
 
 use crate::drawing::Chart;
 use crate::drawing::axis::Axis;
-use crate::drawing::canvas::{DrawError, Ink, Stroke, draw};
-use crate::drawing::lines::{Entry, Line, Panel, WIDTH, height, paint};
+use crate::drawing::canvas::{DrawError, Ink, Stroke};
+use crate::drawing::legend::Entry;
+use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::{model_stroke, reference_stroke};
 use crate::numbers::{Prefix, percent, quantity};
 use crate::record::{ReferenceSeries, Run};
@@ -13,11 +14,11 @@ use crate::view::{View, resolution};
 /// A run that a history chart shows.
 struct Drawn<'a> {
     run: &'a Run,
-    curve: usize,
+    history: usize,
 }
 
 /// A history with its look.
-struct Curve<'a> {
+struct History<'a> {
     label: String,
     series: &'a TimeSeries,
     stroke: Stroke,
@@ -28,7 +29,7 @@ struct Histories<'a> {
     reference: Option<&'a ReferenceSeries>,
     runs: Vec<Drawn<'a>>,
     /// The reference first, then one run per model.
-    curves: Vec<Curve<'a>>,
+    curves: Vec<History<'a>>,
     time: TimeAxis,
     /// A window to look into when the whole is too busy to read.
     zoom: Option<TimeAxis>,
@@ -37,8 +38,8 @@ struct Histories<'a> {
 impl<'a> Histories<'a> {
     fn of(view: &View<'a>) -> Option<Self> {
         let reference = view.reference();
-        let mut curves: Vec<Curve<'a>> = (reference.iter())
-            .map(|r| Curve {
+        let mut curves: Vec<History<'a>> = (reference.iter())
+            .map(|r| History {
                 label: view.reference_name(&r.id),
                 series: &r.series,
                 stroke: reference_stroke(),
@@ -48,7 +49,7 @@ impl<'a> Histories<'a> {
         let others = (view.results.references.iter())
             .filter(|r| !r.series.is_empty() && reference.is_some_and(|m| m.id != r.id));
         let plain = curves.len();
-        curves.extend(others.map(|r| Curve {
+        curves.extend(others.map(|r| History {
             label: view.reference_name(&r.id),
             series: &r.series,
             stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
@@ -74,9 +75,9 @@ impl<'a> Histories<'a> {
             }
             runs.push(Drawn {
                 run,
-                curve: curves.len(),
+                history: curves.len(),
             });
-            curves.push(Curve {
+            curves.push(History {
                 label,
                 series,
                 stroke: model_stroke(group.style),
@@ -95,12 +96,8 @@ impl<'a> Histories<'a> {
     }
 
     fn legend(&self) -> Vec<Entry> {
-        (self.curves.iter())
-            .map(|c| Entry {
-                text: c.label.clone(),
-                stroke: c.stroke,
-            })
-            .collect()
+        let entry = |c: &History<'_>| Entry::line(&c.label, c.stroke);
+        self.curves.iter().map(entry).collect()
     }
 
     fn peak(&self) -> f64 {
@@ -113,19 +110,17 @@ impl<'a> Histories<'a> {
         column: fn(&TimeSeries) -> &Vec<f64>,
         factor: f64,
         time: &TimeAxis,
-    ) -> Vec<Line> {
+    ) -> Vec<Curve> {
         let overview = self.zoom.is_some() && *time == self.time;
-        (self.curves.iter())
-            .map(|c| Line {
-                x: scaled(&c.series.time_s, time.factor),
-                y: scaled(column(c.series), factor),
-                stroke: if overview {
-                    Stroke::new(c.stroke.ink, 0.9)
-                } else {
-                    c.stroke
-                },
-            })
-            .collect()
+        let line = |c: &History<'_>| {
+            let stroke = match overview {
+                true => Stroke::new(c.stroke.ink, 0.9),
+                false => c.stroke,
+            };
+            let x = scaled(&c.series.time_s, time.factor);
+            Curve::history(stroke, &time.axis, &x, &scaled(column(c.series), factor))
+        };
+        self.curves.iter().map(line).collect()
     }
 }
 
@@ -209,9 +204,6 @@ fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
 }
 
 /// Contact force over time, and where the models miss the reference.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
@@ -219,13 +211,10 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let unit = Prefix::of(h.peak(), 20.0);
     let y_name = format!("contact force [{}N]", unit.symbol);
     let panel = |time: &TimeAxis, height: f64| Panel {
-        height,
-        y_name: y_name.clone(),
-        y: None,
-        x: time.axis.clone(),
-        remark: String::new(),
-        lines: h.lines(|s| &s.contact_force_n, unit.factor, time),
         x_name: Some(time.name.clone()),
+        ..Panel::new(height, &time.axis, &y_name)
+            .curves(h.lines(|s| &s.contact_force_n, unit.factor, time))
+            .close()
     };
     let mut caption =
         "Contact force of one run per model, the one with the least error.".to_owned();
@@ -238,14 +227,13 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             let lines = h.lines(|s| &s.contact_force_n, unit.factor, &h.time);
             let last = h.curves.len() - 1;
             for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {
+                let name = format!("force [{}N]", unit.symbol);
                 panels.push(Panel {
-                    height: 88.0,
-                    y_name: format!("force [{}N]", unit.symbol),
                     y: Some(top.clone()),
-                    x: h.time.axis.clone(),
-                    remark: curve.label.clone(),
-                    lines: vec![line],
                     x_name: (i == last).then(|| h.time.name.clone()),
+                    ..Panel::new(88.0, &h.time.axis, &name)
+                        .remark(&curve.label)
+                        .curves([line])
                 });
             }
             panels.push(panel(zoom, 200.0));
@@ -284,17 +272,8 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             caption.push_str(&format!(" Here {}.", shifts.join("; ")));
         }
     }
-    let entries = h.legend();
     let title = "Contact force over time";
-    let svg = draw(WIDTH, height(&panels, &entries), title, |c| {
-        paint(c, &panels, &entries);
-    })?;
-    Ok(Some(Chart {
-        file: "force.svg".into(),
-        title,
-        caption,
-        svg,
-    }))
+    chart("force.svg", title, caption, &h.legend(), &panels).map(Some)
 }
 
 fn residual(
@@ -304,43 +283,34 @@ fn residual(
     unit: Prefix,
 ) -> Panel {
     let t = &reference.series.time_s;
-    let zero = Line {
-        x: vec![time.axis.min, time.axis.max],
-        y: vec![0.0, 0.0],
-        stroke: Stroke::new(Ink::DARK.opacity(0.82), 1.6),
-    };
+    let zero = Curve::line(
+        Stroke::new(Ink::DARK.opacity(0.82), 1.6),
+        vec![(time.axis.min, 0.0), (time.axis.max, 0.0)],
+    );
     let mut buffer = Vec::new();
     let lines = h.runs.iter().map(|d| {
         let shift = (d.run.against(&reference.id))
             .and_then(|m| m.time_shift_s)
             .unwrap_or(0.0);
-        let curve = &h.curves[d.curve];
+        let curve = &h.curves[d.history];
         let own = curve.series;
         resample(&own.time_s, &own.contact_force_n, t, shift, &mut buffer);
-        let y = (buffer.iter().zip(&reference.series.contact_force_n))
+        let y: Vec<f64> = (buffer.iter().zip(&reference.series.contact_force_n))
             .map(|(f, r)| (f - r) * unit.factor)
             .collect();
-        Line {
-            x: scaled(t, time.factor),
-            y,
-            stroke: curve.stroke,
-        }
+        Curve::history(curve.stroke, &time.axis, &scaled(t, time.factor), &y)
     });
+    let name = format!("model \u{2212} ref. [{}N]", unit.symbol);
     Panel {
-        height: 150.0,
-        y_name: format!("model \u{2212} ref. [{}N]", unit.symbol),
-        y: None,
-        x: time.axis.clone(),
-        remark: "difference after time alignment".into(),
-        lines: std::iter::once(zero).chain(lines).collect(),
         x_name: Some(time.name.clone()),
+        ..Panel::new(150.0, &time.axis, &name)
+            .remark("difference after time alignment")
+            .curves(std::iter::once(zero).chain(lines))
+            .close()
     }
 }
 
 /// Angular velocities of both gears over time.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
@@ -355,34 +325,22 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     for time in std::iter::once(&h.time).chain(&h.zoom) {
         for (i, (y_name, column)) in columns.into_iter().enumerate() {
             panels.push(Panel {
-                height: size,
-                y_name: y_name.into(),
-                y: None,
-                x: time.axis.clone(),
-                remark: String::new(),
-                lines: h.lines(column, 1.0, time),
                 x_name: (i == 1).then(|| time.name.clone()),
+                ..Panel::new(size, &time.axis, y_name)
+                    .curves(h.lines(column, 1.0, time))
+                    .close()
             });
         }
     }
-    let entries = h.legend();
-    let title = "Angular velocities of both gears";
-    let svg = draw(WIDTH, height(&panels, &entries), title, |c| {
-        paint(c, &panels, &entries);
-    })?;
     let zoomed = if h.zoom.is_some() {
         " The lower pair shows the time around the highest peak of the force."
     } else {
         ""
     };
-    Ok(Some(Chart {
-        file: "speeds.svg".into(),
-        title,
-        caption: format!(
-            "Angular velocity of gear 1 (\u{3c9}1) and gear 2 (\u{3c9}2), counter-clockwise \
-             positive. Elastic bodies are shown by their momentum mean, angular momentum over \
-             inertia, which is what a rigid body has.{zoomed}"
-        ),
-        svg,
-    }))
+    let title = "Angular velocities of both gears";
+    let caption = format!(
+        "Angular velocity of gear 1 (\u{3c9}1) and gear 2 (\u{3c9}2), counter-clockwise positive. Elastic bodies are \
+         shown by their momentum mean, angular momentum over inertia, which is what a rigid body has.{zoomed}"
+    );
+    chart("speeds.svg", title, caption, &h.legend(), &panels).map(Some)
 }

@@ -2,10 +2,9 @@
 
 use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
-use crate::drawing::canvas::{
-    Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, clip_polygon, draw, text_width,
-};
-use crate::drawing::lines::WIDTH;
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
+use crate::drawing::geometry::{Rect, clip_polygon};
+use crate::drawing::panel::WIDTH;
 use crate::drawing::style::look;
 use crate::numbers::{quantity, short};
 use crate::record::{ContactPoint, ContactSnapshot, Run};
@@ -22,9 +21,6 @@ struct Picture<'a> {
 }
 
 /// Up to two models side by side, each at its own peak force.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let mut pictures: Vec<Picture<'_>> = Vec::new();
     for group in &view.groups {

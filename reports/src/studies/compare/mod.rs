@@ -23,9 +23,6 @@ pub struct CompareRecord {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyReport, DrawError> {
     let charts = [
         histories::force(view)?,

@@ -11,9 +11,6 @@ use crate::studies::compare::histories;
 use crate::view::View;
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::penalty(view)?;
     charts.extend(histories::force(view)?);

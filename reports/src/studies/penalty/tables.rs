@@ -35,7 +35,6 @@ fn enough(s: &Series<'_>, get: fn(&Run) -> Option<f64>) -> Option<f64> {
     found
 }
 
-/// The finding.
 pub fn finding(view: &View<'_>) -> Markup {
     let mut told = Vec::new();
     for s in &series(view) {

@@ -109,7 +109,7 @@ pub fn family(run: &Run) -> String {
 }
 
 /// A run in few words: modes, step or tolerance.
-pub fn rung(run: &Run) -> String {
+pub fn modes_and_step(run: &Run) -> String {
     let resolution = match run.step {
         Some(h) => quantity(h, "s", 3)
             .replace(".00", "")
@@ -312,7 +312,7 @@ impl Standing<'_, '_> {
         format!(
             "{} ({}) {}",
             run.model_label(),
-            rung(run),
+            modes_and_step(run),
             quantity(run.wall_s, "s", 2).replace('\u{a0}', " ")
         )
     }
@@ -344,9 +344,6 @@ fn beside(rival: Option<(&Shown<'_>, f64)>) -> String {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
         finding: tables::finding(view),

@@ -1,7 +1,7 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, rung};
+use super::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, modes_and_step};
 use crate::markup::table::Table;
 use crate::markup::{note, runs as common, section};
 use crate::numbers::{count, percent, quantity, short};
@@ -182,7 +182,7 @@ fn front(cloud: &Cloud<'_>) -> Markup {
     let table = Table::of(&all)
         .text("Model", |i| run(i).model_label())
         .text("Integrator", |i| run(i).integrator.clone())
-        .text("Resolution", |i| rung(run(i)))
+        .text("Resolution", |i| modes_and_step(run(i)))
         .percents("Error", 3, |i| cloud.shown[*i].point.error)
         // From microseconds to seconds: each time with its own prefix.
         .written("Wall time", "", |i| quantity(run(i).wall_s, "s", 3))
@@ -216,7 +216,11 @@ fn within(told: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
             let points: Vec<_> = kept.iter().map(|s| s.point).collect();
             let run = kept[cheapest(&points, limit)?].run;
             let time = quantity(run.wall_s, "s", 2);
-            Some(format!("{time} ({}, {})", run.integrator, rung(run)))
+            Some(format!(
+                "{time} ({}, {})",
+                run.integrator,
+                modes_and_step(run)
+            ))
         });
     }
     let table = table.written("Least error", "", |m| {
@@ -285,7 +289,7 @@ fn failures<'a>(runs: impl Iterator<Item = &'a Run>) -> Markup {
         .text("Reason", |f| f.1.to_string())
         .written("Runs", "", |f| count(f.2.len() as u64))
         .text("At", |f| {
-            let all: Vec<String> = f.2.iter().map(|r| rung(r)).collect();
+            let all: Vec<String> = f.2.iter().map(|r| modes_and_step(r)).collect();
             all.join("; ")
         })
         .text("Such as", |f| f.2[0].message.clone());

@@ -28,7 +28,6 @@ fn step(limit: &Limit) -> String {
     }
 }
 
-/// The finding.
 pub fn finding(maps: &[Map]) -> Markup {
     let total: usize = maps.iter().map(|m| m.cells.len()).sum();
     if total == 0 {

@@ -1,7 +1,6 @@
 //! Finding and tables of a speed sweep under load.
 
-use super::Steady;
-use super::charts::{Swept, resonance};
+use super::{Steady, Swept, resonance};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, glance, note, section, sentences};
 use crate::numbers::{quantity, short, significant};
@@ -10,7 +9,6 @@ use maud::{Markup, html};
 
 const UM: f64 = 1e6;
 
-/// The finding.
 pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
     if all.iter().all(|s| s.runs.is_empty()) {
         return html! { "No run reached steady running." };

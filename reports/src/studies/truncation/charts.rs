@@ -3,11 +3,12 @@
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, tick_label};
 use crate::drawing::canvas::DrawError;
-use crate::drawing::curves::{Curve, CurvePanel, Mark, draw_curves};
+use crate::drawing::legend::Entry;
+use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::{Look, look};
 use crate::numbers::{count, short};
 use crate::record::{Metrics, Run, finite};
-use crate::studies::truncation::{LIMITS, Way, ways};
+use crate::studies::truncation::{LIMITS, Way, counts, ways};
 use crate::view::View;
 
 /// Where gears without modes stand on the logarithmic abscissa, over the fewest modes there are.
@@ -32,10 +33,9 @@ fn shown<'a>(view: &View<'a>) -> Vec<Shown<'a>> {
     .collect()
 }
 
-fn legend(shown: &[Shown<'_>]) -> Vec<(String, Look, bool)> {
-    (shown.iter())
-        .map(|s| (s.way.label.clone(), s.look, s.way.residual))
-        .collect()
+fn legend(shown: &[Shown<'_>]) -> Vec<Entry> {
+    let entry = |s: &Shown<'_>| Entry::marked(&s.way.label, s.look, s.way.residual);
+    shown.iter().map(entry).collect()
 }
 
 /// Abscissa of mode counts: logarithmic, with a place for none at all.
@@ -47,12 +47,7 @@ struct Counts {
 
 impl Counts {
     fn of(shown: &[Shown<'_>]) -> Option<Self> {
-        let all: Vec<&Way<'_>> = shown.iter().map(|s| &s.way).collect();
-        let mut tried: Vec<usize> = (all.iter())
-            .flat_map(|w| w.runs.iter().filter_map(|(_, r)| r.modes))
-            .collect();
-        tried.sort_unstable();
-        tried.dedup();
+        let tried = counts(shown.iter().map(|s| &s.way));
         let least = *tried.iter().find(|n| **n > 0)? as f64;
         let most = *tried.last()? as f64;
         let none = NONE_AT * least;
@@ -87,16 +82,11 @@ fn curve(s: &Shown<'_>, x: impl Fn(&Run) -> Option<f64>, y: impl Fn(&Run) -> Opt
         .filter_map(|(_, r)| Some((x(r)?, finite(y(r)?)?)))
         .collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let failed = s.way.runs.iter().filter(|(_, r)| r.status.is_failure());
+    let curve = Curve::joined(s.look, 1.6, 4.4, points);
     Curve {
-        look: s.look,
-        width: 1.6,
-        radius: 4.4,
-        filled: s.way.residual,
-        points,
-        failed: (s.way.runs.iter())
-            .filter(|(_, r)| r.status.is_failure())
-            .filter_map(|(_, r)| x(r))
-            .collect(),
+        marker: Some((s.look, 4.4, s.way.residual)),
+        ..curve.failed(failed.filter_map(|(_, r)| x(r)).collect())
     }
 }
 
@@ -104,16 +94,11 @@ fn marks(
     shown: &[Shown<'_>],
     x: impl Fn(&Run) -> Option<f64>,
     y: impl Fn(&Run) -> Option<f64>,
-) -> Vec<Mark> {
+) -> Vec<((f64, f64), String)> {
     (shown.iter())
         .flat_map(|s| &s.way.runs)
         .filter(|(_, r)| !r.status.is_failure())
-        .filter_map(|(_, r)| {
-            Some(Mark {
-                at: (x(r)?, y(r)?),
-                text: r.mark.clone()?,
-            })
-        })
+        .filter_map(|(_, r)| Some(((x(r)?, y(r)?), r.mark.clone()?)))
         .collect()
 }
 
@@ -128,9 +113,6 @@ fn limits() -> Vec<(f64, String)> {
 }
 
 /// The charts of a study of mode counts.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let shown = shown(view);
     let (Some(x), Some(against)) = (Counts::of(&shown), view.against.clone()) else {
@@ -138,18 +120,10 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     };
     let by_count = |r: &Run| Some(x.place(r.modes?));
     let legend = legend(&shown);
-    let over_counts = |y_name: &str, remark: &str, last: bool| CurvePanel {
-        height: 250.0,
-        x: x.axis.clone(),
+    let over_counts = |height: f64, y_name: &str, last: bool| Panel {
         x_ticks: x.ticks.clone(),
         x_name: last.then(|| "modes per gear".to_string()),
-        y: None,
-        y_name: y_name.into(),
-        remark: remark.into(),
-        curves: Vec::new(),
-        limits: Vec::new(),
-        verticals: Vec::new(),
-        marks: Vec::new(),
+        ..Panel::new(height, &x.axis, y_name)
     };
     let l2: fn(&Metrics) -> Option<f64> = |m| m.force_l2;
 
@@ -163,12 +137,13 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
                 .any(|r| r.modes.is_some() && r.against(id).is_some())
         })
         .collect();
-    let mut panels: Vec<CurvePanel> = Vec::new();
+    let mut panels: Vec<Panel> = Vec::new();
     for (k, id) in ids.iter().enumerate() {
         let y = |r: &Run| percent_of(r, id, l2);
         let remark = format!("against {}", view.reference_name(id));
-        let mut panel = over_counts("force-history error [%]", &remark, k + 1 == ids.len());
-        panel.height = if k == 0 { 330.0 } else { 220.0 };
+        let height = if k == 0 { 330.0 } else { 220.0 };
+        let mut panel = over_counts(height, "force-history error [%]", k + 1 == ids.len());
+        panel.remark = remark;
         panel.curves = shown.iter().map(|s| curve(s, by_count, y)).collect();
         panel.limits = limits();
         if k == 0 {
@@ -180,13 +155,9 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let how = "Relative L2 error of the contact-force history, not shifted in time. Filled: cut modes kept as \
                residual compliance; open: plain truncation. Failed runs stand as crosses above the frame.";
     if !panels.is_empty() {
+        let caption = format!("{how} Left: gears without any mode.");
         let title = "Error over the number of modes";
-        charts.push(Chart {
-            file: "truncation.svg".into(),
-            title,
-            caption: format!("{how} Left: gears without any mode."),
-            svg: draw_curves(title, &legend, &panels)?,
-        });
+        charts.push(chart("truncation.svg", title, caption, &legend, &panels)?);
     }
     charts.extend(frequencies(view, &shown, &legend, &against)?);
 
@@ -199,25 +170,19 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let mut panels = Vec::new();
     for (k, (name, metric)) in metrics.into_iter().enumerate() {
         let y = |r: &Run| percent_of(r, &against, metric);
-        let mut panel = over_counts(name, "", k == 1);
-        panel.height = 210.0;
+        let mut panel = over_counts(210.0, name, k == 1);
         panel.curves = shown.iter().map(|s| curve(s, by_count, y)).collect();
         panels.push(panel);
     }
-    if panels
-        .iter()
-        .any(|p| p.curves.iter().any(|c| !c.points.is_empty()))
-    {
-        let title = "Peak force and impulse over the number of modes";
-        charts.push(Chart {
-            file: "truncation_peak.svg".into(),
-            title,
-            caption: format!(
-                "Magnitudes of the deviations from {}.",
-                view.reference_name(&against)
-            ),
-            svg: draw_curves(title, &legend, &panels)?,
-        });
+    if (panels.iter().flat_map(|p| &p.curves)).any(|c| !c.points.is_empty()) {
+        let reference = view.reference_name(&against);
+        charts.push(chart(
+            "truncation_peak.svg",
+            "Peak force and impulse over the number of modes",
+            format!("Magnitudes of the deviations from {reference}."),
+            &legend,
+            &panels,
+        )?);
     }
     charts.extend(cost(&shown, &legend, &x, over_counts)?);
     Ok(charts)
@@ -226,54 +191,46 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
 fn frequencies(
     view: &View<'_>,
     shown: &[Shown<'_>],
-    legend: &[(String, Look, bool)],
+    legend: &[Entry],
     against: &str,
 ) -> Result<Option<Chart>, DrawError> {
     let khz = |r: &Run| r.highest_hz.filter(|f| *f > 0.0).map(|f| 1e-3 * f);
-    let all: Vec<f64> = (shown.iter())
-        .flat_map(|s| s.way.runs.iter().filter_map(|(_, r)| khz(r)))
-        .collect();
-    let low = all.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = all.iter().copied().fold(0.0, f64::max);
+    let (low, high) =
+        extremes((shown.iter()).flat_map(|s| s.way.runs.iter().filter_map(|(_, r)| khz(r))));
     if low >= high {
         return Ok(None);
     }
     let y = |r: &Run| percent_of(r, against, |m| m.force_l2);
-    let panel = CurvePanel {
-        height: 330.0,
-        x: Axis {
-            min: 0.88 * low,
-            max: 1.12 * high,
-            log: true,
-        },
-        x_ticks: Vec::new(),
-        x_name: Some("highest frequency among the modes [kHz]".into()),
-        y: None,
-        y_name: "force-history error [%]".into(),
-        remark: format!("against {}", view.reference_name(against)),
-        curves: shown.iter().map(|s| curve(s, khz, y)).collect(),
-        limits: limits(),
-        verticals: Vec::new(),
-        marks: marks(shown, khz, y),
+    let x = Axis {
+        min: 0.88 * low,
+        max: 1.12 * high,
+        log: true,
     };
-    let title = "Error over the highest frequency";
-    Ok(Some(Chart {
-        file: "truncation_frequencies.svg".into(),
-        title,
-        caption: "The same runs over the highest frequency among the modes that either gear keeps. Modes chosen by \
-                  flank compliance reach high frequencies early: the axis says what a step has to follow, not how \
-                  many modes there are."
-            .into(),
-        svg: draw_curves(title, legend, &[panel])?,
-    }))
+    let panel = Panel {
+        x_name: Some("highest frequency among the modes [kHz]".into()),
+        limits: limits(),
+        marks: marks(shown, khz, y),
+        ..Panel::new(330.0, &x, "force-history error [%]")
+            .remark(format!("against {}", view.reference_name(against)))
+            .curves(shown.iter().map(|s| curve(s, khz, y)))
+    };
+    chart(
+        "truncation_frequencies.svg",
+        "Error over the highest frequency",
+        "The same runs over the highest frequency among the modes that either gear keeps. Modes chosen by flank \
+         compliance reach high frequencies early: the axis says what a step has to follow, not how many modes there are.",
+        legend,
+        &[panel],
+    )
+    .map(Some)
 }
 
 /// Time of a step over the number of modes.
 fn cost(
     shown: &[Shown<'_>],
-    legend: &[(String, Look, bool)],
+    legend: &[Entry],
     x: &Counts,
-    panel: impl Fn(&str, &str, bool) -> CurvePanel,
+    panel: impl Fn(f64, &str, bool) -> Panel,
 ) -> Result<Option<Chart>, DrawError> {
     let by_count = |r: &Run| Some(x.place(r.modes?));
     let per_step = |r: &Run| {
@@ -281,31 +238,33 @@ fn cost(
         (t.is_finite() && t > 0.0).then_some(t)
     };
     let total = |r: &Run| finite(1e3 * r.wall_s).filter(|t| *t > 0.0);
-    let mut step = panel("time per step [\u{b5}s]", "", false);
-    let mut whole = panel("wall time of the run [ms]", "", true);
+    let mut step = panel(190.0, "time per step [\u{b5}s]", false);
+    let mut whole = panel(190.0, "wall time of the run [ms]", true);
     for (p, y) in [
         (&mut step, &per_step as &dyn Fn(&Run) -> Option<f64>),
         (&mut whole, &total),
     ] {
-        p.height = 190.0;
         p.curves = shown.iter().map(|s| curve(s, by_count, y)).collect();
     }
     if step.curves.iter().all(|c| c.points.is_empty()) {
         return Ok(None);
     }
-    let title = "Cost over the number of modes";
     let repeats: u32 = (shown.iter())
         .flat_map(|s| s.way.runs.iter().map(|(_, r)| r.repeats))
         .max()
         .unwrap_or(0);
-    Ok(Some(Chart {
-        file: "truncation_cost.svg".into(),
+    let caption = format!(
+        "Wall time over accepted steps, and of the whole run; setup is not included. Median of {} repeats. Plain \
+         truncation needs the small steps of its stiff contact.",
+        count(u64::from(repeats.max(1)))
+    );
+    let title = "Cost over the number of modes";
+    chart(
+        "truncation_cost.svg",
         title,
-        caption: format!(
-            "Wall time over accepted steps, and of the whole run; setup is not included. Median of {} repeats. Plain \
-             truncation needs the small steps of its stiff contact.",
-            count(u64::from(repeats.max(1)))
-        ),
-        svg: draw_curves(title, legend, &[step, whole])?,
-    }))
+        caption,
+        legend,
+        &[step, whole],
+    )
+    .map(Some)
 }

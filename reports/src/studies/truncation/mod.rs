@@ -85,8 +85,8 @@ pub fn ways(results: &Results) -> Vec<Way<'_>> {
 }
 
 /// All numbers of modes that were tried, ascending.
-pub fn counts(ways: &[Way<'_>]) -> Vec<usize> {
-    let mut all: Vec<usize> = (ways.iter())
+pub fn counts<'w, 'a: 'w>(ways: impl IntoIterator<Item = &'w Way<'a>>) -> Vec<usize> {
+    let mut all: Vec<usize> = (ways.into_iter())
         .flat_map(|w| w.runs.iter().filter_map(|(_, r)| r.modes))
         .collect();
     all.sort_unstable();
@@ -95,9 +95,6 @@ pub fn counts(ways: &[Way<'_>]) -> Vec<usize> {
 }
 
 /// What the study says of a record.
-///
-/// # Errors
-/// [`DrawError`] when the drawing backend refuses.
 pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::truncation(view)?;
     charts.extend(histories::force(view)?);

@@ -27,7 +27,6 @@ fn kept(run: &Run) -> String {
     }
 }
 
-/// The finding.
 pub fn finding(view: &View<'_>) -> Markup {
     let (all, id) = (ways(view.results), against(view));
     if all.is_empty() {
@@ -86,7 +85,6 @@ fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
     })
 }
 
-/// The two tables.
 pub fn tables(view: &View<'_>) -> Markup {
     let (all, id) = (ways(view.results), against(view));
     if all.is_empty() {

@@ -46,8 +46,8 @@ fn found(scene: &Scene, s: &State, gaps: std::ops::Range<f64>) -> Vec<String> {
         .collect()
 }
 
-/// At random poses, overlapping ones among them: all that tooth indices find is found by boxes, in the same order. Where
-/// gears touch as they may, no point else is closed: the forces are the same to the last bit.
+/// At random poses, overlapping ones among them: all that tooth indices find is found by boxes, in the same order.
+/// Where gears touch as they may, no point else is closed: the forces are the same to the last bit.
 #[test]
 fn boxes_find_what_tooth_indices_find() {
     for spec in pairs() {
@@ -65,7 +65,7 @@ fn boxes_find_what_tooth_indices_find() {
                 let apart = 0.4 * random(7 * i) * pitch;
                 let second = indices.gears()[1].range().start;
                 let rolled = s.q[second];
-                s.q[second] += apart / lever(&spec.gears[1].body);
+                s.q[second] += apart / effective_radius(&spec.gears[1].body);
                 let all = -0.2 * pitch..f64::INFINITY;
                 let (a, b) = (found(&indices, &s, all.clone()), found(&boxes, &s, all));
                 let mut further = b.iter();
@@ -74,7 +74,7 @@ fn boxes_find_what_tooth_indices_find() {
                     "{model}, pose {i}"
                 );
                 count += a.len();
-                s.q[second] = rolled + 0.02 * apart / lever(&spec.gears[1].body);
+                s.q[second] = rolled + 0.02 * apart / effective_radius(&spec.gears[1].body);
                 let all = f64::NEG_INFINITY..0.0;
                 let (a, b) = (found(&indices, &s, all.clone()), found(&boxes, &s, all));
                 assert_eq!(a, b, "{model}, pose {i}");
@@ -85,8 +85,8 @@ fn boxes_find_what_tooth_indices_find() {
     }
 }
 
-/// Tips that stand off their involutes by most of a pitch: path coordinates no longer tell where flanks are, and without
-/// a choice boxes do.
+/// Tips that stand off their involutes by most of a pitch: path coordinates no longer tell where flanks are, and
+/// without a choice boxes do.
 #[test]
 fn flanks_that_are_no_involutes_are_found_by_boxes() {
     let spec = &pairs()[0];

@@ -79,10 +79,10 @@ fn moments_are_those_of_the_line_of_action() {
         let force = channel(&mut scene, &s, "force:0");
         for (k, name) in ["pinion", "wheel"].into_iter().enumerate() {
             let torque = channel(&mut scene, &s, &format!("contact_torque:{name}"));
-            let rb = lever(&spec.gears[k].body);
+            let rb = effective_radius(&spec.gears[k].body);
             // Both turn alike: the driven flank pushes the wheel with the same sense about its own axis.
             let error = (torque.abs() / (force * rb) - 1.0).abs();
-            println!("{side:?} {name}: lever off by {error:.1e}");
+            println!("{side:?} {name}: effective_radius off by {error:.1e}");
             assert!(error < 2e-4, "{side:?} {name}: {torque} of {}", force * rb);
         }
         let mut f = vec![0.0; s.q.len()];

@@ -108,7 +108,7 @@ fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate
     let x = c.points[1 - k].x;
     let tooth = c.points[k].tooth.index as f64;
     let (_, side) = scene.meshes()[0].search.flank_of(c);
-    let travel = scene.phases()[k] + s.q[scene.gears()[k].range().start];
+    let displacement = scene.phases()[k] + s.q[scene.gears()[k].range().start];
     let [cx, cy] = spec.gears[k].position;
     match &spec.gears[k].body {
         Body::Gear(g) => {
@@ -116,7 +116,7 @@ fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate
             let (dx, dy) = (x.x - cx, x.y - cy);
             let roll = (dx * dx + dy * dy - rb * rb).sqrt();
             let base = dy.atan2(dx) + side.sign() * inv((roll / rb).atan());
-            let centre = travel + tooth * g.pitch_angle() + x.z * tan / rb;
+            let centre = displacement + tooth * g.pitch_angle() + x.z * tan / rb;
             let turn = base - centre - side.sign() * g.half_angle_base();
             let turn = turn - TAU * (turn / TAU).round();
             rb * side.sign() * turn * g.base_helix_angle().cos()
@@ -126,7 +126,7 @@ fn exact_gap(spec: &SceneSpec, scene: &Scene, s: &State, k: usize, c: &Candidate
             let alpha = r.transverse_pressure_angle();
             let height = cx - x.x;
             let half = r.half_thickness_reference() - height * alpha.tan();
-            let centre = cy + travel + tooth * r.pitch() - x.z * r.params().helix_angle.tan();
+            let centre = cy + displacement + tooth * r.pitch() - x.z * r.params().helix_angle.tan();
             (-side.sign() * (x.y - centre) - half) * alpha.cos() * r.base_helix_angle().cos()
         }
     }

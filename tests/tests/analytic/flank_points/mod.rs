@@ -14,7 +14,7 @@ use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, ModelSpec, Mount, Parameters, Passes, PointContact, PointRule, Profile,
-    SceneSpec, SurfaceKind, Value, lever, mesh_layout,
+    SceneSpec, SurfaceKind, Value, effective_radius, mesh_layout,
 };
 use gearbench_tests::*;
 use std::f64::consts::TAU;
@@ -39,11 +39,11 @@ fn with_points(points: PointContact) -> ContactSpec {
 /// Turns both hubs as if rolling, by an angle of the first.
 fn roll(spec: &SceneSpec, scene: &Scene, angle: f64) -> State {
     let mut s = scene.initial();
-    let travel = angle * lever(&spec.gears[0].body);
+    let displacement = angle * effective_radius(&spec.gears[0].body);
     for (k, g) in scene.gears().iter().enumerate() {
         let rack = g.model.hub().slide.is_some();
         let sign = if rack || k == 0 { 1.0 } else { -1.0 };
-        s.q[g.range().start] += sign * travel / lever(&spec.gears[k].body);
+        s.q[g.range().start] += sign * displacement / effective_radius(&spec.gears[k].body);
     }
     s
 }

@@ -1,4 +1,4 @@
-//! The clearance of rigid flanks: below the gap of every point, near the least, linear in the travels.
+//! The clearance of rigid flanks: below the gap of every point, near the least, linear in the displacements.
 
 use super::*;
 use gearbench_models::geometry::{GearParams, Side};
@@ -56,10 +56,11 @@ fn no_point_is_nearer_than_the_clearance() {
             roll(&spec, &scene, &mut s, 0.04 * f64::from(step));
             // Shift contact from one flank to the other, through the backlash.
             let second = scene.gears()[1].range().start;
-            s.q[second] += [-1e-6, 0.0, 1e-6, 5e-6][step as usize % 4] / lever(&spec.gears[1].body);
-            let travels = [s.q[0], s.q[second]];
-            let here = search.clearance(travels).unwrap();
-            let linear = begin.after(travels) - here.gaps[0].min(here.gaps[1]);
+            s.q[second] +=
+                [-1e-6, 0.0, 1e-6, 5e-6][step as usize % 4] / effective_radius(&spec.gears[1].body);
+            let displacements = [s.q[0], s.q[second]];
+            let here = search.clearance(displacements).unwrap();
+            let linear = begin.after(displacements) - here.gaps[0].min(here.gaps[1]);
             assert!(linear.abs() < 1e-12, "{name}: {linear:e}");
             for (slot, clearance) in here.gaps.into_iter().enumerate() {
                 let gaps = candidates(&scene, &s).into_iter().map(|(_, c)| c);

@@ -55,7 +55,7 @@ fn nothing_touches_before_the_time_told() {
                 here.q[i] = c.qq * s.q[i] + c.qv * s.v[i] + c.qg * steady[i];
                 here.v[i] = c.vq * s.q[i] + c.vv * s.v[i] + c.qv * steady[i];
             }
-            scene.modal().unwrap().rest(here.at(), &mut rest);
+            scene.modal().unwrap().remainder(here.at(), &mut rest);
             assert_eq!(
                 rest, steady,
                 "seed {seed}: touches {k}/400 into a flight of {until:.2e} s"

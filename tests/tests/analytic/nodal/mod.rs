@@ -12,7 +12,7 @@ use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     ContactSpec, Load, ModelSpec, Parameters, Passes, PointContact, PointRule, Profile, SceneSpec,
-    SurfaceKind, Value, lever, mesh_layout,
+    SurfaceKind, Value, effective_radius, mesh_layout,
 };
 use gearbench_tests::*;
 
@@ -37,11 +37,11 @@ fn with_points(points: PointContact) -> ContactSpec {
 
 /// Rolls both hubs by an angle of the first.
 fn roll(spec: &SceneSpec, scene: &Scene, s: &mut State, angle: f64) {
-    let travel = angle * lever(&spec.gears[0].body);
+    let displacement = angle * effective_radius(&spec.gears[0].body);
     for (k, g) in scene.gears().iter().enumerate() {
         let rack = g.model.hub().slide.is_some();
         let sign = if rack || k == 0 { 1.0 } else { -1.0 };
-        s.q[g.range().start] += sign * travel / lever(&spec.gears[k].body);
+        s.q[g.range().start] += sign * displacement / effective_radius(&spec.gears[k].body);
     }
 }
 

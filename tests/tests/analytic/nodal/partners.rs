@@ -102,7 +102,7 @@ fn an_idler_joins_its_meshes() {
     assert!(change > 1e-6 && change < 0.2, "{change}");
 }
 
-/// A wheel held and a pinion driven: no free hub, levers show in the powers alone.
+/// A wheel held and a pinion driven: no free hub, effective base radii show in the powers alone.
 #[test]
 fn driven_and_held_gears_keep_their_powers() {
     let mut spec = case_a(-5e-6);

@@ -62,8 +62,8 @@ fn touching() -> Vec<(&'static str, Scene, State)> {
     all
 }
 
-/// Differences of the force along random directions, gear by gear: the tangent leaves out how normals and lever arms
-/// turn, overlap over the radius of curvature.
+/// Differences of the force along random directions, gear by gear: the tangent leaves out how normals and effective
+/// base radius arms turn, overlap over the radius of curvature.
 #[test]
 fn the_tangent_is_the_derivative_of_the_force() {
     for (name, mut scene, s) in touching() {

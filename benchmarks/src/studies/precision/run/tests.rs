@@ -3,11 +3,11 @@
 use super::*;
 use crate::experiment::conditions::silent;
 use crate::scene_file::{Selection, load_for};
-use crate::studies::precision::{Asked, COUNTS};
+use crate::studies::precision::plan::{Asked, COUNTS};
 use gearbench_reports::{Ledger, Metric};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The rigid gears of the impact, a few rungs.
+/// The rigid gears of the impact, a few resolutions.
 fn small(asked: &Asked) -> Results {
     let scene = load_for(
         "spur_impact",
@@ -225,7 +225,7 @@ fn pointwise_errors_are_taken_at_common_times() {
     let held = Held::new(history(&both), &grid);
     assert_eq!(held.even.len(), grid.len());
     let (own, ledger) = (history(&grid), Ledger::default());
-    let run = Finished::new(&own, &ledger, 1.0).unwrap();
+    let run = Finished::reached(&own, &ledger, [1.0, 1.0]).unwrap();
     let m = held.errors(run, "self");
     assert!(m.force_l2.is_some_and(|e| e < 1e-12), "{:?}", m.force_l2);
     let naive = measure(run, &held.whole, "self");

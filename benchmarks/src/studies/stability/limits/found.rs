@@ -19,8 +19,8 @@
 //! per step: the energy doubles again and again in the second half.
 
 use super::LimitError;
-use super::frozen::Frozen;
 use super::linear::{Dense, Linear};
+use super::linearised::Linearised;
 use super::system::{Damping, Kicked, Vibrations};
 use gearbench_integrators::linear_stability::{Kicks, Stability};
 use gearbench_integrators::{
@@ -50,11 +50,8 @@ const WIDTH: f64 = 1e-3;
 /// The largest stable step [s] of a method at the scene's closed state, by stepping its linear system; `damped: false`
 /// leaves its dampers out. `None` where no step up to a thousand times the fastest mode's is unstable, for methods
 /// without a fixed step, and for systems that are too large to be stepped this way.
-///
-/// # Errors
-/// [`LimitError`]
 pub fn found(
-    frozen: &mut Frozen,
+    linearised: &mut Linearised,
     method: MethodSpec,
     damped: bool,
 ) -> Result<Option<f64>, LimitError> {
@@ -62,8 +59,8 @@ pub fn found(
     let mut trial = Trial { integrator };
     match method.stability() {
         Stability::Controlled => Ok(None),
-        Stability::Kicks(kicks) => trial.kicked(frozen, kicks),
-        _ => match frozen.linear()? {
+        Stability::Kicks(kicks) => trial.kicked(linearised, kicks),
+        _ => match linearised.linear()? {
             Linear::Dense(dense) if damped => trial.vibrations(&dense),
             Linear::Dense(dense) => trial.vibrations(&dense.undamped()),
             Linear::Top(_) => Ok(None),
@@ -164,12 +161,16 @@ impl Trial {
     }
 
     /// The trigonometric method, whose rest depends on the step; without damping.
-    fn kicked(&mut self, frozen: &mut Frozen, kicks: Kicks) -> Result<Option<f64>, LimitError> {
-        let Some(omega) = frozen.oscillators() else {
+    fn kicked(
+        &mut self,
+        linearised: &mut Linearised,
+        kicks: Kicks,
+    ) -> Result<Option<f64>, LimitError> {
+        let Some(omega) = linearised.oscillators() else {
             return Ok(None);
         };
         let first = omega.iter().copied().fold(0.0, f64::max);
-        let rest = frozen.rest(&omega, kicks, f64::MIN_POSITIVE)?;
+        let rest = linearised.rest(&omega, kicks, f64::MIN_POSITIVE)?;
         let stiffest = rest.symmetric_eigenvalues().max().max(0.0).sqrt();
         if stiffest == 0.0 {
             return Ok(None);
@@ -185,7 +186,7 @@ impl Trial {
             if h > last {
                 return Ok(true);
             }
-            sys.rest = frozen.rest(&omega, kicks, h)?;
+            sys.rest = linearised.rest(&omega, kicks, h)?;
             self.long_run_grows(&mut sys, &square, h)
         })?;
         Ok(found.filter(|h| *h < 0.99 * last))

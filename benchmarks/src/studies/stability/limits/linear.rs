@@ -43,7 +43,6 @@ pub struct Top {
 
 impl Linear {
     /// The highest frequency without damping [rad/s]; zero where nothing vibrates.
-    #[must_use]
     pub fn highest(&self) -> f64 {
         match self {
             Linear::Dense(x) => x.highest(),
@@ -53,9 +52,6 @@ impl Linear {
 
     /// The largest stable step [s] of a method; `None` where every step is stable, or where the method's limit is not
     /// one of `D` and `K` alone.
-    ///
-    /// # Errors
-    /// [`LimitError::Matrices`]
     pub fn largest_step(&self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match self {
             Linear::Dense(x) => x.largest_step(stability),
@@ -99,13 +95,11 @@ impl Dense {
     }
 
     /// Number of coordinates.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.stiffness.nrows()
     }
 
     /// The same without dampers.
-    #[must_use]
     pub fn undamped(&self) -> Dense {
         Dense {
             stiffness: self.stiffness.clone(),
@@ -114,7 +108,6 @@ impl Dense {
     }
 
     /// True without dampers.
-    #[must_use]
     pub fn is_undamped(&self) -> bool {
         self.damping.iter().all(|x| *x == 0.0)
     }
@@ -125,7 +118,6 @@ impl Dense {
     }
 
     /// Frequencies [rad/s] and damping ratios of the modes that vibrate, where dampers do not couple them.
-    #[must_use]
     pub fn modes(&self) -> Option<Vec<[f64; 2]>> {
         let n = self.n();
         let eigen = self.stiffness.clone().symmetric_eigen();

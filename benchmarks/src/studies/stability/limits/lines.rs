@@ -1,6 +1,6 @@
 //! Theory as lines over the step.
 
-use super::frozen::Frozen;
+use super::linearised::Linearised;
 use super::{LimitError, LineKind, StepLine};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::linear_stability::{Kicks, Stability};
@@ -16,10 +16,7 @@ const RESONANCES: u32 = 3;
 /// trigonometric method, the limit that the penalty alone would set. None for methods that choose their steps; no
 /// [`LineKind::Stability`] for those that are stable at every step.
 ///
-/// [`Frozen::lines`] serves several methods of one scene without running it again.
-///
-/// # Errors
-/// [`LimitError`]
+/// [`Linearised::lines`] serves several methods of one scene without running it again.
 pub fn theory(
     scene: &SceneSpec,
     modelling: &Modelling,
@@ -32,14 +29,11 @@ pub fn theory(
     ) {
         return Ok(Vec::new());
     }
-    Frozen::new(scene, modelling, models)?.lines(method)
+    Linearised::new(scene, modelling, models)?.lines(method)
 }
 
-impl Frozen {
+impl Linearised {
     /// As [`theory`].
-    ///
-    /// # Errors
-    /// [`LimitError`]
     pub fn lines(&mut self, method: MethodSpec) -> Result<Vec<StepLine>, LimitError> {
         let stability = method.stability();
         let mut lines = Vec::new();
@@ -80,9 +74,6 @@ impl Frozen {
 
     /// The largest stable step [s]; `None` where every step is, or where none is marked: for the trigonometric method
     /// no limit below the first resonance.
-    ///
-    /// # Errors
-    /// [`LimitError`]
     pub fn largest_step(&mut self, stability: &Stability) -> Result<Option<f64>, LimitError> {
         match stability {
             Stability::Kicks(kicks) => self.largest_kick(*kicks),

@@ -1,6 +1,6 @@
 //! The largest stable step of a method on a scene: what linear theory says, and what the method as implemented does.
 //!
-//! A scene is linear as long as its contacts neither open nor close. At such a state ([`Frozen`]) it is
+//! A scene is linear as long as its contacts neither open nor close. At such a state ([`Linearised`]) it is
 //! `M q'' + D q' + K q = 0`, for which [`linear_stability`](gearbench_integrators::linear_stability) knows the limit of
 //! every method. **The state** is the one of the largest contact force, among those with the most tooth pairs in
 //! contact, of a run from the scene's start through its first contact (until the teeth part again or the first gear has
@@ -10,15 +10,15 @@
 //!
 //! | module | owns |
 //! |---|---|
-//! | [`frozen`] | the state, the matrices there |
+//! | [`linearised`] | the state, the matrices there |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | [`theory`]: limits, resonances and penalty frequency as lines over the step |
 //! | [`found`] | the limit of the method as implemented, by stepping the linear system |
 //! | [`table`] | both side by side for models and methods |
 
 pub mod found;
-pub mod frozen;
 pub mod linear;
+pub mod linearised;
 pub mod lines;
 mod system;
 pub mod table;
@@ -26,7 +26,7 @@ pub mod table;
 #[cfg(test)]
 mod tests;
 
-pub use frozen::Frozen;
+pub use linearised::Linearised;
 pub use lines::theory;
 pub use table::{Case, StepLimit};
 

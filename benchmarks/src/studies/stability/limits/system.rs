@@ -66,7 +66,7 @@ impl SecondOrderSystem for Vibrations {
         v.fill(self.highest);
     }
 
-    fn pace(&self, _at: At<'_>) -> f64 {
+    fn characteristic_time(&self, _at: At<'_>) -> f64 {
         1.0 / self.highest
     }
 
@@ -141,7 +141,7 @@ impl SecondOrderSystem for Kicked {
     }
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        self.rest(at, f);
+        self.remainder(at, f);
         for (f, (w, q)) in f.iter_mut().zip(self.omega.iter().zip(at.q)) {
             *f -= w * w * q;
         }
@@ -177,7 +177,7 @@ impl ModalSplit for Kicked {
         zeta.fill(0.0);
     }
 
-    fn rest(&mut self, at: At<'_>, a: &mut [f64]) {
+    fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {
         let mut out = DVector::zeros(a.len());
         let q = DVectorView::from_slice(at.q, at.q.len());
         out.gemv(-1.0, &self.rest, &q, 0.0);

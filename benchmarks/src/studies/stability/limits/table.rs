@@ -2,8 +2,8 @@
 
 use super::LimitError;
 use super::found::found;
-use super::frozen::Frozen;
 use super::linear::Linear;
+use super::linearised::Linearised;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::MethodSpec;
 use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
@@ -33,7 +33,6 @@ pub struct StepLimit {
 
 impl StepLimit {
     /// Found over theory.
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         self.found_s / self.theory_s
     }
@@ -54,7 +53,6 @@ pub struct Case {
 
 impl Case {
     /// A model with its own damping; one without any gets [`RATIO`] in its modes, teeth, or contacts.
-    #[must_use]
     pub fn of(entry: &Configuration) -> Case {
         let mut modelling = entry.modelling.clone();
         let own = modelling.gears.iter().any(damps) || modelling.contacts.iter().any(dissipates);
@@ -124,9 +122,6 @@ fn damp_contact(contact: &mut ContactSpec) -> Option<&'static str> {
 /// Limits of methods on models, without dampers and with those of the case. Methods and models without a limit have no
 /// row, nor have scenes too large to be stepped for it; the trigonometric method has rows without dampers only.
 /// `progress` is told what comes next.
-///
-/// # Errors
-/// [`LimitError`]
 pub fn table(
     cases: &[Case],
     models: &[Model],
@@ -136,7 +131,7 @@ pub fn table(
     let mut rows = Vec::new();
     for case in cases {
         progress(&case.label);
-        let mut frozen = Frozen::new(&case.scene, &case.modelling, models)?;
+        let mut linearised = Linearised::new(&case.scene, &case.modelling, models)?;
         for &method in methods {
             let stability = method.stability();
             let exact = method.info().linear_part;
@@ -145,9 +140,9 @@ pub fn table(
                     continue;
                 }
                 let theory = if exact {
-                    frozen.largest_step(&stability)?
+                    linearised.largest_step(&stability)?
                 } else {
-                    match frozen.linear()? {
+                    match linearised.linear()? {
                         Linear::Dense(x) if !damped => {
                             Linear::Dense(x.undamped()).largest_step(&stability)?
                         }
@@ -155,7 +150,7 @@ pub fn table(
                     }
                 };
                 let Some(theory_s) = theory else { continue };
-                let Some(found_s) = found(&mut frozen, method, damped)? else {
+                let Some(found_s) = found(&mut linearised, method, damped)? else {
                     continue;
                 };
                 rows.push(StepLimit {

@@ -12,8 +12,8 @@ fn entry(scene: &str, label: &str) -> Configuration {
     Configuration::of(&scene, choice)
 }
 
-fn frozen(e: &Configuration) -> Frozen {
-    Frozen::new(&e.scene, &e.modelling, models()).unwrap()
+fn linearised(e: &Configuration) -> Linearised {
+    Linearised::new(&e.scene, &e.modelling, models()).unwrap()
 }
 
 fn line(lines: &[StepLine], kind: LineKind) -> Option<f64> {
@@ -25,7 +25,7 @@ fn line(lines: &[StepLine], kind: LineKind) -> Option<f64> {
 #[test]
 fn rigid_gears_have_the_limit_of_their_spring() {
     let e = entry("spur_impact", "rigid");
-    let mut f = frozen(&e);
+    let mut f = linearised(&e);
     let closed = f.closed().unwrap().clone();
     assert!(closed.t > 2e-5 && closed.t < 1e-4, "{}", closed.t);
     let omega = f.penalty_frequency().unwrap();
@@ -41,7 +41,7 @@ fn rigid_gears_have_the_limit_of_their_spring() {
         );
     }
     let e = entry("spur_rotation", "rigid");
-    let mut f = frozen(&e);
+    let mut f = linearised(&e);
     let closed = f.closed().unwrap().clone();
     assert_eq!(f.scene().contact_forces(closed.at()).len(), 2);
     let h = line(&f.lines(VELOCITY_VERLET).unwrap(), LineKind::Stability).unwrap();

@@ -92,7 +92,7 @@ fn at<'a>(t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
         t,
         q,
         v,
-        memory: &[],
+        discrete: &[],
     }
 }
 

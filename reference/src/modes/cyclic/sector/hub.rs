@@ -3,7 +3,8 @@
 use super::{HELD, Sector, sector_error};
 use crate::assembly::tie::HubMotion;
 use crate::modes::ModesError;
-use crate::modes::cyclic::{Hub, turned};
+use crate::modes::cyclic::Hub;
+use crate::vector::turned;
 use faer::c64;
 use gearbench_models::Vec3;
 
@@ -35,7 +36,7 @@ impl Sector {
                         let mut y = vec![0.0; size];
                         match which {
                             0 => self.assembly.stiffness.apply(&motion.parts[part], &mut y),
-                            _ => self.assembly.mass.apply3(&motion.parts[part], &mut y),
+                            _ => self.assembly.mass.apply(&motion.parts[part], &mut y),
                         }
                         y
                     });

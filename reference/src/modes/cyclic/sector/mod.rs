@@ -5,12 +5,12 @@
 
 mod hub;
 
-use super::{Hub, turned};
+use super::Hub;
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
 use crate::modes::ModesError;
-use crate::solve::ordering::Ordering;
 use crate::solve::{Scalar, SolveError, Symbolic};
+use crate::vector::turned;
 use faer::c64;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use gearbench_models::stiffness::Material;
@@ -69,9 +69,6 @@ fn transposed(a: &Block) -> Block {
 
 impl Sector {
     /// Assembles a sector with node sets `cut_low` and `cut_high`; its bore is held by the hub.
-    ///
-    /// # Errors
-    /// Cuts that do not match, hub motions that break the symmetry, elements that cannot be integrated.
     pub fn new(gear: &GearMesh, material: &Material, hub: &Hub) -> Result<Self, ModesError> {
         let mesh = &gear.mesh;
         let teeth = gear.teeth;
@@ -144,13 +141,11 @@ impl Sector {
     }
 
     /// Teeth of the whole gear.
-    #[must_use]
     pub fn teeth(&self) -> u32 {
         self.teeth
     }
 
     /// Unknowns of one harmonic, hub motions apart.
-    #[must_use]
     pub fn unknowns(&self) -> usize {
         3 * self.free
     }
@@ -180,13 +175,13 @@ impl Sector {
         let rotation: Block = [c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0];
         // Contributions as (column, row, phase, transposed, place).
         let mut parts: Vec<(u32, u32, usize, Block, Block)> = Vec::new();
-        let masses = self.assembly.mass.values();
+        let masses = self.assembly.mass.entries();
         for ((a, b, at), block) in self
             .assembly
             .stiffness
             .pattern()
             .iter()
-            .zip(self.assembly.stiffness.blocks())
+            .zip(self.assembly.stiffness.entries())
         {
             let ((pa, high_a), (pb, high_b)) = (self.place[a], self.place[b]);
             if pa == HELD || pb == HELD {
@@ -237,7 +232,7 @@ impl Sector {
         let (start, rows) = self.pattern(&[]);
         let n = self.unknowns();
         let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
-        Symbolic::new(pattern.as_ref(), Ordering::Best)
+        Symbolic::new(pattern.as_ref())
     }
 
     /// Column starts and rows, `hub` rows appended to the columns where they have an entry.

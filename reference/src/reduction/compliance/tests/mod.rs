@@ -3,11 +3,12 @@
 mod shapes;
 
 use super::*;
+use crate::assembly::assemble;
 use crate::assembly::tie::Reduced;
 use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
 use crate::modes::{self, Options, cyclic};
 use crate::reduction::{Kept, without_modes};
-use crate::test_support::{self, coarse_gear, coarse_rack, stub};
+use crate::test_support::{self, coarse, largest, stub, tied};
 use faer::Side;
 use gearbench_models::geometry::Gear;
 use shapes::*;
@@ -15,12 +16,20 @@ use shapes::*;
 const STEEL: Material = Material::STEEL;
 
 fn toothed(teeth: u32, helix_angle: f64) -> (Gear, GearMeshParams) {
-    (stub(teeth, helix_angle), coarse_gear(1, 1))
+    (stub(teeth, helix_angle), coarse(1, 1))
+}
+
+fn of_mesh(
+    mesh: &GearMesh,
+    surface: &Surface,
+    mounting: &Mounting,
+) -> Result<Residual, ReductionError> {
+    of_assembly(mesh, &assemble(&mesh.mesh, &STEEL)?, surface, mounting)
 }
 
 fn small_rack() -> GearMesh {
     let bar = test_support::rack(4, 4e-3, |p| p.body_height = 8e-3);
-    rack(&bar, &coarse_rack(1)).unwrap()
+    rack(&bar, &coarse(1, 1)).unwrap()
 }
 
 #[test]
@@ -33,7 +42,7 @@ fn forces_on_one_tooth_say_all_of_a_cyclic_gear() {
             Surface::of_sector(&one).unwrap(),
         );
         for mounting in mountings() {
-            let full = of_mesh(&whole, &STEEL, &a, &mounting).unwrap();
+            let full = of_mesh(&whole, &a, &mounting).unwrap();
             let cyclic = of_sector(&one, &STEEL, &b, &mounting).unwrap();
             let (x, y) = (dense(&full), dense(&cyclic));
             assert!(matches!(cyclic.flanks, FlankCompliance::Cyclic { .. }));
@@ -64,7 +73,7 @@ fn all_modes_carry_everything_and_what_is_left_never_pulls() {
     ];
     for (mesh, mounting) in cases {
         let surface = Surface::new(mesh).unwrap();
-        let total = of_mesh(mesh, &STEEL, &surface, &mounting).unwrap();
+        let total = of_mesh(mesh, &surface, &mounting).unwrap();
         let all = Shapes::of(mesh, &surface, &mounting, None);
         assert!(definiteness(&total) > -1e-13, "{:e}", definiteness(&total));
         for count in [1, 7, 40, all.omega.len() / 2] {
@@ -99,7 +108,7 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
     ];
     for (mesh, mounting) in cases {
         let surface = Surface::new(mesh).unwrap();
-        let total = of_mesh(mesh, &STEEL, &surface, &mounting).unwrap();
+        let total = of_mesh(mesh, &surface, &mounting).unwrap();
         let n = surface.nodes();
         // Two teeth carry, at several nodes each.
         let forces: Vec<f64> = (0..n)
@@ -111,8 +120,12 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
                 }
             })
             .collect();
-        let lever = levers(&surface, &mounting);
-        let torque: f64 = forces.iter().zip(&lever).map(|(f, a)| f * a).sum();
+        let effective_radius = effective_radii(&surface, &mounting);
+        let torque: f64 = forces
+            .iter()
+            .zip(&effective_radius)
+            .map(|(f, a)| f * a)
+            .sum();
 
         // Directly: the hub held, forces along the normals into the teeth.
         let (tie, r) = matrices(
@@ -162,7 +175,7 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
                     let pressed: f64 = (0..n)
                         .map(|l| rest.flanks.between(k as u32, l as u32, n) * forces[l])
                         .sum();
-                    modal - pressed + rest.hub[k] * torque - lever[k] * turn
+                    modal - pressed + rest.hub[k] * torque - effective_radius[k] * turn
                 })
                 .collect();
             let error = worst(&found, &exact) / largest(&exact);
@@ -212,7 +225,7 @@ fn kept_pairs_leave_the_teeth_alike_and_half_a_pair_is_refused() {
         let x = one.mesh.nodes[bore];
         s.hub[i] = (x.x * u[3 * bore + 1] - x.y * u[3 * bore]) / (x.x * x.x + x.y * x.y);
     }
-    let full = of_mesh(&whole, &STEEL, &a, &mounting).unwrap();
+    let full = of_mesh(&whole, &a, &mounting).unwrap();
     let alike = of_sector(&one, &STEEL, &b, &mounting).unwrap();
     let scale = largest(&dense(&full));
     let (x, y) = (
@@ -244,12 +257,12 @@ fn declines_what_does_not_belong_together() {
     assert!(text(of_sector(&one, &STEEL, &b, &Mounting::rack(true, 0.0))).contains("rack"));
     let mut other = a.clone();
     other.mesh_nodes[0] = u32::MAX;
-    assert!(text(of_mesh(&whole, &STEEL, &other, &held)).contains("another mesh"));
+    assert!(text(of_mesh(&whole, &other, &held)).contains("another mesh"));
     assert!(text(of_sector(&whole, &STEEL, &b, &held)).contains("cut_low"));
     let mut loose = whole.clone();
     loose.bore.clear();
-    assert!(text(of_mesh(&loose, &STEEL, &a, &held)).contains("not positive definite"));
-    let total = of_mesh(&whole, &STEEL, &a, &held).unwrap();
+    assert!(text(of_mesh(&loose, &a, &held)).contains("not positive definite"));
+    let total = of_mesh(&whole, &a, &held).unwrap();
     let kept = Kept {
         omega: &[0.0],
         shapes: &vec![0.0; a.nodes()],
@@ -268,8 +281,8 @@ fn declines_what_does_not_belong_together() {
     );
 }
 
-/// Halving the elements adds to the compliance of a row of nodes what a half space loaded over half the length has more;
-/// between two rows it is less.
+/// Halving the elements adds to the compliance of a row of nodes what a half space loaded over half the length has
+/// more; between two rows it is less.
 #[test]
 fn a_line_load_flattens_the_flank_by_the_logarithm_of_the_elements() {
     let g = test_support::gear(16, 4.5e-3, |p| {

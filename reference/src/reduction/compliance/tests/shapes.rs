@@ -19,8 +19,7 @@ impl Shapes {
         let (tie, r) = matrices(mesh, mounting);
         let rigid = usize::from(mounting.free);
         let count = count.map_or(tie.coordinates(), |c| c + rigid);
-        let (k, m) = (r.stiffness.as_ref(), r.mass.as_ref());
-        let found = modes::lowest(k, m, count, &Options::default()).unwrap();
+        let found = modes::lowest(&r, count, &Options::default()).unwrap();
         let kept = count - rigid;
         let mut s = Shapes {
             omega: found.omega2[rigid..].iter().map(|w| w.sqrt()).collect(),
@@ -65,12 +64,8 @@ impl Shapes {
 }
 
 pub(super) fn matrices(mesh: &GearMesh, mounting: &Mounting) -> (Tie, Reduced) {
-    let assembly = assemble(&mesh.mesh, &STEEL).unwrap();
-    let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &mounting.motions());
-    let added = [mounting.added_inertia];
-    let added = &added[..mounting.motions().len()];
-    let reduced = tie.reduce(&assembly, added, MassKind::Consistent);
-    (tie, reduced)
+    let added = &[mounting.added_inertia][..usize::from(mounting.free)];
+    tied(mesh, &mounting.motions(), added)
 }
 
 pub(super) fn dense(r: &Residual) -> Vec<f64> {
@@ -81,10 +76,6 @@ pub(super) fn dense(r: &Residual) -> Vec<f64> {
         .flat_map(|i| nodes.clone().map(move |j| (i, j)))
         .map(|(i, j)| r.flanks.between(i, j, n))
         .collect()
-}
-
-pub(super) fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |l, x| l.max(x.abs()))
 }
 
 pub(super) fn worst(a: &[f64], b: &[f64]) -> f64 {

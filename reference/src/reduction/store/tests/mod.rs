@@ -8,8 +8,7 @@ use crate::hash::Hash;
 use gearbench_models::Vec3;
 use gearbench_models::gear::elastic::inertia::Integrals;
 use gearbench_models::gear::elastic::reduced::{FlankCompliance, Residual};
-use gearbench_models::geometry::Side;
-use gearbench_models::geometry::{FlankGrid, Flanks};
+use gearbench_models::geometry::{FlankGrid, Flanks, Side};
 
 /// Numbers without a pattern in (-1, 1).
 fn noise(seed: &mut u64) -> f64 {

@@ -1,11 +1,12 @@
 //! Each family by its own front alone.
 
 use super::marks::{Marks, legend, legend_height};
-use super::{PLOT, Scale, models_of, name_point};
+use super::{PLOT, Scale, models_of};
 use crate::drawing::Chart;
-use crate::drawing::axis::Frame;
-use crate::drawing::canvas::{DrawError, Rect, Stroke, draw};
-use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
+use crate::drawing::canvas::{DrawError, Stroke, draw};
+use crate::drawing::geometry::Rect;
+use crate::drawing::labels::point_label;
+use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
 use crate::drawing::style::marker;
 use crate::metrics::Metric;
 use crate::studies::precision::{Cost, Precision, family, is_ours};
@@ -36,13 +37,8 @@ pub(super) fn families(
     let title = "The best of each family";
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
         legend(c, &models, marks);
-        let frame = Frame {
-            area,
-            x: scale.x.clone(),
-            y: scale.y.clone(),
-        };
-        let name = metric.axis();
-        frame.paint(c, scale.x_name, &name, true);
+        let frame = scale.frame(area);
+        frame.paint(c, scale.x_name, &metric.axis(), true);
         let mut taken: Vec<Rect> = Vec::new();
         let mut ends: Vec<(String, (f64, f64))> = Vec::new();
         for name in &names {
@@ -57,7 +53,7 @@ pub(super) fn families(
             c.line(&path, Stroke::dashed(own.ink, width, own.dash));
             for at in &path {
                 marker(c, *at, 4.0, own, filled);
-                taken.push(Rect::new(at.0 - 4.5, at.1 - 4.5, at.0 + 4.5, at.1 + 4.5));
+                taken.push(Rect::around(*at, 4.5));
             }
             if let Some(&i) = best.last() {
                 let s = &cloud.shown[i];
@@ -65,7 +61,7 @@ pub(super) fn families(
             }
         }
         for (text, at) in &ends {
-            name_point(c, text, *at, &area, &mut taken);
+            point_label(c, text, *at, &area, &mut taken, true);
         }
     })?;
     Ok(Some(Chart {

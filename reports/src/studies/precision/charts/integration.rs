@@ -3,9 +3,10 @@
 use super::marks::{Marks, legend, legend_height};
 use super::{SMALL, Scale, faint, staircase};
 use crate::drawing::Chart;
-use crate::drawing::axis::{Frame, NAME_SIZE, TICK_SIZE};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
-use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
+use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
+use crate::drawing::geometry::Rect;
+use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
 use crate::drawing::style::{look, marker};
 use crate::metrics::Metric;
 use crate::studies::precision::pareto::{Point, front};
@@ -122,11 +123,7 @@ fn panel(
     style: usize,
     shown: &[&Shown<'_>],
 ) {
-    let frame = Frame {
-        area,
-        x: scale.x.clone(),
-        y: scale.y.clone(),
-    };
+    let frame = scale.frame(area);
     frame.paint(c, if last { scale.x_name } else { "" }, "", true);
     let mut told: Vec<&str> = Vec::new();
     for s in shown {

@@ -1,7 +1,8 @@
 //! Colours tell models, markers tell integrators: both in the order of appearance, the same in all charts.
 
 use crate::drawing::canvas::{Anchor, Canvas, Ink, Type, text_width};
-use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
+use crate::drawing::legend::in_rows;
+use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
 use crate::drawing::style::{Look, Marker, look, marker};
 use crate::record::{Results, Run};
 use crate::studies::precision::id_of;
@@ -68,19 +69,8 @@ impl Marks {
 
 /// Places of entries in rows: left edge and row.
 fn places(texts: &[&str]) -> Vec<(f64, usize)> {
-    let (mut x, mut row) = (LEFT, 0);
-    texts
-        .iter()
-        .map(|text| {
-            let width = 34.0 + text_width(text, SIZE);
-            if x + width > WIDTH - RIGHT && x > LEFT {
-                (x, row) = (LEFT, row + 1);
-            }
-            let place = (x, row);
-            x += width;
-            place
-        })
-        .collect()
+    let widths = texts.iter().map(|text| 34.0 + text_width(text, SIZE));
+    in_rows(widths, LEFT, WIDTH - RIGHT)
 }
 
 fn rows(texts: &[&str]) -> usize {

@@ -6,16 +6,17 @@ mod marks;
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
-use crate::drawing::labels::{label_place, point_label};
-use crate::drawing::lines::{LEFT, RIGHT, WIDTH};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
+use crate::drawing::geometry::Rect;
+use crate::drawing::labels::point_label;
+use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::style::{Look, cross, marker};
 use crate::metrics::Metric;
 use crate::numbers::count;
 use crate::record::{Run, Status};
 use crate::studies::precision::pareto::Point;
 use crate::studies::precision::{
-    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, rung,
+    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, modes_and_step,
 };
 use crate::view::{View, capital};
 use families::families;
@@ -30,9 +31,6 @@ const SMALL: f64 = 225.0;
 const ROW: f64 = 19.0;
 
 /// The charts of accuracy against cost.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let told = Precision::of(view.results);
     let marks = Marks::of(view.results);
@@ -80,20 +78,22 @@ impl Scale {
             Cost::Wall => (1e3, "wall time [ms]"),
             Cost::Evaluations => (1.0, "force evaluations"),
         };
-        let range = |f: &dyn Fn(&Point) -> f64| {
-            points
-                .clone()
-                .fold((f64::INFINITY, 0.0_f64), |(low, high), p| {
-                    (low.min(f(&p)), high.max(f(&p)))
-                })
-        };
-        let (x, y) = (range(&|p| factor * p.cost), range(&|p| 100.0 * p.error));
+        let x = extremes(points.clone().map(|p| factor * p.cost));
+        let y = extremes(points.map(|p| 100.0 * p.error));
         (x.1 > 0.0).then(|| Scale {
             cost: factor,
             x: Axis::logarithmic(x.0, x.1),
             y: Axis::logarithmic(y.0, y.1),
             x_name,
         })
+    }
+
+    fn frame(&self, area: Rect) -> Frame {
+        Frame {
+            area,
+            x: self.x.clone(),
+            y: self.y.clone(),
+        }
     }
 
     fn at(&self, frame: &Frame, p: Point) -> (f64, f64) {
@@ -160,13 +160,8 @@ fn scatter(
             &reasons,
             &Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0),
         );
-        let frame = Frame {
-            area,
-            x: scale.x.clone(),
-            y: scale.y.clone(),
-        };
-        let name = metric.axis();
-        frame.paint(c, scale.x_name, &name, true);
+        let frame = scale.frame(area);
+        frame.paint(c, scale.x_name, &metric.axis(), true);
         let on = |i: &usize| all.contains(i) || fair.contains(i);
         for i in (0..cloud.shown.len()).filter(|i| !on(i)) {
             let s = &cloud.shown[i];
@@ -190,7 +185,7 @@ fn scatter(
         for &i in &shown {
             let s = &cloud.shown[i];
             let at = scale.at(&frame, s.point);
-            taken.push(Rect::new(at.0 - 6.0, at.1 - 6.0, at.0 + 6.0, at.1 + 6.0));
+            taken.push(Rect::around(at, 6.0));
             let (look, filled) = marks.look(s.style, s.run);
             marker(c, at, 5.4, look, filled);
         }
@@ -200,7 +195,14 @@ fn scatter(
         named.dedup();
         for &i in &named {
             let s = &cloud.shown[i];
-            name_point(c, &words(s), scale.at(&frame, s.point), &area, &mut taken);
+            point_label(
+                c,
+                &words(s),
+                scale.at(&frame, s.point),
+                &area,
+                &mut taken,
+                true,
+            );
         }
         let mut y = area.y1 + 58.0;
         for (cells, strong) in &notes {
@@ -249,9 +251,9 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
 /// What a point of the front is called beside its colour.
 fn words(s: &Shown<'_>) -> String {
     if is_ours(s.run) {
-        return rung(s.run);
+        return modes_and_step(s.run);
     }
-    format!("{} {}", id_of(&s.run.integrator), rung(s.run))
+    format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }
 
 /// Models of a cloud: place, label, fitted or not.
@@ -326,18 +328,6 @@ fn notes(cloud: &Cloud<'_>) -> Vec<([String; 4], bool)> {
     all
 }
 
-/// Names a point on a plate of its own, so that what lies behind does not spoil the text.
-fn name_point(c: &mut Canvas<'_>, text: &str, at: (f64, f64), area: &Rect, taken: &mut Vec<Rect>) {
-    let before = taken.len();
-    let mut plates = taken.clone();
-    if label_place(text, at, area, &mut plates)
-        && let Some(plate) = plates.get(before)
-    {
-        c.fill(plate, Ink::WHITE.opacity(0.78));
-    }
-    point_label(c, text, at, area, taken);
-}
-
 fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
     if reasons.is_empty() {
         0.0
@@ -356,8 +346,7 @@ fn failures(
     if reasons.is_empty() {
         return;
     }
-    c.fill(edge, Ink(0xf7, 0xf3, 0xf2, 1.0));
-    c.frame(edge, Stroke::new(Ink::PALE, 1.0));
+    c.edge_of_failures(edge);
     let left = edge.x0 + 128.0;
     for (k, (status, runs)) in reasons.iter().enumerate() {
         let y = edge.y0 + 4.0 + ROW * (k as f64 + 0.5);

@@ -3,19 +3,19 @@
 //! Colours after Okabe and Ito, as those of the models; the letter carries the meaning where colours cannot.
 
 use crate::drawing::axis::NAME_SIZE;
-use crate::drawing::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type, text_width};
-use crate::drawing::lines::{RIGHT, WIDTH};
+use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
+use crate::drawing::geometry::Rect;
+use crate::drawing::legend::in_rows;
+use crate::drawing::panel::{RIGHT, WIDTH};
 use crate::record::Status;
 use crate::studies::stability::LineKind;
 
 /// Look of a label.
 #[derive(Clone, Copy)]
 pub struct Look {
-    /// Colour of the cell.
     pub ink: Ink,
     /// Letter in it; none for runs that converged.
     pub letter: &'static str,
-    /// Colour of the letter.
     pub text: Ink,
 }
 
@@ -73,9 +73,7 @@ pub fn found_mark(c: &mut Canvas<'_>, (x, y): (f64, f64)) {
 
 /// What a legend names.
 pub enum Entry {
-    /// A label.
     Label(Status),
-    /// A line of theory.
     Theory(LineKind),
     /// The largest stable step that was found.
     Found,
@@ -94,52 +92,34 @@ impl Entry {
 /// Height of a row of a legend.
 const ROW: f64 = 21.0;
 
-fn rows(entries: &[Entry]) -> Vec<Vec<(f64, &Entry)>> {
-    let mut rows: Vec<Vec<(f64, &Entry)>> = Vec::new();
-    let mut x = f64::INFINITY;
-    for entry in entries {
-        let width = 46.0 + text_width(entry.text(), NAME_SIZE);
-        if x + width > WIDTH - RIGHT {
-            rows.push(Vec::new());
-            x = 16.0;
-        }
-        if let Some(row) = rows.last_mut() {
-            row.push((x, entry));
-        }
-        x += width;
-    }
-    rows
+fn places(entries: &[Entry]) -> Vec<(f64, usize)> {
+    let widths = entries
+        .iter()
+        .map(|e| 46.0 + text_width(e.text(), NAME_SIZE));
+    in_rows(widths, 16.0, WIDTH - RIGHT)
 }
 
-/// Height of a legend.
 pub fn legend_height(entries: &[Entry]) -> f64 {
-    ROW * rows(entries).len() as f64
+    ROW * places(entries).last().map_or(0, |p| p.1 + 1) as f64
 }
 
 /// Paints a legend from `y` downwards.
 pub fn legend(c: &mut Canvas<'_>, entries: &[Entry], y: f64) {
-    for (i, row) in rows(entries).iter().enumerate() {
-        let y = y + ROW * (i as f64 + 0.5);
-        for (x, entry) in row {
-            let sample = Rect::new(*x, y - 7.5, x + 22.0, y + 7.5);
-            match entry {
-                Entry::Label(status) => {
-                    let look = look(*status);
-                    c.fill(&sample, look.ink);
-                    let kind = Type::new(11.0, Anchor::Middle).ink(look.text).bold();
-                    c.text(look.letter, (x + 11.0, y), kind);
-                }
-                Entry::Theory(kind) => {
-                    theory_line(c, &[(*x, y), (x + 22.0, y)], &sample, *kind);
-                }
-                Entry::Found => found_mark(c, (x + 11.0, y)),
+    for (entry, (x, row)) in entries.iter().zip(places(entries)) {
+        let y = y + ROW * (row as f64 + 0.5);
+        let sample = Rect::new(x, y - 7.5, x + 22.0, y + 7.5);
+        match entry {
+            Entry::Label(status) => {
+                let look = look(*status);
+                c.fill(&sample, look.ink);
+                let kind = Type::new(11.0, Anchor::Middle).ink(look.text).bold();
+                c.text(look.letter, (x + 11.0, y), kind);
             }
-            c.text(
-                entry.text(),
-                (x + 28.0, y),
-                Type::new(NAME_SIZE, Anchor::Start),
-            );
+            Entry::Theory(kind) => theory_line(c, &[(x, y), (x + 22.0, y)], &sample, *kind),
+            Entry::Found => found_mark(c, (x + 11.0, y)),
         }
+        let kind = Type::new(NAME_SIZE, Anchor::Start);
+        c.text(entry.text(), (x + 28.0, y), kind);
     }
 }
 

@@ -6,8 +6,9 @@ mod panel;
 
 use crate::drawing::Chart;
 use crate::drawing::axis::NAME_SIZE;
-use crate::drawing::canvas::{Anchor, DrawError, Rect, Type, draw};
-use crate::drawing::lines::{RIGHT, WIDTH};
+use crate::drawing::canvas::{Anchor, DrawError, Type, draw};
+use crate::drawing::geometry::Rect;
+use crate::drawing::panel::{RIGHT, WIDTH};
 use crate::numbers::{quantity, short};
 use crate::record::Status;
 use crate::studies::stability::{LineKind, Map};
@@ -43,9 +44,6 @@ fn figures(maps: &[Map]) -> Vec<Vec<&Map>> {
 }
 
 /// The charts of a study of stability.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     let mut charts = Vec::new();
     if let Some(svg) = overview::overview(maps)? {

@@ -3,8 +3,9 @@
 use super::look::{self, Entry, found_mark, legend, legend_height};
 use super::panel::{Abscissa, column_scale};
 use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Rect, Stroke, Type, draw};
-use crate::drawing::lines::{RIGHT, WIDTH};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
+use crate::drawing::geometry::Rect;
+use crate::drawing::panel::{RIGHT, WIDTH};
 use crate::record::Status;
 use crate::studies::stability::{Columns, LineKind, Map, once};
 
@@ -57,9 +58,6 @@ fn headings(maps: &[&Map]) -> Vec<usize> {
 }
 
 /// The chart; `None` without maps.
-///
-/// # Errors
-/// [`DrawError`] when the backend refuses.
 pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
     let blocks: Vec<Vec<&Map>> = [Columns::Step, Columns::Tolerance]
         .map(|columns| pairs(maps, columns))

@@ -2,7 +2,8 @@
 
 use super::look::{found_mark, look, theory_line};
 use crate::drawing::axis::{Axis, NAME_SIZE, TICK_SIZE, tick_label};
-use crate::drawing::canvas::{Anchor, Canvas, Ink, Rect, Stroke, Type, text_width};
+use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
+use crate::drawing::geometry::Rect;
 use crate::numbers::{Prefix, short};
 use crate::studies::stability::{Cell, Columns, LineKind, Map, MapAxis};
 
@@ -19,11 +20,9 @@ pub fn column_scale(columns: Columns) -> (f64, &'static str) {
 
 /// Abscissa of evenly spaced columns (over the decades): every cell has the same width.
 pub struct Abscissa {
-    /// First column.
     first: f64,
     /// Ratio of neighbours, as a logarithm.
     step: f64,
-    /// Number of columns.
     count: usize,
 }
 
@@ -116,11 +115,9 @@ pub fn labels(axis: &MapAxis) -> (Vec<String>, String) {
 
 /// What a panel shows.
 pub struct Panel<'a> {
-    /// The map.
     pub map: &'a Map,
     /// Which value of the second axis.
     pub second: usize,
-    /// Heading.
     pub title: String,
     /// Values of the first axis at the left.
     pub y_labels: bool,

@@ -1,0 +1,66 @@
+//! Arguments that several commands take.
+
+use super::values::{DEFAULT_REPEATS, DEFAULT_TIMEOUT, positive};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Where results go.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Output {
+    /// Folder to write to [default: out/SCENE/STUDY]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Where results go, and how long a run may take.
+#[derive(Args, Clone, Debug)]
+pub struct Bounded {
+    /// Where results go.
+    #[command(flatten)]
+    pub output: Output,
+    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
+    pub timeout: f64,
+}
+
+impl Bounded {
+    /// The folder that was named.
+    pub fn out(&self) -> Option<&Path> {
+        self.output.out.as_deref()
+    }
+
+    /// Bound of one integration.
+    pub fn timeout(&self) -> Duration {
+        Duration::from_secs_f64(self.timeout)
+    }
+}
+
+impl Default for Bounded {
+    fn default() -> Self {
+        Bounded {
+            output: Output::default(),
+            timeout: DEFAULT_TIMEOUT,
+        }
+    }
+}
+
+/// The same of a study whose runs are timed.
+#[derive(Args, Clone, Debug)]
+pub struct Timed {
+    /// Where results go, and how long a run may take.
+    #[command(flatten)]
+    pub bounded: Bounded,
+    /// Timed repeats of every run; the report shows their median and spread
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+}
+
+impl Default for Timed {
+    fn default() -> Self {
+        Timed {
+            bounded: Bounded::default(),
+            repeats: DEFAULT_REPEATS,
+        }
+    }
+}

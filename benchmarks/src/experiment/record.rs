@@ -1,0 +1,263 @@
+//! What a record keeps of a run: histories, energy ledger, modes, the picture at the largest force.
+
+use super::history::History;
+use super::run::Job;
+use gearbench_integrators::State;
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::system::{Outputs, Report};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::geometry::Side;
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
+use gearbench_models::spec::{Body, Modelling, SceneSpec, effective_radius};
+use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reports::metrics::TRANSMISSION_ERROR;
+use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
+use gearbench_reports::series::{Column, TimeSeries};
+
+/// The part of a row that tells of the modes of elastic gears.
+pub fn reduction(scene: &Scene, modelling: &Modelling) -> Run {
+    let mut found = Run::default();
+    for (gear, spec) in scene.gears().iter().zip(&modelling.gears) {
+        let Some(field) = gear.model.displacement() else {
+            continue;
+        };
+        let kept = gear.model.hub().own;
+        // The characteristic time of such a gear is that of its fastest mode.
+        let highest = (std::f64::consts::TAU * gear.model.hub().characteristic_time).recip();
+        found.modes = found.modes.max(Some(kept));
+        found.residual = Some(found.residual.unwrap_or(false) || field.is_compliant());
+        if kept > 0 {
+            found.highest_hz = Some(found.highest_hz.unwrap_or(0.0).max(highest));
+        }
+        if let Some(way) = ElasticParameters::of(spec).and_then(|p| p.choose) {
+            found.choose = Some(way.id().into());
+        }
+    }
+    found
+}
+
+pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSeries {
+    let spec = job.scene;
+    let values =
+        |channel: Channel| (scene.channel(channel)).map_or_else(Vec::new, |c| history.column(c));
+    let of_gear = |g: usize, what: OfGear| values(Channel::Gear(g, what));
+    let mut series = TimeSeries {
+        time_s: history.time.clone(),
+        contact_force_n: history.force(),
+        omega1_rad_s: turning(spec, 0, of_gear(0, OfGear::Speed)),
+        omega2_rad_s: turning(spec, 1, of_gear(1, OfGear::Speed)),
+        columns: Vec::new(),
+    };
+    let column = |channel: Channel| Column {
+        name: channel.column(spec),
+        values: values(channel),
+    };
+    let (gears, meshes) = (0..spec.gears.len(), 0..spec.meshes.len());
+    let columns = &mut series.columns;
+    columns.extend(
+        gears
+            .clone()
+            .map(|g| column(Channel::Gear(g, OfGear::Displacement))),
+    );
+    let error = transmission_error(spec, |g| of_gear(g, OfGear::Displacement));
+    columns.extend(error.map(|values| Column {
+        name: TRANSMISSION_ERROR.into(),
+        values,
+    }));
+    if job.forces {
+        for (force, bearing) in [(OfMesh::X, OfGear::BearingX), (OfMesh::Y, OfGear::BearingY)] {
+            columns.extend(meshes.clone().map(|m| column(Channel::Mesh(m, force))));
+            columns.extend(gears.clone().map(|g| column(Channel::Gear(g, bearing))));
+        }
+    }
+    for m in meshes {
+        if m > 0 {
+            columns.push(column(Channel::Mesh(m, OfMesh::Force)));
+        }
+        columns.push(column(Channel::Mesh(m, OfMesh::Transverse)));
+    }
+    // The first two gears have columns of their own, but in [rad/s].
+    for (g, gear) in spec.gears.iter().enumerate() {
+        if g > 1 || matches!(gear.body, Body::Rack(_)) {
+            columns.push(column(Channel::Gear(g, OfGear::Speed)));
+        }
+    }
+    series.finite_prefix()
+}
+
+/// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
+fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
+    let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
+        return speed;
+    };
+    let mate = scene.meshes.iter().find_map(|m| match m.gears {
+        [a, b] if a == gear => Some(b),
+        [a, b] if b == gear => Some(a),
+        _ => None,
+    });
+    if let Some(Body::Gear(mate)) = mate.map(|i| &scene.gears[i].body) {
+        speed.iter_mut().for_each(|v| *v /= mate.r_reference());
+    }
+    speed
+}
+
+/// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
+/// rigid ones would have touched [m].
+fn transmission_error(
+    scene: &SceneSpec,
+    displacement: impl Fn(usize) -> Vec<f64>,
+) -> Option<Vec<f64>> {
+    let mesh = scene.meshes.first()?;
+    let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
+    let [x, y] = mesh.gears.map(displacement);
+    let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;
+    Some(x.iter().zip(&y).map(error).collect())
+}
+
+/// Approach of the flanks of one side by the displacements of two gears [m].
+pub fn approach(side: Side, [a, b]: [&Body; 2]) -> impl Fn(f64, f64) -> f64 {
+    let along_b = if matches!(b, Body::Gear(_)) {
+        1.0
+    } else {
+        -1.0
+    };
+    let [pa, pb] = [
+        side.sign() * effective_radius(a),
+        side.sign() * along_b * effective_radius(b),
+    ];
+    move |x, y| pa * x + pb * y
+}
+
+/// Momentum of each gear along its line of action, `L / r_b` [N s].
+pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
+    let mut out = Outputs::default();
+    scene.output(state.at(), &mut out);
+    scene
+        .gears()
+        .iter()
+        .map(|g| g.model.hub_state(g.at(state.at())).momentum)
+        .collect()
+}
+
+pub fn ledger_record(
+    job: &Job<'_>,
+    ledger: &Ledger,
+    series: &TimeSeries,
+    momenta: Option<[Vec<f64>; 2]>,
+) -> record::Ledger {
+    // Momenta lie along the lines of action in the transverse plane, and so does their exchange.
+    let name = Channel::Mesh(0, OfMesh::Transverse).column(job.scene);
+    let transverse = series.columns.iter().find(|c| c.name == name);
+    let transverse = transverse.map_or(&[][..], |c| &c.values);
+    let impulse: f64 = series
+        .time_s
+        .windows(2)
+        .zip(transverse.windows(2))
+        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
+        .sum();
+    // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
+    // its forces stay on the lines of action.
+    let two_free = job.scene.gears.len() == 2
+        && job.scene.gears.iter().all(|g| {
+            g.loads.is_empty()
+                && matches!(
+                    g.mount,
+                    gearbench_models::spec::Mount::Revolute
+                        | gearbench_models::spec::Mount::Prismatic
+                )
+        });
+    let drift = momenta.filter(|_| two_free).map(|[start, end]| {
+        let r = [
+            effective_radius(&job.scene.gears[0].body),
+            effective_radius(&job.scene.gears[1].body),
+        ];
+        let sign = if matches!(job.scene.gears[1].body, Body::Gear(_)) {
+            -1.0
+        } else {
+            1.0
+        };
+        let change: Vec<f64> = start.iter().zip(&end).map(|(a, b)| b - a).collect();
+        let moved = (change[0] / r[0]).abs().max(f64::MIN_POSITIVE);
+        (change[0] / r[0] + sign * change[1] / r[1]) / moved
+    });
+    let e = ledger.end;
+    record::Ledger {
+        energy_start_j: ledger.start.and_then(|e| finite(e.total())),
+        energy_end_j: finite(e.total()),
+        kinetic_j: finite(e.kinetic),
+        strain_j: finite(e.strain),
+        contact_j: finite(e.contact),
+        external_work_j: finite(ledger.external),
+        // What a damper leaves in the contact when it lets go is lost there and then.
+        dissipated_j: finite(ledger.dissipated - ledger.jumps),
+        parametric_work_j: finite(ledger.parametric),
+        residual_j: finite(ledger.residual()),
+        residual_rel: finite(ledger.residual_relative()),
+        impulse_ns: finite(impulse),
+        invariant_drift_rel: drift.and_then(finite),
+    }
+}
+
+/// The mesh at one state: outlines turned and placed, contacts with their forces.
+pub fn snapshot(spec: &SceneSpec, scene: &mut Scene, state: &State) -> ContactSnapshot {
+    let phases = scene.phases().to_vec();
+    let mut outlines = Vec::new();
+    for ((g, s), phase) in spec.gears.iter().zip(scene.gears()).zip(&phases) {
+        let displacement = s.model.hub_state(s.at(state.at())).displacement;
+        let (turn, shift, points) = match &g.body {
+            Body::Gear(gear) => (phase + displacement, 0.0, gear.outline(24)),
+            Body::Rack(rack) => {
+                // Outline: teeth towards -x, travel along +y.
+                (
+                    g.facing + std::f64::consts::PI,
+                    phase + displacement,
+                    rack.outline(24),
+                )
+            }
+        };
+        let (sin, cos) = turn.sin_cos();
+        let points = points
+            .into_iter()
+            .map(|[x, y]| {
+                let y = y + shift;
+                [
+                    g.position[0] + cos * x - sin * y,
+                    g.position[1] + sin * x + cos * y,
+                ]
+            })
+            .collect();
+        outlines.push(Outline {
+            gear: g.name.clone(),
+            points,
+        });
+    }
+    let forces = scene.contact_forces(state.at());
+    let line = forces.first().and_then(|f| scene.line_of_action(f));
+    let contacts = forces
+        .iter()
+        .map(|f| ContactPoint {
+            point: [f.x.x, f.x.y],
+            force: [f.force.x, f.force.y],
+            pair: pair_name(spec, f),
+        })
+        .collect();
+    ContactSnapshot {
+        time_s: state.t,
+        outlines,
+        line_of_action: line,
+        contacts,
+    }
+}
+
+/// Teeth of a contact, counted from 1 within each gear.
+fn pair_name(spec: &SceneSpec, f: &gearbench_models::scene::ContactForce) -> String {
+    let gears = spec.meshes[f.mesh].gears;
+    let name = |k: usize| {
+        let teeth = match &spec.gears[gears[k]].body {
+            Body::Gear(g) => i64::from(g.teeth()),
+            Body::Rack(r) => i64::from(r.teeth()),
+        };
+        f.teeth[k].index.rem_euclid(teeth) + 1
+    };
+    format!("{}-{}", name(0), name(1))
+}

@@ -1,0 +1,63 @@
+//! What serde finds wrong with a value, before and after it has a place in the file.
+
+use super::super::error::SceneError;
+use serde::de;
+use std::fmt::{self, Display};
+
+/// What is wrong.
+#[derive(Debug)]
+pub(super) enum Flaw {
+    /// With its place: nothing is added on the way out.
+    Placed(SceneError),
+    /// A key that the table does not have.
+    UnknownKey,
+    /// A key that has to be there.
+    Missing(&'static str),
+    /// A word that is none of the known ones.
+    UnknownWord(String, &'static [&'static str]),
+    /// Another value than was expected.
+    Expected(String),
+    /// In a sentence.
+    Said(String),
+}
+
+impl Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Flaw::Placed(e) => e.fmt(f),
+            Flaw::UnknownKey => f.write_str("unknown key"),
+            Flaw::Missing(key) => write!(f, "`{key}` is missing"),
+            Flaw::UnknownWord(word, _) => write!(f, "\"{word}\" is not known"),
+            Flaw::Expected(what) => write!(f, "expected {what}"),
+            Flaw::Said(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for Flaw {}
+
+impl de::Error for Flaw {
+    fn custom<T: Display>(why: T) -> Self {
+        Flaw::Said(why.to_string())
+    }
+
+    fn invalid_type(_: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Flaw::Expected(expected.to_string())
+    }
+
+    fn invalid_value(_: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Flaw::Expected(expected.to_string())
+    }
+
+    fn unknown_variant(word: &str, known: &'static [&'static str]) -> Self {
+        Flaw::UnknownWord(word.to_owned(), known)
+    }
+
+    fn unknown_field(_: &str, _: &'static [&'static str]) -> Self {
+        Flaw::UnknownKey
+    }
+
+    fn missing_field(key: &'static str) -> Self {
+        Flaw::Missing(key)
+    }
+}

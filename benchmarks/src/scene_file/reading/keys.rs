@@ -1,0 +1,97 @@
+//! Tables of the format.
+
+use super::super::SceneKeys;
+use super::super::{
+    calibrated, contact, contact_points, gear, mesh, model, profile, stiffness, study_plan,
+};
+use crate::studies::{precision, stability, sweep};
+
+/// The keys of a table and what they mean, unit and example included.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Table {
+    /// Name of the struct that reads it.
+    pub(crate) name: &'static str,
+    /// Key and meaning.
+    pub(crate) keys: &'static [(&'static str, &'static str)],
+}
+
+impl Table {
+    /// What a key means.
+    pub(super) fn meaning(&self, key: &str) -> &'static str {
+        let found = self.keys.iter().find(|(k, _)| *k == key);
+        found.map_or("", |(_, meaning)| meaning.trim_start())
+    }
+}
+
+/// All tables of the format.
+pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
+    [
+        &SceneKeys::TABLE,
+        &gear::GearKeys::TABLE,
+        &gear::RackKeys::TABLE,
+        &gear::ReliefKeys::TABLE,
+        &gear::MaterialKeys::TABLE,
+        &mesh::MeshKeys::TABLE,
+        &mesh::StartKeys::TABLE,
+        &model::ModelKeys::TABLE,
+        &model::OfGearKeys::TABLE,
+        &calibrated::CalibrationKeys::TABLE,
+        &contact::ContactKeys::TABLE,
+        &contact_points::PointKeys::TABLE,
+        &contact::DamperKeys::TABLE,
+        &contact::RatioKeys::TABLE,
+        &contact::RestitutionKeys::TABLE,
+        &contact::FrictionKeys::TABLE,
+        &stiffness::ConstantKeys::TABLE,
+        &stiffness::IsoKeys::TABLE,
+        &stiffness::ComplianceKeys::TABLE,
+        &stiffness::TableKeys::TABLE,
+        &study_plan::StudyKeys::TABLE,
+        &study_plan::IntegratorKeys::TABLE,
+        &study_plan::ToleranceKeys::TABLE,
+        &sweep::scene::Sweep::TABLE,
+        &precision::scene::PrecisionKeys::TABLE,
+        &stability::scene::StabilityKeys::TABLE,
+        &stability::scene::SpanKeys::TABLE,
+        &stability::scene::AxisKeys::TABLE,
+    ]
+    .into_iter()
+    .chain(profile::TABLES)
+}
+
+/// The table that a struct reads.
+pub(super) fn table(name: &str) -> Option<&'static Table> {
+    let found = tables().find(|t| t.name == name);
+    assert!(
+        !cfg!(test) || found.is_some() || name.is_empty(),
+        "{name} is not among the tables"
+    );
+    found
+}
+
+/// Declares a table of the format: a struct that is read by serde, its fields the keys, their comments the meanings.
+macro_rules! keys {
+    ($(
+        $(#[$outer:meta])*
+        $vis:vis struct $name:ident {
+            $( $(#[doc = $doc:literal])* $(#[serde($($serde:tt)*)])* $field_vis:vis $field:ident: $type:ty, )*
+        }
+    )*) => { $(
+        #[derive(Clone, Debug, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        $(#[$outer])*
+        $vis struct $name {
+            $( $(#[doc = $doc])* $(#[serde($($serde)*)])* $field_vis $field: $type, )*
+        }
+
+        impl $name {
+            /// Keys and meanings.
+            pub(crate) const TABLE: $crate::scene_file::reading::keys::Table =
+                $crate::scene_file::reading::keys::Table {
+                    name: stringify!($name),
+                    keys: &[$((stringify!($field), concat!($($doc),*))),*],
+                };
+        }
+    )* };
+}
+pub(crate) use keys;

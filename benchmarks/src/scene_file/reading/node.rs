@@ -1,0 +1,234 @@
+//! A TOML value with its place, and refusals of what is found there.
+
+use super::super::error::{SceneError, Source};
+use super::flaw::Flaw;
+use super::keys::Table;
+use super::suggest;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::DeValue;
+
+/// What values are read against.
+#[derive(Debug)]
+pub(super) struct Context<'d> {
+    pub(super) source: &'d Source,
+    /// Words that are known, by the name of the newtype that takes them.
+    pub(super) known: Vec<(&'static str, Vec<String>)>,
+}
+
+impl Context<'_> {
+    pub(super) fn known(&self, name: &str) -> Option<&[String]> {
+        let found = self.known.iter().find(|(n, _)| *n == name)?;
+        Some(&found.1)
+    }
+}
+
+/// A value, the key that leads to it, and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node<'d> {
+    pub(super) context: &'d Context<'d>,
+    pub(super) key: &'d str,
+    pub(super) meaning: &'static str,
+    pub(super) value: &'d DeValue<'d>,
+    pub(super) at: (usize, usize),
+    /// Member of a list, which has no key of its own.
+    pub(super) member: bool,
+    /// Key that has been read already: the tag of an enumeration.
+    pub(super) tag: Option<&'static str>,
+    pub(super) distinct: bool,
+}
+
+impl<'d> Node<'d> {
+    /// The whole document.
+    pub(super) fn root(context: &'d Context<'d>, value: &'d DeValue<'d>) -> Self {
+        Node {
+            context,
+            key: "",
+            meaning: "",
+            value,
+            at: (0, 0),
+            member: false,
+            tag: None,
+            distinct: false,
+        }
+    }
+
+    pub(super) fn of(self, value: &'d Spanned<DeValue<'d>>) -> Self {
+        let Range { start, end } = value.span();
+        Node {
+            value: value.get_ref(),
+            at: (start, end),
+            tag: None,
+            distinct: false,
+            ..self
+        }
+    }
+
+    pub(super) fn error(
+        &self,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let span = self.at.0..self.at.1;
+        self.context.source.error(span, message, label, help)
+    }
+
+    pub(super) fn refuse<T>(
+        &self,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Result<T, Flaw> {
+        Err(Flaw::Placed(self.error(message, label, help)))
+    }
+
+    /// The meaning of the key, as a way out.
+    pub(super) fn help(&self) -> String {
+        match self.meaning {
+            "" => String::new(),
+            meaning => format!("`{}`: {meaning}", self.key),
+        }
+    }
+
+    /// How a table is called: by its header, else by its key.
+    pub(super) fn called(&self) -> String {
+        let text = self.context.source.text();
+        let header = text.get(self.at.0..self.at.1).unwrap_or_default();
+        match header.lines().next() {
+            Some(line) if line.starts_with('[') => line.trim_end().to_owned(),
+            _ if self.key.is_empty() => self.context.source.name().to_owned(),
+            _ => format!("`{}`", self.key),
+        }
+    }
+
+    /// Gives a flaw of this value its place.
+    pub(super) fn place(&self, flaw: Flaw) -> SceneError {
+        match flaw {
+            Flaw::Placed(e) => e,
+            Flaw::Missing(key) => self.missing(key, ""),
+            Flaw::UnknownKey => self.error("unknown key", "not known here", self.help()),
+            Flaw::UnknownWord(word, known) => self.unknown_word(&word, known),
+            Flaw::Said(why) => self.error(why, "this", self.help()),
+            Flaw::Expected(what) => {
+                let is = if self.member { "holds" } else { "is" };
+                self.error(
+                    format!("`{}` {is} {}, expected {what}", self.key, found(self.value)),
+                    format!("expected {what}"),
+                    self.help(),
+                )
+            }
+        }
+    }
+
+    pub(super) fn placed<T>(&self, result: Result<T, Flaw>) -> Result<T, Flaw> {
+        result.map_err(|flaw| Flaw::Placed(self.place(flaw)))
+    }
+
+    pub(super) fn expected<T>(&self, what: &str) -> Result<T, Flaw> {
+        self.placed(Err(Flaw::Expected(what.to_owned())))
+    }
+
+    pub(super) fn missing(&self, key: &str, meaning: &str) -> SceneError {
+        self.error(
+            format!("`{key}` is missing in {}", self.called()),
+            "here",
+            format!("add `{key}`: {meaning}"),
+        )
+    }
+
+    /// A key that this table does not have.
+    pub(super) fn unknown_key(
+        &self,
+        entry: &Node<'_>,
+        known: &[&'static str],
+        table: Option<&Table>,
+    ) -> SceneError {
+        let meaning = |key: &str| table.map_or("", |t| t.meaning(key));
+        entry.error(
+            format!("unknown key `{}` in {}", entry.key, self.called()),
+            "not known here",
+            suggest::help_for(entry.key, entry.number().ok(), known, &meaning),
+        )
+    }
+
+    pub(super) fn unknown_word(&self, word: &str, known: &[&str]) -> SceneError {
+        self.error(
+            format!("`{}` is \"{word}\", which is not known", self.key),
+            "not known",
+            suggest::there_are(word, known),
+        )
+    }
+
+    pub(super) fn number(&self) -> Result<f64, Flaw> {
+        let x = match self.value {
+            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
+                .ok()
+                .map(|i| i as f64),
+            DeValue::Float(f) => f.as_str().parse::<f64>().ok(),
+            _ => return self.expected("a number"),
+        };
+        match x {
+            Some(x) if x.is_finite() => Ok(x),
+            _ => self.expected("a finite number"),
+        }
+    }
+
+    pub(super) fn whole(&self) -> Result<u32, Flaw> {
+        match self.value {
+            DeValue::Integer(i) => u32::from_str_radix(i.as_str(), i.radix())
+                .or_else(|_| self.expected("a whole number, zero or more")),
+            _ => self.expected("a whole number"),
+        }
+    }
+
+    pub(super) fn text(&self) -> Result<&'d str, Flaw> {
+        match self.value {
+            DeValue::String(s) => Ok(s),
+            _ => self.expected("a text in quotes"),
+        }
+    }
+
+    /// Entries of a table in the order of the file, the tag left out.
+    pub(super) fn entries(&self) -> Result<Vec<Node<'d>>, Flaw> {
+        let DeValue::Table(table) = self.value else {
+            return self.expected("a table");
+        };
+        let mut entries: Vec<_> = table
+            .iter()
+            .filter(|(key, _)| self.tag != Some(key.get_ref()))
+            .collect();
+        entries.sort_by_key(|(key, _)| key.span().start);
+        Ok(entries
+            .into_iter()
+            .map(|(key, value)| Node {
+                key: key.get_ref(),
+                meaning: "",
+                member: false,
+                at: (key.span().start, key.span().end),
+                ..self.of(value)
+            })
+            .collect())
+    }
+
+    /// The value of an entry, which [`Node::entries`] leaves at the place of its key.
+    pub(super) fn value_of(&self, entry: Node<'d>) -> Node<'d> {
+        match self.value {
+            DeValue::Table(table) => table.get(entry.key).map_or(entry, |v| entry.of(v)),
+            _ => entry,
+        }
+    }
+}
+
+/// A value in words.
+fn found(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(s) => format!("the text \"{}\"", s.chars().take(40).collect::<String>()),
+        DeValue::Integer(i) => format!("the number {i}"),
+        DeValue::Float(f) => format!("the number {f}"),
+        DeValue::Boolean(b) => b.to_string(),
+        DeValue::Datetime(_) => "a date".into(),
+        DeValue::Array(_) => "a list".into(),
+        DeValue::Table(_) => "a table".into(),
+    }
+}

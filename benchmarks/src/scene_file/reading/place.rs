@@ -1,0 +1,186 @@
+//! Where everything stands in a file, for refusals that are about several values together.
+
+use super::super::error::{SceneError, Source};
+use super::keys::Table;
+use super::node::{Context, Node};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A file: its text, and where its values stand by path, such as `meshes[0].start.gap_m`.
+#[derive(Clone, Debug)]
+pub(in super::super) struct Document {
+    source: Source,
+    spans: BTreeMap<String, Range<usize>>,
+}
+
+/// A table or a list of a [`Document`].
+#[derive(Clone, Debug)]
+pub(crate) struct Place<'d> {
+    document: &'d Document,
+    path: String,
+}
+
+impl Document {
+    /// Parses a text and reads it as a type. `known` gives the words that the text itself introduces, by the name of
+    /// the newtype that takes them.
+    ///
+    /// # Errors
+    /// [`SceneError`] with line and a way out.
+    pub(in super::super) fn read<T: for<'d> Deserialize<'d>>(
+        name: &str,
+        text: &str,
+        known: impl FnOnce(&DeTable<'_>) -> Vec<(&'static str, Vec<String>)>,
+    ) -> Result<(Self, T), SceneError> {
+        let source = Source::new(name, text);
+        let table = DeTable::parse(text).map_err(|e| syntax(&source, &e))?;
+        let table = table.into_inner();
+        let known = known(&table);
+        let mut spans = BTreeMap::from([(String::new(), 0..0)]);
+        let root = DeValue::Table(table);
+        index(&root, "", &mut spans);
+        let context = Context {
+            source: &source,
+            known,
+        };
+        let node = Node::root(&context, &root);
+        let read = T::deserialize(node).map_err(|flaw| node.place(flaw))?;
+        Ok((Document { source, spans }, read))
+    }
+
+    pub(in super::super) fn text(&self) -> &str {
+        self.source.text()
+    }
+
+    /// The place of a path.
+    pub(in super::super) fn at(&self, path: impl Into<String>) -> Place<'_> {
+        Place {
+            document: self,
+            path: path.into(),
+        }
+    }
+}
+
+/// An error of the TOML syntax.
+fn syntax(source: &Source, e: &toml::de::Error) -> SceneError {
+    let message = e.message().trim().replace('\n', "; ");
+    let help = "a line is `key = value`, a table begins with `[name]`, text stands in quotes, a name stands once \
+                (https://toml.io)";
+    let span = e.span().unwrap_or(0..0);
+    source.error(span, format!("not TOML: {message}"), "here", help)
+}
+
+/// Key and value of every entry, every member of a list.
+fn index(value: &DeValue<'_>, path: &str, spans: &mut BTreeMap<String, Range<usize>>) {
+    let mut enter = |path: String, start: usize, value: &Spanned<DeValue<'_>>| {
+        index(value.get_ref(), &path, spans);
+        spans.insert(path, start..value.span().end);
+    };
+    match value {
+        DeValue::Table(table) => {
+            for (key, value) in table {
+                let dot = if path.is_empty() { "" } else { "." };
+                // A table with a header stands where its header does.
+                let start = match value.get_ref() {
+                    DeValue::Table(_) => key.span().start.min(value.span().start),
+                    _ => key.span().start,
+                };
+                enter(format!("{path}{dot}{}", key.get_ref()), start, value);
+            }
+        }
+        DeValue::Array(members) => {
+            for (i, member) in members.iter().enumerate() {
+                enter(format!("{path}[{i}]"), member.span().start, member);
+            }
+        }
+        _ => {}
+    }
+}
+
+impl<'d> Place<'d> {
+    /// The place of the whole document.
+    pub(crate) fn root(&self) -> Place<'d> {
+        self.document.at("")
+    }
+
+    /// The place of one of its keys.
+    pub(crate) fn key(&self, key: &str) -> Place<'d> {
+        let dot = if self.path.is_empty() { "" } else { "." };
+        self.document.at(format!("{}{dot}{key}", self.path))
+    }
+
+    /// The place of one of its members.
+    pub(crate) fn member(&self, index: usize) -> Place<'d> {
+        self.document.at(format!("{}[{index}]", self.path))
+    }
+
+    /// As a header of the file, such as `[gears.pinion]`.
+    pub(crate) fn header(&self) -> String {
+        format!("[{}]", self.path)
+    }
+
+    /// Whether it is in the file.
+    pub(crate) fn exists(&self) -> bool {
+        self.document.spans.contains_key(&self.path)
+    }
+
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.key(key).exists()
+    }
+
+    /// The first of several keys that is in the file, else the place itself.
+    pub(crate) fn first(&self, keys: &[&str]) -> Place<'d> {
+        let mut keys = keys.iter().map(|k| self.key(k));
+        keys.find(Place::exists).unwrap_or_else(|| self.clone())
+    }
+
+    fn span(&self) -> Range<usize> {
+        self.document
+            .spans
+            .get(&self.path)
+            .cloned()
+            .unwrap_or_default()
+    }
+
+    /// An error here: what is wrong, what the label says, the way out.
+    pub(crate) fn error(
+        &self,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let source = &self.document.source;
+        source.error(self.span(), message, label, help)
+    }
+
+    /// As [`Place::error`], for a result.
+    pub(crate) fn refuse<T>(
+        &self,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Result<T, SceneError> {
+        Err(self.error(message, label, help))
+    }
+
+    /// The error of a key that must be there and is not.
+    pub(crate) fn missing(&self, key: &str, table: &Table) -> SceneError {
+        let meaning = table.meaning(key);
+        let message = format!("`{key}` is missing in {}", self.header());
+        self.error(message, "here", format!("add `{key}`: {meaning}"))
+    }
+
+    /// An error about two places that do not go together.
+    pub(crate) fn against(
+        &self,
+        (other, other_label): (&Place<'_>, &str),
+        message: impl Into<String>,
+        label: &str,
+        help: impl Into<String>,
+    ) -> SceneError {
+        self.error(message, label, help)
+            .and(other.span(), other_label)
+    }
+}

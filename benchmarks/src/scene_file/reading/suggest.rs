@@ -1,0 +1,175 @@
+//! "Did you mean": nearest known word, and keys whose unit is not the one of the scene format.
+
+/// Keys of earlier versions and what they are called now, for the tables that have the new key.
+const RENAMED: &[(&str, &str)] = &[("coast", "free_flight"), ("sleep", "vibration_cut_off")];
+
+/// Units that people write, what the format takes instead, and the factor between them.
+const UNITS: &[(&str, &str, f64)] = &[
+    ("mm", "m", 1e-3),
+    ("um", "m", 1e-6),
+    ("cm", "m", 1e-2),
+    ("in", "m", 0.0254),
+    ("rad", "deg", 180.0 / std::f64::consts::PI),
+    ("rpm", "rad_s", std::f64::consts::PI / 30.0),
+    ("deg_s", "rad_s", std::f64::consts::PI / 180.0),
+    ("mm_s", "m_s", 1e-3),
+    ("ms", "s", 1e-3),
+    ("us", "s", 1e-6),
+    ("ns", "s", 1e-9),
+    ("nmm", "nm", 1e-3),
+    ("knm", "nm", 1e3),
+    ("kn", "n", 1e3),
+    ("g", "kg", 1e-3),
+    ("gmm2", "kgm2", 1e-9),
+    ("kgmm2", "kgm2", 1e-6),
+    ("gcm2", "kgm2", 1e-7),
+    ("kg_m2", "kgm2", 1.0),
+    ("gpa", "pa", 1e9),
+    ("mpa", "pa", 1e6),
+    ("g_cm3", "kg_m3", 1e3),
+    ("kgm3", "kg_m3", 1.0),
+    ("n_per_mm", "n_per_m", 1e3),
+    ("n_per_um", "n_per_m", 1e6),
+    ("n_m", "n_per_m", 1.0),
+    ("n_per_mm2", "n_per_m2", 1e6),
+    ("n_per_mm_um", "n_per_m2", 1e9),
+    ("ns_per_mm", "ns_per_m", 1e3),
+    ("nm_per_rad_s", "nms_per_rad", 1.0),
+];
+
+/// Known key for an unknown one that differs in its unit only, with the factor to the known unit.
+fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
+    for &key in known {
+        for (from, to, factor) in UNITS {
+            let stem = unknown.strip_suffix(from).and_then(|s| s.strip_suffix('_'));
+            let known_stem = key.strip_suffix(to).and_then(|s| s.strip_suffix('_'));
+            if stem.is_some() && stem == known_stem {
+                return Some((key, *factor));
+            }
+        }
+    }
+    None
+}
+
+/// Known key for an unknown one that lacks the unit: `module` for `module_m`.
+fn without_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
+    let mut found = known.iter().filter(|k| {
+        k.strip_prefix(unknown).is_some_and(|rest| {
+            rest.strip_prefix('_')
+                .is_some_and(|unit| UNITS.iter().any(|(_, to, _)| unit == *to) || unit == "deg")
+        })
+    });
+    match (found.next(), found.next()) {
+        (Some(key), None) => Some(key),
+        _ => None,
+    }
+}
+
+/// Words longer than any key are near to none.
+const LONGEST: usize = 64;
+
+/// The known word that is nearest to an unknown one, if any is near.
+fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
+    known
+        .iter()
+        .filter(|_| unknown.len() <= LONGEST)
+        .map(|&k| {
+            let typed = strsim::osa_distance(&unknown.to_lowercase(), &k.to_lowercase());
+            (typed, k)
+        })
+        .filter(|(d, k)| *d <= (k.len().max(unknown.len()) / 3).max(1))
+        .min_by_key(|(d, _)| *d)
+        .map(|(_, k)| k)
+}
+
+/// "did you mean" with the nearest known word, if any is near.
+pub(in super::super) fn did_you_mean(unknown: &str, known: &[&str]) -> String {
+    nearest(unknown, known).map_or(String::new(), |n| format!("did you mean `{n}`? "))
+}
+
+/// The nearest known word, if any is near, and all of them.
+pub(in super::super) fn there_are<K: AsRef<str>>(unknown: &str, known: &[K]) -> String {
+    let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    format!(
+        "{}there are {}",
+        did_you_mean(unknown, &known),
+        words(&known)
+    )
+}
+
+/// Words in a sentence: `a`, `b` or `c`.
+pub(in super::super) fn words<K: AsRef<str>>(known: &[K]) -> String {
+    let known: Vec<String> = known.iter().map(|k| format!("`{}`", k.as_ref())).collect();
+    match known.as_slice() {
+        [] => "nothing".into(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} or {last}", most.join(", ")),
+    }
+}
+
+/// What to write in place of an unknown key with a value, if that is a number.
+pub(in super::super) fn help_for(
+    unknown: &str,
+    value: Option<f64>,
+    known: &[&str],
+    meaning: &dyn Fn(&str) -> &'static str,
+) -> String {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == unknown);
+    if let Some((_, name)) = renamed.filter(|(_, new)| known.contains(new)) {
+        format!("`{unknown}` is called `{name}` now: {}", meaning(name))
+    } else if let Some((name, factor)) = other_unit(unknown, known) {
+        // Multiplying 4 by 1e-3 leaves binary digits behind that nobody wrote.
+        let written = value.map_or(String::new(), |x| {
+            let short = format!("{:.12e}", x * factor).parse::<f64>();
+            format!(" = {}", short.unwrap_or(x * factor))
+        });
+        format!(
+            "the format takes SI units and degrees; write `{name}{written}`: {}",
+            meaning(name)
+        )
+    } else if let Some(name) = without_unit(unknown, known) {
+        format!("keys carry their unit; write `{name}`: {}", meaning(name))
+    } else if let Some(name) = nearest(unknown, known) {
+        format!("did you mean `{name}`: {}?", meaning(name))
+    } else if known.is_empty() {
+        "it takes no keys".to_owned()
+    } else {
+        format!("known are {}", known.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions() {
+        let known = [
+            "module_m",
+            "speed_rad_s",
+            "teeth",
+            "inertia_kgm2",
+            "pressure_angle_deg",
+        ];
+        assert_eq!(other_unit("module_mm", &known), Some(("module_m", 1e-3)));
+        assert_eq!(other_unit("speed_rpm", &known).unwrap().0, "speed_rad_s");
+        assert_eq!(
+            other_unit("pressure_angle_rad", &known).unwrap().0,
+            "pressure_angle_deg"
+        );
+        assert_eq!(other_unit("teeth", &known), None);
+        assert_eq!(without_unit("module", &known), Some("module_m"));
+        assert_eq!(without_unit("speed", &known), Some("speed_rad_s"));
+        assert_eq!(nearest("tetth", &known), Some("teeth"));
+        assert_eq!(nearest("colour", &known), None);
+        assert_eq!(nearest("eteth", &known), Some("teeth"));
+        assert_eq!(nearest(&"teeth".repeat(20), &known), None);
+        assert_eq!(words(&["a", "b", "c"]), "`a`, `b` or `c`");
+        let help = help_for("sleep", Some(0.1), &["vibration_cut_off"], &|_| "a share");
+        assert_eq!(help, "`sleep` is called `vibration_cut_off` now: a share");
+        assert_eq!(
+            help_for("sleep", None, &["teeth"], &|_| ""),
+            "known are teeth"
+        );
+    }
+}

@@ -1,0 +1,201 @@
+//! Values with limits, and words that the scene itself introduces.
+
+use gearbench_integrators::spec::ids;
+use gearbench_integrators::{MethodError, MethodSpec};
+use gearbench_reports::Metric;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
+use std::fmt;
+use std::marker::PhantomData;
+use std::sync::LazyLock;
+
+macro_rules! limited {
+    ($($(#[$doc:meta])* $name:ident, $expected:literal, $fits:expr;)*) => { $(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub(crate) struct $name(pub(crate) f64);
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let x = f64::deserialize(deserializer)?;
+                let fits: fn(f64) -> bool = $fits;
+                match fits(x) {
+                    true => Ok($name(x)),
+                    false => Err(D::Error::invalid_value(Unexpected::Float(x), &$expected)),
+                }
+            }
+        }
+
+        impl From<$name> for f64 {
+            fn from(x: $name) -> f64 {
+                x.0
+            }
+        }
+    )* };
+}
+
+limited! {
+    /// Above zero.
+    Positive, "more than 0", |x| x > 0.0;
+    /// Zero or above.
+    NotNegative, "zero or more", |x| x >= 0.0;
+    /// A part of a whole, such as a tolerance.
+    Share, "more than 0 and less than 1", |x| x > 0.0 && x < 1.0;
+    /// A ratio of steps.
+    Factor, "more than 0 and less than 1000000", |x| x > 0.0 && x < 1e6;
+}
+
+/// An angle [rad], degrees in the file.
+#[derive(Clone, Copy, Debug, serde::Deserialize)]
+#[serde(from = "f64")]
+pub(crate) struct Degrees(pub(crate) f64);
+
+impl From<f64> for Degrees {
+    fn from(degrees: f64) -> Self {
+        Degrees(degrees.to_radians())
+    }
+}
+
+/// A whole number between two limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Count<const LEAST: u32, const MOST: u32>(pub(crate) usize);
+
+impl<'de, const LEAST: u32, const MOST: u32> Deserialize<'de> for Count<LEAST, MOST> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let n = u32::deserialize(deserializer)?;
+        if (LEAST..=MOST).contains(&n) {
+            return Ok(Count(n as usize));
+        }
+        let expected = if MOST == u32::MAX {
+            format!("at least {LEAST}")
+        } else {
+            format!("{LEAST} to {MOST}")
+        };
+        let found = Unexpected::Unsigned(n.into());
+        Err(D::Error::invalid_value(found, &expected.as_str()))
+    }
+}
+
+macro_rules! words_of_the_scene {
+    ($($(#[$doc:meta])* $name:ident, $known:literal;)*) => { $(
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
+        #[serde(rename = $known)]
+        pub(crate) struct $name(pub(crate) String);
+    )* };
+}
+
+words_of_the_scene! {
+    /// Name of a gear.
+    GearName, "<gear>";
+    /// Label of one of the models.
+    Label, "<model>";
+    /// Id of a gear model.
+    ModelId, "<gear model>";
+    /// Id of a stored reference.
+    ReferenceId, "<reference>";
+    /// Name of a calibration.
+    CalibrationName, "<calibration>";
+}
+
+/// A list in which nothing stands twice.
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(rename = "<distinct>")]
+pub(crate) struct Distinct<T>(pub(crate) Vec<T>);
+
+impl Distinct<Label> {
+    /// The labels.
+    pub(crate) fn labels(self) -> Vec<String> {
+        self.0.into_iter().map(|l| l.0).collect()
+    }
+}
+
+/// One, or a list.
+#[derive(Clone, Debug, serde::Deserialize)]
+pub(crate) enum OneOrMany<T> {
+    #[serde(rename = "<table>")]
+    One(T),
+    #[serde(rename = "<list>")]
+    Many(Vec<T>),
+}
+
+/// A table whose names the user chooses, in the order of the file.
+#[derive(Clone, Debug)]
+pub(crate) struct InOrder<T>(pub(crate) Vec<(String, T)>);
+
+impl<T> Default for InOrder<T> {
+    fn default() -> Self {
+        InOrder(Vec::new())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for InOrder<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+            type Value = InOrder<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let entries = std::iter::from_fn(|| map.next_entry().transpose());
+                entries.collect::<Result<_, _>>().map(InOrder)
+            }
+        }
+        deserializer.deserialize_map(Entries(PhantomData))
+    }
+}
+
+/// An integrator: id or id(name=value).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Method(pub(crate) MethodSpec);
+
+static METHOD_IDS: LazyLock<Vec<&'static str>> = LazyLock::new(ids);
+
+impl<'de> Deserialize<'de> for Method {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map(Method).map_err(|e| match e {
+            MethodError::Unknown(id) => D::Error::unknown_variant(&id, &METHOD_IDS),
+            e => D::Error::custom(format!("{e}; parameters stand in brackets: id(name=value)")),
+        })
+    }
+}
+
+static METRIC_KEYS: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| Metric::ALL.map(Metric::key).to_vec());
+static METRIC_OPTIONS: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| Metric::ALL.into_iter().filter_map(Metric::option).collect());
+
+/// A metric by its key in the record.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MetricKey(pub(crate) Metric);
+
+/// A metric by its name on the command line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MetricOption(pub(crate) Metric);
+
+fn metric<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    known: &'static [&'static str],
+) -> Result<Metric, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    match word.parse() {
+        Ok(metric) if known.contains(&word.as_str()) => Ok(metric),
+        _ => Err(D::Error::unknown_variant(&word, known)),
+    }
+}
+
+impl<'de> Deserialize<'de> for MetricKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        metric(deserializer, &METRIC_KEYS).map(MetricKey)
+    }
+}
+
+impl<'de> Deserialize<'de> for MetricOption {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        metric(deserializer, &METRIC_OPTIONS).map(MetricOption)
+    }
+}

@@ -1,0 +1,70 @@
+//! The hierarchy of models: its levels, from rigid gears to elastic ones with many modes.
+
+use gearbench_models::gear::movable_teeth::MovableTeethParameters;
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::gear::rigid;
+use gearbench_reference::reduction::ElasticParameters;
+
+/// Where the stiffness of rigid gears is from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stiffness {
+    /// ISO 6336-1.
+    Norm,
+    /// Analytic compliance of teeth, bodies and contact.
+    Analytic,
+    /// Static solves of the elastic gears without modes.
+    Static,
+    /// The scene's own model with this label.
+    Own(String),
+}
+
+/// A model of the hierarchy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Rigid gears.
+    Rigid(Stiffness),
+    /// Movable teeth with derived constants, or the scene's own with this label.
+    MovableTeeth(Option<String>),
+    /// Elastic gears without modes: quasi-static compliance.
+    QuasiStatic,
+    /// Elastic gears with so many modes, and the compliance of the others.
+    Elastic {
+        /// Modes per gear, at most.
+        modes: usize,
+    },
+}
+
+impl Level {
+    /// Name for tables.
+    pub fn name(&self) -> String {
+        match self {
+            Level::Rigid(Stiffness::Norm) => "rigid, ISO 6336".into(),
+            Level::Rigid(Stiffness::Analytic) => "rigid, analytic compliance".into(),
+            Level::Rigid(Stiffness::Static) => "rigid, static solves".into(),
+            Level::Rigid(Stiffness::Own(label)) => format!("rigid, own `{label}`"),
+            Level::MovableTeeth(None) => "movable teeth".into(),
+            Level::MovableTeeth(Some(label)) => format!("movable teeth, own `{label}`"),
+            Level::QuasiStatic => "quasi-static".into(),
+            Level::Elastic { modes } => format!("elastic, {modes} modes"),
+        }
+    }
+
+    /// Family for charts: the gear model, or `quasi-static`.
+    pub fn family(&self) -> &'static str {
+        match self {
+            Level::Rigid(_) => rigid::MODEL,
+            Level::MovableTeeth(_) => MovableTeethParameters::MODEL,
+            Level::QuasiStatic => "quasi-static",
+            Level::Elastic { .. } => ElasticParameters::MODEL,
+        }
+    }
+
+    /// Modes per gear where gears are elastic.
+    pub fn modes(&self) -> Option<usize> {
+        match self {
+            Level::QuasiStatic => Some(0),
+            Level::Elastic { modes } => Some(*modes),
+            _ => None,
+        }
+    }
+}

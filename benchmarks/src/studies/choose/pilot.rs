@@ -1,0 +1,275 @@
+//! A cheap rigid run through the whole scene: when teeth touch and how hard, and what part of it stands for all.
+//!
+//! The window goes from the start through so many contact times of touching teeth that several impacts or mesh cycles
+//! are in it; where the whole scene has no more than that, it is the whole scene.
+
+use super::plan::Fixed;
+use super::problem::Problem;
+use super::run::ChooseError;
+use super::statics::Swing;
+use super::trial::{Outcome, Trial};
+use gearbench_integrators::Scheme;
+use gearbench_integrators::table::TRIGONOMETRIC;
+use gearbench_models::spec::{effective_radius, mesh_layout};
+use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
+use gearbench_reports::Metric;
+
+/// Steps and samples of a pilot run per contact time.
+const STEPS: f64 = 32.0;
+/// Samples per contact time around contacts.
+const SAMPLES: f64 = 48.0;
+/// Samples per period of a tooth where the metric is a peak: ringing teeth make it.
+const RINGING: f64 = 10.0;
+/// One of so many of them is kept where nothing touches.
+const SPARSE: usize = 8;
+/// Contact times, and part of the time that has passed, by which contacts of other models may come earlier or later.
+const AROUND: [f64; 2] = [0.5, 0.02];
+/// Most samples of a run.
+const MOST_SAMPLES: f64 = 8000.0;
+/// Contact times of touching teeth in a window.
+const BUDGET: f64 = 12.0;
+/// Mesh cycles that a window of lasting contact holds, where these are not more than so many contact times.
+const CYCLES: f64 = 4.0;
+const MOST_BUDGET: f64 = 200.0;
+/// Contact times that the end of an impact is followed by.
+const MARGIN: f64 = 0.5;
+/// Relative change of stiffness whose effect tells how errors grow.
+const NUDGE: f64 = 0.01;
+
+/// The part of a scene on which models are compared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Its end [s].
+    pub end: f64,
+    /// Times at which histories are recorded [s].
+    pub grid: Vec<f64>,
+    /// It is the whole scene.
+    pub whole: bool,
+    /// Impacts that begin in it, or spells of contact.
+    pub contacts: usize,
+    /// The same in the whole scene.
+    pub all_contacts: usize,
+    /// Time in which teeth touch in the whole scene over that in the window.
+    pub contact_ratio: f64,
+    /// Duration over the window.
+    pub time_ratio: f64,
+}
+
+impl Window {
+    /// The first `end` seconds, recorded evenly every `spacing` seconds.
+    pub fn to(end: f64, spacing: f64) -> Window {
+        let n = (end / spacing).clamp(200.0, MOST_SAMPLES) as usize;
+        Window {
+            end,
+            grid: (0..=n).map(|i| end * i as f64 / n as f64).collect(),
+            whole: true,
+            contacts: 0,
+            all_contacts: 0,
+            contact_ratio: 1.0,
+            time_ratio: 1.0,
+        }
+    }
+
+    /// What it is, in words.
+    pub fn describe(&self) -> String {
+        let spells = |n: usize| match n {
+            1 => "one spell of contact".to_string(),
+            n => format!("{n} spells of contact"),
+        };
+        if self.whole {
+            format!(
+                "the whole scene, {:.4} ms with {}",
+                1e3 * self.end,
+                spells(self.contacts)
+            )
+        } else {
+            format!(
+                "the first {:.4} ms, 1/{:.1} of the scene, with {} of {}",
+                1e3 * self.end,
+                self.time_ratio,
+                spells(self.contacts),
+                self.all_contacts
+            )
+        }
+    }
+}
+
+fn method() -> Scheme {
+    TRIGONOMETRIC.at_tolerance(1e-2)
+}
+
+/// A rigid run through the whole scene.
+fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome, ChooseError> {
+    let n = (STEPS * problem.duration / contact_time).clamp(400.0, 200_000.0) as usize;
+    let window = Window {
+        grid: (0..=n)
+            .map(|i| problem.duration * i as f64 / n as f64)
+            .collect(),
+        ..Window::to(problem.duration, contact_time / SAMPLES)
+    };
+    Ok(Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), &window)?)
+}
+
+/// How deep flanks go into each other, from the largest force of a rigid run [m].
+///
+/// # Errors
+/// [`ChooseError::NoContact`] when no teeth touch.
+pub fn approach(problem: &Problem, level: &Fixed, swing: &Swing) -> Result<f64, ChooseError> {
+    let run = whole(problem, level, swing.contact_time())?;
+    let force = &run.series.contact_force_n;
+    let peak = force.iter().copied().fold(0.0, f64::max);
+    if peak > 0.0 {
+        Ok(peak / swing.stiffness)
+    } else {
+        Err(ChooseError::NoContact {
+            duration: problem.duration,
+        })
+    }
+}
+
+/// Spells of contact: times between which teeth touch [s].
+fn spells(run: &Outcome) -> Vec<[f64; 2]> {
+    let (t, f) = (&run.series.time_s, &run.series.contact_force_n);
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    let mut open = false;
+    for (t, f) in t.iter().zip(f) {
+        if *f > 0.0 {
+            match all.last_mut().filter(|_| open) {
+                Some(last) => last[1] = *t,
+                None => all.push([*t, *t]),
+            }
+        }
+        open = *f > 0.0;
+    }
+    all
+}
+
+/// Time in which the first mesh moves on by one tooth pair [s].
+fn cycle(problem: &Problem) -> f64 {
+    let mesh = &problem.scene.meshes[0];
+    let [a, b] = mesh.gears.map(|i| &problem.scene.gears[i]);
+    let speed = |g: &gearbench_models::spec::GearSpec| {
+        let given = match &g.mount {
+            gearbench_models::spec::Mount::Driven(p) => p.value(0.0),
+            gearbench_models::spec::Mount::Fixed => 0.0,
+            _ => g.speed,
+        };
+        (given * effective_radius(&g.body)).abs()
+    };
+    let base = mesh_layout(a, b).map_or(f64::INFINITY, |l| l.base_pitch);
+    base / speed(a).max(speed(b))
+}
+
+/// The window of a scene.
+pub fn window(
+    problem: &Problem,
+    level: &Fixed,
+    swing: &Swing,
+    metric: Metric,
+) -> Result<Window, ChooseError> {
+    let time = swing.contact_time();
+    let run = whole(problem, level, time)?;
+    let spells = spells(&run);
+    let total: f64 = spells.iter().map(|[a, b]| b - a).sum();
+    let budget = (CYCLES * cycle(problem)).clamp(BUDGET * time, MOST_BUDGET * time);
+    let mut end = problem.duration;
+    let mut used = 0.0;
+    for [a, b] in &spells {
+        if used + (b - a) >= budget {
+            let cut = a + (budget - used);
+            // An impact is let end.
+            end = if b - cut < time {
+                b + MARGIN * time
+            } else {
+                cut
+            };
+            break;
+        }
+        used += b - a;
+    }
+    // A rest that is hardly longer than the window is taken along.
+    if end > 0.7 * problem.duration {
+        end = problem.duration;
+    }
+    let inside: f64 = (spells.iter())
+        .map(|[a, b]| (b.min(end) - a).max(0.0))
+        .sum();
+    Ok(Window {
+        whole: end >= problem.duration,
+        contacts: spells.iter().filter(|[a, _]| *a < end).count(),
+        all_contacts: spells.len(),
+        contact_ratio: if inside > 0.0 { total / inside } else { 1.0 },
+        time_ratio: problem.duration / end,
+        grid: grid(end, spacing(problem, swing, metric), time, &spells),
+        ..Window::to(end, time / SAMPLES)
+    })
+}
+
+/// Distance of samples around contacts [s].
+fn spacing(problem: &Problem, swing: &Swing, metric: Metric) -> f64 {
+    let contact = swing.contact_time() / SAMPLES;
+    if metric == Metric::PeakForceRel {
+        contact.min(1.0 / (RINGING * problem.tooth_frequency()))
+    } else {
+        contact
+    }
+}
+
+/// Times that are dense where something may touch: looking at modes costs more than stepping them in flight.
+fn grid(end: f64, spacing: f64, contact_time: f64, spells: &[[f64; 2]]) -> Vec<f64> {
+    let evenly = Window::to(end, spacing).grid;
+    let near = |t: f64| {
+        let margin = AROUND[0] * contact_time + AROUND[1] * t;
+        (spells.iter()).any(|[a, b]| t > a - margin && t < b + margin)
+    };
+    let last = evenly.len() - 1;
+    (evenly.into_iter().enumerate())
+        .filter(|(i, t)| *i == last || i % SPARSE == 0 || near(*t))
+        .map(|(_, t)| t)
+        .collect()
+}
+
+/// How much larger the effect of a little more stiffness is in the whole scene than in the window, at least 1: errors
+/// of phase add up from impact to impact.
+pub fn growth(
+    problem: &Problem,
+    level: &Fixed,
+    window: &Window,
+    swing: &Swing,
+    metric: Metric,
+) -> Result<f64, ChooseError> {
+    if window.whole {
+        return Ok(1.0);
+    }
+    let [base, stiffer] = [1.0, 1.0 + NUDGE].map(|factor| scaled(problem, level, swing, factor));
+    let all = Window::to(problem.duration, spacing(problem, swing, metric));
+    let error = |w: &Window| -> Result<f64, ChooseError> {
+        let run =
+            |level: &Fixed| Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), w);
+        Ok(run(&stiffer)?.error(metric, &run(&base)?))
+    };
+    let (near, far) = (error(window)?, error(&all)?);
+    let g = far / near;
+    Ok(if g.is_finite() { g.max(1.0) } else { 1.0 })
+}
+
+/// A rigid level with its stiffness times a factor; a stiffness that is no table becomes a constant one.
+fn scaled(problem: &Problem, level: &Fixed, swing: &Swing, factor: f64) -> Fixed {
+    let mut modelling = (*level.modelling).clone();
+    for (c, mesh) in modelling.contacts.iter_mut().zip(&problem.scene.meshes) {
+        if let PairStiffness::Table { k, .. } = &mut c.stiffness {
+            k.iter_mut().for_each(|k| *k *= factor);
+            continue;
+        }
+        let [a, b] = mesh.gears.map(|i| &problem.scene.gears[i]);
+        let width = mesh_layout(a, b).map_or(1.0, |l| l.face_width);
+        c.stiffness = PairStiffness::Constant {
+            per_width: factor * swing.stiffness / width,
+            of: PairOrMesh::Pair,
+        };
+    }
+    Fixed {
+        modelling: modelling.into(),
+        ..level.clone()
+    }
+}

@@ -1,0 +1,313 @@
+//! What could be run for a scene: levels of the hierarchy, each under several integrators and steps.
+//!
+//! Steps are halves of halves of the contact time `T = pi sqrt(m/k)` of rigid gears with the stiffness of the norm, so
+//! that candidates of small and large gears resolve a contact alike.
+
+use super::level::{Level, Stiffness};
+use super::problem::{Own, Problem};
+use super::run::ChooseError;
+use super::statics::{self, Calibrated, Swing, calibrate};
+use gearbench_integrators::Resolution;
+use gearbench_integrators::table::{
+    DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
+};
+use gearbench_integrators::{MethodSpec, Scheme};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
+use std::sync::Arc;
+
+/// Modes of the elastic levels.
+pub const MODES: [usize; 9] = [10, 20, 35, 50, 75, 100, 150, 200, 300];
+/// Steps per period of a tooth's first frequency of runs whose own error must not show.
+const TOOTH_STEPS: f64 = 30.0;
+/// Modes of the densest elastic model, which is above the hierarchy.
+pub const DENSEST: usize = 300;
+/// Steps per contact time of the densest elastic model.
+const DENSEST_STEPS: f64 = 1024.0;
+/// Force that dampers are taken at, over the largest.
+const MEAN_FORCE: f64 = 0.7;
+/// Steps per contact time that carry the modes of an elastic run under a tolerance.
+const TOLERANCE_STEPS: f64 = 128.0;
+
+/// One thing that could be run: model, resolution, integrator, step.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Its level.
+    pub level: Level,
+    /// Gears and meshes; a model of the scene may start with a gap of its own.
+    pub scene: Arc<SceneSpec>,
+    /// Models and contacts.
+    pub modelling: Arc<Modelling>,
+    /// Integrator with its step or tolerance.
+    pub method: Scheme,
+}
+
+impl Candidate {
+    /// Name for tables: level, integrator, step or tolerance.
+    pub fn name(&self) -> String {
+        let resolution = match self.method.resolution {
+            Resolution::Step(h) => format!("{:.3} us", 1e6 * h),
+            Resolution::Tolerance(r) => format!("rtol {r:.0e}"),
+        };
+        format!("{}, {} {resolution}", self.level.name(), self.method.method)
+    }
+}
+
+/// Integrators of a level: steps per contact time, and tolerances.
+struct Menu {
+    method: MethodSpec,
+    steps: &'static [f64],
+    tolerances: &'static [f64],
+}
+
+const RIGID: [Menu; 5] = [
+    Menu {
+        method: SEMI_IMPLICIT_EULER,
+        steps: &[16.0, 32.0, 64.0, 128.0, 256.0],
+        tolerances: &[],
+    },
+    Menu {
+        method: VELOCITY_VERLET,
+        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
+        tolerances: &[],
+    },
+    Menu {
+        method: RK4,
+        steps: &[4.0, 8.0, 16.0, 32.0],
+        tolerances: &[],
+    },
+    Menu {
+        method: DOPRI5,
+        steps: &[],
+        tolerances: &[1e-2, 1e-3, 1e-4],
+    },
+    Menu {
+        method: TRIGONOMETRIC,
+        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
+        tolerances: &[],
+    },
+];
+/// Those that need no oscillators.
+const TEETH: std::ops::Range<usize> = 1..4;
+const ELASTIC: Menu = Menu {
+    method: TRIGONOMETRIC,
+    steps: &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
+    tolerances: &[],
+};
+
+impl Menu {
+    /// Methods, the cheapest first.
+    fn methods(&self, contact_time: f64) -> impl Iterator<Item = Scheme> + '_ {
+        let steps = (self.steps.iter()).map(move |n| Resolution::Step(short(contact_time / n)));
+        let tolerances = self.tolerances.iter().map(|r| Resolution::Tolerance(*r));
+        steps.chain(tolerances).map(|r| self.method.at(r))
+    }
+}
+
+/// Three digits, as people would write a step.
+fn short(x: f64) -> f64 {
+    let digits = 10f64.powf(2.0 - x.log10().floor());
+    (x * digits).round() / digits
+}
+
+/// Full finite elements on the meshes of the elastic gears of a problem, with their contact. Damping of modes is not
+/// in them.
+pub fn full(problem: &Problem) -> Modelling {
+    let gears = (problem.flexible.gears.iter())
+        .map(|p| {
+            FullOrderParameters {
+                mass: None,
+                mesh: p.mesh.clone(),
+            }
+            .spec()
+        })
+        .collect();
+    Modelling {
+        gears,
+        contacts: problem.flexible.contacts.clone(),
+    }
+}
+
+/// The elastic gears of a problem with some modes, for a fixed step or for a tolerance.
+pub fn elastic(problem: &Problem, modes: usize, step: Option<f64>) -> Modelling {
+    let gears = (problem.flexible.gears.iter())
+        .map(|p| {
+            ElasticParameters {
+                modes: Some(modes),
+                step_s: step,
+                ..p.clone()
+            }
+            .spec()
+        })
+        .collect();
+    Modelling {
+        gears,
+        contacts: problem.flexible.contacts.clone(),
+    }
+}
+
+/// A level that is not elastic, with its scene and models: the same for all integrators.
+#[derive(Clone, Debug)]
+pub struct Fixed {
+    /// The level.
+    pub level: Level,
+    /// Its scene.
+    pub scene: Arc<SceneSpec>,
+    /// Its models.
+    pub modelling: Arc<Modelling>,
+}
+
+/// What candidates are made of: found once per scene.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// Swing of rigid gears.
+    pub swing: Swing,
+    /// Rungs of rigid gears and movable teeth.
+    pub fixed: Vec<Fixed>,
+    /// Stiffness from static solves, or why there is none.
+    pub statics: Result<Calibrated, String>,
+}
+
+impl Prepared {
+    /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
+    pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
+        let swing = Swing::of(&problem.scene)?;
+        let scene = Arc::new(problem.scene.clone());
+        // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
+        let relaxation = |m: usize, force| problem.relaxation(m, swing.stiffness, force);
+        let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
+            let contacts = (problem.flexible.contacts.iter().enumerate())
+                .map(|(m, flexible)| {
+                    let mut c = source.contact(relaxation(m, force), &swing);
+                    c.friction = flexible.friction;
+                    c
+                })
+                .collect();
+            Fixed {
+                level: Level::Rigid(stiffness),
+                scene: scene.clone(),
+                modelling: Arc::new(statics::rigid(&problem.scene, contacts)),
+            }
+        };
+        let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
+        let approach = super::pilot::approach(problem, &first, &swing)?;
+        let force = MEAN_FORCE * approach * swing.stiffness;
+        let statics = calibrate(problem, approach).map_err(|e| e.to_string());
+        let mut all = vec![
+            fixed(Stiffness::Norm, statics::Source::Norm, force),
+            fixed(Stiffness::Analytic, statics::Source::Analytic, force),
+        ];
+        if let Ok(c) = &statics {
+            all.push(fixed(Stiffness::Static, statics::Source::Static(c), force));
+        }
+        let own = |o: &Own, level| Fixed {
+            level,
+            scene: Arc::new(o.scene.clone()),
+            modelling: Arc::new(o.modelling.clone()),
+        };
+        let of = |rigid: bool| problem.own.iter().filter(move |o| o.rigid == rigid);
+        all.extend(of(true).map(|o| own(o, Level::Rigid(Stiffness::Own(o.label.clone())))));
+        if problem.scene.meshes.len() == 1 {
+            let tau = relaxation(0, force);
+            let damping = match &statics {
+                Ok(c) => statics::damper(tau, c.secant()),
+                Err(_) => statics::damper(tau, swing.stiffness),
+            };
+            let derived = statics::movable_teeth(&problem.scene, statics.as_ref().ok(), damping);
+            if let Ok(mut modelling) = derived {
+                modelling.contacts[0].friction = problem.flexible.contacts[0].friction;
+                all.push(Fixed {
+                    level: Level::MovableTeeth(None),
+                    scene: scene.clone(),
+                    modelling: Arc::new(modelling),
+                });
+            }
+        }
+        all.extend(of(false).map(|o| own(o, Level::MovableTeeth(Some(o.label.clone())))));
+        Ok(Prepared {
+            swing,
+            fixed: all,
+            statics,
+        })
+    }
+
+    /// The rigid level that is nearest to the elastic gears.
+    pub fn best_rigid(&self) -> &Fixed {
+        let is = |f: &&Fixed| f.level == Level::Rigid(Stiffness::Static);
+        self.fixed.iter().find(is).unwrap_or(&self.fixed[0])
+    }
+
+    /// All candidates, the cheapest family first, within a level the longest step first.
+    pub fn candidates(&self, problem: &Problem) -> Vec<Candidate> {
+        let time = self.swing.contact_time();
+        let mut all = Vec::new();
+        for f in &self.fixed {
+            let menus = match f.level {
+                Level::MovableTeeth(_) => &RIGID[TEETH],
+                _ => &RIGID[..],
+            };
+            for method in menus.iter().flat_map(|m| m.methods(time)) {
+                all.push(Candidate {
+                    level: f.level.clone(),
+                    scene: f.scene.clone(),
+                    modelling: f.modelling.clone(),
+                    method,
+                });
+            }
+        }
+        let scene = Arc::new(problem.scene.clone());
+        for modes in std::iter::once(0).chain(MODES) {
+            all.extend(
+                (ELASTIC.methods(time)).map(|method| self.flexible(problem, &scene, modes, method)),
+            );
+        }
+        all
+    }
+
+    /// Elastic gears with some modes under a method.
+    fn flexible(
+        &self,
+        problem: &Problem,
+        scene: &Arc<SceneSpec>,
+        modes: usize,
+        method: Scheme,
+    ) -> Candidate {
+        let usual = || short(self.swing.contact_time() / TOLERANCE_STEPS);
+        let step = method.resolution.step().unwrap_or_else(usual);
+        Candidate {
+            level: match modes {
+                0 => Level::QuasiStatic,
+                modes => Level::Elastic { modes },
+            },
+            scene: scene.clone(),
+            modelling: Arc::new(elastic(problem, modes, Some(step))),
+            method,
+        }
+    }
+
+    /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
+    pub fn at_steps(&self, problem: &Problem, modes: usize, steps: f64) -> Candidate {
+        let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
+        let step = (self.swing.contact_time() / steps).min(tooth);
+        let method = TRIGONOMETRIC.at_step(short(step));
+        self.flexible(problem, &Arc::new(problem.scene.clone()), modes, method)
+    }
+}
+
+/// All candidates of a scene, the cheapest family first.
+pub fn candidates(problem: &Problem) -> Result<Vec<Candidate>, ChooseError> {
+    Ok(Prepared::of(problem)?.candidates(problem))
+}
+
+/// The densest elastic model, finer than anything of the hierarchy: what choices are validated against where full finite
+/// elements would take too long.
+pub fn densest(problem: &Problem) -> Result<Candidate, ChooseError> {
+    let prepared = Prepared {
+        swing: Swing::of(&problem.scene)?,
+        fixed: Vec::new(),
+        statics: Err("not asked for".into()),
+    };
+    Ok(prepared.at_steps(problem, DENSEST, DENSEST_STEPS))
+}

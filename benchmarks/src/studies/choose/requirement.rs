@@ -1,0 +1,84 @@
+//! What is asked for: a metric and how large an error in it may be.
+//!
+//! Metrics are the relative errors of [`gearbench_reports::metrics`]; only the energy is another here: what damping and
+//! friction take, over all the energy that the reference has or is given, since all models keep their ledgers.
+
+use gearbench_reports::Metric;
+use gearbench_reports::metrics::{Finished, compare};
+use gearbench_reports::record::Ledger;
+use gearbench_reports::series::TimeSeries;
+
+/// A metric and the largest error in it that is accurate enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Requirement {
+    /// What has to be right.
+    pub metric: Metric,
+    /// How far it may be off, relative [-].
+    pub tolerance: f64,
+}
+
+impl Requirement {
+    /// The metric on the command line.
+    pub fn name(&self) -> &'static str {
+        self.metric.option().unwrap_or_default()
+    }
+
+    /// The metric in words.
+    pub fn title(&self) -> &'static str {
+        match self.metric {
+            Metric::ForceL2 => "force history",
+            Metric::ForceL2Aligned => "force history, aligned in time",
+            Metric::PeakForceRel => "peak force",
+            Metric::ImpulseRel => "impulse",
+            Metric::Rebound => "rebound speeds",
+            Metric::TransmissionError => "transmission error",
+            Metric::EnergyDrift => "energy lost",
+            other => other.words(),
+        }
+    }
+}
+
+/// A single number of each run, whose errors may cancel by chance; the others compare whole histories.
+pub fn is_scalar(metric: Metric) -> bool {
+    matches!(
+        metric,
+        Metric::PeakForceRel | Metric::ImpulseRel | Metric::Rebound | Metric::EnergyDrift
+    )
+}
+
+/// Error of a run against a reference, not negative; `None` where one of them does not have the quantity.
+pub fn error(
+    metric: Metric,
+    run: Finished<'_>,
+    (reference, its_ledger): (&TimeSeries, &Ledger),
+) -> Option<f64> {
+    if metric != Metric::EnergyDrift {
+        return compare(run, reference, "top").get(metric).map(f64::abs);
+    }
+    let all = its_ledger.energy_start_j?.abs() + its_ledger.external_work_j?.abs();
+    let e = (run.ledger().dissipated_j? - its_ledger.dissipated_j?).abs() / all;
+    e.is_finite().then_some(e)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energy_lost_is_over_all_energy() {
+        let ledger = |dissipated| Ledger {
+            energy_start_j: Some(3.0),
+            external_work_j: Some(-1.0),
+            dissipated_j: Some(dissipated),
+            ..Ledger::default()
+        };
+        let mut none = TimeSeries::default();
+        none.push(0.0, 0.0, 0.0, 0.0);
+        let error = |own: &Ledger| {
+            let run = Finished::reached(&none, own, [0.0, 0.0]).unwrap();
+            error(Metric::EnergyDrift, run, (&none, &ledger(0.7)))
+        };
+        assert!((error(&ledger(0.5)).unwrap() - 0.05).abs() < 1e-12);
+        assert_eq!(error(&Ledger::default()), None);
+    }
+}

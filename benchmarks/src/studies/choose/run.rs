@@ -1,0 +1,159 @@
+//! What the choice answers, and the order in which it asks.
+
+use super::level::Level;
+use super::pilot::Window;
+use super::plan::{Candidate, Prepared};
+use super::problem::Problem;
+use super::refinement::{Refinement, refine};
+use super::requirement::Requirement;
+use super::{domain, pilot, selection};
+use crate::experiment::run::RunError;
+use gearbench_integrators::Scheme;
+use gearbench_models::error::BuildError;
+
+/// Why there is no answer at all.
+#[derive(Debug, thiserror::Error)]
+pub enum ChooseError {
+    /// The scene cannot be assembled.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A run could not start, or was stopped by the user.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Teeth stay apart.
+    #[error(
+        "no teeth touch within {duration:.3e} s; there is no contact to choose a model for: simulate longer, or start closer"
+    )]
+    NoContact {
+        /// Duration of the scene [s].
+        duration: f64,
+    },
+    /// The elastic gears do not run.
+    #[error(
+        "the elastic gears that all models are held against do not reach the end of the window: {0}"
+    )]
+    Hierarchy(String),
+}
+
+/// How a level did on the window.
+#[derive(Clone, Debug)]
+pub struct LevelTried {
+    /// The level.
+    pub level: Level,
+    /// Integrator and resolution that make its own error small.
+    pub method: Scheme,
+    /// Distance to the top level in the metric; what the top level itself is off is not in it.
+    pub distance: f64,
+    /// Distance to the next denser level, where the hierarchy goes on.
+    pub step_up: Option<f64>,
+    /// Estimated error over the whole scene.
+    pub error: f64,
+    /// Keeps the tolerance.
+    pub adequate: bool,
+    /// The cheapest adequate integrator and resolution, and its predicted cost for the whole scene [s].
+    pub cheapest: Option<(Candidate, f64)>,
+    /// Set-up on this machine, caches as they were [s].
+    pub setup_s: f64,
+    /// Why its numbers are not to be used, if so.
+    pub failure: Option<String>,
+}
+
+/// A candidate that was run on the window.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// It.
+    pub candidate: Candidate,
+    /// Estimated error over the whole scene.
+    pub error: f64,
+    /// Predicted cost for the whole scene [s].
+    pub cost_s: f64,
+    /// Keeps the tolerance.
+    pub adequate: bool,
+    /// Steps and force evaluations on the window.
+    pub work: [u64; 2],
+    /// How the run failed, if so.
+    pub failure: Option<String>,
+}
+
+/// The answer.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// What to run; `None` when nothing is adequate.
+    pub candidate: Option<Candidate>,
+    /// Estimated error of it over the whole scene, or the least there is.
+    pub predicted_error: f64,
+    /// Parts of it: the model against the top level, the integrator against the model's own fine solution, what the top
+    /// level is off, and the factor from the window to the whole scene.
+    pub parts: Parts,
+    /// Time for the whole scene on this machine [s].
+    pub predicted_cost_s: f64,
+    /// Time of the set-up (mesh, modes; kept on disk for next time), beside the cost [s].
+    pub setup_s: f64,
+    /// The reason, a sentence each.
+    pub reason: Vec<String>,
+    /// The hierarchy.
+    pub levels: Vec<LevelTried>,
+    /// All that was run on the window.
+    pub tried: Vec<Tried>,
+    /// The window.
+    pub window: Window,
+    /// In which ways the scene lies outside of what the choice has been checked on.
+    pub outside: Vec<String>,
+}
+
+/// Parts of an estimated error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parts {
+    /// Level against the top level.
+    pub model: f64,
+    /// Method against the level's own fine solution.
+    pub integration: f64,
+    /// Top level against the limit of the hierarchy.
+    pub top: f64,
+    /// Factor by which errors grow from the window to the whole scene.
+    pub growth: f64,
+}
+
+/// Chooses. `progress` is told what is being done.
+///
+/// # Errors
+/// [`ChooseError`] when there is no answer at all; that nothing is adequate is an answer.
+pub fn choose(
+    problem: &Problem,
+    requirement: &Requirement,
+    mut progress: impl FnMut(&str),
+) -> Result<Choice, ChooseError> {
+    progress("static solves");
+    let prepared = Prepared::of(problem)?;
+    progress("rigid run through the scene");
+    let pilot_level = prepared.best_rigid();
+    let window = pilot::window(problem, pilot_level, &prepared.swing, requirement.metric)?;
+    let growth = pilot::growth(
+        problem,
+        pilot_level,
+        &window,
+        &prepared.swing,
+        requirement.metric,
+    )?;
+    let hierarchy: Refinement = refine(
+        problem,
+        &prepared,
+        &window,
+        requirement,
+        growth,
+        &mut progress,
+    )?;
+    let selected = selection::select(
+        problem,
+        &prepared,
+        &window,
+        requirement,
+        hierarchy,
+        &mut progress,
+    )?;
+    Ok(Choice {
+        outside: domain::outside(problem, &prepared),
+        window,
+        ..selected
+    })
+}

@@ -1,0 +1,210 @@
+//! `[study] stability` of a scene: the maps that are made when the command line does not say otherwise.
+
+use super::axis::{Axis, spaced};
+use crate::scene_file::SceneError;
+use crate::scene_file::reading::Place;
+use crate::scene_file::reading::keys::keys;
+use crate::scene_file::reading::values::{Count, Distinct, Label, Method, Positive};
+use gearbench_integrators::MethodSpec;
+
+/// Steps after which a run is a timeout when a scene does not say.
+pub const MAX_STEPS: u64 = 200_000;
+/// Columns of a map when nobody says.
+pub const COLUMNS: usize = 12;
+/// Rows of a map when nobody says.
+pub const ROWS: usize = 8;
+/// Cells along one side of a map at most.
+pub const MOST: u32 = 400;
+
+keys! {
+    pub(crate) struct StabilityKeys {
+        /// labels of the models, default those of the study without full finite elements
+        models: Option<Distinct<Label>>,
+        /// list of "id" or "id(name=value)", default explicit and implicit methods with fixed steps
+        integrators: Option<Vec<Method>>,
+        /// simulated time in seconds, default that of the scene
+        duration_s: Option<Positive>,
+        /// steps in seconds, { from, to, points }, default around the fastest oscillation of the model
+        step_s: Option<SpanKeys>,
+        /// tolerances of methods that choose their steps, { from, to, points }, default 1e-9 to 1e-1
+        rtol: Option<SpanKeys>,
+        /// one or two parameters, [{ axis = "contact-stiffness", from = 0.1, to = 100.0, points = 7 }]
+        axes: Option<Vec<AxisKeys>>,
+        /// steps after which a run is a timeout, default 200000
+        max_steps: Option<Count<1, { u32::MAX }>>,
+    }
+
+    pub(crate) struct SpanKeys {
+        /// smallest value
+        from: Positive,
+        /// greatest value
+        to: Positive,
+        /// number of values, evenly over the decades, default 12
+        points: Option<Count<2, MOST>>,
+    }
+
+    pub(crate) struct AxisKeys {
+        /// contact-stiffness, tooth-stiffness, damping, speed, modes, rho-inf or hht-alpha
+        axis: Axis,
+        /// smallest value
+        from: Option<Positive>,
+        /// greatest value
+        to: Option<Positive>,
+        /// number of values, evenly over the decades, default 8
+        points: Option<Count<2, MOST>>,
+        /// the values themselves, in place of from, to and points
+        values: Option<Vec<f64>>,
+    }
+}
+
+/// Values evenly over the decades.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Smallest.
+    pub from: f64,
+    /// Greatest.
+    pub to: f64,
+    /// Number.
+    pub points: usize,
+}
+
+impl Span {
+    /// The values.
+    #[must_use]
+    pub fn values(&self) -> Vec<f64> {
+        spaced(self.from, self.to, self.points)
+    }
+}
+
+/// A parameter with the values that were asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisValues {
+    /// The parameter.
+    pub axis: Axis,
+    /// Its values, ascending.
+    pub values: Vec<f64>,
+}
+
+/// One set of maps: models under integrators over the same axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StabilitySet {
+    /// Labels; `None` takes those of the study.
+    pub models: Option<Vec<String>>,
+    /// Integrators; `None` takes the usual ones.
+    pub integrators: Option<Vec<MethodSpec>>,
+    /// Simulated time [s].
+    pub duration: Option<f64>,
+    /// Steps [s].
+    pub steps: Option<Span>,
+    /// Tolerances.
+    pub tolerances: Option<Span>,
+    /// One or two parameters; none takes the contact stiffness.
+    pub axes: Vec<AxisValues>,
+    /// Bound on the steps of a run.
+    pub max_steps: Option<u64>,
+}
+
+impl StabilityKeys {
+    /// What is asked for, if it goes together.
+    pub(crate) fn read(self, at: &Place<'_>) -> Result<StabilitySet, SceneError> {
+        let span = |keys: Option<SpanKeys>, key: &str, below: f64| {
+            let read = |keys: SpanKeys| {
+                let points = keys.points.map_or(COLUMNS, |n| n.0);
+                span([keys.from.0, keys.to.0], points, below, &at.key(key))
+            };
+            keys.map(read).transpose()
+        };
+        let lists = at.key("axes");
+        let list = self.axes.unwrap_or_default();
+        if list.len() > 2 {
+            return lists.refuse(
+                format!("{} axes beside the step", list.len()),
+                "expected one or two",
+                "a map has the step and one parameter, small multiples a second one; write further sets of maps",
+            );
+        }
+        let axes = (list.into_iter().enumerate())
+            .map(|(i, keys)| keys.read(&lists.member(i)))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let [a, b] = axes.as_slice()
+            && a.axis == b.axis
+        {
+            return lists.member(1).refuse(
+                format!("the axis `{}` stands twice", a.axis.id()),
+                "again",
+                "name another parameter or leave it out",
+            );
+        }
+        Ok(StabilitySet {
+            models: self.models.map(Distinct::labels),
+            integrators: (self.integrators).map(|list| list.into_iter().map(|m| m.0).collect()),
+            duration: self.duration_s.map(f64::from),
+            steps: span(self.step_s, "step_s", f64::INFINITY)?,
+            tolerances: span(self.rtol, "rtol", 1.0)?,
+            axes,
+            max_steps: self.max_steps.map(|n| n.0 as u64),
+        })
+    }
+}
+
+/// Values evenly over the decades, from the smaller to the greater one.
+fn span(
+    [from, to]: [f64; 2],
+    points: usize,
+    below: f64,
+    at: &Place<'_>,
+) -> Result<Span, SceneError> {
+    if to <= from {
+        return at.key("to").refuse(
+            format!("`to` is {to}, where the map has not begun"),
+            format!("expected more than {from}"),
+            "give the smaller value as `from`",
+        );
+    }
+    if to >= below {
+        return at.key("to").refuse(
+            format!("`to` is {to}"),
+            format!("expected less than {below}"),
+            "a tolerance is a part of the solution",
+        );
+    }
+    Ok(Span { from, to, points })
+}
+
+impl AxisKeys {
+    fn read(self, at: &Place<'_>) -> Result<AxisValues, SceneError> {
+        let axis = self.axis;
+        let mut values = if let Some(values) = self.values {
+            let others = ["from", "to", "points"];
+            if let Some(key) = others.into_iter().find(|key| at.has(key)) {
+                return at.key(key).refuse(
+                    format!("`values` and `{key}` are both given"),
+                    "and this",
+                    "give the values themselves, or their ends and number",
+                );
+            }
+            values
+        } else {
+            match (self.from, self.to) {
+                (None, None) if !axis.defaults().is_empty() => axis.defaults(),
+                (Some(from), Some(to)) => {
+                    let points = self.points.map_or(ROWS, |n| n.0);
+                    span([from.0, to.0], points, f64::INFINITY, at)?.values()
+                }
+                (None, _) => return Err(at.missing("from", &Self::TABLE)),
+                (_, None) => return Err(at.missing("to", &Self::TABLE)),
+            }
+        };
+        let [low, high] = axis.range();
+        if let Some(x) = values.iter().find(|x| !(low..=high).contains(*x)) {
+            return at.first(&["values", "from"]).refuse(
+                format!("the {} {x} cannot be", axis.name()),
+                format!("expected {low} to {high}"),
+                "leave it out",
+            );
+        }
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        Ok(AxisValues { axis, values })
+    }
+}

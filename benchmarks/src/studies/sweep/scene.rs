@@ -1,0 +1,72 @@
+//! `[study] sweep` of a scene: the speeds at which a sweep runs when the command line does not say otherwise.
+
+use crate::scene_file::SceneError;
+use crate::scene_file::reading::Place;
+use crate::scene_file::reading::keys::keys;
+use crate::scene_file::reading::values::{Count, Positive};
+
+keys! {
+    /// Speeds at which a sweep runs.
+    #[serde(default)]
+    #[derive(Copy, PartialEq)]
+    pub struct Sweep {
+        /// lowest mesh frequency in hertz: teeth times turns per second
+        from_hz: Option<Positive>,
+        /// highest mesh frequency in hertz
+        to_hz: Option<Positive>,
+        /// number of speeds, default 40
+        points: Count<2, 10_000>,
+        /// whole mesh cycles that are measured, default 8
+        cycles: Count<1, 1000>,
+        /// time in seconds that a run is given to settle, default 0.005; at least four mesh cycles
+        settle_s: Positive,
+    }
+}
+
+impl Default for Sweep {
+    fn default() -> Self {
+        Sweep {
+            from_hz: None,
+            to_hz: None,
+            points: Count(40),
+            cycles: Count(8),
+            settle_s: Positive(5e-3),
+        }
+    }
+}
+
+impl Sweep {
+    /// Lowest and highest mesh frequency [Hz]; `None` takes them from the mesh resonance.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        Some([self.from_hz?.0, self.to_hz?.0])
+    }
+
+    /// Number of speeds.
+    pub fn points(&self) -> usize {
+        self.points.0
+    }
+
+    /// Whole mesh cycles that are measured.
+    pub fn cycles(&self) -> usize {
+        self.cycles.0
+    }
+
+    /// Time to settle [s].
+    pub fn settle(&self) -> f64 {
+        self.settle_s.0
+    }
+
+    /// Refuses what does not go together.
+    pub(crate) fn check(&self, at: &Place<'_>) -> Result<(), SceneError> {
+        match (self.from_hz, self.to_hz) {
+            (Some(from), Some(to)) if to.0 <= from.0 => at.key("to_hz").refuse(
+                format!("the sweep ends at {} Hz, where it has not begun", to.0),
+                format!("expected more than {} Hz", from.0),
+                "give the lower mesh frequency as `from_hz`",
+            ),
+            (Some(_), None) => Err(at.missing("to_hz", &Self::TABLE)),
+            (None, Some(_)) => Err(at.missing("from_hz", &Self::TABLE)),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! What the study of mode counts runs: models and integrators of the scene, ways of keeping modes, numbers of modes.
+
+use super::arguments::Truncation;
+use crate::cli::terminal::{Refusal, refuse_run};
+use crate::experiment::conditions::Conditions;
+use crate::experiment::configuration::Configuration;
+use crate::experiment::run::RunError;
+use crate::scene_file::{ModelChoice, SceneError, SceneFile};
+use gearbench_integrators::table::{NEWMARK, TRIGONOMETRIC, VELOCITY_VERLET};
+use gearbench_integrators::{MethodSpec, Resolution, Scheme};
+use gearbench_models::gear::parameters::ModelParameters;
+use gearbench_models::spec::Modelling;
+use gearbench_reference::full_order::FullOrderParameters;
+use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reference::reduction::choose::Criterion;
+use gearbench_reports::record::ReferenceSeries;
+
+/// Model whose modes are counted.
+const ELASTIC: &str = ElasticParameters::MODEL;
+/// Model that it is held against, and its id as a reference.
+pub(super) const FULL: &str = FullOrderParameters::MODEL;
+/// Step of the full model over that of the scene.
+const FINER: f64 = 0.2;
+/// Steps when the scene's model has no fixed one [s].
+const STEP: f64 = 1e-6;
+const FULL_STEP: f64 = 5e-7;
+const TRUNCATED_STEP: f64 = 2e-8;
+/// Numbers of modes that are tried when nobody says.
+const COUNTS: [usize; 10] = [0, 10, 25, 35, 50, 75, 100, 150, 200, 300];
+/// Frequency bound of the published truncation [Hz]: "modes up to 80 kHz" (GTM, SIMPACK User Meeting 2014; rack and
+/// pinion of an electric power steering).
+const PUBLISHED_HZ: f64 = 80e3;
+/// Published number of elastic coordinates per body.
+const PUBLISHED_MODES: usize = 200;
+
+/// A way of keeping modes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Way {
+    /// Variant in the record.
+    pub label: &'static str,
+    /// Value of the parameter `choose`.
+    pub choose: Criterion,
+    /// Value of the parameter `residual`.
+    pub residual: bool,
+    /// Part of the step of the scene's integrator.
+    pub step: f64,
+}
+
+/// The ways that are compared.
+pub(super) const WAYS: [Way; 5] = [
+    Way {
+        label: "by flank compliance",
+        choose: Criterion::FlankCompliance,
+        residual: true,
+        step: 1.0,
+    },
+    // What the step costs beside what the cut modes cost.
+    Way {
+        label: "by flank compliance, a quarter of the step",
+        choose: Criterion::FlankCompliance,
+        residual: true,
+        step: 0.25,
+    },
+    Way {
+        label: "by frequency",
+        choose: Criterion::Frequency,
+        residual: true,
+        step: 1.0,
+    },
+    Way {
+        label: "truncated, by flank compliance",
+        choose: Criterion::FlankCompliance,
+        residual: false,
+        step: 1.0,
+    },
+    Way {
+        label: "truncated, by frequency",
+        choose: Criterion::Frequency,
+        residual: false,
+        step: 1.0,
+    },
+];
+
+/// What to study.
+#[derive(Clone, Debug)]
+pub(super) struct Plan<'a> {
+    pub conditions: Conditions<'a>,
+    /// The elastic model; modes, `choose` and `residual` are the study's.
+    pub elastic: Configuration,
+    pub method: Scheme,
+    /// Integrator of plain truncation, whose contact is stiff.
+    pub truncated: Scheme,
+    /// The full model on the same mesh.
+    pub full: Configuration,
+    pub full_method: Scheme,
+    pub counts: Vec<usize>,
+    /// Halve the distance to the fewest modes.
+    pub refine: bool,
+    pub external: Option<ReferenceSeries>,
+}
+
+/// What a run keeps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Case {
+    pub way: Way,
+    pub modes: Kept,
+    pub mark: Option<&'static str>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Kept {
+    /// At most so many.
+    Count(usize),
+    /// All below a frequency [Hz].
+    Below(f64),
+}
+
+impl std::fmt::Display for Kept {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Kept::Count(n) => write!(f, "{n} modes"),
+            Kept::Below(hz) => write!(f, "modes to {:.0} kHz", 1e-3 * hz),
+        }
+    }
+}
+
+impl Plan<'_> {
+    /// The study of a scene under some conditions, as the command line asks for it.
+    pub fn of<'a>(
+        scene: &SceneFile,
+        (elastic, full): (&ModelChoice, &ModelChoice),
+        args: &Truncation,
+        conditions: Conditions<'a>,
+    ) -> Result<Plan<'a>, Refusal> {
+        let mut counts: Vec<usize> = args.counts.iter().map(|n| *n as usize).collect();
+        if counts.is_empty() {
+            counts = COUNTS.to_vec();
+        }
+        counts.sort_unstable();
+        counts.dedup();
+        Ok(Plan {
+            conditions,
+            elastic: Configuration::of(scene, elastic),
+            method: first(elastic, TRIGONOMETRIC, STEP),
+            truncated: truncated(scene, elastic),
+            full: Configuration::of(scene, full),
+            full_method: full_method(scene, full, args)?,
+            counts,
+            refine: !args.no_refine,
+            external: None,
+        })
+    }
+
+    /// The runs of the grid, without refinement.
+    pub fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for way in WAYS {
+            let published = !way.residual && way.choose == Criterion::Frequency;
+            for &modes in &self.counts {
+                cases.push(Case {
+                    way,
+                    modes: Kept::Count(modes),
+                    mark: (published && modes == PUBLISHED_MODES)
+                        .then_some("plain truncation with 200 modes"),
+                });
+            }
+            if published {
+                cases.push(Case {
+                    way,
+                    modes: Kept::Below(PUBLISHED_HZ),
+                    mark: Some("plain truncation at 80 kHz"),
+                });
+            }
+        }
+        cases
+    }
+
+    pub fn method(&self, case: &Case) -> Scheme {
+        let scene = if case.way.residual {
+            &self.method
+        } else {
+            &self.truncated
+        };
+        scene.method.at(match scene.resolution {
+            Resolution::Step(h) => Resolution::Step(case.way.step * h),
+            Resolution::Tolerance(r) => Resolution::Tolerance(case.way.step * r),
+        })
+    }
+
+    /// The elastic model with the modes of a case.
+    pub fn modelling(&self, case: &Case) -> Modelling {
+        let mut modelling = self.elastic.modelling.clone();
+        // Modes that the step cannot carry are cut.
+        let step = (self.method(case).resolution.step()).map(|h| h / case.way.step);
+        ElasticParameters::change(&mut modelling, |p| {
+            (p.modes, p.max_frequency_hz, p.target_error) = match case.modes {
+                Kept::Count(n) => (Some(n), None, None),
+                Kept::Below(hz) => (None, Some(hz), None),
+            };
+            p.choose = Some(case.way.choose);
+            p.residual = Some(case.way.residual);
+            p.step_s = step.or(p.step_s);
+        });
+        modelling
+    }
+}
+
+/// The elastic and the full model of a scene.
+pub(super) fn sides<'s>(
+    scene: &'s SceneFile,
+    args: &Truncation,
+) -> Result<(&'s ModelChoice, &'s ModelChoice), Refusal> {
+    let named = match &args.models {
+        Some(text) => scene.select(Some(text))?,
+        None => scene.models.iter().collect(),
+    };
+    let of = |id: &str| {
+        let mut all = named.iter().filter(|m| m.model == id);
+        all.find(|m| !is_truncated(m)).copied().ok_or_else(|| {
+            Refusal::from(SceneError::plain(
+                format!("the scene `{}` offers no model of the kind `{id}` here", scene.name),
+                format!(
+                    "the study holds `{ELASTIC}` against `{FULL}` on the same mesh; add a [[models]] with model = \"{id}\""
+                ),
+            ))
+        })
+    };
+    Ok((of(ELASTIC)?, of(FULL)?))
+}
+
+fn is_truncated(choice: &ModelChoice) -> bool {
+    let mut gears = choice.modelling.gears.iter();
+    gears.any(|g| ElasticParameters::of(g).is_some_and(|p| !p.keeps_residual()))
+}
+
+/// The first integrator of a model, or one that fits it.
+fn first(choice: &ModelChoice, usual: MethodSpec, step: f64) -> Scheme {
+    let own = choice.integrators.as_ref().and_then(|m| m.first());
+    own.copied().unwrap_or(usual.at_step(step))
+}
+
+/// The integrator of plain truncation: that of a truncated model of the scene.
+fn truncated(scene: &SceneFile, elastic: &ModelChoice) -> Scheme {
+    let own = (scene.models.iter()).find(|m| m.model == ELASTIC && is_truncated(m));
+    own.map_or_else(
+        || (first(elastic, TRIGONOMETRIC, STEP).method).at_step(TRUNCATED_STEP),
+        |m| first(m, VELOCITY_VERLET, TRUNCATED_STEP),
+    )
+}
+
+fn full_method(
+    scene: &SceneFile,
+    full: &ModelChoice,
+    args: &Truncation,
+) -> Result<Scheme, Refusal> {
+    if let Some(text) = &args.reference_integrator {
+        let methods = Scheme::list(text, &scene.study.integrators)
+            .map_err(RunError::from)
+            .map_err(refuse_run)?;
+        if let Some(method) = methods.into_iter().next() {
+            return Ok(method);
+        }
+    }
+    let own = first(full, NEWMARK, FULL_STEP);
+    let step = own.resolution.step().unwrap_or(FULL_STEP);
+    Ok(NEWMARK.at_step(FINER * step))
+}

@@ -1,0 +1,44 @@
+//! What the terminal says of a record of `truncation`.
+
+use super::plan::FULL;
+use crate::cli::terminal::say;
+use gearbench_reports::numbers::percent;
+use gearbench_reports::record::Results;
+use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
+
+/// The table of errors and the fewest modes.
+pub fn summarise(results: &Results) {
+    let all = ways(results);
+    let heads: Vec<String> = all.iter().map(|w| format!("{:>31}", w.label)).collect();
+    say("force-history error against full finite elements [%]");
+    say(&format!("{:>6}{}", "modes", heads.join("")));
+    for n in counts(&all) {
+        let cell = |w: &Way<'_>| {
+            let text = w.with(n).map_or(String::new(), |r| {
+                let error = r.against(FULL).and_then(|m| m.force_l2);
+                match error {
+                    _ if r.status.is_failure() => r.status.as_str().to_string(),
+                    Some(e) => percent(e, 3),
+                    None => String::new(),
+                }
+            });
+            format!("{text:>31}")
+        };
+        let cells: Vec<String> = all.iter().map(cell).collect();
+        say(&format!("{n:>6}{}", cells.join("")));
+    }
+    for limit in LIMITS {
+        let found: Vec<String> = (all.iter().filter(|w| w.residual))
+            .map(|w| {
+                let modes = w.fewest(FULL, limit).and_then(|r| r.modes);
+                let modes = modes.map_or("none tried".into(), |n| n.to_string());
+                format!("{modes} {}", w.label)
+            })
+            .collect();
+        say(&format!(
+            "fewest modes for {} %: {}",
+            100.0 * limit,
+            found.join(", ")
+        ));
+    }
+}

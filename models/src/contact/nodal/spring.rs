@@ -1,0 +1,156 @@
+//! Points of a nodal solve, and what they add to its equations.
+
+use crate::law::{Law, LawForce};
+
+/// Mark of what a gear without a field does not have.
+pub const UNUSED: u32 = u32::MAX;
+
+/// A point of the solve.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring {
+    /// Solved nodes; those it does not lie on have no weight.
+    pub nodes: [u32; 8],
+    /// Their weights.
+    pub weights: [f64; 8],
+    /// Gap before residual compliance [m].
+    pub gap0: f64,
+    /// Its rate [m/s].
+    pub rate: f64,
+    /// Stiffness of the law.
+    pub stiffness: f64,
+    /// Its law, with the damper of the point.
+    pub law: Law,
+    /// Result: gap with residual compliance [m].
+    pub gap: f64,
+    /// Result: normal force and derivatives; zero where it is open.
+    pub force: LawForce,
+    /// Result: gap [m] and normal force [N] of the elastic law alone.
+    pub elastic: (f64, f64),
+}
+
+impl Spring {
+    /// `w . u`.
+    #[inline]
+    pub fn along(&self, u: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (&i, w) in self.nodes.iter().zip(&self.weights) {
+            sum += w * u[i as usize];
+        }
+        sum
+    }
+
+    /// `f += x w`.
+    #[inline]
+    pub fn add(&self, x: f64, f: &mut [f64]) {
+        for (&i, w) in self.nodes.iter().zip(&self.weights) {
+            f[i as usize] += x * w;
+        }
+    }
+}
+
+/// What acts: the elastic law alone, or with dampers on the points that it closes.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Stage {
+    Elastic,
+    Damped,
+}
+
+/// Displacements at the nodes of a point, kept for its neighbours on the same faces.
+#[derive(Default)]
+pub(super) struct Gathered {
+    nodes: [u32; 8],
+    u: [f64; 8],
+    filled: bool,
+}
+
+impl Gathered {
+    /// `w . u` of a point.
+    #[inline]
+    pub(super) fn along(&mut self, s: &Spring, u: &[f64]) -> f64 {
+        if !self.filled || self.nodes != s.nodes {
+            self.nodes = s.nodes;
+            self.u = s.nodes.map(|i| u[i as usize]);
+            self.filled = true;
+        }
+        let mut pairs = [0.0; 4];
+        for j in 0..4 {
+            pairs[j] = s.weights[j] * self.u[j] + s.weights[4 + j] * self.u[4 + j];
+        }
+        (pairs[0] + pairs[2]) + (pairs[1] + pairs[3])
+    }
+}
+
+/// Adds stiffness `k w w^T` and force `f w` of points to a matrix and a vector, face by face.
+#[inline]
+pub(super) fn add_points<'a>(
+    points: impl Iterator<Item = (&'a Spring, f64, f64)>,
+    stride: usize,
+    matrix: &mut [f64],
+    vector: &mut [f64],
+) {
+    let (mut nodes, mut filled) = ([0; 8], false);
+    let (mut s, mut f) = ([[0.0; 8]; 8], [0.0; 8]);
+    let mut flush = |nodes: &[u32; 8], s: &mut [[f64; 8]; 8], f: &mut [f64; 8]| {
+        for i in 0..8 {
+            let at = nodes[i] as usize;
+            let row = &mut matrix[at * stride..][..stride];
+            for j in 0..8 {
+                row[nodes[j] as usize] += s[i][j];
+            }
+            vector[at] += f[i];
+        }
+        *s = [[0.0; 8]; 8];
+        *f = [0.0; 8];
+    };
+    for (spring, k, force) in points {
+        if nodes != spring.nodes {
+            if filled {
+                flush(&nodes, &mut s, &mut f);
+            }
+            nodes = spring.nodes;
+        }
+        filled = true;
+        let w = &spring.weights;
+        for i in 0..8 {
+            let kw = k * w[i];
+            for j in 0..8 {
+                s[i][j] += kw * w[j];
+            }
+            f[i] += force * w[i];
+        }
+    }
+    if filled {
+        flush(&nodes, &mut s, &mut f);
+    }
+}
+
+/// What the damper of a point pushes.
+#[inline]
+pub(super) fn law_push(s: &Spring) -> f64 {
+    s.law.smooth(0.0, s.rate, 0.0, s.stiffness).n
+}
+
+/// Whether a point with a linear law pushes at a gap.
+#[inline]
+pub(super) fn pushes(s: &Spring, gap: f64, stage: Stage) -> bool {
+    match stage {
+        Stage::Elastic => gap < 0.0,
+        Stage::Damped => s.elastic.1 > 0.0 && law_push(s) - s.stiffness * gap > 0.0,
+    }
+}
+
+/// Force of a point at a gap; zero where it is open or would pull.
+#[inline]
+pub(super) fn force_at(s: &Spring, gap: f64, stage: Stage) -> LawForce {
+    let force = match stage {
+        Stage::Elastic if gap >= 0.0 => return LawForce::default(),
+        Stage::Elastic => s.law.smooth(gap, 0.0, 0.0, s.stiffness),
+        Stage::Damped if s.elastic.1 == 0.0 => return LawForce::default(),
+        Stage::Damped => s.law.smooth(gap, s.rate, 0.0, s.stiffness),
+    };
+    if force.n < 0.0 {
+        LawForce::default()
+    } else {
+        force
+    }
+}

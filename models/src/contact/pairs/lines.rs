@@ -1,0 +1,157 @@
+//! The lines of action of a mesh as data, and what a gear looks like to them.
+
+use super::deviation::Deviation;
+use crate::Vec3;
+use crate::contact::party::Party;
+use crate::gear::ToothCoordinates;
+use crate::geometry::Side;
+use crate::kinematics::{MeshView, Tooth};
+use crate::stiffness::StiffnessCurve;
+use gearbench_integrators::system::At;
+
+/// A slice of the face width.
+#[derive(Clone, Debug)]
+pub struct Slice {
+    /// Position over the width in [-1, 1].
+    pub zeta: f64,
+    /// Height along the axis [m].
+    pub z: f64,
+    /// Share of the stiffness.
+    pub weight: f64,
+    /// Offset of the path coordinate of a left flank by the helix [m].
+    pub offset: f64,
+    /// Modification of the flanks of both gears, if any.
+    pub deviation: [Option<Deviation>; 2],
+}
+
+/// What a mesh of two gears looks like in its transverse plane.
+#[derive(Clone, Debug)]
+pub struct MeshGeometry {
+    /// How the mesh sees gear a (never a rack) and gear b.
+    pub views: [MeshView; 2],
+    /// The mesh's index in each gear's own count.
+    pub mesh_of_gear: [u8; 2],
+    /// Centre of gear a [m].
+    pub centre_a: Vec3,
+    /// Distance between the tangent points [m].
+    pub length: f64,
+    /// Base pitch [m].
+    pub base_pitch: f64,
+    /// Start and end of the path of contact on `s_a` [m].
+    pub zone: [f64; 2],
+    /// Base helix angle of gear a [rad].
+    pub base_helix: f64,
+}
+
+/// The lines of action of both flanks of a mesh.
+#[derive(Clone, Debug)]
+pub struct LinesOfAction {
+    pub(super) mesh: MeshGeometry,
+    /// Tooth index of b that pair 0 joins to tooth 0 of a, for the left and the right flank.
+    pub partner: [i64; 2],
+    /// Stiffness of a pair along `s_a`, whole width.
+    pub stiffness: StiffnessCurve,
+    /// One spring for the mesh, whatever the number of pairs in contact.
+    pub whole_mesh: bool,
+    /// Slices over the width; one for a spur gear.
+    pub slices: Vec<Slice>,
+    /// Contact slots per line.
+    pub pairs: usize,
+    pub(super) helix_cos: f64,
+    pub(super) per_base_pitch: f64,
+    pub(super) lines: Vec<Line>,
+}
+
+/// One flank side of one slice.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    pub(super) side: Side,
+    pub(super) slice: usize,
+    /// Unit normal from a to b, and its part in the transverse plane.
+    pub(super) normal: Vec3,
+    pub(super) transverse: Vec3,
+    /// Tangent point on gear a in the slice's plane.
+    pub(super) origin: Vec3,
+    /// `s = at_zero + per_displacement * displacement + per_pair * pair` for both gears, helix included.
+    pub(super) map: [PathMap; 2],
+    /// Whether the teeth count up with the pairs, for both gears.
+    pub(super) ascending: [bool; 2],
+    /// Neither flank is modified, so teeth that move as one have one gap:
+    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`.
+    pub(super) plain: bool,
+    pub(super) slack: f64,
+}
+
+/// Path coordinate of a flank as a linear function of its tooth's displacement and the pair's number.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathMap {
+    pub(super) at_zero: f64,
+    pub(super) per_displacement: f64,
+    pub(super) per_pair: f64,
+}
+
+impl PathMap {
+    #[inline(always)]
+    pub(super) fn s(&self, displacement: f64, pair: i64) -> f64 {
+        self.at_zero + self.per_displacement * displacement + self.per_pair * pair as f64
+    }
+}
+
+/// A gear at a state, as the lines of action see it.
+pub(super) struct Mover<'a> {
+    pub(super) at: At<'a>,
+    pub(super) displacements: Displacements<'a>,
+}
+
+/// Displacements of its teeth.
+#[derive(Clone, Copy)]
+pub(super) enum Displacements<'a> {
+    /// All teeth move with the hub.
+    OfHub(f64),
+    /// Each has its own.
+    OfTeeth(&'a dyn ToothCoordinates),
+}
+
+impl<'a> Mover<'a> {
+    #[inline]
+    pub(super) fn new(party: &Party<'a>) -> Self {
+        let Party { gear, at } = *party;
+        let displacements = match gear.teeth() {
+            Some(teeth) => Displacements::OfTeeth(teeth),
+            None => Displacements::OfHub(gear.hub().displacement_at(at)),
+        };
+        Mover { at, displacements }
+    }
+}
+
+/// A pair at a state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairState {
+    pub(super) teeth: [Tooth; 2],
+    pub(super) s: [f64; 2],
+    pub(super) gap: f64,
+    pub(super) scale: [f64; 2],
+}
+
+pub(super) const ZONE_EVENTS: usize = 4;
+
+/// Whether no slot is closed; per slot `(mode, impact speed)`.
+#[inline]
+pub(crate) fn all_open(modes: &[f64]) -> bool {
+    let mut slot = 0;
+    while slot < modes.len() {
+        if modes[slot] != 0.0 {
+            return false;
+        }
+        slot += 2;
+    }
+    true
+}
+
+#[inline]
+pub(super) fn side_index(side: Side) -> usize {
+    match side {
+        Side::Left => 0,
+        Side::Right => 1,
+    }
+}

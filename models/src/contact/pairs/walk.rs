@@ -1,0 +1,371 @@
+//! Along the lines of action: teeth, path coordinates, gaps and candidates of consecutive pairs.
+
+use super::lines::{Displacements, Line, LinesOfAction, Mover, PairState, side_index};
+use crate::contact::candidate::Candidate;
+use crate::contact::party::Wanted;
+use crate::geometry::Side;
+use crate::kinematics::{Locus, Point, Tooth};
+
+/// Pairs whose path coordinates are asked for at once: those of a line, for contact ratios up to three.
+const BLOCK: usize = 4;
+
+/// The whole number nearest to `x`, within 32 bits: no gear turns through 2^31 teeth, a run that blows up
+/// might. (`round` is a library call on processors without SSE 4.1.)
+#[inline]
+fn nearest(x: f64) -> i64 {
+    i64::from((x + 0.5_f64.copysign(x)) as i32)
+}
+
+impl LinesOfAction {
+    #[inline]
+    pub(super) fn teeth(&self, side: Side, pair: i64) -> [Tooth; 2] {
+        let i = if side == Side::Left { pair } else { -pair };
+        // Gears turn against each other, a rack goes along.
+        let j = if self.mesh.views[1].base_radius.is_some() {
+            -i
+        } else {
+            i
+        };
+        [
+            Tooth {
+                index: i,
+                mesh: self.mesh.mesh_of_gear[0],
+            },
+            Tooth {
+                index: j + self.partner[side_index(side)],
+                mesh: self.mesh.mesh_of_gear[1],
+            },
+        ]
+    }
+
+    /// Path coordinate of the flank of gear `k` in a pair [m].
+    #[inline(always)]
+    fn path_coordinate(&self, line: &Line, k: usize, gear: &Mover<'_>, pair: i64) -> f64 {
+        let displacement = match gear.displacements {
+            Displacements::OfHub(displacement) => displacement,
+            Displacements::OfTeeth(teeth) => {
+                teeth.displacement(gear.at, self.teeth(line.side, pair)[k])
+            }
+        };
+        line.map[k].s(displacement, pair)
+    }
+
+    /// Path coordinates of the flanks of gear `k` in consecutive pairs from `first` on [m].
+    #[inline(always)]
+    fn path_coordinates(
+        &self,
+        line: &Line,
+        k: usize,
+        gear: &Mover<'_>,
+        first: i64,
+        out: &mut [f64],
+    ) {
+        let teeth = match gear.displacements {
+            Displacements::OfHub(displacement) => {
+                for (pair, s) in (first..).zip(out) {
+                    *s = line.map[k].s(displacement, pair);
+                }
+                return;
+            }
+            Displacements::OfTeeth(teeth) => teeth,
+        };
+        let up = line.ascending[k];
+        let lowest = if up {
+            first
+        } else {
+            first + out.len() as i64 - 1
+        };
+        teeth.displacements(gear.at, self.teeth(line.side, lowest)[k], out);
+        if !up {
+            out.reverse();
+        }
+        for (pair, x) in (first..).zip(out) {
+            *x = line.map[k].s(*x, pair);
+        }
+    }
+
+    /// Calls `f(slot, pair, path coordinates)` for consecutive pairs of a line.
+    #[inline(always)]
+    fn each_pair(
+        &self,
+        l: usize,
+        (first, last): (i64, i64),
+        [a, b]: [&Mover<'_>; 2],
+        mut f: impl FnMut(usize, i64, [f64; 2]),
+    ) {
+        let line = &self.lines[l];
+        let (mut pair, mut slot) = (first, self.slot(l, first));
+        if let [Displacements::OfHub(a), Displacements::OfHub(b)] =
+            [a.displacements, b.displacements]
+        {
+            while pair <= last {
+                f(slot, pair, [line.map[0].s(a, pair), line.map[1].s(b, pair)]);
+                pair += 1;
+                slot = self.next_slot(l, slot);
+            }
+            return;
+        }
+        while pair <= last {
+            let n = ((last - pair + 1) as usize).min(BLOCK);
+            let mut s = [[0.0; BLOCK]; 2];
+            self.path_coordinates(line, 0, a, pair, &mut s[0][..n]);
+            self.path_coordinates(line, 1, b, pair, &mut s[1][..n]);
+            for i in 0..n {
+                f(slot, pair, [s[0][i], s[1][i]]);
+                pair += 1;
+                slot = self.next_slot(l, slot);
+            }
+        }
+    }
+
+    /// Where a pair stands: its teeth, path coordinates and gap.
+    #[inline(always)]
+    fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
+        let teeth = self.teeth(line.side, pair);
+        let (mut gap, mut scale) = (
+            self.helix_cos * (self.mesh.length - s[0] - s[1]),
+            [1.0, 1.0],
+        );
+        if !line.plain {
+            (gap, scale) = self.modified(line, s, gap);
+        }
+        PairState {
+            teeth,
+            s,
+            gap,
+            scale,
+        }
+    }
+
+    /// Gap and scales with the modifications of both flanks.
+    fn modified(&self, line: &Line, s: [f64; 2], mut gap: f64) -> (f64, [f64; 2]) {
+        let mut scale = [1.0, 1.0];
+        for (k, deviation) in self.slices[line.slice].deviation.iter().enumerate() {
+            if let Some(deviation) = deviation {
+                let (e, slope) = deviation.eval(s[k]);
+                gap += e;
+                scale[k] -= slope / self.helix_cos;
+            }
+        }
+        (gap, scale)
+    }
+
+    /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
+    /// move as one. False says nothing.
+    #[inline(always)]
+    pub(super) fn clearly_open(&self, line: &Line, [a, b]: [&Mover<'_>; 2], reach: f64) -> bool {
+        let (Displacements::OfHub(a), Displacements::OfHub(b), true) =
+            (a.displacements, b.displacements, line.plain)
+        else {
+            return false;
+        };
+        let slack =
+            line.slack - line.map[0].per_displacement * a - line.map[1].per_displacement * b;
+        // Rounding may leave the exact gap a hair below.
+        self.helix_cos * slack > reach + 1e-9 * self.mesh.base_pitch
+    }
+
+    #[inline(always)]
+    fn points(&self, line: &Line, teeth: [Tooth; 2], s: [f64; 2]) -> [Point; 2] {
+        let x = line.origin + s[0] * line.transverse;
+        let zeta = self.slices[line.slice].zeta;
+        let flank = |k: usize| {
+            let radius = match self.mesh.views[k].base_radius {
+                Some(rb) => (rb * rb + s[k] * s[k]).sqrt(),
+                None => self.height_on_rack(k, s[0]),
+            };
+            Point {
+                tooth: teeth[k],
+                locus: Locus::Flank { radius, zeta },
+                x,
+            }
+        };
+        [flank(0), flank(1)]
+    }
+
+    /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
+    fn height_on_rack(&self, k: usize, s_a: f64) -> f64 {
+        let (sin, cos) = self.mesh.views[k].working_pressure_angle.sin_cos();
+        let rb = self.mesh.views[0].base_radius.unwrap_or(0.0);
+        self.mesh.length / sin - (rb * cos + s_a * sin)
+    }
+
+    /// Slot of the pair after the one in `slot`.
+    #[inline(always)]
+    fn next_slot(&self, l: usize, slot: usize) -> usize {
+        if slot + 1 == (l + 1) * self.pairs {
+            l * self.pairs
+        } else {
+            slot + 1
+        }
+    }
+
+    #[inline]
+    fn slot(&self, l: usize, pair: i64) -> usize {
+        // 32-bit division is several times cheaper, and no gear turns through 2^31 teeth.
+        l * self.pairs + (pair as i32).rem_euclid(self.pairs as i32) as usize
+    }
+
+    #[inline]
+    fn candidate(&self, line: &Line, slot: usize, p: &PairState) -> Candidate {
+        let weight = self.slices[line.slice].weight;
+        let points = self.points(line, p.teeth, p.s);
+        let (k, k_s) = self.stiffness.eval(p.s[0]);
+        Candidate {
+            slot,
+            points,
+            normal: line.normal,
+            scale: p.scale,
+            gap: p.gap,
+            stiffness: k * weight,
+            stiffness_s: k_s * weight / self.helix_cos,
+            s: p.s[0],
+            share: 1.0,
+        }
+    }
+
+    /// Appends the candidates of a line.
+    pub(super) fn collect(
+        &self,
+        l: usize,
+        movers: [&Mover<'_>; 2],
+        discrete: &[f64],
+        wanted: Wanted<'_>,
+        out: &mut Vec<Candidate>,
+    ) {
+        let line = &self.lines[l];
+        let listed = !matches!(wanted, Wanted::Touching(_));
+        let range = self.pairs_of(l, movers[0], discrete, listed);
+        self.each_pair(l, range, movers, |slot, pair, s| {
+            if let Wanted::Closed(modes) = wanted
+                && modes[2 * slot] == 0.0
+            {
+                return;
+            }
+            let p = self.pair(line, pair, s);
+            if let Wanted::Touching(reach) = wanted
+                && p.gap > reach
+            {
+                return;
+            }
+            out.push(self.candidate(line, slot, &p));
+        });
+    }
+
+    /// Gaps of consecutive pairs of a line, by slot.
+    pub(super) fn gaps_of_pairs(
+        &self,
+        l: usize,
+        range: (i64, i64),
+        movers: [&Mover<'_>; 2],
+        out: &mut [f64],
+    ) {
+        let line = &self.lines[l];
+        self.each_pair(l, range, movers, |slot, pair, s| {
+            out[slot] = self.pair(line, pair, s).gap
+        });
+    }
+
+    /// Event functions and gaps of a line; the displacements of teeth that move each on its own are read once for both.
+    pub(super) fn watch_line(
+        &self,
+        l: usize,
+        (lo, hi): (i64, i64),
+        movers: [&Mover<'_>; 2],
+        event_functions: &mut [f64],
+        gaps: &mut [f64],
+    ) {
+        let line = &self.lines[l];
+        let n = (hi - lo + 1) as usize;
+        let (mut a, mut b) = ([0.0; BLOCK + 2], [0.0; BLOCK]);
+        if n > BLOCK {
+            self.zone_events(line, (lo, hi), movers[0], event_functions);
+            return self.gaps_of_pairs(l, (lo, hi), movers, gaps);
+        }
+        let (a, b) = (&mut a[..n + 2], &mut b[..n]);
+        self.path_coordinates(line, 0, movers[0], lo - 1, a);
+        self.path_coordinates(line, 1, movers[1], lo, b);
+        self.set_zone_events([a[0], a[1], a[n], a[n + 1]], event_functions);
+        let mut slot = self.slot(l, lo);
+        for (i, b) in b.iter().enumerate() {
+            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b]).gap;
+            slot = self.next_slot(l, slot);
+        }
+    }
+
+    /// Event functions of a line's first and last pair.
+    #[inline(always)]
+    fn zone_events(
+        &self,
+        line: &Line,
+        (lo, hi): (i64, i64),
+        a: &Mover<'_>,
+        event_functions: &mut [f64],
+    ) {
+        let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
+        self.path_coordinates(line, 0, a, lo - 1, &mut low);
+        self.path_coordinates(line, 0, a, hi, &mut high);
+        self.set_zone_events([low[0], low[1], high[0], high[1]], event_functions);
+    }
+
+    /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
+    #[inline(always)]
+    fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
+        let scale = self.per_base_pitch;
+        event_functions[0] = (self.mesh.zone[1] - s[2]) * scale;
+        event_functions[1] = (s[1] - self.mesh.zone[0]) * scale;
+        event_functions[2] = (self.mesh.zone[0] - s[0]) * scale;
+        event_functions[3] = (s[3] - self.mesh.zone[1]) * scale;
+    }
+
+    /// Pairs that a line looks at: those in discrete state, or those in the zone now.
+    #[inline(always)]
+    pub(super) fn pairs_of(
+        &self,
+        l: usize,
+        a: &Mover<'_>,
+        discrete: &[f64],
+        listed: bool,
+    ) -> (i64, i64) {
+        let line = &self.lines[l];
+        if self.whole_mesh {
+            // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
+            // rigid gears have its gap.
+            let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
+            let s0 = self.path_coordinate(line, 0, a, 0);
+            let pair = nearest((middle - s0) * self.per_base_pitch);
+            (pair, pair)
+        } else if listed {
+            (discrete[2 * l] as i64, discrete[2 * l + 1] as i64)
+        } else {
+            self.zone_now(line, a)
+        }
+    }
+
+    /// First and last pair in the zone at a state.
+    pub(super) fn zone_now(&self, line: &Line, a: &Mover<'_>) -> (i64, i64) {
+        // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
+        let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
+        let s0 = self.path_coordinate(line, 0, a, 0);
+        let guess = nearest((middle - s0) * self.per_base_pitch);
+        // Two pairs on each side are all that a contact ratio below three has.
+        let mut around = [0.0; 5];
+        self.path_coordinates(line, 0, a, guess - 2, &mut around);
+        let inside = |p: i64| {
+            let known = around.get((p - guess + 2) as usize);
+            let s = known
+                .copied()
+                .unwrap_or_else(|| self.path_coordinate(line, 0, a, p));
+            s >= self.mesh.zone[0] && s <= self.mesh.zone[1]
+        };
+        let reach = self.pairs as i64 + 1;
+        let (mut lo, mut hi) = (guess, guess);
+        while lo > guess - reach && inside(lo - 1) {
+            lo -= 1;
+        }
+        while hi < guess + reach && inside(hi + 1) {
+            hi += 1;
+        }
+        (lo, hi)
+    }
+}

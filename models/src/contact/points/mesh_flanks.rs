@@ -1,0 +1,104 @@
+//! The flanks of a mesh, and what of them is looked at.
+
+use super::flanked::{Flanked, Near};
+use super::owner::Owner;
+use super::rule::Rule;
+use crate::contact::clearance::Clearance;
+use crate::contact::pairs::MeshGeometry;
+use crate::error::Reason;
+use crate::geometry::Side;
+use crate::kinematics::Tooth;
+use crate::spec::{Passes, PointContact};
+
+/// Part of the base pitch up to which undeformed flanks are looked at.
+const REACH: f64 = 0.02;
+
+/// Part of the base pitch by which teeth may touch before and after the path of contact.
+const BEFORE_AND_AFTER: f64 = 0.5;
+
+/// The flanks of both gears of a mesh.
+#[derive(Debug)]
+pub(super) struct MeshFlanks {
+    pub gears: [Flanked; 2],
+    pub rule: Rule,
+    /// Penalty for the points of each gear [Pa/m]; 0 where they are not looked at.
+    pub penalty: [f64; 2],
+    /// Gap up to which points are wanted [m].
+    pub reach: f64,
+    /// Distance between the tangent points [m].
+    pub length: f64,
+    helix_cos: f64,
+    pub base_pitch: f64,
+    /// Path coordinates of the first gear at which its flanks are looked at [m].
+    pub zone: [f64; 2],
+}
+
+impl MeshFlanks {
+    pub fn new(
+        owners: [Owner<'_>; 2],
+        geometry: &MeshGeometry,
+        settings: &PointContact,
+    ) -> Result<Self, (Option<usize>, Reason)> {
+        if let Some(problem) = settings.problem() {
+            return Err((None, problem));
+        }
+        let rule = Rule::new(settings.rule);
+        let flanked =
+            |k: usize| Flanked::new(owners[k], settings.surface, &rule).map_err(|e| (Some(k), e));
+        let gears = [flanked(0)?, flanked(1)?];
+        let p = settings.penalty;
+        let penalty = match settings.passes {
+            Passes::Auto if gears[0].own || !gears[1].own => [p, 0.0],
+            Passes::Auto | Passes::Second => [0.0, p],
+            Passes::First => [p, 0.0],
+            Passes::Both => [0.5 * p, 0.5 * p],
+        };
+        let width = gears[0].face_width.min(gears[1].face_width);
+        let beside =
+            BEFORE_AND_AFTER * geometry.base_pitch + 0.5 * width * geometry.base_helix.tan().abs();
+        let reach = settings.reach.unwrap_or(REACH * geometry.base_pitch);
+        Ok(MeshFlanks {
+            gears,
+            rule,
+            penalty,
+            reach,
+            length: geometry.length,
+            helix_cos: geometry.base_helix.cos(),
+            base_pitch: geometry.base_pitch,
+            zone: [geometry.zone[0] - beside, geometry.zone[1] + beside],
+        })
+    }
+
+    /// Path coordinates by which flanks may be apart and points still within reach [m].
+    pub fn reach_along(&self) -> f64 {
+        self.reach / self.helix_cos
+    }
+
+    pub fn tooth(&self, k: usize, near: &Near) -> Tooth {
+        Tooth {
+            index: near.tooth,
+            mesh: self.gears[k].mesh,
+        }
+    }
+
+    /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
+    /// otherwise or the search does not know.
+    pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
+        let mut gaps = [0.0; 2];
+        for (side, gap) in Side::BOTH.into_iter().zip(&mut gaps) {
+            let [a, b] = [0, 1].map(|k| self.gears[k].foremost(side, displacements[k]));
+            let along = self.length - a? - b?;
+            let nearest = along - self.base_pitch * (along / self.base_pitch).round();
+            *gap = nearest * self.helix_cos;
+        }
+        Some(Clearance {
+            gaps,
+            per_displacement: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_displacement()),
+        })
+    }
+
+    /// Part of the contact's damper that a point of gear `k` with an area [m^2] stands for.
+    pub fn share(&self, k: usize, area: f64) -> f64 {
+        area * self.penalty[k] / (self.penalty[0] + self.penalty[1])
+    }
+}

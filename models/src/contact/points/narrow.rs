@@ -1,0 +1,306 @@
+//! The narrow phase: points of one flank held against the deformed surface of the other.
+
+use super::coarse::{CoarseScratch, CoarseStep};
+use super::flanked::Near;
+use super::mesh_flanks::MeshFlanks;
+use super::projection::{Begin, Deformed, Hit, MOST_PAST, on_flank};
+use super::rule::FlankPoint;
+use super::surface::Shape;
+use crate::Vec3;
+use crate::contact::party::{Party, SearchWork};
+use crate::geometry::Side;
+use crate::kinematics::{Locus, Point, Pose};
+
+/// A flank at a state.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    near: Near,
+    pose: Pose,
+    /// Its nodes in the buffer of positions.
+    start: usize,
+}
+
+/// Buffers; they grow to the most that was ever active and stay.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    active: [Vec<Active>; 2],
+    positions: [Vec<Vec3>; 2],
+    coarse: CoarseScratch,
+    pairs: Vec<[usize; 2]>,
+    /// Clearance of each node of a flank [m].
+    heights: Vec<f64>,
+    pub work: SearchWork,
+}
+
+/// A point of gear `k`, the slave, that is projected on the other gear, the master.
+pub(super) struct Found<'a> {
+    pub k: usize,
+    /// Slave and master.
+    pub flanks: [&'a Deformed<'a>; 2],
+    active: [&'a Active; 2],
+    /// With the part of its area that is on the master.
+    pub point: FlankPoint,
+    pub x: Vec3,
+    pub hit: Hit,
+    /// `A' / A` of that area by the place along the master's face.
+    pub weight_derivative: f64,
+}
+
+impl MeshFlanks {
+    /// Calls `found` for all points with a gap up to `limit`.
+    pub fn each_point(
+        &self,
+        step: &dyn CoarseStep,
+        parties: [&Party<'_>; 2],
+        limit: f64,
+        scratch: &mut Scratch,
+        mut found: impl FnMut(&Found<'_>),
+    ) {
+        self.find_pairs(step, parties, scratch);
+        let mut work = SearchWork {
+            pairs: scratch.pairs.len(),
+            flanks: scratch.active.iter().map(Vec::len).sum(),
+            nodes: scratch.positions.iter().map(Vec::len).sum(),
+            ..SearchWork::default()
+        };
+        let mut heights = std::mem::take(&mut scratch.heights);
+        for pair in &scratch.pairs {
+            for k in 0..2 {
+                if self.penalty[k] > 0.0 {
+                    let buffers = (&*scratch, &mut heights, &mut work);
+                    self.hold_points(k, *pair, buffers, limit, &mut found);
+                }
+            }
+        }
+        scratch.heights = heights;
+        scratch.work = work;
+    }
+
+    /// First and second step: flanks about the line of centres, and the flanks they face.
+    fn find_pairs(&self, step: &dyn CoarseStep, parties: [&Party<'_>; 2], scratch: &mut Scratch) {
+        let displacement = parties.map(|p| p.gear.hub().displacement(p.at.t, p.at.q));
+        scratch.pairs.clear();
+        for k in 0..2 {
+            scratch.active[k].clear();
+            scratch.positions[k].clear();
+        }
+        if !displacement.iter().all(|t| t.is_finite()) {
+            return;
+        }
+        let mut coarse = std::mem::take(&mut scratch.coarse);
+        coarse.pairs.clear();
+        for side in Side::BOTH {
+            step.pairs(self, side, displacement, &mut coarse);
+        }
+        for [near, other] in &coarse.pairs {
+            let a = self.activate(0, *near, parties[0], displacement[0], scratch);
+            let b = self.activate(1, *other, parties[1], displacement[1], scratch);
+            scratch.pairs.push([a, b]);
+        }
+        scratch.coarse = coarse;
+    }
+
+    /// Index of a flank among the active ones; its nodes are placed when it is new.
+    fn activate(
+        &self,
+        k: usize,
+        near: Near,
+        party: &Party<'_>,
+        displacement: f64,
+        scratch: &mut Scratch,
+    ) -> usize {
+        let (active, positions) = (&mut scratch.active[k], &mut scratch.positions[k]);
+        if let Some(i) = active.iter().position(|a| a.near.shape == near.shape) {
+            return i;
+        }
+        let g = &self.gears[k];
+        let shape = &g.shapes[near.shape];
+        let start = positions.len();
+        positions.resize(start + shape.nodes.len(), Vec3::zeros());
+        let pose = if let Some(surface) = party.gear.surface() {
+            surface
+                .nodes
+                .positions(party.at, &shape.nodes, &mut positions[start..]);
+            g.placement.pose(displacement)
+        } else {
+            let tooth = self.tooth(k, &near);
+            let pose = g
+                .placement
+                .pose(party.gear.tooth_displacement(party.at, tooth));
+            let undeformed = &g.grids.grids()[near.shape].positions;
+            for (x, u) in positions[start..].iter_mut().zip(undeformed) {
+                *x = pose.point(u);
+            }
+            pose
+        };
+        active.push(Active { near, pose, start });
+        active.len() - 1
+    }
+
+    fn deformed<'a>(&'a self, k: usize, scratch: &'a Scratch, active: usize) -> Deformed<'a> {
+        let a = &scratch.active[k][active];
+        let shape = &self.gears[k].shapes[a.near.shape];
+        Deformed {
+            shape,
+            x: &scratch.positions[k][a.start..][..shape.nodes.len()],
+            pose: &a.pose,
+        }
+    }
+
+    /// Height of a point on the flanks of gear `k`, as [`Shape::heights`] has it.
+    #[inline]
+    fn height(&self, k: usize, pose: &Pose, x: &Vec3) -> f64 {
+        let r = x - pose.origin;
+        if self.gears[k].rack {
+            -(pose.cos * r.x + pose.sin * r.y)
+        } else {
+            r.x * r.x + r.y * r.y
+        }
+    }
+
+    /// A point of gear `k`: on its mesh, or on its rigid flank.
+    #[inline]
+    fn point(&self, k: usize, active: &Active, face: u32, [a, b]: [f64; 2], x: Vec3) -> Point {
+        let g = &self.gears[k];
+        let locus = if g.own {
+            Locus::Quadrature {
+                face,
+                xi: [2.0 * a - 1.0, 2.0 * b - 1.0],
+            }
+        } else {
+            let height = self.height(k, &active.pose, &x);
+            Locus::Flank {
+                radius: if g.rack { height } else { height.sqrt() },
+                zeta: 2.0 * x.z / g.face_width,
+            }
+        };
+        Point {
+            tooth: self.tooth(k, &active.near),
+            locus,
+            x,
+        }
+    }
+
+    /// Third step: the points of gear `k`'s flank against the other flank of a pair. Faces whose corners all
+    /// stand clearly off the other flank are passed over.
+    fn hold_points(
+        &self,
+        k: usize,
+        pair: [usize; 2],
+        (scratch, heights, work): (&Scratch, &mut Vec<f64>, &mut SearchWork),
+        limit: f64,
+        mut found: impl FnMut(&Found<'_>),
+    ) {
+        let m = 1 - k;
+        let slave = self.deformed(k, scratch, pair[k]);
+        let master = self.deformed(m, scratch, pair[m]);
+        let active = [&scratch.active[k][pair[k]], &scratch.active[m][pair[m]]];
+        heights.clear();
+        heights.extend(
+            slave
+                .x
+                .iter()
+                .map(|x| self.clearance_bound(m, &master, x).1),
+        );
+        let columns = slave.shape.columns;
+        let keep = |row: usize, column: usize| {
+            let i = row * columns + column;
+            let least = heights[i]
+                .min(heights[i + 1])
+                .min(heights[i + columns])
+                .min(heights[i + columns + 1]);
+            least <= limit + slave.shape.chord_bound[row]
+        };
+        let tip = master.shape.lengths[master.shape.lengths.len() - 1];
+        slave.shape.points(&self.rule, keep, |p| {
+            work.points += 1;
+            let x = slave
+                .shape
+                .face(slave.x, slave.pose, p.row, p.column)
+                .position(slave.shape, p.a, p.b);
+            let (begin, clearance) = self.clearance_bound(m, &master, &x);
+            if clearance > limit {
+                return;
+            }
+            work.projections += 1;
+            let past = (0.5 * p.length / tip).min(MOST_PAST);
+            let Some(hit) = master.project(&x, begin, past) else {
+                return;
+            };
+            if hit.gap > limit {
+                return;
+            }
+            let (on, slope) = on_flank(hit.row + 2 == master.shape.rows, hit.a, past);
+            if on == 0.0 {
+                return;
+            }
+            let point = FlankPoint {
+                area: on * p.area,
+                ..p
+            };
+            found(&Found {
+                k,
+                flanks: [&slave, &master],
+                active,
+                point,
+                x,
+                hit,
+                weight_derivative: slope / on,
+            });
+        });
+    }
+
+    /// Where the projection of a point on the master begins, and a gap that it surely has [m]: infinite more
+    /// than a face beyond root, tip or sides.
+    #[inline]
+    fn clearance_bound(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (Begin, f64) {
+        let (row, a) = master.shape.row_at(self.height(m, master.pose, x));
+        let (column, b) = master.shape.column_at(x.z);
+        let begin = Begin {
+            row,
+            column,
+            place: [a, b],
+        };
+        let near = |t: f64| (-1.0..=2.0).contains(&t);
+        if !(near(a) && near(b)) {
+            return (begin, f64::INFINITY);
+        }
+        let face = master.shape.face(master.x, master.pose, row, column);
+        let over = face.height_over(master.shape.side, x);
+        (begin, over - master.shape.chord_bound[row])
+    }
+
+    /// The points on both gears.
+    #[inline]
+    pub fn points(&self, found: &Found<'_>) -> [Point; 2] {
+        let Found {
+            k,
+            flanks: [slave, master],
+            active: [s_active, m_active],
+            point: p,
+            x,
+            hit,
+            ..
+        } = found;
+        let number = |shape: &Shape, row, column| shape.face_number(row, column);
+        let of_slave = self.point(
+            *k,
+            s_active,
+            number(slave.shape, p.row, p.column),
+            [p.a, p.b],
+            *x,
+        );
+        let of_master = self.point(
+            1 - k,
+            m_active,
+            number(master.shape, hit.row, hit.column),
+            [hit.a, hit.b],
+            hit.x,
+        );
+        if *k == 0 {
+            [of_slave, of_master]
+        } else {
+            [of_master, of_slave]
+        }
+    }
+}

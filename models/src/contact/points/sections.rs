@@ -1,0 +1,114 @@
+//! Flanks of both gears as profiles in the transverse plane, and the places over the width at which they meet.
+
+use super::flanked::Flanked;
+use super::profile::{Profile, Vec2};
+use super::projection::RIM;
+use super::rule::Rule;
+use super::surface::Shape;
+use crate::kinematics::Pose;
+
+/// Flanks of both gears as profiles.
+#[derive(Clone, Debug)]
+pub(super) struct Spur {
+    pub(super) profiles: [Vec<Profile>; 2],
+    /// Places over the width of the points of each gear, as slave.
+    pub(super) cells: [Vec<Cell>; 2],
+    /// Points along the profile of a face with their weights; none where points are nodes.
+    pub(super) along: Vec<(f64, f64)>,
+    pub(super) across: usize,
+}
+
+/// A place over the width.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    /// Height [m].
+    pub(super) z: f64,
+    /// Column of the slave's face, place there, and index of the point among those of a face over the width (of the
+    /// rule at nodes, column of the node).
+    pub(super) column: usize,
+    pub(super) b: f64,
+    pub(super) index: usize,
+    /// Column of the master's face and place there.
+    pub(super) on: usize,
+    pub(super) b_on: f64,
+}
+
+/// Own frame of one gear seen from that of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    pub(super) cos: f64,
+    pub(super) sin: f64,
+    pub(super) shift: Vec2,
+}
+
+impl Turn {
+    pub(super) fn between(from: &Pose, to: &Pose) -> Self {
+        let d = from.origin - to.origin;
+        Turn {
+            cos: from.cos * to.cos + from.sin * to.sin,
+            sin: from.sin * to.cos - from.cos * to.sin,
+            shift: Vec2::new(to.cos * d.x + to.sin * d.y, to.cos * d.y - to.sin * d.x),
+        }
+    }
+
+    #[inline]
+    pub(super) fn point(&self, x: &Vec2) -> Vec2 {
+        Vec2::new(
+            self.cos * x.x - self.sin * x.y + self.shift.x,
+            self.sin * x.x + self.cos * x.y + self.shift.y,
+        )
+    }
+}
+
+impl Spur {
+    /// Profiles of both gears, where their flanks allow it.
+    pub fn new(gears: &[Flanked; 2], rule: &Rule) -> Option<Self> {
+        let profiles = |g: &Flanked| -> Option<Vec<Profile>> {
+            let first = &g.shapes[0];
+            let alike = |s: &Shape| s.z == first.z && s.z.is_sorted_by(|a, b| a < b);
+            (g.rigid && g.shapes.iter().all(alike))
+                .then(|| g.shapes.iter().map(|s| Profile::new(s, rule, g.rack)))?
+                .collect()
+        };
+        let profiles = [profiles(&gears[0])?, profiles(&gears[1])?];
+        let cells = [0, 1].map(|k| cells(&gears[k].shapes[0], &gears[1 - k].shapes[0], rule));
+        Some(Spur {
+            profiles,
+            cells,
+            along: rule.along.clone(),
+            across: rule.across.len(),
+        })
+    }
+}
+
+/// Places over the width at which points of a slave meet a master.
+fn cells(slave: &Shape, master: &Shape, rule: &Rule) -> Vec<Cell> {
+    let mut all = Vec::new();
+    let mut add = |column: usize, b: f64, index: usize| {
+        let z = slave.z[column] + b * (slave.z[column + 1] - slave.z[column]);
+        let (on, b_on) = master.column_at(z);
+        if (-RIM..=1.0 + RIM).contains(&b_on) {
+            all.push(Cell {
+                z,
+                column,
+                b,
+                index,
+                on,
+                b_on,
+            });
+        }
+    };
+    if rule.is_nodes() {
+        for c in 0..slave.columns {
+            let column = c.min(slave.columns - 2);
+            add(column, (c - column) as f64, c);
+        }
+    } else {
+        for column in 0..slave.columns - 1 {
+            for (index, &(b, _)) in rule.across.iter().enumerate() {
+                add(column, b, index);
+            }
+        }
+    }
+    all
+}

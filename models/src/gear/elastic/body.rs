@@ -1,0 +1,162 @@
+//! The data of an elastic gear.
+
+use super::inertia::SpinTerms;
+use super::reduced::{FlankCompliance, Reduced};
+use crate::Vec3;
+use crate::error::Reason;
+use crate::gear::hub_body::HubBody;
+use crate::kinematics::{Hub, Placement};
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// A reduced elastic body on its hub.
+#[derive(Clone, Debug)]
+pub struct Elastic {
+    pub(super) hub: HubBody,
+    pub(super) placement: Placement,
+    pub(super) data: Arc<Reduced>,
+    /// Undeformed flank nodes in the own frame [m].
+    pub(super) positions: Vec<Vec3>,
+    /// Coordinates of the hub: 0 or 1; the modes follow.
+    pub(super) own: usize,
+    /// Per coordinate; zero for the hub.
+    pub(super) omega: Vec<f64>,
+    pub(super) zeta: Vec<f64>,
+    /// Largest modal compliance of a flank node, `sum_i b_i^2 / omega_i^2` [m/N].
+    pub(super) softest: f64,
+    /// Largest residual displacement of a flank node by unit load on the hub.
+    pub(super) hub_reach: f64,
+    pub(super) spin: Spin,
+    pub(super) correction: RefCell<QuasiStatic>,
+}
+
+/// Whether a gear has the terms, and room to evaluate them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spin {
+    pub(super) terms: SpinTerms,
+    pub(super) active: bool,
+    /// Vectors over the modes.
+    pub(super) room: RefCell<[Vec<f64>; 3]>,
+}
+
+/// Compliance between flank nodes for a method that leaves something out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct QuasiStatic {
+    /// What is missing; it is made once for a run after run with one step.
+    pub(super) missing: Vec<f64>,
+    pub(super) flanks: Option<FlankCompliance>,
+    /// The method of this run leaves something out.
+    pub(super) on: bool,
+}
+
+impl QuasiStatic {
+    pub(super) fn flanks<'a>(&'a self, data: &'a Reduced) -> Option<&'a FlankCompliance> {
+        let made = self.flanks.as_ref().filter(|_| self.on);
+        made.or(data.residual.as_ref().map(|r| &r.flanks))
+    }
+}
+
+impl Elastic {
+    /// A reduced body on its hub; with its base radius [m], or `cos(alpha)` for a rack. The hub's inertia
+    /// becomes that of the reduction.
+    ///
+    /// # Errors
+    /// What of the data does not fit together, or does not fit the mount.
+    pub fn new(
+        mut hub: Hub,
+        effective_base_radius: f64,
+        placement: Placement,
+        data: Arc<Reduced>,
+    ) -> Result<Self, Reason> {
+        if let Some(problem) = data.problem() {
+            return Err(problem.into());
+        }
+        let own = hub.coordinates();
+        if (own == 1) != data.free {
+            let (is, of) = if data.free {
+                ("free", "held")
+            } else {
+                ("held", "free")
+            };
+            return Err((
+                format!(
+                    "the modes are those of a hub that is {is} to move, but the mount's hub is {of}"
+                ),
+                "reduce the gear for this mount",
+            )
+                .into());
+        }
+        hub.inertia = data.inertia;
+        let with_hub = |x: &[f64]| -> Vec<f64> {
+            std::iter::repeat_n(0.0, own)
+                .chain(x.iter().copied())
+                .collect()
+        };
+        let mut largest = vec![0.0_f64; data.modes()];
+        let mut softest = 0.0_f64;
+        for node in 0..data.nodes() as u32 {
+            let mut compliance = 0.0;
+            for ((b, w), l) in data
+                .shapes_at(node)
+                .iter()
+                .zip(&data.omega)
+                .zip(&mut largest)
+            {
+                *l = l.max(b.abs());
+                compliance += (b / w).powi(2);
+            }
+            softest = softest.max(compliance);
+        }
+        let hub_reach = data.residual.as_ref().map_or(0.0, |r| {
+            r.hub.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+        });
+        let mut positions = vec![Vec3::zeros(); data.nodes()];
+        for grid in data.flanks.grids() {
+            for (&node, x) in grid.nodes.iter().zip(&grid.positions) {
+                positions[node as usize] = *x;
+            }
+        }
+        // A mode that moves no flank has no magnitude of its own.
+        let floor = 1e-3 * largest.iter().copied().fold(0.0, f64::max);
+        let of_modes = largest
+            .iter()
+            .map(|shape| shape.max(floor).max(f64::MIN_POSITIVE));
+        let body = HubBody::new(hub, effective_base_radius);
+        let on_hub = |x: f64| std::iter::repeat_n(x, own);
+        let hub = HubBody {
+            own: data.modes(),
+            characteristic_time: 1.0 / data.omega.iter().copied().fold(0.0, f64::max),
+            scales: on_hub(effective_base_radius).chain(of_modes).collect(),
+            masses: on_hub(body.inertia)
+                .chain(data.omega.iter().map(|_| 1.0))
+                .collect(),
+            hub_shapes: data.hub.clone(),
+            conservative: data.damping.iter().all(|z| *z <= 0.0),
+            ..body
+        };
+        Ok(Elastic {
+            positions,
+            own,
+            omega: with_hub(&data.omega),
+            zeta: with_hub(&data.damping),
+            hub,
+            placement,
+            data,
+            softest,
+            hub_reach,
+            spin: Spin::default(),
+            correction: RefCell::default(),
+        })
+    }
+
+    /// The reduction.
+    #[must_use]
+    pub fn data(&self) -> &Reduced {
+        &self.data
+    }
+
+    /// Sum over the modes of `w_i x_i`.
+    pub(super) fn over_modes(&self, w: &[f64], x: &[f64]) -> f64 {
+        w.iter().zip(&x[self.own..]).map(|(w, x)| w * x).sum()
+    }
+}

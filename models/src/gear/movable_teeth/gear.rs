@@ -1,0 +1,249 @@
+//! A gear with movable teeth as a gear model.
+
+use super::teeth::MovableTeeth;
+use crate::Vec3;
+use crate::gear::capabilities::{LinearMotion, ToothCoordinates};
+use crate::gear::hub_body::{HubBody, HubState};
+use crate::gear::model::GearModel;
+use crate::kinematics::{Point, Row, Wrench};
+use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+
+impl GearModel for MovableTeeth {
+    fn hub(&self) -> &HubBody {
+        &self.hub
+    }
+
+    fn hub_mut(&mut self) -> &mut HubBody {
+        &mut self.hub
+    }
+
+    fn initialise(&self, speed: f64, q: &mut [f64], v: &mut [f64], discrete: &mut [f64]) {
+        q.fill(0.0);
+        v.fill(speed);
+        discrete.fill(0.0);
+        for m in 0..self.views.len() {
+            discrete[m] = self.nearest(m, 0.0).round();
+        }
+    }
+
+    #[inline]
+    fn row(&self, at: At<'_>, p: &Point, n: &Vec3, row: &mut Row) -> f64 {
+        // A tooth outside its window carries no force, so the mean stands for it.
+        let i = self
+            .coordinate(at.discrete, p.tooth)
+            .unwrap_or(self.first());
+        row.push(i, self.hub.effective_radius(&p.x, n));
+        // A tooth has a coordinate whatever its hub does: nothing of its motion is prescribed.
+        0.0
+    }
+
+    fn forces(&mut self, at: At<'_>, f: &mut [f64]) {
+        let first = self.first();
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
+        let mut on_body = 0.0;
+        if !self.constant.is_empty() {
+            let own = f[first..]
+                .iter_mut()
+                .zip(&at.q[first..])
+                .zip(&at.v[first..]);
+            for (((f, s), v), p) in own.zip(&self.constant) {
+                let torque = p.k * (s - phi) + p.c * (v - speed);
+                *f -= torque;
+                on_body += torque;
+            }
+            if first > 0 {
+                f[0] += on_body;
+            }
+            return;
+        }
+        for i in 0..at.q.len() - first {
+            let (s, v) = (at.q[first + i], at.v[first + i]);
+            let p = self.spring(at, i, s);
+            let torque = p.k * (s - phi) + p.c * (v - speed);
+            f[first + i] -= torque;
+            on_body += torque;
+        }
+        if first > 0 {
+            f[0] += on_body;
+        }
+    }
+
+    fn tangent(&mut self, at: At<'_>, dq: &[f64], dv: &[f64], df: &mut [f64]) {
+        let first = self.first();
+        let phi = self.hub.displacement(at.t, at.q);
+        let (dphi, dspeed) = if first > 0 {
+            (dq[0], dv[0])
+        } else {
+            (0.0, 0.0)
+        };
+        let mut on_body = 0.0;
+        for i in 0..at.q.len() - first {
+            let s = at.q[first + i];
+            let p = self.spring(at, i, s);
+            let (ds, du) = (dq[first + i], dv[first + i]);
+            let torque = p.k * (ds - dphi) + p.dk * (s - phi) * ds + p.c * (du - dspeed);
+            df[first + i] -= torque;
+            on_body += torque;
+        }
+        if first > 0 {
+            df[0] += on_body;
+        }
+    }
+
+    /// Arrow matrix: the teeth are coupled through the hub only.
+    fn correct(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        hub_damping: f64,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        let first = self.first();
+        let phi = self.hub.displacement(at.t, at.q);
+        let (mut hub, mut rhs) = (c.m * self.body + c.d * hub_damping, 0.0);
+        for i in 0..at.q.len() - first {
+            let s = at.q[first + i];
+            let p = self.spring(at, i, s);
+            let spring = c.d * p.c + c.k * p.k;
+            let turning = spring + c.k * p.dk * (s - phi);
+            let diagonal = c.m * p.inertia + turning;
+            if diagonal == 0.0 {
+                return Err(Singular);
+            }
+            hub += spring - turning * spring / diagonal;
+            rhs += turning * x[first + i] / diagonal;
+        }
+        if first > 0 {
+            if hub == 0.0 {
+                return Err(Singular);
+            }
+            x[0] = (x[0] + rhs) / hub;
+        }
+        let dphi = if first > 0 { x[0] } else { 0.0 };
+        for i in 0..at.q.len() - first {
+            let s = at.q[first + i];
+            let p = self.spring(at, i, s);
+            let spring = c.d * p.c + c.k * p.k;
+            let diagonal = c.m * p.inertia + spring + c.k * p.dk * (s - phi);
+            x[first + i] = (x[first + i] + spring * dphi) / diagonal;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, at: At<'_>) -> Energy {
+        let first = self.first();
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
+        let mut e = Energy::default();
+        if first > 0 {
+            e.kinetic += 0.5 * self.body * speed * speed;
+        }
+        for i in 0..at.q.len() - first {
+            let (s, v) = (at.q[first + i], at.v[first + i]);
+            let p = self.spring(at, i, s);
+            e.kinetic += 0.5 * p.inertia * v * v;
+            e.strain += 0.5 * p.k * (s - phi).powi(2);
+        }
+        if self.slots > 0 {
+            // The cross terms with the mean vanish because the deviations sum to zero.
+            let (dd, vv) =
+                self.deviations()
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
+            let (k, m, r2) = (
+                self.springs.stiffness[0],
+                self.springs.mass[0],
+                self.springs.radius_squared,
+            );
+            e.strain += 0.5 * k * r2 * dd;
+            e.kinetic += 0.5 * m * r2 * vv;
+        }
+        e
+    }
+
+    fn powers(&self, at: At<'_>) -> Power {
+        Power {
+            dissipated: self.dissipated(at),
+            parametric: self.parametric(at),
+            external: self.driven_power(at),
+        }
+    }
+
+    fn hub_state(&self, at: At<'_>) -> HubState {
+        let first = self.first();
+        let speed = self.hub.speed(at.t, at.v);
+        let teeth: f64 = (0..at.q.len() - first)
+            .map(|i| self.tooth_inertia(i) * at.v[first + i])
+            .sum();
+        HubState {
+            displacement: self.hub.displacement(at.t, at.q),
+            speed,
+            momentum: self.body * speed + teeth,
+        }
+    }
+
+    fn mount_reaction(&self, at: At<'_>, forces: &[f64], contact: &Wrench) -> Wrench {
+        self.reaction(at, forces, contact)
+    }
+
+    fn linear(&self) -> Option<&dyn LinearMotion> {
+        Some(self)
+    }
+
+    fn teeth(&self) -> Option<&dyn ToothCoordinates> {
+        Some(self)
+    }
+}
+
+impl MovableTeeth {
+    fn dissipated(&self, at: At<'_>) -> f64 {
+        let first = self.first();
+        let speed = self.hub.speed(at.t, at.v);
+        let mut power = 0.0;
+        for i in 0..at.q.len() - first {
+            let p = self.spring(at, i, at.q[first + i]);
+            power += p.c * (at.v[first + i] - speed).powi(2);
+        }
+        if self.slots > 0 && self.springs.damping[0] > 0.0 {
+            let (_, vv) =
+                self.deviations()
+                    .squares(&self.springs, at.t, &at.discrete[self.head()..]);
+            power += self.springs.damping[0] * self.springs.radius_squared * vv;
+        }
+        power
+    }
+
+    fn parametric(&self, at: At<'_>) -> f64 {
+        if self.springs.radius.is_none() {
+            return 0.0;
+        }
+        let first = self.first();
+        let phi = self.hub.displacement(at.t, at.q);
+        (0..at.q.len() - first)
+            .map(|i| {
+                let s = at.q[first + i];
+                0.5 * self.spring(at, i, s).dk * at.v[first + i] * (s - phi).powi(2)
+            })
+            .sum()
+    }
+
+    fn driven_power(&self, at: At<'_>) -> f64 {
+        if self.first() > 0 {
+            return 0.0;
+        }
+        let (phi, speed) = (
+            self.hub.displacement(at.t, at.q),
+            self.hub.speed(at.t, at.v),
+        );
+        -(0..at.q.len())
+            .map(|i| {
+                let p = self.spring(at, i, at.q[i]);
+                (p.k * (at.q[i] - phi) + p.c * (at.v[i] - speed)) * speed
+            })
+            .sum::<f64>()
+    }
+}

@@ -1,0 +1,297 @@
+//! The data of a gear with movable teeth: springs, and which teeth have a coordinate of their own.
+
+use super::deviations::Deviations;
+use super::springs::{RadiusStiffness, ToothSprings};
+use crate::gear::hub_body::HubBody;
+use crate::geometry::Side;
+use crate::kinematics::{MeshView, Tooth};
+use gearbench_integrators::system::At;
+
+/// Teeth beyond a whole pitch by this fraction still belong to the window they were in.
+pub(super) const HYSTERESIS: f64 = 0.05;
+
+/// Room for deflections in the width of a window, in pitches.
+const MARGIN: f64 = 0.02;
+
+/// Consecutive teeth around a mesh that are integrated one by one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Window {
+    /// Teeth on each side of the middle one.
+    pub(super) half: i64,
+    /// First coordinate of its slots in the gear's own.
+    pub(super) base: usize,
+    /// First tooth slot, counted over the windows.
+    pub(super) slot: usize,
+}
+
+impl Window {
+    pub(super) fn len(&self) -> i64 {
+        2 * self.half + 1
+    }
+}
+
+/// Which teeth have a coordinate of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Integrated {
+    /// All of them.
+    All,
+    /// Windows around the meshes, and the mean of the rest.
+    Windows(Vec<Window>),
+}
+
+/// A gear or rack with movable teeth.
+#[derive(Clone, Debug)]
+pub struct MovableTeeth {
+    pub(super) hub: HubBody,
+    pub(super) teeth: usize,
+    /// Inertia of the body without its teeth.
+    pub(super) body: f64,
+    pub(super) springs: ToothSprings,
+    pub(super) all_wanted: bool,
+    pub(super) integrated: Integrated,
+    pub(super) views: Vec<MeshView>,
+    /// Number of teeth in windows.
+    pub(super) slots: usize,
+    /// The springs behind the gear's own coordinates where they are constant, else empty.
+    pub(super) constant: Vec<Spring>,
+}
+
+/// One spring of the gear, about the hub.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spring {
+    pub(super) k: f64,
+    pub(super) dk: f64,
+    pub(super) c: f64,
+    pub(super) inertia: f64,
+}
+
+impl MovableTeeth {
+    /// Coordinates before the teeth: those of the mount.
+    #[inline]
+    pub(super) fn first(&self) -> usize {
+        self.hub.coordinates()
+    }
+
+    #[inline]
+    pub(super) fn deviations(&self) -> Deviations {
+        Deviations { teeth: self.teeth }
+    }
+
+    /// Cells of the discrete state before the deviations: the middle tooth of each mesh, the flank in contact of
+    /// each slot.
+    #[inline]
+    pub(super) fn head(&self) -> usize {
+        let slots = if self.integrated == Integrated::All {
+            self.teeth
+        } else {
+            self.slots
+        };
+        self.views.len().max(1) + slots
+    }
+
+    /// Discrete state cell that says on which flank the tooth of a slot is in contact: 0, or the side's sign times
+    /// (mesh + 1).
+    #[inline]
+    pub(super) fn engaged_cell(&self, slot: usize) -> usize {
+        self.views.len().max(1) + slot
+    }
+
+    /// Inertia and number of the teeth behind coordinate `first() + i`.
+    #[inline]
+    pub(super) fn count(&self, i: usize) -> f64 {
+        match &self.integrated {
+            Integrated::Windows(_) if i == 0 => (self.teeth - self.slots) as f64,
+            _ => 1.0,
+        }
+    }
+
+    /// Slot of coordinate `first() + i`, `None` for the mean.
+    #[inline]
+    pub(super) fn slot(&self, i: usize) -> Option<usize> {
+        match &self.integrated {
+            Integrated::All => Some(i),
+            Integrated::Windows(_) => i.checked_sub(1),
+        }
+    }
+
+    /// Coordinate of a tooth, `None` when it is outside the windows.
+    #[inline]
+    pub(super) fn coordinate(&self, discrete: &[f64], tooth: Tooth) -> Option<usize> {
+        match &self.integrated {
+            Integrated::All => {
+                Some(self.first() + (tooth.index as i32).rem_euclid(self.teeth as i32) as usize)
+            }
+            Integrated::Windows(windows) => {
+                let w = &windows[tooth.mesh as usize];
+                let centre = discrete[tooth.mesh as usize] as i64;
+                ((tooth.index - centre).abs() <= w.half)
+                    .then(|| w.base + (tooth.index as i32).rem_euclid(w.len() as i32) as usize)
+            }
+        }
+    }
+
+    /// Parameters of the spring behind coordinate `first() + i` at angle `s`: count, stiffness and its
+    /// derivative by the angle, damping, tooth inertia; all about the hub (times `r_d^2`).
+    #[inline]
+    pub(super) fn spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+        match self.constant.get(i) {
+            Some(spring) => *spring,
+            None => self.varying_spring(at, i, s),
+        }
+    }
+
+    fn varying_spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
+        let n = self.count(i);
+        let slot = self.slot(i);
+        let p = &self.springs;
+        let tooth = if p.uniform { 0 } else { slot.unwrap_or(0) };
+        let (mut k, mut dk) = (p.stiffness[tooth], 0.0);
+        if let (Some(table), Some(slot)) = (&p.radius, slot) {
+            let engaged = at.discrete[self.engaged_cell(slot)];
+            if engaged != 0.0 {
+                let (kr, slope) = self.stiffness_in_contact(at, table, slot, engaged, s);
+                (k, dk) = (kr, slope);
+            }
+        }
+        let r2 = p.radius_squared;
+        Spring {
+            k: n * k * r2,
+            dk: n * dk * r2,
+            c: n * p.damping[tooth] * r2,
+            inertia: n * p.mass[tooth] * r2,
+        }
+    }
+
+    /// Notes the springs that do not change.
+    fn note_constants(&mut self) {
+        self.constant.clear();
+        if self.springs.radius.is_none() {
+            let at = At {
+                t: 0.0,
+                q: &[],
+                v: &[],
+                discrete: &[],
+            };
+            self.constant = (0..self.hub.own)
+                .map(|i| self.varying_spring(at, i, 0.0))
+                .collect();
+        }
+    }
+
+    /// `k(r)` and `dk/dS` of a tooth in contact.
+    fn stiffness_in_contact(
+        &self,
+        at: At<'_>,
+        table: &RadiusStiffness,
+        slot: usize,
+        engaged: f64,
+        s: f64,
+    ) -> (f64, f64) {
+        let mesh = engaged.abs() as usize - 1;
+        let side = if engaged > 0.0 {
+            Side::Left
+        } else {
+            Side::Right
+        };
+        let view = &self.views[mesh];
+        let Some(rb) = view.base_radius else {
+            return (table.at(0.0).0, 0.0);
+        };
+        let index = self.tooth_of_slot(at.discrete, mesh, slot);
+        let angle = view.assembled + s + index as f64 * view.pitch;
+        let path = view.path_coordinate(side, angle);
+        let r = rb.hypot(path);
+        let (k, dk_dr) = table.at(r);
+        (k, dk_dr * path / r * rb * side.sign())
+    }
+
+    /// Unwrapped index of the tooth in a slot, nearest to the mesh.
+    pub(super) fn tooth_of_slot(&self, discrete: &[f64], mesh: usize, slot: usize) -> i64 {
+        let centre = discrete[mesh] as i64;
+        let (local, len) = match &self.integrated {
+            Integrated::All => (slot as i64, self.teeth as i64),
+            Integrated::Windows(w) => ((slot - w[mesh].slot) as i64, w[mesh].len()),
+        };
+        let first = centre - len / 2;
+        first + (local - first).rem_euclid(len)
+    }
+
+    /// Index of the tooth nearest to a mesh, as a real number.
+    pub(super) fn nearest(&self, mesh: usize, displacement: f64) -> f64 {
+        let v = &self.views[mesh];
+        let target = if v.base_radius.is_some() {
+            v.direction
+        } else {
+            0.0
+        };
+        (target - v.assembled - displacement) / v.pitch
+    }
+
+    /// Teeth that a mesh may touch on either flank, on each side of the nearest one.
+    fn half_window(view: &MeshView) -> i64 {
+        let reach = |s: f64| match view.base_radius {
+            Some(rb) => (s / rb - view.working_pressure_angle - view.half_angle_base).abs(),
+            None => (view.half_angle_base - s / view.working_pressure_angle.cos()).abs(),
+        };
+        let widest = reach(view.path[0]).max(reach(view.path[1])) / view.pitch;
+        (widest - 0.5 + HYSTERESIS + MARGIN).ceil().max(0.0) as i64
+    }
+
+    /// Chooses the windows, or all teeth where windows do not fit.
+    fn arrange(&mut self) {
+        self.integrated = Integrated::All;
+        self.slots = 0;
+        if self.all_wanted || !self.springs.uniform || self.views.is_empty() {
+            return;
+        }
+        let mut windows = Vec::new();
+        let (mut base, mut slot) = (self.first() + 1, 0);
+        for view in &self.views {
+            let w = Window {
+                half: Self::half_window(view),
+                base,
+                slot,
+            };
+            base += w.len() as usize;
+            slot += w.len() as usize;
+            windows.push(w);
+        }
+        // Two windows must never own the same tooth.
+        let apart = windows.iter().enumerate().all(|(i, a)| {
+            windows.iter().enumerate().skip(i + 1).all(|(j, b)| {
+                let d = (self.nearest(i, 0.0) - self.nearest(j, 0.0)).rem_euclid(self.teeth as f64);
+                d.min(self.teeth as f64 - d) > (a.half + b.half) as f64 + 2.0
+            })
+        });
+        if apart && slot + 2 <= self.teeth {
+            self.slots = slot;
+            self.integrated = Integrated::Windows(windows);
+        }
+    }
+
+    /// Chooses the teeth with coordinates of their own, and notes what follows from them.
+    pub(super) fn lay_out(&mut self) {
+        self.arrange();
+        self.hub.own = match &self.integrated {
+            Integrated::All => self.teeth,
+            Integrated::Windows(_) => 1 + self.slots,
+        };
+        self.hub.discrete = self.head() + self.deviations().cells();
+        self.note_constants();
+        let teeth = (0..self.hub.own).map(|i| self.tooth_inertia(i));
+        self.hub.masses = std::iter::repeat_n(self.body, self.first())
+            .chain(teeth)
+            .collect();
+    }
+
+    #[inline]
+    pub(super) fn tooth_inertia(&self, i: usize) -> f64 {
+        let p = &self.springs;
+        let tooth = if p.uniform {
+            0
+        } else {
+            self.slot(i).unwrap_or(0)
+        };
+        self.count(i) * p.mass[tooth] * p.radius_squared
+    }
+}

@@ -1,0 +1,116 @@
+//! Displacements of single teeth, and how they move through the windows.
+
+use super::deviations::Exchange;
+use super::teeth::{HYSTERESIS, Integrated, MovableTeeth};
+use crate::gear::capabilities::ToothCoordinates;
+use crate::geometry::Side;
+use crate::kinematics::Tooth;
+use gearbench_integrators::system::{At, Change};
+
+impl ToothCoordinates for MovableTeeth {
+    #[inline]
+    fn displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
+        match self.coordinate(at.discrete, tooth) {
+            Some(i) => at.q[i],
+            // Outside its window a tooth cannot touch: its small free deviation is not worth a sine here.
+            None => at.q[self.first()],
+        }
+    }
+
+    fn displacements(&self, at: At<'_>, first: Tooth, out: &mut [f64]) {
+        let mean = at.q[self.first()];
+        match &self.integrated {
+            Integrated::All => {
+                let own = &at.q[self.first()..];
+                let mut i = (first.index as i32).rem_euclid(self.teeth as i32) as usize;
+                for displacement in out {
+                    *displacement = own[i];
+                    i = if i + 1 == own.len() { 0 } else { i + 1 };
+                }
+            }
+            Integrated::Windows(windows) => {
+                let w = &windows[first.mesh as usize];
+                let from = at.discrete[first.mesh as usize] as i64 - w.half;
+                let own = &at.q[w.base..][..w.len() as usize];
+                let mut i = (first.index as i32).rem_euclid(own.len() as i32) as usize;
+                // Distance behind the window's first tooth; negative is huge.
+                let mut behind = (first.index - from) as u64;
+                for displacement in out {
+                    *displacement = if behind < own.len() as u64 {
+                        own[i]
+                    } else {
+                        mean
+                    };
+                    behind = behind.wrapping_add(1);
+                    i = if i + 1 == own.len() { 0 } else { i + 1 };
+                }
+            }
+        }
+    }
+
+    fn follows_contact(&self) -> bool {
+        self.springs.radius.is_some()
+    }
+
+    fn engage(&self, discrete: &mut [f64], tooth: Tooth, side: Side, closed: bool) -> Change {
+        if self.springs.radius.is_none() {
+            return Change::None;
+        }
+        let Some(i) = self.coordinate(discrete, tooth) else {
+            return Change::None;
+        };
+        let Some(slot) = self.slot(i - self.first()) else {
+            return Change::None;
+        };
+        let cell = self.engaged_cell(slot);
+        discrete[cell] = if closed {
+            side.sign() * f64::from(tooth.mesh + 1)
+        } else {
+            0.0
+        };
+        Change::Restart
+    }
+
+    fn commit(&self, t: f64, q: &mut [f64], v: &mut [f64], discrete: &mut [f64]) -> Change {
+        let displacement = self.hub.displacement(t, q);
+        let mut change = Change::None;
+        for m in 0..self.views.len() {
+            let x = self.nearest(m, displacement);
+            let mut centre = discrete[m];
+            while (x - centre).abs() > 0.5 + HYSTERESIS {
+                let step = (x - centre).signum();
+                let before = centre as i64;
+                centre += step;
+                discrete[m] = centre;
+                if let Integrated::Windows(windows) = &self.integrated {
+                    let w = &windows[m];
+                    let leaves = before - step as i64 * w.half;
+                    let enters = before + step as i64 * (w.half + 1);
+                    let local = enters.rem_euclid(w.len()) as usize;
+                    let engaged = self.engaged_cell(w.slot + local);
+                    discrete[engaged] = 0.0;
+                    let (mean, i) = (self.first(), w.base + local);
+                    let mut state = [q[mean], v[mean], q[i], v[i]];
+                    let (head, free) = discrete.split_at_mut(self.head());
+                    let outside = |tooth: i64| {
+                        windows.iter().zip(head.iter()).all(|(w, &centre)| {
+                            let from_first = tooth - (centre as i64 - w.half);
+                            from_first.rem_euclid(self.teeth as i64) >= w.len()
+                        })
+                    };
+                    let teeth = Exchange {
+                        t,
+                        count: self.count(0),
+                        leaves,
+                        enters,
+                    };
+                    self.deviations()
+                        .exchange(&self.springs, teeth, free, &mut state, outside);
+                    [q[mean], v[mean], q[i], v[i]] = state;
+                    change = Change::Restart;
+                }
+            }
+        }
+        change
+    }
+}

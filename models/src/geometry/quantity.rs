@@ -1,0 +1,62 @@
+//! The quantities that a geometry is made from, by name.
+
+/// A quantity that a geometry is made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "each is what its name says")]
+pub enum Quantity {
+    Teeth,
+    RackTeeth,
+    Module,
+    PressureAngle,
+    HelixAngle,
+    Addendum,
+    Dedendum,
+    TipRadius,
+    Thinning,
+    FaceWidth,
+    ProfileShift,
+    BoreRadius,
+    ProfileCrowning,
+    LeadCrowning,
+    ReliefAmount,
+    ReliefStart,
+    BodyHeight,
+    CentreDistance,
+    RackDistance,
+    Backlash,
+    ReferenceCircle,
+    TipCircle,
+    RootCircle,
+}
+
+impl Quantity {
+    /// Its name with its unit.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Teeth => "number of teeth",
+            Self::RackTeeth => "number of rack teeth",
+            Self::Module => "normal module [m]",
+            Self::PressureAngle => "normal pressure angle",
+            Self::HelixAngle => "helix angle",
+            Self::Addendum => "addendum factor",
+            Self::Dedendum => "dedendum factor",
+            Self::TipRadius => "tip radius factor",
+            Self::Thinning => "thinning [m]",
+            Self::FaceWidth => "face width [m]",
+            Self::ProfileShift => "profile shift coefficient",
+            Self::BoreRadius => "bore radius [m]",
+            Self::ProfileCrowning => "profile crowning [m]",
+            Self::LeadCrowning => "lead crowning [m]",
+            Self::ReliefAmount => "tip relief amount [m]",
+            Self::ReliefStart => "tip relief start radius [m]",
+            Self::BodyHeight => "height of the rack body [m]",
+            Self::CentreDistance => "centre distance [m]",
+            Self::RackDistance => "distance from gear centre to rack reference line [m]",
+            Self::Backlash => "backlash [m]",
+            Self::ReferenceCircle => "reference radius [m]",
+            Self::TipCircle => "tip radius [m]",
+            Self::RootCircle => "root radius [m]",
+        }
+    }
+}

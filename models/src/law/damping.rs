@@ -1,0 +1,125 @@
+//! How a contact dissipates.
+
+use super::error::LawError;
+
+/// How a contact dissipates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Damping {
+    /// Elastic contact.
+    None,
+    /// Linear dashpot in parallel, `c` (N s/m).
+    KelvinVoigt {
+        /// Coefficient (N s/m).
+        c: f64,
+    },
+    /// Linear dashpot given by its ratio to critical damping, `c = 2 ratio sqrt(k m)`.
+    KelvinVoigtRatio {
+        /// Damping ratio (-).
+        ratio: f64,
+    },
+    /// Hunt and Crossley with restitution `e` (-).
+    HuntCrossley {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+    /// Lankarani and Nikravesh with restitution `e` (-).
+    LankaraniNikravesh {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+    /// Flores, Machado, Silva and Martins with restitution `e` (-).
+    Flores {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+    /// Gonthier, McPhee, Lange and Piedboeuf with restitution `e` (-).
+    Gonthier {
+        /// Coefficient of restitution aimed at, in (0, 1].
+        e: f64,
+    },
+}
+
+impl Damping {
+    /// Every id [`Damping::id`] can return.
+    pub const IDS: [&'static str; 7] = [
+        "none",
+        "kelvin-voigt",
+        "kelvin-voigt-ratio",
+        "hunt-crossley",
+        "lankarani-nikravesh",
+        "flores",
+        "gonthier",
+    ];
+
+    /// The name used in scenes and reports.
+    pub fn id(&self) -> &'static str {
+        let index = match self {
+            Damping::None => 0,
+            Damping::KelvinVoigt { .. } => 1,
+            Damping::KelvinVoigtRatio { .. } => 2,
+            Damping::HuntCrossley { .. } => 3,
+            Damping::LankaraniNikravesh { .. } => 4,
+            Damping::Flores { .. } => 5,
+            Damping::Gonthier { .. } => 6,
+        };
+        Self::IDS[index]
+    }
+
+    /// The same damping with a ratio turned into `c = 2 ratio sqrt(k m)` (N s/m); every other kind
+    /// is returned as it is. `stiffness` (N/m) is the linear contact stiffness, `reduced_mass`
+    /// (kg) that of the two bodies along the line of action.
+    ///
+    /// # Errors
+    /// [`LawError`] when the law is nonlinear or a value is not positive.
+    pub fn resolved(
+        self,
+        exponent: f64,
+        stiffness: f64,
+        reduced_mass: f64,
+    ) -> Result<Damping, LawError> {
+        let Damping::KelvinVoigtRatio { ratio } = self else {
+            return Ok(self);
+        };
+        if !(ratio.is_finite() && ratio >= 0.0) {
+            return Err(LawError::KelvinVoigt {
+                what: "ratio",
+                value: ratio,
+            });
+        }
+        if exponent != 1.0 {
+            return Err(LawError::RatioOfNonlinearLaw { exponent });
+        }
+        for (what, value) in [
+            ("contact stiffness (N/m)", stiffness),
+            ("reduced mass (kg)", reduced_mass),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(LawError::NotPositive { what, value });
+            }
+        }
+        Ok(Damping::KelvinVoigt {
+            c: 2.0 * ratio * (stiffness * reduced_mass).sqrt(),
+        })
+    }
+
+    /// The factor chi of `1 + chi d'/v0`, zero for laws without it.
+    pub(super) fn chi(&self) -> f64 {
+        match *self {
+            Damping::HuntCrossley { e } => 1.5 * (1.0 - e),
+            Damping::LankaraniNikravesh { e } => 0.75 * (1.0 - e * e),
+            Damping::Flores { e } => 1.6 * (1.0 - e) / e,
+            Damping::Gonthier { e } => (1.0 - e * e) / e,
+            Damping::None | Damping::KelvinVoigt { .. } | Damping::KelvinVoigtRatio { .. } => 0.0,
+        }
+    }
+
+    pub(super) fn restitution(&self) -> Option<f64> {
+        match *self {
+            Damping::HuntCrossley { e }
+            | Damping::LankaraniNikravesh { e }
+            | Damping::Flores { e }
+            | Damping::Gonthier { e } => Some(e),
+            Damping::None | Damping::KelvinVoigt { .. } | Damping::KelvinVoigtRatio { .. } => None,
+        }
+    }
+}

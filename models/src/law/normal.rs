@@ -1,0 +1,243 @@
+//! The normal law: force, derivatives, elastic energy.
+
+use super::damping::Damping;
+use super::error::LawError;
+
+/// Floor of the impact speed `v0` (m/s). A contact that closes from rest under load has `v0 = 0` and `d'/v0` would be
+/// infinite, so `v0` enters as `max(v0, floor)`; impacts slower than the floor are damped less than `e` asks for.
+const SPEED_FLOOR: f64 = 1e-3;
+
+/// Normal force of a law and its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LawForce {
+    /// Normal force `N` (N).
+    pub n: f64,
+    /// `dN/dg` (N/m).
+    pub dn_dg: f64,
+    /// `dN/dg'` (N s/m).
+    pub dn_dgdot: f64,
+    /// `dN/dk` (m^n).
+    pub dn_dk: f64,
+}
+
+/// The exponents met in practice have cheap powers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Power {
+    One,
+    ThreeHalves,
+    General,
+}
+
+/// A validated normal contact law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    exponent: f64,
+    damping: Damping,
+    power: Power,
+    c: f64,
+    chi: f64,
+}
+
+impl Default for Law {
+    /// The linear elastic law.
+    fn default() -> Self {
+        Law::elastic()
+    }
+}
+
+impl Law {
+    /// A law with the penetration exponent `n` in [1, 3] and a damping.
+    ///
+    /// # Errors
+    /// [`LawError`] names the parameter out of range; a damping ratio must be
+    /// [resolved](Damping::resolved) first.
+    pub fn new(exponent: f64, damping: Damping) -> Result<Law, LawError> {
+        if !(1.0..=3.0).contains(&exponent) {
+            return Err(LawError::Exponent { value: exponent });
+        }
+        let c = match damping {
+            Damping::KelvinVoigt { c } if !(c.is_finite() && c >= 0.0) => {
+                return Err(LawError::KelvinVoigt {
+                    what: "c (N s/m)",
+                    value: c,
+                });
+            }
+            Damping::KelvinVoigt { c } => c,
+            Damping::KelvinVoigtRatio { .. } => return Err(LawError::UnresolvedRatio),
+            _ => 0.0,
+        };
+        if let Some(value) = damping.restitution().filter(|e| !(*e > 0.0 && *e <= 1.0)) {
+            return Err(LawError::Restitution {
+                law: damping.id(),
+                value,
+            });
+        }
+        let power = if exponent == 1.0 {
+            Power::One
+        } else if exponent == 1.5 {
+            Power::ThreeHalves
+        } else {
+            Power::General
+        };
+        Ok(Law {
+            exponent,
+            damping,
+            power,
+            c,
+            chi: damping.chi(),
+        })
+    }
+
+    /// The linear elastic law `N = k d`.
+    pub const fn elastic() -> Law {
+        Law {
+            exponent: 1.0,
+            damping: Damping::None,
+            power: Power::One,
+            c: 0.0,
+            chi: 0.0,
+        }
+    }
+
+    /// The elastic part of the law.
+    pub const fn undamped(&self) -> Law {
+        Law {
+            damping: Damping::None,
+            c: 0.0,
+            chi: 0.0,
+            ..*self
+        }
+    }
+
+    /// The same law with its constant damper multiplied: what a point has that stands for a share of the contact.
+    #[inline]
+    pub fn shared(&self, share: f64) -> Law {
+        let damping = match self.damping {
+            Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: c * share },
+            other => other,
+        };
+        Law {
+            damping,
+            c: self.c * share,
+            ..*self
+        }
+    }
+
+    /// Exponent `n` of the penetration.
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    /// The damping.
+    pub fn damping(&self) -> Damping {
+        self.damping
+    }
+
+    /// Factor chi of `1 + chi d'/v0`; zero for elastic and Kelvin-Voigt contact.
+    pub fn chi(&self) -> f64 {
+        self.chi
+    }
+
+    /// Id of the damping, as in scenes and reports.
+    pub fn id(&self) -> &'static str {
+        self.damping.id()
+    }
+
+    /// Whether the law uses the speed stored at first touch.
+    pub fn needs_impact_speed(&self) -> bool {
+        self.chi > 0.0
+    }
+
+    /// Whether a closed-open cycle loses energy.
+    pub fn is_dissipative(&self) -> bool {
+        self.chi > 0.0 || self.c > 0.0
+    }
+
+    /// `(sign(d) |d|^n, n |d|^(n-1))`.
+    #[inline]
+    fn powers(&self, d: f64) -> (f64, f64) {
+        match self.power {
+            Power::One => (d, 1.0),
+            Power::ThreeHalves => {
+                let root = d.abs().sqrt();
+                (d * root, 1.5 * root)
+            }
+            Power::General => {
+                let below = d.abs().powf(self.exponent - 1.0);
+                (d * below, self.exponent * below)
+            }
+        }
+    }
+
+    /// The smooth branch: odd in the penetration, neither clipped nor switched off when open.
+    /// `k` (N/m^n) is the stiffness at this point, `v0` (m/s) the impact speed (ignored by laws
+    /// that do not [need](Law::needs_impact_speed) it).
+    #[inline]
+    pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
+        let (power, slope) = self.powers(-g);
+        // `max` returns the floor for a NaN v0, which is what an unset discrete state slot holds.
+        let per_speed = self.chi / v0.max(SPEED_FLOOR);
+        let factor = 1.0 - per_speed * g_rate;
+        LawForce {
+            n: k * power * factor - self.c * g_rate,
+            dn_dg: -k * slope * factor,
+            dn_dgdot: -k * power * per_speed - self.c,
+            dn_dk: power * factor,
+        }
+    }
+
+    /// The force that acts: all zero when the gap is open (`g >= 0`) or the smooth branch would
+    /// pull. NaN passes through so that the caller can detect it.
+    #[inline]
+    pub fn clipped(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
+        if g >= 0.0 {
+            return LawForce::default();
+        }
+        let force = self.smooth(g, g_rate, v0, k);
+        if force.n < 0.0 {
+            return LawForce::default();
+        }
+        force
+    }
+
+    /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
+    #[inline]
+    pub fn potential(&self, g: f64, k: f64) -> f64 {
+        k * self.d_potential_dk(g)
+    }
+
+    /// Derivative of [`Law::potential`] with respect to `k` (m^(n+1)); times `dk/dt` it is the
+    /// parametric power of a varying stiffness.
+    #[inline]
+    pub fn d_potential_dk(&self, g: f64) -> f64 {
+        if g >= 0.0 {
+            return 0.0;
+        }
+        let d = -g;
+        d * self.powers(d).0 / (self.exponent + 1.0)
+    }
+}
+
+/// The restitution a law with factor `chi >= 0` gives in a free impact, whatever its exponent: the
+/// root in `(0, 1]` of `chi (1 + r) = ln((1 + chi) / (1 - chi r))`.
+pub fn realised_restitution(chi: f64) -> f64 {
+    if chi.is_nan() || chi <= 0.0 {
+        return 1.0;
+    }
+    if chi < 1e-4 {
+        // The logarithms cancel here; the series of the root is r = 1 - 2 chi / 3 + O(chi^2).
+        return 1.0 - 2.0 * chi / 3.0 + 4.0 * chi * chi / 9.0;
+    }
+    let residual = |r: f64| chi * (1.0 + r) - chi.ln_1p() + (-chi * r).ln_1p();
+    // The residual is positive at r = 0 and falls to minus infinity (or below zero) at the bound.
+    let (mut low, mut high) = (0.0, (1.0 / chi).min(1.0));
+    for _ in 0..200 {
+        let mid = 0.5 * (low + high);
+        if residual(mid) > 0.0 {
+            low = mid;
+        } else {
+            high = mid;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,86 @@
+//! The assembled system: gears, meshes, sizes, buffers. What it does stands in the modules beside.
+
+use super::members::{SceneGear, SceneMesh};
+use super::workspace::Workspace;
+use crate::gear::{FreeFlight, Magnitudes};
+use crate::spec::{Mount, Profile};
+use gearbench_integrators::system::State;
+
+/// The assembled system.
+pub struct Scene {
+    pub(super) gears: Vec<SceneGear>,
+    pub(super) meshes: Vec<SceneMesh>,
+    pub(super) channels: Vec<String>,
+    pub(super) magnitudes: Magnitudes,
+    pub(super) characteristic_time: f64,
+    pub(super) n: usize,
+    pub(super) discrete: usize,
+    pub(super) event_functions: usize,
+    /// A gear has a displacement field.
+    pub(super) fields: bool,
+    /// A gear asks for the condensed Newton correction.
+    pub(super) condenses: bool,
+    /// All searches have event functions; else forces are clipped and nothing is located.
+    pub(super) locates: bool,
+    /// Without event location: somebody needs impact speeds or engaged teeth to be followed.
+    pub(super) tracks: bool,
+    /// Diagonal masses, and their inverse where all gears have such, else empty.
+    pub(super) mass: Vec<f64>,
+    pub(super) inverse_mass: Vec<f64>,
+    pub(super) work: Workspace,
+    /// All gears are oscillators.
+    pub(super) oscillators: bool,
+    /// A gear may be put to rest in flight.
+    pub(super) cuts_vibration: bool,
+    /// Buffer of [`Self::flight_until`].
+    pub(super) flights: Vec<FreeFlight>,
+    pub(super) initial: State,
+    pub(super) phases: Vec<f64>,
+}
+
+impl Scene {
+    /// The gears.
+    pub fn gears(&self) -> &[SceneGear] {
+        &self.gears
+    }
+
+    /// The meshes.
+    pub fn meshes(&self) -> &[SceneMesh] {
+        &self.meshes
+    }
+
+    /// The initial state.
+    pub fn initial(&self) -> State {
+        self.initial.clone()
+    }
+
+    /// Angle [rad] (displacement [m] of a rack) of each gear's tooth 0 at the assembled position.
+    pub fn phases(&self) -> &[f64] {
+        &self.phases
+    }
+
+    /// True when all contact forces lie on the lines of action; points of flanks have the normals of the
+    /// deflected teeth.
+    pub fn on_lines_of_action(&self) -> bool {
+        self.locates
+    }
+
+    /// Puts a fixed or driven gear where it has moved by `displacement` [rad] or [m] from the assembled position and
+    /// rests: from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
+    pub fn hold(&mut self, gear: usize, displacement: f64) {
+        let hub = self.gears[gear].model.hub_mut();
+        if hub.coordinates() == 0 {
+            hub.mount = Mount::Driven(Profile::Ramp {
+                from: 2.0 * displacement,
+                to: 0.0,
+                start: 0.0,
+                end: 1.0,
+            });
+        }
+    }
+
+    /// Typical deflection and speed along the lines of action.
+    pub fn magnitudes(&self) -> Magnitudes {
+        self.magnitudes
+    }
+}

@@ -1,0 +1,361 @@
+//! Events of a scene: event functions, switches of contacts and zones, what the discrete state remembers.
+
+use super::active::gap_rate;
+use super::assembled::Scene;
+use super::members::parties;
+use crate::contact::{Candidate, Wanted};
+use crate::law::Law;
+use crate::spec::Load;
+use gearbench_integrators::system::{At, Change, Events, State};
+
+/// Event function of an open contact: the gap, or, where the bodies still overlap after a damped release, how far
+/// the law is from pushing again; in metres.
+#[inline]
+fn open_event(law: &Law, c: &Candidate, gap: f64, rate: f64, impact_speed: f64) -> f64 {
+    if gap > 0.0 {
+        return gap;
+    }
+    let n = law.smooth(gap, rate, impact_speed, c.stiffness).n;
+    gap.max(-as_length(law, n, c.stiffness))
+}
+
+/// A force as the length that the elastic law would need for it, with sign.
+#[inline]
+fn as_length(law: &Law, n: f64, k: f64) -> f64 {
+    let x = n / k;
+    if law.exponent() == 1.0 {
+        x
+    } else {
+        x.signum() * x.abs().powf(1.0 / law.exponent())
+    }
+}
+
+impl Events for Scene {
+    fn event_functions(&mut self, at: At<'_>, out: &mut [f64]) {
+        out.fill(1.0);
+        if out.is_empty() {
+            return;
+        }
+        for m in 0..self.meshes.len() {
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, at);
+            let (zone, slots) =
+                out[mesh.event_functions..][..mesh.zones + mesh.slots].split_at_mut(mesh.zones);
+            let Some(pairs) = mesh.search.pairs() else {
+                continue;
+            };
+            pairs.watch(a, b, &at.discrete[mesh.search_discrete()], zone, slots);
+            // Gaps are all that open contacts and contacts without damping need.
+            let modes = &at.discrete[mesh.modes()];
+            let (mut closed, mut overlap) = (false, false);
+            for (g, mode) in slots.iter_mut().zip(modes.chunks_exact(2)) {
+                if mode[0] != 0.0 {
+                    closed = true;
+                    *g = -*g;
+                } else {
+                    overlap |= *g <= 0.0;
+                }
+            }
+            if (closed || overlap) && mesh.law.is_dissipative() {
+                let wanted = if overlap {
+                    Wanted::Listed
+                } else {
+                    Wanted::Closed(modes)
+                };
+                self.damped_events(at, m, wanted, out);
+            }
+        }
+    }
+
+    fn next_breakpoint(&self, t: f64) -> f64 {
+        let mut next = f64::INFINITY;
+        for g in &self.gears {
+            next = next.min(g.model.hub().next_breakpoint(t));
+            for l in &g.loads {
+                if let Load::Applied(p) = l {
+                    next = next.min(p.next_breakpoint(t));
+                }
+            }
+        }
+        next
+    }
+
+    fn begin(&mut self, s: &mut State, located: bool) {
+        for g in &self.gears {
+            if let Some(linear) = g.model.linear() {
+                linear.set_quasi_static_correction(None);
+            }
+        }
+        self.work.nodal.forget();
+        // Contacts of an earlier run let go of their teeth.
+        for m in 0..self.meshes.len() {
+            for slot in 0..self.meshes[m].slots {
+                if s.discrete[self.meshes[m].slot(slot)] != 0.0 {
+                    self.engage(s, m, slot, false);
+                }
+            }
+        }
+        s.discrete[0] = f64::from(u8::from(located && self.locates));
+        for i in 0..self.meshes.len() {
+            let mesh = &self.meshes[i];
+            let range = mesh.search_discrete();
+            if let Some(pairs) = mesh.search.pairs() {
+                let mut zone = vec![0.0; range.len()];
+                let (a, _) = parties(&self.gears, mesh, s.at());
+                pairs.begin(a, &mut zone);
+                s.discrete[range].copy_from_slice(&zone);
+            }
+            for slot in 0..mesh.slots {
+                let at = mesh.slot(slot);
+                s.discrete[at] = 0.0;
+                s.discrete[at + 1] = 0.0;
+            }
+        }
+        self.refresh_modes(s, None);
+    }
+
+    fn transition(&mut self, s: &mut State, event: usize) -> Change {
+        let m = self
+            .meshes
+            .iter()
+            .rposition(|mesh| event >= mesh.event_functions)
+            .unwrap_or(0);
+        let mesh = &self.meshes[m];
+        let local = event - mesh.event_functions;
+        let zones = mesh.zones;
+        if local < zones {
+            let range = mesh.search_discrete();
+            let Some(pairs) = mesh.search.pairs() else {
+                return Change::None;
+            };
+            // A pair that leaves is no candidate any more: look at it before.
+            let mut listed = std::mem::take(&mut self.work.listed);
+            listed.clear();
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            let discrete = &s.discrete[range.clone()];
+            pairs.candidates(a, b, discrete, Wanted::Listed, &mut listed);
+            let change = pairs.transition(local, &mut s.discrete[range]);
+            let leaving = change
+                .left
+                .and_then(|slot| listed.iter().find(|c| c.slot == slot).copied());
+            self.work.listed = listed;
+            if let Some(slot) = change.left {
+                let at = self.meshes[m].slot(slot);
+                if let Some(c) = leaving.filter(|_| s.discrete[at] != 0.0) {
+                    self.tell(s, m, &c, false);
+                }
+                s.discrete[at] = 0.0;
+                s.discrete[at + 1] = 0.0;
+            }
+            if let Some(slot) = change.entered {
+                self.refresh_modes(s, Some((m, slot)));
+            }
+        } else {
+            let slot = local - zones;
+            let at = mesh.slot(slot);
+            let closing = s.discrete[at] == 0.0;
+            // A contact that a damper releases early keeps its impact speed until the flanks part.
+            let apart = self
+                .find(s, m, slot)
+                .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
+            if closing {
+                if apart || s.discrete[at + 1] <= 0.0 {
+                    let speed = self.approach_speed(s, m, slot);
+                    s.discrete[at + 1] = speed;
+                }
+                s.discrete[at] = 1.0;
+            } else {
+                s.discrete[at] = 0.0;
+                if apart {
+                    s.discrete[at + 1] = 0.0;
+                }
+            }
+            self.engage(s, m, slot, closing);
+        }
+        Change::Restart
+    }
+
+    fn commit(&mut self, s: &mut State) -> Change {
+        let mut change = Change::None;
+        for g in &mut self.gears {
+            let range = g.range();
+            let State { t, q, v, discrete } = s;
+            let own = &mut discrete[g.discrete.0..][..g.discrete.1];
+            let Some(teeth) = g.model.teeth() else {
+                continue;
+            };
+            if teeth.commit(*t, &mut q[range.clone()], &mut v[range], own) == Change::Restart {
+                change = Change::Restart;
+            }
+        }
+        if s.discrete[0] == 0.0 && self.tracks {
+            self.track_modes(s);
+        }
+        if self.cuts_vibration && self.cut_off_vibration(s) {
+            change = Change::Restart;
+        }
+        change
+    }
+}
+
+impl Scene {
+    /// Event functions of a mesh's closed or overlapping contacts with a damper, from the force.
+    fn damped_events(&mut self, at: At<'_>, m: usize, wanted: Wanted<'_>, out: &mut [f64]) {
+        let Scene {
+            gears,
+            meshes,
+            work,
+            ..
+        } = self;
+        let mesh = &meshes[m];
+        let (a, b) = parties(gears, mesh, at);
+        let modes = &at.discrete[mesh.modes()];
+        let slots = &mut out[mesh.event_functions + mesh.zones..];
+        work.candidates.clear();
+        mesh.search.candidates(
+            a,
+            b,
+            &at.discrete[mesh.search_discrete()],
+            wanted,
+            &mut work.candidates,
+        );
+        for c in &work.candidates {
+            let (mode, stored) = (modes[2 * c.slot], modes[2 * c.slot + 1]);
+            if mode == 0.0 && c.gap > 0.0 {
+                continue;
+            }
+            let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);
+            let v0 = if stored > 0.0 { stored } else { -rate };
+            slots[c.slot] = if mode != 0.0 {
+                let n = mesh.law.smooth(c.gap, rate, v0, c.stiffness).n;
+                as_length(&mesh.law, n, c.stiffness)
+            } else {
+                open_event(&mesh.law, c, c.gap, rate, v0)
+            };
+        }
+    }
+
+    /// Sets the modes of all slots (or of one) from the clipped force at a state.
+    fn refresh_modes(&mut self, s: &mut State, only: Option<(usize, usize)>) {
+        for m in 0..self.meshes.len() {
+            if self.meshes[m].slots == 0 {
+                continue;
+            }
+            let mut found = std::mem::take(&mut self.work.candidates);
+            found.clear();
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            let discrete = &s.discrete[mesh.search_discrete()];
+            mesh.search
+                .candidates(a, b, discrete, Wanted::Listed, &mut found);
+            for c in &found {
+                if only.is_some_and(|x| x != (m, c.slot)) {
+                    continue;
+                }
+                let mesh = &self.meshes[m];
+                let rate = gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch);
+                let pushes = mesh.law.clipped(c.gap, rate, -rate, c.stiffness).n > 0.0
+                    // Touching and approaching counts as closed, or the first step would start open.
+                    || (c.gap <= 0.0 && rate < 0.0);
+                if pushes {
+                    let slot = mesh.slot(c.slot);
+                    s.discrete[slot] = 1.0;
+                    s.discrete[slot + 1] = (-rate).max(0.0);
+                    let slot = c.slot;
+                    self.engage(s, m, slot, true);
+                }
+            }
+            self.work.candidates = found;
+        }
+    }
+
+    /// Without event location: impact speeds and engagement follow the accepted states.
+    fn track_modes(&mut self, s: &mut State) {
+        for m in 0..self.meshes.len() {
+            if self.meshes[m].slots == 0 {
+                continue;
+            }
+            let mut found = std::mem::take(&mut self.work.candidates);
+            found.clear();
+            let mesh = &self.meshes[m];
+            let (a, b) = parties(&self.gears, mesh, s.at());
+            let discrete = &s.discrete[mesh.search_discrete()];
+            mesh.search
+                .candidates(a, b, discrete, Wanted::Touching(0.0), &mut found);
+            for slot in 0..mesh.slots {
+                let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
+                let at = self.meshes[m].slot(slot);
+                match touching {
+                    Some(c) if s.discrete[at] == 0.0 => {
+                        let rate = gap_rate(
+                            &self.gears,
+                            &self.meshes[m],
+                            c,
+                            s.at(),
+                            &mut self.work.scratch,
+                        );
+                        s.discrete[at] = 1.0;
+                        s.discrete[at + 1] = (-rate).max(0.0);
+                        self.engage(s, m, slot, true);
+                    }
+                    None if s.discrete[at] != 0.0 => {
+                        s.discrete[at] = 0.0;
+                        s.discrete[at + 1] = 0.0;
+                        self.engage(s, m, slot, false);
+                    }
+                    _ => {}
+                }
+            }
+            self.work.candidates = found;
+        }
+    }
+
+    fn find(&mut self, s: &State, m: usize, slot: usize) -> Option<Candidate> {
+        let mesh = &self.meshes[m];
+        let (a, b) = parties(&self.gears, mesh, s.at());
+        let mut found = std::mem::take(&mut self.work.candidates);
+        found.clear();
+        let wanted = if s.discrete[0] != 0.0 {
+            Wanted::Listed
+        } else {
+            Wanted::Touching(f64::INFINITY)
+        };
+        let discrete = &s.discrete[mesh.search_discrete()];
+        mesh.search.candidates(a, b, discrete, wanted, &mut found);
+        let c = found.iter().find(|c| c.slot == slot).copied();
+        self.work.candidates = found;
+        c
+    }
+
+    fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
+        let Some(c) = self.find(s, m, slot) else {
+            return 0.0;
+        };
+        let rate = gap_rate(
+            &self.gears,
+            &self.meshes[m],
+            &c,
+            s.at(),
+            &mut self.work.scratch,
+        );
+        (-rate).max(0.0)
+    }
+
+    /// Tells both gears that a contact of a slot closed or opened.
+    fn engage(&mut self, s: &mut State, m: usize, slot: usize, closed: bool) {
+        if let Some(c) = self.find(s, m, slot) {
+            self.tell(s, m, &c, closed);
+        }
+    }
+
+    fn tell(&mut self, s: &mut State, m: usize, c: &Candidate, closed: bool) {
+        let (teeth, side) = self.meshes[m].search.flank_of(c);
+        for k in 0..2 {
+            let g = &mut self.gears[self.meshes[m].gears[k]];
+            let own = &mut s.discrete[g.discrete.0..][..g.discrete.1];
+            if let Some(coordinates) = g.model.teeth() {
+                coordinates.engage(own, teeth[k], side, closed);
+            }
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! Gears and meshes as they stand in a scene: where their coordinates and their discrete state are.
+
+use crate::contact::{LineClearance, Party, Search};
+use crate::gear::GearModel;
+use crate::law::{Friction, Law};
+use crate::spec::{Load, Profile};
+use gearbench_integrators::system::At;
+
+/// A gear in the scene.
+pub struct SceneGear {
+    /// Name from the scene.
+    pub name: String,
+    /// Id of its model.
+    pub id: String,
+    /// The model.
+    pub model: Box<dyn GearModel>,
+    /// Loads on its hub.
+    pub loads: Vec<Load>,
+    /// Its coordinates are `q[offset.0 .. offset.0 + n]`.
+    pub(super) offset: usize,
+    pub(super) n: usize,
+    pub(super) discrete: (usize, usize),
+    /// It has forces of its own.
+    pub(super) internal: bool,
+}
+
+impl SceneGear {
+    /// The gear's own slice of a state.
+    #[inline(always)]
+    pub fn at<'a>(&self, at: At<'a>) -> At<'a> {
+        let (own, cells) = (
+            self.range(),
+            self.discrete.0..self.discrete.0 + self.discrete.1,
+        );
+        At {
+            t: at.t,
+            q: &at.q[own.clone()],
+            v: &at.v[own],
+            discrete: &at.discrete[cells],
+        }
+    }
+
+    /// Load on the hub [N m] or [N] at a time and hub speed.
+    pub(super) fn load(&self, t: f64, speed: f64) -> f64 {
+        self.loads
+            .iter()
+            .map(|l| match l {
+                Load::Applied(p) => p.value(t),
+                Load::Viscous(c) => -c * speed,
+            })
+            .sum()
+    }
+
+    /// Adds the load on a hub that is free to move to the scene's forces.
+    #[inline]
+    pub(super) fn add_load(&self, at: At<'_>, f: &mut [f64]) {
+        if self.loads.is_empty() {
+            return;
+        }
+        let hub = self.model.hub();
+        if hub.coordinates() > 0 {
+            let load = self.load(at.t, hub.load_speed(self.at(at)));
+            hub.add_load(load, &mut f[self.range()]);
+        }
+    }
+
+    pub(super) fn viscous(&self) -> f64 {
+        self.loads
+            .iter()
+            .map(|l| if let Load::Viscous(c) = l { *c } else { 0.0 })
+            .sum()
+    }
+
+    /// Range of its coordinates in the scene's.
+    #[inline]
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.offset..self.offset + self.n
+    }
+
+    /// What loads apply to the hub whatever its speed [N m] or [N].
+    pub(super) fn applied(&self, t: f64) -> f64 {
+        let value = |l: &Load| match l {
+            Load::Applied(p) => p.value(t),
+            Load::Viscous(_) => 0.0,
+        };
+        self.loads.iter().map(value).sum()
+    }
+
+    /// Its rate.
+    pub(super) fn applied_rate(&self, t: f64) -> f64 {
+        let slope = |l: &Load| match l {
+            Load::Applied(p) => p.slope(t),
+            Load::Viscous(_) => 0.0,
+        };
+        self.loads.iter().map(slope).sum()
+    }
+
+    /// The load on its hub where that is constant from `t` until the next breakpoint; 0 for a hub that is not free.
+    pub(super) fn steady_load(&self, t: f64) -> Option<f64> {
+        if self.model.hub().coordinates() == 0 {
+            return Some(0.0);
+        }
+        let mut sum = 0.0;
+        for load in &self.loads {
+            sum += match load {
+                Load::Applied(p) if p.slope(t) == 0.0 => p.value(t),
+                Load::Viscous(0.0) => 0.0,
+                _ => return None,
+            };
+        }
+        Some(sum)
+    }
+
+    /// Largest magnitude of a load.
+    pub(super) fn load_bound(&self, load: &Load) -> f64 {
+        match load {
+            Load::Applied(p) => match p {
+                Profile::Constant(x) => x.abs(),
+                Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
+                Profile::Table { value, .. } => value.iter().fold(0.0, |m, x| x.abs().max(m)),
+            },
+            Load::Viscous(_) => 0.0,
+        }
+    }
+}
+
+/// A mesh in the scene.
+pub struct SceneMesh {
+    /// Indices of the gears; the first is never a rack.
+    pub gears: [usize; 2],
+    /// Finds candidate points.
+    pub search: Search,
+    /// Normal law.
+    pub law: Law,
+    /// Sliding friction.
+    pub friction: Option<Friction>,
+    /// Its contact has no penalty.
+    pub(super) hard: bool,
+    /// One of its gears has a displacement field.
+    pub(super) nodal: bool,
+    /// What facing flanks are apart at least, were the gears rigid.
+    pub(super) clearances: Vec<LineClearance>,
+    /// How far the points of the flanks may stand off what [`Self::clearances`] are made of [m].
+    pub(super) gap_bound: f64,
+    /// Offset of its discrete state, and of its event functions.
+    pub(super) discrete: usize,
+    pub(super) event_functions: usize,
+    /// What the search says of itself: cells of discrete state, contact slots, event functions.
+    pub(super) cells: usize,
+    pub(super) slots: usize,
+    pub(super) zones: usize,
+}
+
+impl SceneMesh {
+    #[inline]
+    pub(super) fn search_discrete(&self) -> std::ops::Range<usize> {
+        self.discrete..self.discrete + self.cells
+    }
+
+    /// Modes and impact speeds of its slots.
+    #[inline]
+    pub(super) fn modes(&self) -> std::ops::Range<usize> {
+        self.slot(0)..self.slot(self.slots)
+    }
+
+    /// Speed stored at the first touch of a contact [m/s]; 0 where none is, as with a search without slots.
+    #[inline]
+    pub(super) fn impact_speed(&self, discrete: &[f64], slot: usize) -> f64 {
+        if slot < self.slots {
+            discrete[self.slot(slot) + 1]
+        } else {
+            0.0
+        }
+    }
+
+    #[inline]
+    pub(super) fn slot(&self, slot: usize) -> usize {
+        self.discrete + self.cells + 2 * slot
+    }
+}
+
+#[inline(always)]
+pub(super) fn parties<'a>(
+    gears: &'a [SceneGear],
+    mesh: &SceneMesh,
+    at: At<'a>,
+) -> (Party<'a>, Party<'a>) {
+    let party = |i: usize| Party {
+        gear: gears[i].model.as_ref(),
+        at: gears[i].at(at),
+    };
+    (party(mesh.gears[0]), party(mesh.gears[1]))
+}

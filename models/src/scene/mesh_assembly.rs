@@ -1,0 +1,177 @@
+//! A mesh from its settings: lines of action over slices, and the law of its contact.
+
+use super::placement::views;
+use super::scales::{hub_mass, reduced_mass};
+use crate::Vec3;
+use crate::contact::pairs::{Deviation, LinesOfAction, MeshGeometry, Slice};
+use crate::error::{BuildError, GearPart, MeshPart, Reason};
+use crate::kinematics::Hub;
+use crate::law::{Damping, Law, LawError};
+use crate::spec::{
+    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, stiffness_curve,
+};
+use crate::stiffness::PairOrMesh;
+
+/// Slices of a mesh whose contact varies over the width.
+const DEFAULT_SLICES: usize = 16;
+
+/// Samples of a flank modification along the path.
+const DEVIATION_SAMPLES: usize = 257;
+
+fn deviation(body: &Body, own_path: [f64; 2], zeta: f64) -> Option<Deviation> {
+    let Body::Gear(g) = body else { return None };
+    if g.params().modifications.is_none() {
+        return None;
+    }
+    let rb = g.r_base();
+    Some(Deviation::sample(own_path, DEVIATION_SAMPLES, |s| {
+        g.flank_deviation(rb.hypot(s), zeta)
+    }))
+}
+
+fn varies_over_width(body: &Body) -> bool {
+    match body {
+        Body::Gear(g) => {
+            g.params().helix_angle != 0.0 || g.params().modifications.lead_crowning != 0.0
+        }
+        Body::Rack(r) => r.params().helix_angle != 0.0,
+    }
+}
+
+pub(super) fn lines_of_action(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    l: &MeshLayout,
+    contact: &ContactSpec,
+    phases: &[f64],
+    mesh_of_gear: [u8; 2],
+) -> Result<(LinesOfAction, MeshGeometry), BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
+    let curve =
+        stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
+    let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
+    let many = varies_over_width(&a.body) || varies_over_width(&b.body);
+    let count = contact
+        .slices
+        .unwrap_or(if many { DEFAULT_SLICES } else { 1 });
+    if count == 0 || count > 1000 {
+        return Err(error(
+            MeshPart::Slices,
+            (format!("{count} slices over the width"), "use 1 to 1000").into(),
+        ));
+    }
+    let base_helix = match &a.body {
+        Body::Gear(g) => g.base_helix_angle(),
+        Body::Rack(r) => r.base_helix_angle(),
+    };
+    let slices = (0..count)
+        .map(|i| {
+            let zeta = (2 * i + 1) as f64 / count as f64 - 1.0;
+            let z = 0.5 * l.face_width * zeta;
+            Slice {
+                zeta,
+                z,
+                weight: 1.0 / count as f64,
+                offset: z * base_helix.tan(),
+                deviation: [
+                    deviation(&a.body, views[0].path, zeta),
+                    deviation(&b.body, views[1].path, zeta),
+                ],
+            }
+        })
+        .collect();
+    let whole_mesh = curve.of() == PairOrMesh::Mesh;
+    let geometry = MeshGeometry {
+        views,
+        mesh_of_gear,
+        centre_a: Vec3::new(a.position[0], a.position[1], 0.0),
+        length: l.length,
+        base_pitch: l.base_pitch,
+        zone: l.path,
+        base_helix,
+    };
+    let search = LinesOfAction::new(geometry.clone(), curve, whole_mesh, slices);
+    Ok((search, geometry))
+}
+
+pub(super) fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
+    let own = g.inertia.unwrap_or_else(|| match &g.body {
+        Body::Gear(gear) => gear.mass_properties(g.material.density).izz,
+        Body::Rack(rack) => rack.mass(g.material.density),
+    });
+    let inertia = own + g.added_inertia;
+    if !(inertia > 0.0 && inertia.is_finite()) {
+        return Err(BuildError::gear(
+            &g.name,
+            GearPart::Inertia,
+            format!("inertia {inertia} is not positive"),
+        ));
+    }
+    let rack = matches!(g.body, Body::Rack(_));
+    match (&g.mount, rack) {
+        (Mount::Prismatic, false) => {
+            return Err(BuildError::gear(
+                &g.name,
+                GearPart::Mount,
+                ("a prismatic mount is for racks", "use revolute"),
+            ));
+        }
+        (Mount::Revolute, true) => {
+            return Err(BuildError::gear(
+                &g.name,
+                GearPart::Mount,
+                ("a rack cannot turn", "use prismatic or fixed"),
+            ));
+        }
+        _ => {}
+    }
+    // The slide points counter-clockwise as seen from a gear in front of the teeth.
+    let slide = rack.then(|| Vec3::new(g.facing.sin(), -g.facing.cos(), 0.0));
+    Ok(Hub {
+        mount: g.mount.clone(),
+        centre: Vec3::new(g.position[0], g.position[1], 0.0),
+        slide,
+        inertia,
+    })
+}
+
+/// An error of the law of a mesh.
+fn law_error(gears: [&str; 2], e: &LawError) -> BuildError {
+    let part = match e {
+        LawError::Exponent { .. } => MeshPart::Exponent,
+        _ => MeshPart::Damping,
+    };
+    BuildError::mesh(gears, part, e)
+}
+
+pub(super) fn law_of(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    contact: &ContactSpec,
+    k: f64,
+) -> Result<Law, BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
+    let damping = match contact.damping {
+        Damping::KelvinVoigtRatio { .. } => {
+            let mass = reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]);
+            if !mass.is_finite() {
+                return Err(error(
+                    MeshPart::Damping,
+                    (
+                        "a damping ratio needs a gear that can move, but both are held",
+                        "give the damper in N s/m",
+                    )
+                        .into(),
+                ));
+            }
+            contact
+                .damping
+                .resolved(contact.exponent, k, mass)
+                .map_err(|e| law_error([&a.name, &b.name], &e))?
+        }
+        other => other,
+    };
+    Law::new(contact.exponent, damping).map_err(|e| law_error([&a.name, &b.name], &e))
+}

@@ -1,0 +1,143 @@
+//! What is solved together, and the buffers of it.
+
+use crate::Vec3;
+use crate::contact::nodal::{Block, GearNodes, HardSolve, NodalPoints, NodalSolve, Share, Spring};
+use crate::kinematics::Row;
+use crate::law::LawForce;
+use crate::scene::members::{SceneGear, SceneMesh};
+
+/// A point that carries (or may carry) a force.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::scene) struct NodalActive {
+    /// Its place among the points.
+    pub point: usize,
+    /// Direction of the force on the slave; not quite of unit length.
+    pub direction: Vec3,
+    /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
+    pub effective_radii: [f64; 2],
+    /// Gap with residual compliance [m].
+    pub gap: f64,
+    /// Rate of the gap before it [m/s]; 0 where no damper asks.
+    pub rate: f64,
+    pub force: LawForce,
+    /// Gap [m] and force [N] of the elastic law alone.
+    pub elastic: (f64, f64),
+}
+
+/// Meshes that are solved together, and their gears with residual compliance.
+#[derive(Clone, Debug, Default)]
+pub(in crate::scene) struct Island {
+    pub meshes: Vec<usize>,
+    pub compliant: Vec<usize>,
+}
+
+/// What an island left behind for its tangent.
+#[derive(Clone, Debug, Default)]
+pub(in crate::scene) struct Solved {
+    /// Range of its points.
+    pub points: std::ops::Range<usize>,
+    pub solve: NodalSolve,
+    /// Of hard contact, in the place of the solve's own.
+    pub hard: Option<HardSolve>,
+    pub springs: Vec<Spring>,
+    pub blocks: Vec<Block>,
+}
+
+/// Gaps averaged at slave nodes.
+#[derive(Default)]
+pub(in crate::scene) struct Averages {
+    /// Gear, slot, sum of `phi A`, sum of `phi A g`.
+    pub(in crate::scene) nodes: Vec<(usize, u32, f64, f64)>,
+    /// Node, point, `phi A`.
+    pub(in crate::scene) entries: Vec<(usize, usize, f64)>,
+    /// Number of each node's constraint, if it has one.
+    pub(in crate::scene) number: Vec<Option<u32>>,
+    pub(in crate::scene) closed: Vec<bool>,
+    pub(in crate::scene) shares: Vec<Share>,
+}
+
+/// Buffers; they grow and stay.
+#[derive(Default)]
+pub(in crate::scene) struct Nodal {
+    pub islands: Vec<Island>,
+    /// One per gear of the scene.
+    pub gears: Vec<GearNodes>,
+    /// Torque (force along the slide) of the points at hubs of gears that move as one but for a field.
+    pub torque: Vec<f64>,
+    pub active: Vec<NodalActive>,
+    /// One per active point: entries of gears without a field.
+    pub rows: Vec<Row>,
+    /// One per island.
+    pub solved: Vec<Solved>,
+    /// Points of all islands.
+    pub found: NodalPoints,
+    pub(in crate::scene) numbers: Vec<u32>,
+    pub(in crate::scene) guess: Vec<f64>,
+    pub(in crate::scene) averages: Averages,
+    pub(in crate::scene) velocities: Vec<Vec<f64>>,
+    pub failed: bool,
+}
+
+/// Islands of the meshes that have a gear with a field.
+pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Vec<Island> {
+    let compliant = |g: usize| {
+        gears[g]
+            .model
+            .displacement()
+            .is_some_and(|f| f.is_compliant())
+    };
+    let mut islands: Vec<Island> = Vec::new();
+    for (m, mesh) in meshes.iter().enumerate().filter(|(_, m)| m.nodal) {
+        let mut own = Island {
+            meshes: vec![m],
+            compliant: mesh.gears.into_iter().filter(|&g| compliant(g)).collect(),
+        };
+        let (joined, apart) = islands
+            .into_iter()
+            .partition(|i| i.compliant.iter().any(|g| own.compliant.contains(g)));
+        islands = apart;
+        for other in joined {
+            let other: Island = other;
+            own.meshes.extend(other.meshes);
+            for g in other.compliant {
+                if !own.compliant.contains(&g) {
+                    own.compliant.push(g);
+                }
+            }
+        }
+        own.meshes.sort_unstable();
+        islands.push(own);
+    }
+    islands
+}
+
+impl Nodal {
+    pub(in crate::scene) fn new(gears: &[SceneGear], meshes: &[SceneMesh]) -> Self {
+        let islands = islands(gears, meshes);
+        Nodal {
+            gears: vec![GearNodes::default(); gears.len()],
+            torque: vec![0.0; gears.len()],
+            velocities: vec![vec![]; gears.len()],
+            solved: islands
+                .iter()
+                .map(|i| Solved {
+                    hard: i
+                        .meshes
+                        .iter()
+                        .any(|m| meshes[*m].hard)
+                        .then(HardSolve::default),
+                    ..Solved::default()
+                })
+                .collect(),
+            islands,
+            ..Nodal::default()
+        }
+    }
+
+    /// The compliances that are kept with the nodes in contact are those of another run.
+    pub(in crate::scene) fn forget(&mut self) {
+        for solved in &mut self.solved {
+            solved.solve.forget();
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Points that may touch, and the solve of an island.
+
+use super::islands::{Nodal, NodalActive, Solved};
+use crate::contact::nodal::{Block, GapBound, HardSolve, NodalParty, Share, Spring, UNUSED};
+use crate::law::LawForce;
+use crate::scene::members::{SceneGear, SceneMesh, parties};
+use gearbench_integrators::system::At;
+
+/// Hard contact: the solve, the constraints that are closed at first, and what they average.
+pub(super) type Constraints<'a> = (&'a mut HardSolve, (&'a [bool], &'a [Share]));
+
+impl Nodal {
+    /// Finds points, solves each island and distributes the forces.
+    pub(in crate::scene) fn evaluate(
+        &mut self,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: At<'_>,
+    ) {
+        self.active.clear();
+        self.torque.fill(0.0);
+        self.failed = false;
+        self.found.points.clear();
+        self.found.partners.clear();
+        for (g, nodes) in gears.iter().zip(&mut self.gears) {
+            if g.model.displacement().is_some() {
+                let load = if g.model.hub().coordinates() > 0 {
+                    g.applied(at.t)
+                } else {
+                    0.0
+                };
+                nodes.begin(load);
+            }
+        }
+        for i in 0..self.islands.len() {
+            let start = self.active.len();
+            self.solve(i, gears, meshes, at);
+            self.distribute(start, gears, meshes, at);
+            self.solved[i].points = start..self.active.len();
+        }
+    }
+
+    /// Points of an island.
+    fn find(
+        &mut self,
+        island: usize,
+        gap_bound: &mut GapBound,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: At<'_>,
+    ) {
+        for &m in &self.islands[island].meshes {
+            let mesh = &meshes[m];
+            let (a, b) = parties(gears, mesh, at);
+            let first = self.found.points.len();
+            let Ok([of_a, of_b]) = self.gears.get_disjoint_mut(mesh.gears) else {
+                continue;
+            };
+            let side = |party, nodes, k: usize| NodalParty {
+                party,
+                field: gears[mesh.gears[k]].model.displacement(),
+                nodes,
+            };
+            let sides = [side(a, of_a, 0), side(b, of_b, 1)];
+            if let Some(points) = mesh.search.points() {
+                points.nodal_points(sides, gap_bound, &mut self.found);
+            }
+            for p in &mut self.found.points[first..] {
+                p.mesh = m as u32;
+            }
+        }
+    }
+
+    /// Solves for the points that may touch; these become active.
+    fn solve(&mut self, island: usize, gears: &[SceneGear], meshes: &[SceneMesh], at: At<'_>) {
+        let mut solved = std::mem::take(&mut self.solved[island]);
+        solved.springs.clear();
+        solved.blocks.clear();
+        let start = self.active.len();
+        let begin = self.found.points.len();
+        let mut gap_bound = GapBound {
+            depth: 0.0,
+            least: 0.0,
+        };
+        loop {
+            self.active.truncate(start);
+            self.found.points.truncate(begin);
+            self.find(island, &mut gap_bound, gears, meshes, at);
+            if gap_bound.depth <= 0.0 {
+                break;
+            }
+            if let Some(mut hard) = solved.hard.take() {
+                self.solve_hard(begin, island, &mut solved, &mut hard, gears, meshes, at);
+                solved.hard = Some(hard);
+                break;
+            }
+            let beside = gap_bound.gap();
+            let found = self.found.points.iter().enumerate().skip(begin);
+            let near = found.filter(|(_, p)| p.gap0 <= beside);
+            self.active.extend(near.map(|(point, p)| NodalActive {
+                point,
+                direction: p.normal,
+                effective_radii: [0.0; 2],
+                gap: p.gap0,
+                rate: 0.0,
+                force: LawForce::default(),
+                elastic: (p.gap0, 0.0),
+            }));
+            let rise = self.solve_active(start, island, &mut solved, None, (gears, meshes), at);
+            if rise <= beside || self.failed {
+                break;
+            }
+            gap_bound.least = 2.0 * rise;
+        }
+        self.solved[island] = solved;
+    }
+
+    /// Solves for the active points from `start` on; returns by how much nodes rise outwards at most, both flanks
+    /// together.
+    pub(super) fn solve_active(
+        &mut self,
+        start: usize,
+        island: usize,
+        solved: &mut Solved,
+        hard: Option<Constraints<'_>>,
+        (gears, meshes): (&[SceneGear], &[SceneMesh]),
+        at: At<'_>,
+    ) -> f64 {
+        for &g in &self.islands[island].compliant {
+            self.gears[g].index.fill(UNUSED);
+        }
+        for a in &self.active[start..] {
+            let p = &self.found.points[a.point];
+            for (k, &g) in meshes[p.mesh as usize].gears.iter().enumerate() {
+                for &slot in p.slots[k].iter().filter(|s| **s != UNUSED) {
+                    self.gears[g].index[slot as usize] = 0;
+                }
+            }
+        }
+        solved.blocks.clear();
+        self.numbers.clear();
+        self.guess.clear();
+        for &g in &self.islands[island].compliant {
+            let nodes = &mut self.gears[g];
+            let begin = self.numbers.len();
+            for slot in 0..nodes.nodes.len() {
+                if nodes.index[slot] != UNUSED {
+                    nodes.index[slot] = self.numbers.len() as u32;
+                    self.numbers.push(nodes.nodes[slot]);
+                    self.guess.push(nodes.before(slot as u32));
+                }
+            }
+            let len = self.numbers.len() - begin;
+            solved.blocks.push(Block { start: begin, len });
+        }
+        let compliant = &self.islands[island].compliant;
+        let (blocks, numbers) = (&solved.blocks, &self.numbers);
+        solved.solve.set_nodes(blocks, numbers, |mut out| {
+            for (&g, b) in compliant.iter().zip(blocks) {
+                let (block, rest) = out.split_at_mut(b.len * b.len);
+                if let Some(field) = gears[g].model.displacement() {
+                    field.compliance(&numbers[b.start..][..b.len], block);
+                }
+                out = rest;
+            }
+        });
+        self.rates(start, gears, meshes, at);
+        solved.springs.clear();
+        for a in &self.active[start..] {
+            let p = &self.found.points[a.point];
+            let mesh = &meshes[p.mesh as usize];
+            let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
+            for k in 0..2 {
+                if !self.islands[island].compliant.contains(&mesh.gears[k]) {
+                    continue;
+                }
+                let index = &self.gears[mesh.gears[k]].index;
+                for c in 0..4 {
+                    nodes[4 * k + c] = index[p.slots[k][c] as usize];
+                    weights[4 * k + c] = p.weights[k][c];
+                }
+            }
+            solved.springs.push(Spring {
+                nodes,
+                weights,
+                gap0: p.gap0,
+                rate: a.rate,
+                stiffness: p.stiffness,
+                law: mesh.law.shared(p.share),
+                gap: p.gap0,
+                force: LawForce::default(),
+                elastic: (p.gap0, 0.0),
+            });
+        }
+        let result = match hard {
+            None => solved.solve.solve(&mut solved.springs, &self.guess),
+            Some((hard, (closed, shares))) => hard.solve(
+                &solved.blocks,
+                solved.solve.compliance(),
+                &mut solved.springs,
+                (closed.len(), shares),
+                closed,
+            ),
+        };
+        let mut rises = 0.0;
+        match result {
+            Ok(u) => {
+                for &g in &self.islands[island].compliant {
+                    let nodes = &mut self.gears[g];
+                    let mut rise = 0.0_f64;
+                    for (&i, out) in nodes.index.iter().zip(&mut nodes.residual) {
+                        *out = if i == UNUSED { 0.0 } else { u[i as usize] };
+                        rise = rise.max(*out);
+                    }
+                    rises += rise;
+                }
+            }
+            Err(_) => self.failed = true,
+        }
+        for (a, s) in self.active[start..].iter_mut().zip(&solved.springs) {
+            (a.gap, a.force, a.elastic) = (s.gap, s.force, s.elastic);
+            if self.failed {
+                a.force.n = f64::NAN;
+            }
+        }
+        rises
+    }
+}

@@ -1,0 +1,264 @@
+//! How contacts of gears with fields respond to the coordinates: tangent and Newton correction.
+//!
+//! Contacts see few combinations `y = E x` of the coordinates: the hub and the displacements of active nodes of a gear
+//! with a field, the touched coordinates of any other. In these
+//!
+//! ```text
+//! dN = h + D_g W z,    z = (I + R S)^-1 R W^T h,    h = D_g V dy + D_r V dy',    df = E^T V^T dN
+//! ```
+//!
+//! with the derivatives `D` of the laws and the points' rows `V`. With the weights of a Newton matrix `h = D_c V y`,
+//! `D_c = c.k D_g + c.d D_r`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
+//! the correction is
+//!
+//! ```text
+//! (I - G T) y = y0,    G = E A0^-1 E^T,    x = x0 + A0^-1 E^T T y
+//! ```
+//!
+//! How directions turn with the state is left out: a part `g / rho` of what is kept.
+
+use super::islands::Nodal;
+use crate::contact::nodal::UNUSED;
+use crate::kinematics::Row;
+use crate::scene::active::Active;
+use crate::scene::members::{SceneGear, SceneMesh};
+use gearbench_integrators::system::{Coeffs, Singular};
+
+const NONE: u32 = u32::MAX;
+
+/// One row of `V` or of a contact without a field: entries `(index in y, value)`.
+pub(in crate::scene) type Entry = (u32, f64);
+
+/// Buffers of the tangent.
+#[derive(Default)]
+pub(in crate::scene) struct Reduced {
+    /// Per coordinate of the scene: its place in `y`.
+    pub(in crate::scene) mark: Vec<u32>,
+    /// Per gear: own numbers of the touched coordinates, where they begin in `y`, where its nodes do.
+    pub(in crate::scene) touched: Vec<(Vec<u32>, usize, usize)>,
+    /// Per gear with a field: place in `y` of each node, or none.
+    pub(in crate::scene) places: Vec<Vec<u32>>,
+    /// Per gear with a field: node numbers in the order of `y`.
+    pub(in crate::scene) nodes: Vec<Vec<u32>>,
+    pub(in crate::scene) size: usize,
+    pub(in crate::scene) entries: Vec<Entry>,
+    pub(in crate::scene) begins: Vec<usize>,
+    /// `T`, row-major.
+    pub(in crate::scene) response: Vec<f64>,
+    /// `G` of one gear.
+    pub(in crate::scene) block: Vec<f64>,
+    /// `A0^-1 E^T` of gears with a field, one column after the other.
+    pub(in crate::scene) columns: Vec<f64>,
+    pub(in crate::scene) matrix: Vec<f64>,
+    pub(in crate::scene) y: Vec<f64>,
+    pub(in crate::scene) forces: Vec<f64>,
+    /// `W^T D_g V`, `W^T D_c V`, by node.
+    pub(in crate::scene) elastic: Vec<f64>,
+    pub(in crate::scene) weighted: Vec<f64>,
+    pub(in crate::scene) column: Vec<f64>,
+}
+
+impl Reduced {
+    /// Numbers the coordinates and nodes that contacts see.
+    pub(in crate::scene) fn collect(
+        &mut self,
+        gears: &[SceneGear],
+        nodal: &Nodal,
+        rows: &[[Row; 3]],
+        coordinates: usize,
+    ) {
+        self.mark.clear();
+        self.mark.resize(coordinates, NONE);
+        self.touched.resize_with(gears.len(), Default::default);
+        self.places.resize_with(gears.len(), Default::default);
+        self.nodes.resize_with(gears.len(), Default::default);
+        for (touched, ..) in &mut self.touched {
+            touched.clear();
+        }
+        let mut touch = |i: usize| {
+            if self.mark[i] == NONE {
+                let gear = gears.partition_point(|g| g.range().end <= i);
+                self.mark[i] = 0;
+                self.touched[gear].0.push((i - gears[gear].offset) as u32);
+            }
+        };
+        for row in &nodal.rows[..nodal.active.len()] {
+            row.for_each(|i, _| touch(i));
+        }
+        for row in rows.iter().flatten() {
+            row.for_each(|i, _| touch(i));
+        }
+        for (g, torque) in gears.iter().zip(&nodal.torque) {
+            let turns = g.model.displacement().is_some() || *torque != 0.0;
+            if turns && g.model.hub().coordinates() > 0 {
+                touch(g.range().start);
+            }
+        }
+        let mut size = 0;
+        for (i, g) in gears.iter().enumerate() {
+            let (touched, start, of_nodes) = &mut self.touched[i];
+            *start = size;
+            for &t in touched.iter() {
+                self.mark[g.offset + t as usize] = size as u32;
+                size += 1;
+            }
+            *of_nodes = size;
+            let places = &mut self.places[i];
+            places.clear();
+            self.nodes[i].clear();
+            if g.model.displacement().is_some() {
+                for (&node, force) in nodal.gears[i].nodes.iter().zip(&nodal.gears[i].force) {
+                    if *force == 0.0 {
+                        places.push(NONE);
+                    } else {
+                        places.push(size as u32);
+                        self.nodes[i].push(node);
+                        size += 1;
+                    }
+                }
+            }
+        }
+        self.size = size;
+    }
+
+    /// Rows `V` of the nodal points.
+    pub(in crate::scene) fn rows(
+        &mut self,
+        gears: &[SceneGear],
+        scene_meshes: &[SceneMesh],
+        nodal: &Nodal,
+    ) {
+        self.entries.clear();
+        self.begins.clear();
+        self.begins.push(0);
+        for (a, row) in nodal.active.iter().zip(&nodal.rows) {
+            if a.force.n != 0.0 {
+                row.for_each(|i, value| self.entries.push((self.mark[i], value)));
+                let p = &nodal.found.points[a.point];
+                for (k, &g) in scene_meshes[p.mesh as usize].gears.iter().enumerate() {
+                    if a.effective_radii[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
+                        self.entries
+                            .push((self.mark[gears[g].offset], a.effective_radii[k]));
+                    }
+                    if p.slots[k][0] == UNUSED {
+                        continue;
+                    }
+                    for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
+                        let place = self.places[g][slot as usize];
+                        if place != NONE {
+                            self.entries.push((place, -w));
+                        }
+                    }
+                }
+            }
+            self.begins.push(self.entries.len());
+        }
+    }
+
+    pub(in crate::scene) fn row(&self, i: usize) -> &[Entry] {
+        &self.entries[self.begins[i]..self.begins[i + 1]]
+    }
+
+    /// `T` of the nodal points and of other contacts.
+    pub(in crate::scene) fn respond(
+        &mut self,
+        nodal: &mut Nodal,
+        c: Coeffs,
+    ) -> Result<(), Singular> {
+        let size = self.size;
+        let mut response = std::mem::take(&mut self.response);
+        response.clear();
+        response.resize(size * size, 0.0);
+        for (i, a) in nodal.active.iter().enumerate() {
+            let weight = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
+            add_outer(&mut response, size, self.row(i), self.row(i), weight);
+        }
+        for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
+            if let Some(hard) = &mut s.hard {
+                // Column by column: few contacts are hard, and fewer still are solved implicitly.
+                for j in 0..size {
+                    let entry = |i: usize| -> f64 {
+                        let row = &self.entries[self.begins[i]..self.begins[i + 1]];
+                        let of_j = row.iter().filter(|(k, _)| *k as usize == j);
+                        of_j.map(|(_, value)| c.k * value).sum()
+                    };
+                    self.column.clear();
+                    self.column.extend(s.points.clone().map(entry));
+                    if self.column.iter().all(|x| *x == 0.0) {
+                        continue;
+                    }
+                    hard.tangent(&mut self.column)?;
+                    for (i, dn) in s.points.clone().zip(&self.column) {
+                        for &(k, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
+                            response[k as usize * size + j] += value * dn;
+                        }
+                    }
+                }
+                continue;
+            }
+            s.solve.linearise(&s.springs)?;
+            let n = s.solve.nodes();
+            for (out, weights) in [
+                (&mut self.elastic, (1.0, 0.0)),
+                (&mut self.weighted, (c.k, c.d)),
+            ] {
+                out.clear();
+                out.resize(n * size, 0.0);
+                for (spring, i) in s.springs.iter().zip(s.points.clone()) {
+                    let d = weights.0 * spring.force.dn_dg + weights.1 * spring.force.dn_dgdot;
+                    let row = &self.entries[self.begins[i]..self.begins[i + 1]];
+                    for (&node, w) in spring.nodes.iter().zip(spring.weights) {
+                        for &(j, value) in row {
+                            out[j as usize * n + node as usize] += d * w * value;
+                        }
+                    }
+                }
+            }
+            for j in 0..size {
+                let column = &mut self.weighted[j * n..][..n];
+                if column.iter().all(|x| *x == 0.0) {
+                    continue;
+                }
+                s.solve.apply_compliance(column);
+                for i in 0..size {
+                    let of_i = &self.elastic[i * n..][..n];
+                    response[i * size + j] +=
+                        of_i.iter().zip(&*column).map(|(x, y)| x * y).sum::<f64>();
+                }
+            }
+        }
+        self.response = response;
+        Ok(())
+    }
+
+    /// Adds `T` of a contact without fields, its friction included.
+    pub(in crate::scene) fn add_contact(
+        &mut self,
+        a: &Active,
+        along_path: f64,
+        rows: &[Row; 3],
+        c: Coeffs,
+    ) {
+        let (mut normal, mut first, mut sliding) = (vec![], vec![], vec![]);
+        rows[0].for_each(|i, x| normal.push((self.mark[i], x)));
+        rows[0].for_each_first(|i, x| first.push((self.mark[i], x)));
+        rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
+        let per_gap = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
+        let per_path = c.k * a.force.dn_dk * along_path;
+        let (t, n) = (&mut self.response, self.size);
+        for (row, factor) in [(&normal, 1.0), (&sliding, a.friction.df_dn)] {
+            add_outer(t, n, row, &normal, factor * per_gap);
+            add_outer(t, n, row, &first, factor * per_path);
+        }
+        add_outer(t, n, &sliding, &sliding, c.d * a.friction.df_dv);
+    }
+}
+
+/// `T += factor left right^T`.
+fn add_outer(t: &mut [f64], size: usize, left: &[Entry], right: &[Entry], factor: f64) {
+    for &(i, x) in left {
+        for &(j, y) in right {
+            t[i as usize * size + j as usize] += factor * x * y;
+        }
+    }
+}

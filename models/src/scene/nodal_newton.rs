@@ -1,0 +1,247 @@
+//! Tangent and Newton correction of a scene that has gears with displacement fields, in the coordinates that
+//! [`Reduced`] numbers.
+
+use super::assembled::Scene;
+use super::nodal::{Entry, NodalActive, Reduced, rows_of};
+use crate::gear::{add_response, condensed};
+use crate::kinematics::Row;
+use gearbench_integrators::dense_solve::solve_in_place;
+use gearbench_integrators::system::{At, Coeffs, Singular};
+
+impl Scene {
+    /// Adds the contacts to `x0 = A0^-1 rhs`.
+    pub(super) fn correct_nodal(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+    ) -> Result<(), Singular> {
+        if self.work.nodal.failed {
+            return Err(Singular);
+        }
+        let mut b = std::mem::take(&mut self.work.reduced);
+        let result = self.correct_reduced(at, c, x, &mut b);
+        self.work.reduced = b;
+        result
+    }
+
+    fn correct_reduced(
+        &mut self,
+        at: At<'_>,
+        c: Coeffs,
+        x: &mut [f64],
+        b: &mut Reduced,
+    ) -> Result<(), Singular> {
+        let Scene {
+            gears,
+            meshes,
+            work,
+            ..
+        } = self;
+        let contacts = work.active.len();
+        b.collect(gears, &work.nodal, &work.rows[..contacts], x.len());
+        b.rows(gears, meshes, &work.nodal);
+        b.respond(&mut work.nodal, c)?;
+        for (a, rows) in work.active.iter().zip(&work.rows) {
+            let candidate = &work.candidates[a.candidate];
+            let along_path = -candidate.stiffness_s / candidate.scale[0];
+            b.add_contact(a, along_path, rows, c);
+        }
+        let size = b.size;
+        if size == 0 {
+            return Ok(());
+        }
+        // I - G T, gear by gear, and y0.
+        b.matrix.clear();
+        b.matrix.resize(size * size, 0.0);
+        b.y.clear();
+        b.y.resize(size, 0.0);
+        b.columns.clear();
+        for (i, g) in gears.iter_mut().enumerate() {
+            let (touched, start, of_nodes) = &b.touched[i];
+            let (start, n) = (*start, of_nodes - start + b.nodes[i].len());
+            if n == 0 {
+                continue;
+            }
+            b.block.clear();
+            b.block.resize(n * n, 0.0);
+            let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
+            if g.model.displacement().is_some() {
+                let hub = touched.len();
+                for j in 0..n {
+                    b.column.clear();
+                    b.column.resize(range.len(), 0.0);
+                    if j < hub {
+                        b.column[0] = 1.0;
+                    } else if let Some(field) = g.model.displacement() {
+                        field.apply_nodal_forces(&[b.nodes[i][j - hub]], &[-1.0], &mut b.column);
+                    }
+                    g.model.correct(own, c, viscous, &mut b.column)?;
+                    if hub > 0 {
+                        b.block[j * n] = b.column[0];
+                    }
+                    if let Some(field) = g.model.displacement() {
+                        field.displacements(
+                            &b.column,
+                            &b.nodes[i],
+                            &mut b.block[j * n + hub..][..n - hub],
+                        );
+                    }
+                    b.columns.extend_from_slice(&b.column);
+                }
+                let y = &mut b.y[start..][..n];
+                if hub > 0 {
+                    y[0] = x[range.start];
+                }
+                if let Some(field) = g.model.displacement() {
+                    field.displacements(&x[range], &b.nodes[i], &mut y[hub..]);
+                }
+            } else {
+                for (y, &t) in b.y[start..].iter_mut().zip(touched) {
+                    *y = x[range.start + t as usize];
+                }
+                condensed(g.model.as_mut(), own, c, viscous, touched, &mut b.block)?;
+            }
+            // The block is symmetric.
+            for (k, line) in b.block.chunks_exact(n).enumerate() {
+                let out = &mut b.matrix[(start + k) * size..][..size];
+                for (j, g) in line.iter().enumerate() {
+                    let of_j = &b.response[(start + j) * size..][..size];
+                    for (out, t) in out.iter_mut().zip(of_j) {
+                        *out -= g * t;
+                    }
+                }
+            }
+        }
+        for k in 0..size {
+            b.matrix[k * size + k] += 1.0;
+        }
+        solve_in_place(&mut b.matrix, &mut b.y)?;
+        b.forces.clear();
+        for line in b.response.chunks_exact(size) {
+            b.forces
+                .push(line.iter().zip(&b.y).map(|(t, y)| t * y).sum());
+        }
+        let mut columns = b.columns.as_slice();
+        for (i, g) in gears.iter_mut().enumerate() {
+            let (touched, start, of_nodes) = &b.touched[i];
+            let n = of_nodes - start + b.nodes[i].len();
+            let forces = &b.forces[*start..][..n];
+            let (own, viscous, range) = (g.at(at), g.viscous(), g.range());
+            if g.model.displacement().is_some() {
+                for force in forces {
+                    let (column, rest) = columns.split_at(range.len());
+                    columns = rest;
+                    for (x, z) in x[range.clone()].iter_mut().zip(column) {
+                        *x += force * z;
+                    }
+                }
+            } else if n > 0 {
+                let touched = (touched.as_slice(), forces);
+                add_response(g.model.as_mut(), own, c, viscous, touched, &mut x[range])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds what the nodal contacts' forces change by along a direction of coordinates and velocities.
+    pub(super) fn add_nodal_tangent(&mut self, [dq, dv]: [&[f64]; 2], df: &mut [f64]) {
+        let mut b = std::mem::take(&mut self.work.reduced);
+        let Scene {
+            gears,
+            meshes,
+            work,
+            ..
+        } = self;
+        let nodal = &mut work.nodal;
+        b.collect(gears, nodal, &[], df.len());
+        b.rows(gears, meshes, nodal);
+        let along = |b: &mut Reduced, x: &[f64]| -> Vec<f64> {
+            let mut y = vec![0.0; b.size];
+            for (i, g) in gears.iter().enumerate() {
+                let (touched, start, of_nodes) = &b.touched[i];
+                for (y, &t) in y[*start..].iter_mut().zip(touched) {
+                    *y = x[g.offset + t as usize];
+                }
+                if let Some(field) = g.model.displacement() {
+                    let n = b.nodes[i].len();
+                    field.displacements(&x[g.range()], &b.nodes[i], &mut y[*of_nodes..][..n]);
+                }
+            }
+            y
+        };
+        let (y, rate) = (along(&mut b, dq), along(&mut b, dv));
+        let dot = |row: &[Entry], y: &[f64]| -> f64 {
+            row.iter().map(|&(i, value)| value * y[i as usize]).sum()
+        };
+        let mut of_points: Vec<f64> = (nodal.active.iter().enumerate())
+            .map(|(i, a)| {
+                a.force.dn_dg * dot(b.row(i), &y) + a.force.dn_dgdot * dot(b.row(i), &rate)
+            })
+            .collect();
+        let mut failed = nodal.failed;
+        for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
+            if let Some(hard) = &mut s.hard {
+                let points = &mut of_points[s.points.clone()];
+                for (i, h) in s.points.clone().zip(&mut *points) {
+                    *h = dot(b.row(i), &y);
+                }
+                failed |= hard.tangent(points).is_err();
+                continue;
+            }
+            failed |= s.solve.linearise(&s.springs).is_err();
+            let mut z = vec![0.0; s.solve.nodes()];
+            let points = &mut of_points[s.points.clone()];
+            for (spring, h) in s.springs.iter().zip(&*points) {
+                spring.add(*h, &mut z);
+            }
+            s.solve.apply_compliance(&mut z);
+            for (spring, h) in s.springs.iter().zip(points) {
+                *h += spring.force.dn_dg * spring.along(&z);
+            }
+        }
+        let mut forces = vec![0.0; b.size];
+        for (i, dn) in of_points.iter().enumerate() {
+            for &(j, value) in b.row(i) {
+                forces[j as usize] += value * dn;
+            }
+        }
+        for (i, g) in gears.iter().enumerate() {
+            let (touched, start, of_nodes) = &b.touched[i];
+            for (f, &t) in forces[*start..].iter().zip(touched) {
+                df[g.offset + t as usize] += f;
+            }
+            if let Some(field) = g.model.displacement() {
+                let n = b.nodes[i].len();
+                // Forces on nodes press inwards, these act outwards.
+                let inward: Vec<f64> = forces[*of_nodes..][..n].iter().map(|f| -f).collect();
+                field.apply_nodal_forces(&b.nodes[i], &inward, &mut df[g.range()]);
+            }
+        }
+        if failed {
+            df.fill(f64::NAN);
+        }
+        self.work.reduced = b;
+    }
+
+    /// Prescribed part of the gap rate of a point [m/s].
+    pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
+        let p = &self.work.nodal.found.points[a.point];
+        let mesh = &self.meshes[p.mesh as usize];
+        let (effective_radii, mut drift) = rows_of(
+            &self.gears,
+            mesh,
+            a,
+            &self.work.nodal.found,
+            at,
+            &mut Row::default(),
+        );
+        for (effective_radius, &g) in effective_radii.iter().zip(&mesh.gears) {
+            let hub = self.gears[g].model.hub();
+            if hub.coordinates() == 0 {
+                drift += effective_radius * hub.speed(at.t, &[]);
+            }
+        }
+        drift
+    }
+}

@@ -1,0 +1,137 @@
+//! Where gears stand at the start: initial angles mesh by mesh, and how their meshes see them.
+
+use crate::contact::pairs::LinesOfAction;
+use crate::error::{BuildError, MeshPart};
+use crate::geometry::{Gear, Side};
+use crate::kinematics::MeshView;
+use crate::spec::{Body, GearSpec, MeshLayout, MeshSpec, SceneSpec};
+
+/// How gear a and gear b are seen by a mesh, given their phases (angle or displacement of tooth 0).
+pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2]) -> [MeshView; 2] {
+    let gear_view = |g: &Gear, direction: f64, path: [f64; 2], assembled: f64| MeshView {
+        base_radius: Some(g.r_base()),
+        direction,
+        working_pressure_angle: l.working_pressure_angle,
+        half_angle_base: g.half_angle_base(),
+        path,
+        pitch: g.pitch_angle(),
+        assembled,
+    };
+    let other = [l.length - l.path[1], l.length - l.path[0]];
+    let first = match &a.body {
+        Body::Gear(g) => gear_view(g, l.direction, l.path, phase[0]),
+        Body::Rack(_) => unreachable!("mesh_layout refuses a rack as the first gear"),
+    };
+    let second = match &b.body {
+        Body::Gear(g) => gear_view(g, l.direction + std::f64::consts::PI, other, phase[1]),
+        Body::Rack(r) => MeshView {
+            base_radius: None,
+            direction: 0.0,
+            working_pressure_angle: l.working_pressure_angle,
+            half_angle_base: r.half_thickness_reference(),
+            path: other,
+            pitch: r.pitch(),
+            assembled: l.rack_offset + phase[1],
+        },
+    };
+    [first, second]
+}
+
+/// Angle (or displacement) that puts a flank of tooth 0 at a path coordinate of its own.
+fn phase_at(view: &MeshView, sign: f64, s: f64) -> f64 {
+    match view.base_radius {
+        Some(rb) => {
+            view.direction + sign * (s / rb - view.working_pressure_angle - view.half_angle_base)
+        }
+        None => sign * (view.half_angle_base - s / view.working_pressure_angle.cos()),
+    }
+}
+
+/// Places gears one mesh after another; returns the phase of each.
+pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f64>, BuildError> {
+    let mut phase: Vec<Option<f64>> = vec![None; spec.gears.len()];
+    for (mesh, l) in spec.meshes.iter().zip(layouts) {
+        let [ia, ib] = mesh.gears;
+        let (a, b) = (&spec.gears[ia], &spec.gears[ib]);
+        let sign = mesh.start.side.sign();
+        let wanted = mesh.start.path_coordinate.unwrap_or(l.pitch_point);
+        if !(l.path[0]..=l.path[1]).contains(&wanted) {
+            return Err(BuildError::mesh(
+                [&a.name, &b.name],
+                MeshPart::Start,
+                format!(
+                    "the start lies at {wanted:.6e} m, outside the path of contact {:.6e} to {:.6e} m",
+                    l.path[0], l.path[1]
+                ),
+            ));
+        }
+        let [va, vb] = views(l, a, b, [0.0, 0.0]);
+        // The pitch in path coordinates brings a placed gear's tooth nearest to where the start is wanted.
+        let nearest = |view: &MeshView, phase: f64, s: f64| {
+            let placed = MeshView {
+                assembled: phase,
+                ..*view
+            };
+            let s0 = placed.path_coordinate(mesh.start.side, phase);
+            s0 + ((s - s0) / l.base_pitch).round() * l.base_pitch
+        };
+        match (phase[ia], phase[ib]) {
+            (None, None) => {
+                phase[ia] = Some(phase_at(&va, sign, wanted));
+                phase[ib] =
+                    Some(phase_at(&vb, sign, l.length - wanted - mesh.start.gap) - l.rack_offset);
+            }
+            (Some(p), None) => {
+                let s = nearest(&va, p, wanted);
+                phase[ib] =
+                    Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
+            }
+            (None, Some(p)) => {
+                let s = nearest(&vb, p + l.rack_offset, l.length - wanted);
+                phase[ia] = Some(phase_at(&va, sign, l.length - s - mesh.start.gap));
+            }
+            (Some(_), Some(_)) => {}
+        }
+    }
+    Ok(phase.into_iter().map(|p| p.unwrap_or(0.0)).collect())
+}
+
+/// Part of the base pitch that flanks may overlap by at the start: a mesh may start preloaded, but not with
+/// teeth inside one another.
+const LARGEST_OVERLAP: f64 = 0.01;
+
+/// Refuses starts at which flanks overlap by more than a preload.
+pub(super) fn check_start(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    l: &MeshLayout,
+    loa: &LinesOfAction,
+) -> Result<(), BuildError> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    for side in Side::BOTH {
+        let gap = loa.assembled_gap(side);
+        if gap >= -LARGEST_OVERLAP * l.base_pitch {
+            continue;
+        }
+        let name = if side == Side::Left { "left" } else { "right" };
+        return Err(BuildError::mesh(
+            [&a.name, &b.name],
+            MeshPart::Start,
+            (
+                format!(
+                    "at the start the {name} flanks overlap by {:.4e} m (gap asked for: {:.4e} m, backlash along the line of action: {:.4e} m)",
+                    -gap, mesh.start.gap, l.backlash
+                ),
+                "use a gap between 0 and the backlash, or, where other meshes place both gears, another position",
+            ),
+        ));
+    }
+    if !mesh.start.gap.is_finite() {
+        return Err(BuildError::mesh(
+            [&a.name, &b.name],
+            MeshPart::Start,
+            format!("the gap {} at the start is no number", mesh.start.gap),
+        ));
+    }
+    Ok(())
+}

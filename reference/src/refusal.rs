@@ -1,0 +1,67 @@
+//! Why a file is refused: where, what was expected, what was found, and a way out.
+
+use std::fmt;
+
+/// A refused file. The text reads `file:line: context: expected ..., found ...; way out`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused<K> {
+    /// Kind of trouble.
+    pub kind: K,
+    /// File, as it was named.
+    pub file: Box<str>,
+    /// Line, from 1; 0 when the trouble belongs to no single line.
+    pub line: usize,
+    /// The keyword line, the set or the array in question; may be empty.
+    pub context: Box<str>,
+    /// What was expected.
+    pub expected: Box<str>,
+    /// What was found.
+    pub found: Box<str>,
+    /// What to do about it; may be empty.
+    pub help: Box<str>,
+}
+
+impl<K> Refused<K> {
+    pub(crate) fn new(
+        kind: K,
+        context: impl Into<String>,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Refused {
+            kind,
+            file: "".into(),
+            line: 0,
+            context: context.into().into(),
+            expected: expected.into().into(),
+            found: found.into().into(),
+            help: help.into().into(),
+        }
+    }
+
+    /// The same with the file's name and the line.
+    pub(crate) fn at(mut self, file: &str, line: usize) -> Self {
+        (self.file, self.line) = (file.into(), line);
+        self
+    }
+}
+
+impl<K> fmt::Display for Refused<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
+        }
+        if !self.context.is_empty() {
+            write!(f, ": {}", self.context)?;
+        }
+        write!(f, ": expected {}, found {}", self.expected, self.found)?;
+        if !self.help.is_empty() {
+            write!(f, "; {}", self.help)?;
+        }
+        Ok(())
+    }
+}
+
+impl<K: fmt::Debug> std::error::Error for Refused<K> {}

@@ -1,0 +1,17 @@
+//! Sums and turns of vectors that several modules need.
+
+use gearbench_models::Vec3;
+
+/// `a . b`.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// A vector turned about z; no turn leaves every bit.
+pub(crate) fn turned(x: Vec3, angle: f64) -> Vec3 {
+    if angle == 0.0 {
+        return x;
+    }
+    let (s, c) = angle.sin_cos();
+    Vec3::new(c * x.x - s * x.y, s * x.x + c * x.y, x.z)
+}

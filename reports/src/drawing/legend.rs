@@ -1,0 +1,72 @@
+//! Legends: entries side by side, in as many rows as they take.
+
+use super::axis::NAME_SIZE;
+use super::canvas::{Anchor, Canvas, Stroke, Type, text_width};
+use super::panel::{LEFT, RIGHT, WIDTH};
+use super::style::{Look, marker};
+
+const ROW: f64 = 21.0;
+
+/// An entry of the legend: its text, a sample of the line, a marker with its filling.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    text: String,
+    stroke: Stroke,
+    marker: Option<(Look, bool)>,
+}
+
+impl Entry {
+    /// A line.
+    pub fn line(text: &str, stroke: Stroke) -> Self {
+        Self {
+            text: text.into(),
+            stroke,
+            marker: None,
+        }
+    }
+
+    /// A line with markers.
+    pub fn marked(text: &str, look: Look, filled: bool) -> Self {
+        Self {
+            marker: Some((look, filled)),
+            ..Self::line(text, Stroke::dashed(look.ink, 1.6, look.dash))
+        }
+    }
+}
+
+/// Left edge and row of every entry.
+fn places(legend: &[Entry]) -> Vec<(f64, usize)> {
+    let widths = legend.iter().map(|e| 62.0 + text_width(&e.text, NAME_SIZE));
+    in_rows(widths, LEFT, WIDTH - RIGHT)
+}
+
+pub fn legend_height(legend: &[Entry]) -> f64 {
+    ROW * places(legend).last().map_or(0, |p| p.1 + 1) as f64
+}
+
+/// Paints a legend at the top of a chart.
+pub fn paint_legend(c: &mut Canvas<'_>, legend: &[Entry]) {
+    for (entry, (x, row)) in legend.iter().zip(places(legend)) {
+        let y = 12.0 + ROW * row as f64;
+        c.line(&[(x, y), (x + 34.0, y)], entry.stroke);
+        if let Some((look, filled)) = entry.marker {
+            marker(c, (x + 17.0, y), 4.6, look, filled);
+        }
+        let kind = Type::new(NAME_SIZE, Anchor::Start);
+        c.text(&entry.text, (x + 41.0, y), kind);
+    }
+}
+
+/// Things of some widths side by side in rows: left edge and row of each.
+pub fn in_rows(widths: impl Iterator<Item = f64>, left: f64, right: f64) -> Vec<(f64, usize)> {
+    let (mut x, mut row) = (left, 0);
+    let place = |width: f64| {
+        if x + width > right && x > left {
+            (x, row) = (left, row + 1);
+        }
+        let place = (x, row);
+        x += width;
+        place
+    };
+    widths.map(place).collect()
+}

@@ -1,0 +1,345 @@
+//! Panels of curves, one above the other under one legend: lines, points, limits, marks and failures.
+
+use super::Chart;
+use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
+use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
+use super::geometry::Rect;
+use super::labels::{free_place, leader};
+use super::legend::{Entry, legend_height, paint_legend};
+use super::style::{Look, cross, marker};
+use crate::series::decimate;
+
+/// Width of a chart on the page.
+pub const WIDTH: f64 = 860.0;
+/// Space for the names and tick labels at the left.
+pub const LEFT: f64 = 78.0;
+/// Space at the right.
+pub const RIGHT: f64 = 16.0;
+/// Height of the strip above a panel in which failures stand.
+const STRIP: f64 = 22.0;
+/// Between panels, and below one with names under its abscissa.
+const GAP: f64 = 14.0;
+const NAMES: f64 = 52.0;
+/// Extremes of a long history are kept in so many parts of a panel.
+const BUCKETS: usize = 1400;
+
+/// Points of one variant, and the line through them.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The line; none leaves the points alone.
+    pub stroke: Option<Stroke>,
+    /// Look, radius and filling of the markers; none leaves the line alone.
+    pub marker: Option<(Look, f64, bool)>,
+    /// Points, ascending in the abscissa.
+    pub points: Vec<(f64, f64)>,
+    /// Abscissae of runs that failed.
+    pub failed: Vec<f64>,
+    /// Colour of their crosses.
+    pub ink: Ink,
+}
+
+impl Curve {
+    /// A line.
+    pub fn line(stroke: Stroke, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            stroke: Some(stroke),
+            marker: None,
+            points,
+            failed: Vec::new(),
+            ink: stroke.ink,
+        }
+    }
+
+    /// Markers of a radius.
+    pub fn points(look: Look, radius: f64, filled: bool, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            stroke: None,
+            marker: Some((look, radius, filled)),
+            points,
+            failed: Vec::new(),
+            ink: look.ink,
+        }
+    }
+
+    /// Markers joined by a line in the look of their variant.
+    pub fn joined(look: Look, width: f64, radius: f64, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            stroke: Some(Stroke::dashed(look.ink, width, look.dash)),
+            ..Self::points(look, radius, true, points)
+        }
+    }
+
+    /// With runs that failed.
+    pub fn failed(self, failed: Vec<f64>) -> Self {
+        Self { failed, ..self }
+    }
+
+    /// A history in a window of its abscissa, thinned so that peaks stay.
+    pub fn history(stroke: Stroke, window: &Axis, x: &[f64], y: &[f64]) -> Self {
+        let n = x.len().min(y.len());
+        let start = x[..n]
+            .partition_point(|x| *x < window.min)
+            .saturating_sub(1);
+        let end = (x[..n].partition_point(|x| *x <= window.max) + 1).min(n);
+        let kept = if start < end {
+            decimate(&x[start..end], &y[start..end], BUCKETS)
+        } else {
+            Vec::new()
+        };
+        let points = kept.into_iter().map(|i| (x[start + i], y[start + i]));
+        Self::line(stroke, points.collect())
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Height of the plot.
+    pub height: f64,
+    pub x: Axis,
+    /// Its ticks; empty takes those of the axis.
+    pub x_ticks: Vec<(f64, String)>,
+    /// Its name, when this panel shows it.
+    pub x_name: Option<String>,
+    /// Ordinate; taken from the points when absent.
+    pub y: Option<Axis>,
+    /// Name and unit of the ordinate.
+    pub y_name: String,
+    /// Remark at the top left.
+    pub remark: String,
+    /// Curves, the first at the bottom of the pile.
+    pub curves: Vec<Curve>,
+    /// Horizontal limits with their names.
+    pub limits: Vec<(f64, String)>,
+    /// Vertical lines with their names.
+    pub verticals: Vec<(f64, String)>,
+    /// Points with names.
+    pub marks: Vec<((f64, f64), String)>,
+}
+
+impl Panel {
+    /// A panel without curves.
+    pub fn new(height: f64, x: &Axis, y_name: &str) -> Self {
+        Self {
+            height,
+            x: x.clone(),
+            x_ticks: Vec::new(),
+            x_name: None,
+            y: None,
+            y_name: y_name.into(),
+            remark: String::new(),
+            curves: Vec::new(),
+            limits: Vec::new(),
+            verticals: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+
+    pub fn remark(self, remark: impl Into<String>) -> Self {
+        let remark = remark.into();
+        Self { remark, ..self }
+    }
+
+    pub fn curves(self, curves: impl IntoIterator<Item = Curve>) -> Self {
+        let curves = curves.into_iter().collect();
+        Self { curves, ..self }
+    }
+
+    fn strip(&self) -> f64 {
+        let failed = self.curves.iter().any(|c| !c.failed.is_empty());
+        if failed { STRIP } else { 0.0 }
+    }
+
+    /// Height of the names of vertical lines.
+    fn above(&self) -> f64 {
+        if self.verticals.is_empty() { 0.0 } else { 14.0 }
+    }
+
+    fn tall(&self) -> f64 {
+        let below = if self.x_name.is_some() { NAMES } else { GAP };
+        self.above() + self.strip() + self.height + below
+    }
+
+    /// Least and greatest finite ordinate of all points.
+    pub fn ordinates(&self) -> (f64, f64) {
+        let values = self
+            .curves
+            .iter()
+            .flat_map(|c| c.points.iter().map(|p| p.1));
+        extremes(values)
+    }
+
+    /// With an ordinate close around all points, and head room for the remark.
+    pub fn close(mut self) -> Self {
+        let (low, high) = self.ordinates();
+        let mut axis = Axis::padded(low, high, 0.07);
+        if !self.remark.is_empty() {
+            axis.max += 0.22 * (axis.max - axis.min);
+        }
+        self.y = Some(axis);
+        self
+    }
+
+    /// A range of all points and limits; logarithmic when it spans more than a decade.
+    fn range(&self) -> Axis {
+        let (a, b) = self.ordinates();
+        let (low, high) = extremes(self.limits.iter().map(|l| l.0).chain([a, b]));
+        // Head room for the remark.
+        let room = if self.remark.is_empty() { 0.0 } else { 0.12 };
+        if low > 0.0 && high > 10.0 * low {
+            let mut axis = Axis::logarithmic(low, high);
+            axis.max *= (axis.max / axis.min).powf(room);
+            return axis;
+        }
+        let mut axis = if low >= 0.0 {
+            Axis::from_zero(high)
+        } else {
+            Axis::padded(low, high, 0.08)
+        };
+        axis.max += 1.2 * room * (axis.max - axis.min);
+        axis
+    }
+
+    fn paint(&self, c: &mut Canvas<'_>, top: f64) {
+        let y0 = top + self.above() + self.strip();
+        let area = Rect::new(LEFT, y0, WIDTH - RIGHT, y0 + self.height);
+        let frame = Frame {
+            area,
+            x: self.x.clone(),
+            y: self.y.clone().unwrap_or_else(|| self.range()),
+        };
+        let ticks = if self.x_ticks.is_empty() {
+            let at = frame.x.ticks((area.width() / 85.0) as usize);
+            let label = |&t: &f64| (t, tick_label(t, &at, frame.x.log));
+            at.iter().map(label).collect()
+        } else {
+            self.x_ticks.clone()
+        };
+        let name = self.x_name.as_deref();
+        frame.paint_at(c, &ticks, name.unwrap_or(""), &self.y_name, name.is_some());
+        self.paint_verticals(c, &frame, top + self.above() - 6.0);
+        let mut taken = self.paint_limits(c, &frame);
+        let inside = Rect::new(area.x0 - 1.0, area.y0 - 1.0, area.x1 + 1.0, area.y1 + 1.0);
+        for curve in &self.curves {
+            let points: Vec<(f64, f64)> = curve.points.iter().map(|p| frame.at(p.0, p.1)).collect();
+            if let Some(stroke) = curve.stroke {
+                c.line_within(&points, &area, stroke);
+            }
+            let Some((look, radius, filled)) = curve.marker else {
+                continue;
+            };
+            for p in points {
+                if inside.contains(&Rect::around(p, 0.0)) {
+                    marker(c, p, radius, look, filled);
+                    taken.push(Rect::around(p, radius + 1.0));
+                }
+            }
+        }
+        for ((x, y), text) in &self.marks {
+            let at = frame.at(*x, *y);
+            let kind = Type::new(TICK_SIZE, Anchor::Start);
+            let free = free_place(text, kind.size, at, &area, &mut taken);
+            leader(c, at, &free, 9.0, Ink::GREY);
+            c.text(text, (free.x0, free.middle()), kind);
+        }
+        if self.strip() > 0.0 {
+            self.paint_failures(c, &frame);
+        }
+        if !self.remark.is_empty() {
+            let at = (area.x0 + 10.0, area.y0 + 13.0);
+            let width = text_width(&self.remark, TICK_SIZE);
+            let back = Rect::new(at.0 - 4.0, at.1 - 9.0, at.0 + width + 4.0, at.1 + 9.0);
+            c.fill(&back, Ink::WHITE.opacity(0.85));
+            let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
+            c.text(&self.remark, at, kind);
+        }
+    }
+
+    /// Vertical lines; names that would overlap the one before are left out.
+    fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64) {
+        let area = frame.area;
+        let mut free = f64::NEG_INFINITY;
+        for (at, text) in &self.verticals {
+            let (x, _) = frame.at(*at, frame.y.min);
+            if !(area.x0..=area.x1).contains(&x) {
+                continue;
+            }
+            let stroke = Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]);
+            c.line(&[(x, area.y0), (x, area.y1)], stroke);
+            let half = 0.5 * text_width(text, TICK_SIZE - 0.5);
+            let centre = x.clamp(area.x0 + half, (area.x1 - half).max(area.x0 + half));
+            if centre - half > free {
+                let kind = Type::new(TICK_SIZE - 0.5, Anchor::Middle).ink(Ink::GREY);
+                c.text(text, (centre, y), kind);
+                free = centre + half + 6.0;
+            }
+        }
+    }
+
+    /// Horizontal limits; the places of their names.
+    fn paint_limits(&self, c: &mut Canvas<'_>, frame: &Frame) -> Vec<Rect> {
+        let area = frame.area;
+        let mut taken = Vec::new();
+        for (limit, text) in &self.limits {
+            let (x, y) = frame.at(frame.x.max, *limit);
+            if y < area.y0 || y > area.y1 {
+                continue;
+            }
+            let stroke = Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]);
+            c.line(&[(area.x0, y), (x, y)], stroke);
+            // At the left: curves come down to their limits on the right.
+            let kind = Type::new(TICK_SIZE - 0.5, Anchor::Start).ink(Ink::GREY);
+            c.text(text, (area.x0 + 6.0, y - 8.0), kind);
+            let end = area.x0 + 10.0 + text_width(text, TICK_SIZE);
+            taken.push(Rect::new(area.x0, y - 15.0, end, y + 2.0));
+        }
+        taken
+    }
+
+    /// The strip above a panel with a cross for every failed run.
+    fn paint_failures(&self, c: &mut Canvas<'_>, frame: &Frame) {
+        let area = frame.area;
+        let strip = Rect::new(area.x0, area.y0 - STRIP, area.x1, area.y0 - 4.0);
+        c.edge_of_failures(&strip);
+        let kind = Type::new(TICK_SIZE, Anchor::End).ink(Ink::FAIL);
+        c.text("failed", (area.x0 - 7.0, strip.middle()), kind);
+        for curve in &self.curves {
+            for &x in &curve.failed {
+                let (x, _) = frame.at(x, frame.y.min);
+                cross(c, (x, strip.middle()), 4.2, curve.ink);
+            }
+        }
+    }
+}
+
+/// Least and greatest finite value.
+pub fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let finite = values.filter(|x| x.is_finite());
+    finite.fold(ends, |(low, high), x| (low.min(x), high.max(x)))
+}
+
+/// A chart of panels under one legend.
+pub fn chart(
+    file: &str,
+    title: &'static str,
+    caption: impl Into<String>,
+    legend: &[Entry],
+    panels: &[Panel],
+) -> Result<Chart, DrawError> {
+    let head = 10.0 + legend_height(legend);
+    let height = head + panels.iter().map(Panel::tall).sum::<f64>();
+    let svg = draw(WIDTH, height, title, |c| {
+        paint_legend(c, legend);
+        let mut y = head;
+        for panel in panels {
+            panel.paint(c, y);
+            y += panel.tall();
+        }
+    })?;
+    Ok(Chart {
+        file: file.into(),
+        title,
+        caption: caption.into(),
+        svg,
+    })
+}

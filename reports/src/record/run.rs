@@ -1,0 +1,202 @@
+//! A run: one model under one integrator, what it cost, and how it ended.
+
+use super::{ContactSnapshot, Ledger, Metrics, Steady, is_not_finite, nan, not_a_number, slug};
+use crate::metrics::{Finished, Unfinished};
+use crate::series::TimeSeries;
+use crate::words::words;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+words! {
+    /// How a run ended. All but [`Status::Converged`] are drawn as what they are.
+    pub enum Status {
+        /// Reached the end within the scene's tolerance.
+        #[default]
+        Converged = "converged",
+        /// Reached the end beyond the scene's tolerance.
+        Inaccurate = "inaccurate",
+        /// The energy ledger gained what nothing put in.
+        EnergyGrowth = "energy growth",
+        /// Contact opened and closed without end.
+        Chatter = "chatter",
+        /// Newton's method did not converge.
+        NewtonFailure = "newton failure",
+        /// Step control went below the smallest step.
+        StepUnderflow = "step underflow",
+        /// A state was not finite, or out of all bounds.
+        BlowUp = "blow-up",
+        /// A tooth passed through another unseen.
+        Tunnelling = "tunnelling",
+        /// A contact pulled.
+        AdhesiveForce = "adhesive force",
+        /// The run was stopped for taking too long.
+        Timeout = "timeout",
+    }
+}
+
+impl Status {
+    /// Whether the run's numbers must not be used: everything but converged and inaccurate.
+    pub fn is_failure(self) -> bool {
+        !matches!(self, Self::Converged | Self::Inaccurate)
+    }
+}
+
+/// One model under one integrator.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Model id: `rigid`, `movable-teeth`, `elastic`, `fe`.
+    pub model: String,
+    /// What sets this model apart from others of its id, such as `k = 3.6e10 N/m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
+    /// Integrator id.
+    pub integrator: String,
+    /// Whether the integrator is implicit.
+    #[serde(default)]
+    pub implicit: bool,
+    /// Whether the integrator solves the linear part of the model exactly.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub exact_linear: bool,
+    /// Fixed step \[s\].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub step: Option<f64>,
+    /// Relative tolerance of an adaptive method [-].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub rtol: Option<f64>,
+    /// How it ended.
+    pub status: Status,
+    /// Why it did not converge: when, and how much; or what to know of a run that did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Wall time, the median of the repeats \[s\].
+    #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
+    pub wall_s: f64,
+    /// Shortest and longest wall time of the repeats \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wall_spread_s: Option<[f64; 2]>,
+    /// Number of timed repeats without observers; 0 when the observed run itself was timed.
+    #[serde(default)]
+    pub repeats: u32,
+    /// Fixed cost before the first step: mesh, modes, factorisation \[s\].
+    #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
+    pub setup_s: f64,
+    /// Simulated time reached \[s\].
+    #[serde(default = "nan", skip_serializing_if = "is_not_finite")]
+    pub simulated_s: f64,
+    /// Time that it was to reach \[s\]; known while a study runs, a record has the metrics.
+    #[serde(skip)]
+    pub end_s: Option<f64>,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Evaluations of the force.
+    pub force_evaluations: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Matrix factorisations.
+    pub factorisations: u64,
+    /// Located events.
+    #[serde(default)]
+    pub events: u64,
+    /// Degrees of freedom.
+    pub dofs: usize,
+    /// Calibration of the stiffness, such as `impact`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<String>,
+    /// Id of the reference to whose history its constants were fitted, where that is one of this record: its error
+    /// there is the rest of a fit, not a prediction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fitted_to: Option<String>,
+    /// Parameters by gear (`contact A - B` for a mesh) and key, in SI units: numbers as numbers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, BTreeMap<String, serde_json::Value>>,
+    /// Dynamic modes of the gear that has most of them (elastic model).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<usize>,
+    /// Whether the cut modes are kept as residual compliance (elastic model).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<bool>,
+    /// How its modes were chosen, `flank-compliance` or `frequency` (elastic model).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choose: Option<String>,
+    /// Highest frequency among its modes \[Hz\] (elastic model).
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub highest_hz: Option<f64>,
+    /// Penalty of its contact \[Pa/m\] (study of penalties).
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub penalty_pa_per_m: Option<f64>,
+    /// Its contact is hard, without a penalty (study of penalties).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hard: Option<bool>,
+    /// Mean static transmission error over one base pitch under the load of the study \[m\].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub static_error_m: Option<f64>,
+    /// What it settles to (loaded running).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steady: Option<Steady>,
+    /// Time that others publish for such a model \[s\]; see [`crate::studies::compare::CompareRecord`].
+    #[serde(default, skip_serializing_if = "not_a_number")]
+    pub published_s: Option<f64>,
+    /// What charts call this run where it stands out among others of its variant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mark: Option<String>,
+    /// One entry per reference the run is compared with.
+    pub metrics: Vec<Metrics>,
+    /// Energy and impulse ledger.
+    #[serde(default)]
+    pub ledger: Ledger,
+    /// Recorded histories.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub series: Option<TimeSeries>,
+    /// The mesh at peak force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contacts: Option<ContactSnapshot>,
+}
+
+impl Run {
+    /// The model with its variant: runs that share it differ by integrator only.
+    pub fn model_label(&self) -> String {
+        match &self.variant {
+            Some(variant) => format!("{}, {variant}", self.model),
+            None => self.model.clone(),
+        }
+    }
+
+    /// What metrics can be told of.
+    ///
+    /// # Errors
+    /// [`Unfinished`] when it has no history, or one that ends before the run was to end.
+    pub fn finished(&self) -> Result<Finished<'_>, Unfinished> {
+        let end_s = self.end_s.unwrap_or(self.simulated_s);
+        match &self.series {
+            Some(series) => Finished::reached(series, &self.ledger, [self.simulated_s, end_s]),
+            None => Err(Unfinished {
+                reached_s: f64::NEG_INFINITY,
+                end_s,
+            }),
+        }
+    }
+
+    /// The metrics against one reference.
+    pub fn against(&self, reference: &str) -> Option<&Metrics> {
+        self.metrics.iter().find(|m| m.against == reference)
+    }
+
+    /// File name without ending, unique through `index`, the run's place in the record.
+    pub fn file_stem(&self, index: usize) -> String {
+        let mut stem = format!("run{:02}", index + 1);
+        for part in [
+            self.model.as_str(),
+            self.variant.as_deref().unwrap_or(""),
+            self.integrator.as_str(),
+        ] {
+            let slug = slug(part);
+            if !slug.is_empty() {
+                stem.push('-');
+                stem.push_str(&slug);
+            }
+        }
+        stem
+    }
+}

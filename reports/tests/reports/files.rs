@@ -1,0 +1,258 @@
+//! The files of a report: format, completeness, honesty.
+
+use crate::{contents, finding, has_only_numbers, holds, made_up, written};
+use gearbench_reports::store::{PAGE, RECORD};
+use gearbench_reports::{Results, Run, Status, load_results, report_from, write_results};
+use std::fs;
+
+#[test]
+fn the_keys_of_the_format_are_there() {
+    let dir = tempfile::tempdir().unwrap();
+    write_results(dir.path(), &made_up::impact_results()).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(dir.path().join(RECORD)).unwrap()).unwrap();
+    assert_eq!(json["schema"], 1);
+    for key in [
+        "scene", "machine", "commit", "runs", "study", "command", "created",
+    ] {
+        assert!(json.get(key).is_some(), "{key}");
+    }
+    let run = &json["runs"][0];
+    for key in [
+        "model",
+        "integrator",
+        "step",
+        "status",
+        "wall_s",
+        "setup_s",
+        "simulated_s",
+        "steps",
+        "rejected",
+        "force_evaluations",
+        "newton_iterations",
+        "factorisations",
+        "dofs",
+        "metrics",
+    ] {
+        assert!(run.get(key).is_some(), "{key}");
+    }
+    assert!(json["runs"][3].get("rtol").is_some() && json["runs"][3].get("step").is_none());
+    for key in [
+        "force_l2",
+        "force_l2_aligned",
+        "peak_force_n",
+        "peak_force_rel",
+        "impulse_ns",
+        "impulse_rel",
+        "duration_s",
+        "omega1_end",
+        "omega2_end",
+        "energy_drift_rel",
+        "against",
+    ] {
+        assert!(run["metrics"][0].get(key).is_some(), "{key}");
+    }
+    let elastic = Run {
+        modes: Some(50),
+        residual: Some(true),
+        ..Run::default()
+    };
+    let elastic = serde_json::to_value(elastic).unwrap();
+    assert_eq!(
+        (&elastic["modes"], &elastic["residual"]),
+        (&50.into(), &true.into())
+    );
+}
+
+#[test]
+fn every_status_has_its_words() {
+    for status in Status::ALL {
+        let json = serde_json::to_value(status).unwrap();
+        assert_eq!(json, status.as_str());
+        assert_eq!(serde_json::from_value::<Status>(json).unwrap(), status);
+    }
+    assert_eq!(
+        Status::ALL.map(Status::as_str).join(" | "),
+        "converged | inaccurate | energy growth | chatter | newton failure | step underflow | \
+         blow-up | tunnelling | adhesive force | timeout"
+    );
+}
+
+#[test]
+fn a_record_survives_its_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let saved = made_up::impact_results().sanitised();
+    write_results(dir.path(), &saved).unwrap();
+    let loaded = load_results(dir.path()).unwrap();
+    assert_eq!(loaded.settings, saved.settings);
+    assert_eq!(loaded.runs.len(), saved.runs.len());
+    for (a, b) in loaded.runs.iter().zip(&saved.runs) {
+        assert_eq!(a.status, b.status);
+        let (a, b) = (a.series.as_ref().unwrap(), b.series.as_ref().unwrap());
+        assert_eq!(a.len(), b.len());
+        for (x, y) in a.contact_force_n.iter().zip(&b.contact_force_n) {
+            assert!((x - y).abs() <= 2.0 * f64::EPSILON * y.abs());
+        }
+    }
+    let simple = Results {
+        runs: vec![Run {
+            model: "rigid".into(),
+            integrator: "rk4".into(),
+            wall_s: 0.5,
+            setup_s: 0.0,
+            simulated_s: 0.25,
+            ..Run::default()
+        }],
+        settings: vec![("z".into(), "20".into()), ("a".into(), "x".into())],
+        ..Results::default()
+    };
+    let text = serde_json::to_string(&simple).unwrap();
+    assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), simple);
+}
+
+#[test]
+fn the_report_is_a_function_of_the_record() {
+    let dir = tempfile::tempdir().unwrap();
+    write_results(dir.path(), &made_up::impact_results()).unwrap();
+    let first = contents(dir.path());
+    for name in first.keys().filter(|n| *n != RECORD) {
+        fs::remove_file(dir.path().join(name)).unwrap();
+    }
+    report_from(dir.path()).unwrap();
+    let second = contents(dir.path());
+    assert_eq!(
+        first.keys().collect::<Vec<_>>(),
+        second.keys().collect::<Vec<_>>()
+    );
+    for (name, text) in &first {
+        assert!(*text == second[name], "{name} differs");
+    }
+    holds(
+        &first,
+        &[
+            "force.svg",
+            "speeds.svg",
+            "mesh.svg",
+            "runtime.svg",
+            "accuracy.svg",
+            PAGE,
+        ],
+    );
+    let csv = &first["run01-rigid-semi-implicit-euler.csv"];
+    assert!(csv.starts_with("time_s,contact_force_n,omega1_rad_s,omega2_rad_s\n"));
+}
+
+#[test]
+fn numbers_that_are_none_reach_no_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut results = made_up::impact_results();
+    for run in &mut results.runs {
+        if let Some(picture) = &mut run.contacts {
+            picture.contacts[0].force = [f64::NAN, f64::INFINITY];
+            picture.outlines[0].points[3] = [f64::NAN, 0.0];
+        }
+    }
+    results.runs[4].wall_s = f64::NAN;
+    results.runs[5].wall_s = f64::INFINITY;
+    write_results(dir.path(), &results).unwrap();
+    has_only_numbers(&contents(dir.path()));
+    let loaded = load_results(dir.path()).unwrap();
+    assert!(loaded.runs[4].wall_s.is_nan());
+}
+
+#[test]
+fn a_failed_run_is_shown_as_a_failure() {
+    let files = written(&made_up::impact_results());
+    let page = &files[PAGE];
+    assert!(page.contains("2 of 18 runs failed"));
+    assert!(page.contains("speed of gear 2 not finite at t = 61.25 us"));
+    assert!(page.contains("<tr class=\"failed\">"));
+    for chart in ["runtime.svg", "accuracy.svg"] {
+        assert!(files[chart].contains("blow-up"), "{chart}");
+        assert!(files[chart].contains("newton failure"), "{chart}");
+    }
+    // The failed runs are the fastest of all and must not be named as the cheapest.
+    let finding = finding(&files[PAGE]);
+    assert!(finding.contains("dormand-prince"), "{finding}");
+}
+
+#[test]
+fn the_page_is_alone_and_nothing_in_it_runs() {
+    let mut results = made_up::impact_results();
+    let hostile = "<script src=\"http://x\">&'\u{7}";
+    results.header.title = hostile.into();
+    results.header.command = hostile.into();
+    results.settings.push((hostile.into(), hostile.into()));
+    results.references[0].title = hostile.into();
+    results.header.machine.cpu = hostile.into();
+    for run in &mut results.runs {
+        run.variant = Some(hostile.into());
+        run.message = Some(hostile.into());
+        run.calibration = Some(hostile.into());
+        if let Some(picture) = &mut run.contacts {
+            picture.outlines[0].gear = hostile.into();
+            picture.contacts[0].pair = hostile.into();
+        }
+    }
+    for (name, text) in written(&results) {
+        if name.ends_with(".html") || name.ends_with(".svg") {
+            assert!(!text.contains("<script"), "{name}");
+            assert!(!text.contains('\u{7}'), "{name}");
+            for fetch in ["src=", "href=", "@import", "url("] {
+                let quoted = text.replace("src=&quot;", "");
+                assert!(!quoted.contains(fetch), "{fetch} in {name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_second_study_replaces_the_first_and_spares_the_rest() {
+    let dir = tempfile::tempdir().unwrap();
+    write_results(dir.path(), &made_up::impact_results()).unwrap();
+    fs::write(dir.path().join("notes.txt"), "mine").unwrap();
+    let mut fewer = made_up::impact_results();
+    fewer.runs.truncate(2);
+    for run in &mut fewer.runs {
+        run.contacts = None;
+    }
+    write_results(dir.path(), &fewer).unwrap();
+    let files = contents(dir.path());
+    assert!(files.contains_key("notes.txt"));
+    assert!(files.contains_key("run02-rigid-velocity-verlet.csv"));
+    assert!(!files.keys().any(|n| n.starts_with("run03")));
+    assert!(!files.contains_key("mesh.svg"));
+    assert!(!files.keys().any(|n| n.starts_with(".staging")));
+}
+
+#[test]
+fn bare_and_broken_records() {
+    let dir = tempfile::tempdir().unwrap();
+    write_results(dir.path(), &Results::default()).unwrap();
+    let mut failed = made_up::impact_results();
+    failed.references.clear();
+    for run in &mut failed.runs {
+        run.status = Status::Timeout;
+        run.series = None;
+        run.metrics.clear();
+    }
+    write_results(dir.path(), &failed).unwrap();
+    assert!(contents(dir.path())[PAGE].contains("None of the 18 runs reached a usable end."));
+
+    fs::write(dir.path().join(RECORD), "{ \"schema\": 99 }").unwrap();
+    let e = load_results(dir.path()).unwrap_err().to_string();
+    assert!(e.contains("schema 99") && e.contains(RECORD), "{e}");
+    fs::write(dir.path().join(RECORD), "{ \"schema\": 1,\n \"scene\": 3 }").unwrap();
+    let e = load_results(dir.path()).unwrap_err().to_string();
+    assert!(e.contains("line 2"), "{e}");
+
+    let mut unequal = made_up::impact_results();
+    if let Some(series) = &mut unequal.runs[1].series {
+        series.omega1_rad_s.pop();
+    }
+    let e = write_results(dir.path(), &unequal).unwrap_err().to_string();
+    assert!(
+        e.contains("run 2 (rigid, velocity-verlet)") && e.contains("omega1_rad_s"),
+        "{e}"
+    );
+}

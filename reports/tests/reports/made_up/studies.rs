@@ -1,0 +1,191 @@
+//! Made-up records of the studies of mode counts, speeds and penalties.
+
+use super::{fail, impact, impact_results, reference, run, study, told};
+use gearbench_reports::sweep::{Bearing, StaticCycle, Steady, SweepRecord};
+use gearbench_reports::{Ledger, Part, Results, Run, Status};
+use std::f64::consts::PI;
+
+/// A study of mode counts: four ways of keeping modes, one failed run, one that is pointed out.
+pub fn mode_results() -> Results {
+    let calculix = impact_results().references.remove(0);
+    let fe = impact(1.9e-5, 3610.0, 0.05, 5e-7);
+    let mut runs = vec![Run {
+        implicit: true,
+        wall_s: 1.9,
+        setup_s: 0.6,
+        dofs: 14918,
+        metrics: vec![told(&fe, &Ledger::default(), &calculix.series, "calculix")],
+        series: Some(fe.clone()),
+        ..run("fe", "hht-alpha", 5e-7, 1.34e-4)
+    }];
+    for (choose, residual, variant) in [
+        ("flank-compliance", true, "by flank compliance"),
+        ("frequency", true, "by frequency"),
+        ("flank-compliance", false, "truncated, by flank compliance"),
+        ("frequency", false, "truncated, by frequency"),
+    ] {
+        for modes in [0, 10, 25, 35, 42, 50, 75, 100, 150, 200, 300] {
+            if (modes == 42) == residual && modes == 42 {
+                continue;
+            }
+            let n = modes as f64;
+            let bump = if modes == 25 { 2.2 } else { 1.0 };
+            let error = match (choose, residual) {
+                (_, true) if modes == 0 => 0.052,
+                ("frequency", true) => bump * 0.05 / (1.0 + (n / 25.0).powf(1.9)) + 0.002,
+                (_, true) => 0.068 / (1.0 + (n / 14.0).powf(2.1)) + 0.002,
+                ("frequency", false) => 0.75 / (1.0 + n / 45.0) + 0.05,
+                _ => 0.75 / (1.0 + n / 25.0) + 0.03,
+            };
+            let series = impact(1.9e-5, 3610.0 * (1.0 + 0.6 * error), 0.05 + error, 1e-6);
+            let ledger = Ledger::default();
+            let mut metrics = vec![
+                told(&series, &ledger, &fe, "fe"),
+                told(&series, &ledger, &calculix.series, "calculix"),
+            ];
+            metrics[0].force_l2 = Some(error);
+            metrics[0].impulse_rel = Some(-0.05 * error);
+            metrics[1].force_l2 = Some((error * error + 0.017_f64.powi(2)).sqrt());
+            let step = if residual { 1e-6 } else { 2e-8 };
+            let high = if choose == "frequency" {
+                3.2e3 * n.powf(0.87)
+            } else {
+                60e3 + 1.5e3 * n
+            };
+            let whole = run("elastic", "trigonometric", step, 1.34e-4);
+            let mut run = Run {
+                variant: Some(variant.into()),
+                wall_s: 2.4e-6 * (1.0 + 0.002 * n) * whole.steps as f64,
+                repeats: 3,
+                setup_s: 0.4,
+                force_evaluations: whole.steps + 1,
+                dofs: 2 + 2 * modes,
+                modes: Some(modes),
+                residual: Some(residual),
+                choose: Some(choose.into()),
+                highest_hz: (modes > 0).then_some(high),
+                mark: (choose == "frequency" && !residual && modes == 42)
+                    .then(|| "published method, to 80 kHz".into()),
+                metrics,
+                series: Some(series),
+                ..whole
+            };
+            if choose != "frequency" && !residual && modes == 300 {
+                fail(&mut run, &fe, Status::BlowUp, "not finite at t = 12 us");
+            }
+            runs.push(run);
+        }
+    }
+    let fe = reference("fe", "full finite elements, same mesh", &fe);
+    let command = "gearbench truncation spur_impact";
+    study(command, Part::Truncation, vec![fe, calculix], runs)
+}
+
+/// A sweep of two models over their mesh resonance, one run failed.
+pub fn sweep_results() -> Results {
+    let (mut runs, mut statics) = (Vec::new(), Vec::new());
+    let position: Vec<f64> = (0..64).map(|i| (f64::from(i) + 0.5) / 64.0 - 0.5).collect();
+    for (model, resonance) in [("rigid", 6000.0), ("elastic", 5500.0)] {
+        let amplitude = |k: usize, f: f64| {
+            let r = f * k as f64 / resonance;
+            2e-6 / (k * k) as f64 / ((1.0 - r * r).powi(2) + (0.1 * r).powi(2)).sqrt()
+        };
+        let cycle = |f: f64| -> Vec<f64> {
+            (position.iter())
+                .map(|p| {
+                    let of = |k: usize| amplitude(k, f) * (2.0 * PI * k as f64 * p).cos();
+                    10e-6 + (1..=12).map(of).sum::<f64>()
+                })
+                .collect()
+        };
+        let spread = |x: &[f64]| {
+            x.iter().copied().fold(f64::MIN, f64::max) - x.iter().copied().fold(f64::MAX, f64::min)
+        };
+        let still = cycle(0.0);
+        statics.push(StaticCycle {
+            label: model.into(),
+            force_n: 2700.0,
+            position: position.clone(),
+            error_peak_to_peak_m: spread(&still),
+            error_m: still,
+            error_mean_m: 10e-6,
+            tangent_n_per_m: 2.7e8,
+            resonance_hz: Some(resonance),
+        });
+        for i in 0..30 {
+            let f = 500.0 + 300.0 * f64::from(i);
+            let error = cycle(f);
+            let harmonics: Vec<f64> = (1..=12).map(|k| amplitude(k, f)).collect();
+            let peak = 2700.0 * (1.0 + 0.05e6 * spread(&error));
+            let bearing = |gear: &str| Bearing {
+                gear: gear.into(),
+                own_inertia: model == "elastic",
+                mean_n: 2700.0,
+                rms_n: 1e8 * harmonics[0],
+                harmonics_n: harmonics.iter().map(|a| 2e8 * a).collect(),
+            };
+            let mut run = Run {
+                wall_s: 0.1,
+                steady: Some(Steady {
+                    mesh_frequency_hz: f,
+                    speed_rad_s: f / 16.0 * 2.0 * PI,
+                    cycles: 8,
+                    error_mean_m: 10e-6,
+                    error_rms_m: (harmonics.iter().map(|a| 0.5 * a * a).sum::<f64>()).sqrt(),
+                    error_peak_to_peak_m: spread(&error),
+                    error_harmonics_m: harmonics.clone(),
+                    force_mean_n: 2700.0,
+                    force_peak_n: peak,
+                    separated: if spread(&error) > 30e-6 { 0.2 } else { 0.0 },
+                    irregular: 1e-4,
+                    bearings: vec![bearing("pinion"), bearing("wheel")],
+                    position: position.clone(),
+                    force_cycle_n: vec![2700.0; position.len()],
+                    error_cycle_m: error,
+                }),
+                ..run(model, "velocity-verlet", 2e-7, 0.01)
+            };
+            if model == "elastic" && i == 21 {
+                run.status = Status::EnergyGrowth;
+                run.message = Some("made up".into());
+            }
+            runs.push(run);
+        }
+    }
+    let part = Part::Sweep(SweepRecord { statics });
+    let mut results = study("gearbench sweep loaded_mesh", part, Vec::new(), runs);
+    results.header.scene = "loaded_mesh".into();
+    results
+}
+
+/// A study of penalties that come to hard contact, the stiffest failed.
+pub fn penalty_results() -> Results {
+    let hard = impact(1.9e-5, 3610.0, 0.05, 1e-6);
+    let mut runs = Vec::new();
+    for i in 0..=9 {
+        let penalty = (i < 9).then(|| 1e13 * 10f64.powf(0.5 * f64::from(i)));
+        let off = penalty.map_or(0.0, |p| 0.3 / (1.0 + p / 1e13));
+        let series = impact(1.9e-5, 3610.0 * (1.0 - off), 0.05, 1e-6);
+        let mut run = Run {
+            wall_s: 1e-3,
+            penalty_pa_per_m: penalty,
+            hard: penalty.is_none().then_some(true),
+            static_error_m: Some(1e-5 * (1.0 + off)),
+            metrics: vec![told(&series, &Ledger::default(), &hard, "hard")],
+            series: (i % 3 == 0).then_some(series),
+            ..run("elastic", "trigonometric", 1e-6, 1.34e-4)
+        };
+        if i == 8 {
+            run.status = Status::BlowUp;
+            run.message = Some("made up".into());
+        }
+        runs.push(run);
+    }
+    let references = vec![reference("hard", "hard contact", &hard)];
+    study(
+        "gearbench penalty spur_impact",
+        Part::Penalty,
+        references,
+        runs,
+    )
+}

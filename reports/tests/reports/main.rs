@@ -1,0 +1,50 @@
+//! Reports of made-up records: their files, what they say, and that they say it honestly.
+
+mod files;
+mod made_up;
+mod precision;
+mod studies;
+
+use gearbench_reports::{Results, write_results};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// The files of a folder by name.
+fn contents(dir: &Path) -> BTreeMap<String, String> {
+    let entries = fs::read_dir(dir).unwrap().map(|e| e.unwrap());
+    let file = |e: fs::DirEntry| {
+        let name = e.file_name().into_string().unwrap();
+        (name, fs::read_to_string(e.path()).unwrap())
+    };
+    entries.map(file).collect()
+}
+
+/// The files of a report.
+fn written(results: &Results) -> BTreeMap<String, String> {
+    let dir = tempfile::tempdir().unwrap();
+    write_results(dir.path(), results).unwrap();
+    contents(dir.path())
+}
+
+/// Whether all of some files are there.
+fn holds(files: &BTreeMap<String, String>, names: &[&str]) {
+    for name in names {
+        assert!(files.contains_key(*name), "{name}");
+    }
+}
+
+/// The finding of a page.
+fn finding(page: &str) -> &str {
+    let text = page.split("class=\"finding\"").nth(1).unwrap();
+    text.split("</section>").next().unwrap()
+}
+
+/// No number that is none may be in any file.
+fn has_only_numbers(files: &BTreeMap<String, String>) {
+    for (name, text) in files {
+        for word in ["NaN", "nan,", "inf,", "Infinity", "null", ">inf", "\"inf"] {
+            assert!(!text.contains(word), "{word} in {name}");
+        }
+    }
+}

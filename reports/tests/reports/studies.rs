@@ -1,0 +1,100 @@
+//! What the pages of studies find in records whose answer is known.
+
+use crate::{contents, finding, holds, made_up, written};
+use gearbench_reports::store::PAGE;
+use gearbench_reports::{load_results, write_results};
+
+#[test]
+fn long_histories_stay_small_and_keep_their_peaks() {
+    let files = written(&made_up::rotation_results());
+    assert!(
+        files["force.svg"].len() < 400_000,
+        "{}",
+        files["force.svg"].len()
+    );
+    // The highest peak defines the axis of the zoom panel; its window is named in the caption.
+    assert!(files[PAGE].contains("around the highest peak"));
+}
+
+#[test]
+fn a_study_of_modes_names_the_fewest_and_shows_what_failed() {
+    let files = written(&made_up::mode_results());
+    holds(
+        &files,
+        &[
+            "truncation.svg",
+            "truncation_frequencies.svg",
+            "truncation_peak.svg",
+            "truncation_cost.svg",
+            "force.svg",
+        ],
+    );
+    let page = &files[PAGE];
+    let finding = finding(&files[PAGE]);
+    // 0.068 / (1 + (n / 14)^2.1) + 0.002 falls below 2 % between 10 and 25 and below 1 % between 35 and 50 modes.
+    assert!(finding.contains("25 for 2"), "{finding}");
+    assert!(finding.contains("50 for 1"), "{finding}");
+    // What is pointed out is held against the best with no more modes: 0.75 / (1 + 42/45) + 0.05 over 35 modes.
+    assert!(
+        finding.contains("Published method, to 80 kHz (42 modes"),
+        "{finding}"
+    );
+    assert!(finding.contains("times that of 35 modes"), "{finding}");
+    assert!(finding.contains("1 of 43 runs failed"), "{finding}");
+    assert!(files["truncation.svg"].contains("failed"));
+    assert!(page.contains("blow-up"));
+}
+
+#[test]
+fn a_sweep_names_its_resonances_and_shows_what_failed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut results = made_up::sweep_results();
+    // A number that is none takes its run from the charts, not the report with it.
+    if let Some(s) = &mut results.runs[3].steady {
+        s.error_harmonics_m[2] = f64::NAN;
+    }
+    write_results(dir.path(), &results).unwrap();
+    let files = contents(dir.path());
+    holds(
+        &files,
+        &[
+            "sweep.svg",
+            "sweep_spectra.svg",
+            "sweep_harmonics.svg",
+            "sweep_cycles.svg",
+            "sweep.csv",
+            "sweep_cycles.csv",
+            "statics.csv",
+        ],
+    );
+    let finding = finding(&files[PAGE]);
+    // The speeds next to 6 and 5.5 kHz.
+    assert!(finding.contains("5.90\u{a0}kHz"), "{finding}");
+    assert!(finding.contains("5.60\u{a0}kHz"), "{finding}");
+    assert!(finding.contains("lift off"), "{finding}");
+    assert!(finding.contains("1 of 60 runs failed"), "{finding}");
+    assert!(files["sweep.svg"].contains("failed") && files["sweep.svg"].contains("fn/2"));
+    assert_eq!(files["sweep.csv"].lines().count(), 1 + 59);
+    let saved = load_results(dir.path()).unwrap();
+    assert!(saved.runs[3].steady.is_none());
+    let [now, then] = [&saved, &results].map(|r| r.runs[4].steady.clone().unwrap());
+    assert_eq!(now.error_harmonics_m.len(), then.error_harmonics_m.len());
+    assert!((now.error_rms_m / then.error_rms_m - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_study_of_penalties_comes_to_hard_contact() {
+    let files = written(&made_up::penalty_results());
+    holds(
+        &files,
+        &["penalty.svg", "penalty_distance.svg", "penalty.csv"],
+    );
+    let finding = finding(&files[PAGE]);
+    // 0.3 / (1 + p / 1e13) is 0.01 % at 3e16, where the last run that did not fail stands; 1 % is at 2.9e14.
+    assert!(finding.contains("3e16 Pa/m"), "{finding}");
+    assert!(finding.contains("the force from 3e14 Pa/m on"), "{finding}");
+    assert!(
+        files["penalty.svg"].contains("failed") && files["penalty.svg"].contains("hard contact")
+    );
+    assert_eq!(files["penalty.csv"].lines().count(), 1 + 10);
+}

@@ -1,0 +1,185 @@
+//! The joined table of models, and usual parameters of each.
+
+use crate::{case_a, contact, elastic_toy, elastic_web, flank_test_gears, nodal_test_gear};
+use gearbench_models::gear::table::{MODELS, Model};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, PointContact, Value};
+
+/// All models: the table of the crate and the example.
+pub fn models() -> Vec<Model> {
+    [MODELS, &[elastic_web::MODEL]].concat()
+}
+
+/// All models, with the test gears that bring flanks.
+pub fn models_with_flanks() -> Vec<Model> {
+    let mut table = models();
+    table.extend([
+        flank_test_gears::RIGID,
+        nodal_test_gear::NODAL,
+        elastic_toy::ELASTIC_TOY,
+    ]);
+    table
+}
+
+/// The rigid model.
+pub fn rigid() -> ModelSpec {
+    ModelSpec {
+        id: "rigid".into(),
+        parameters: Parameters::new(),
+    }
+}
+
+/// Movable teeth with spring [N/m], mass [kg] and damper [N s/m] of each tooth.
+pub fn movable(k: f64, m: f64, c: f64) -> ModelSpec {
+    let parameters = Parameters::from([
+        ("tooth_stiffness_n_per_m".to_string(), Value::Number(k)),
+        ("tooth_mass_kg".to_string(), Value::Number(m)),
+        ("tooth_damping_ns_per_m".to_string(), Value::Number(c)),
+    ]);
+    ModelSpec {
+        id: "movable-teeth".into(),
+        parameters,
+    }
+}
+
+/// The same model with another parameter.
+pub fn with(mut model: ModelSpec, key: &str, value: Value) -> ModelSpec {
+    model.parameters.insert(key.into(), value);
+    model
+}
+
+/// Movable teeth that are all integrated.
+pub fn all_teeth(model: ModelSpec) -> ModelSpec {
+    with(model, "integrate", Value::Text("all".into()))
+}
+
+/// The example: half of the inertia in a rim of 20 kHz.
+pub fn web(damping_ratio: f64) -> ModelSpec {
+    let model = ModelSpec {
+        id: elastic_web::MODEL.id.into(),
+        parameters: Parameters::new(),
+    };
+    let model = with(model, "frequency_hz", Value::Number(2e4));
+    let model = with(model, "rim_share", Value::Number(0.5));
+    with(model, "damping_ratio", Value::Number(damping_ratio))
+}
+
+/// Usual values of parameters, whatever model takes them: undamped, meshes as coarse as they may be.
+const USUAL: [(&str, f64); 12] = [
+    ("tooth_stiffness_n_per_m", 5.3e8),
+    ("tooth_mass_kg", 4.8e-3),
+    ("tooth_damping_ns_per_m", 0.0),
+    ("frequency_hz", 2e4),
+    ("rim_share", 0.5),
+    ("damping_ratio", 0.0),
+    ("flank_elements", 6.0),
+    ("fillet_elements", 2.0),
+    ("across_elements", 4.0),
+    ("rim_elements", 2.0),
+    ("width_elements", 1.0),
+    ("modes", 20.0),
+];
+
+/// Values that make a variant of a model that takes the parameter.
+const VARIANTS: [(&str, &str); 2] = [("integrate", "all"), ("mass", "lumped")];
+
+/// A row of the table with usual parameters.
+pub fn usual(model: &Model) -> ModelSpec {
+    let takes = |key: &str| model.parameters.iter().any(|p| p.key == key);
+    let values = USUAL.iter().filter(|(key, _)| takes(key));
+    let parameters: Parameters = values
+        .map(|(key, x)| ((*key).to_string(), Value::Number(*x)))
+        .collect();
+    for p in model.parameters.iter().filter(|p| p.required) {
+        let known = parameters.contains_key(p.key);
+        assert!(known, "{} needs a usual value of {}", model.id, p.key);
+    }
+    ModelSpec {
+        id: model.id.into(),
+        parameters,
+    }
+}
+
+/// Contact stiffness per width [N/m per m] that goes with [`usual`]: what the model does not carry itself.
+pub fn usual_stiffness(model: &Model) -> f64 {
+    if model.properties.rigid {
+        1.54e10
+    } else {
+        5e10
+    }
+}
+
+/// A model of the joined table under test: all that ship and the example, with their variants.
+pub struct Subject {
+    /// Its row.
+    pub model: Model,
+    /// The row's id, with what makes the variant.
+    pub name: String,
+    /// Usual parameters.
+    pub spec: ModelSpec,
+    /// The contact that it takes: of tooth pairs, or of flank points where it brings flanks.
+    pub contact: ContactSpec,
+    /// It brings flanks.
+    pub flanks: bool,
+}
+
+/// All models of the joined table.
+pub fn subjects() -> Vec<Subject> {
+    gearbench::models::join(elastic_web::MODEL);
+    let mut all = Vec::new();
+    for model in gearbench::models::models() {
+        let plain = (model.id.to_string(), usual(model));
+        let takes = |key: &str| model.parameters.iter().any(|p| p.key == key);
+        let variants = VARIANTS.iter().filter(|(key, _)| takes(key));
+        let variants = variants.map(|(key, value)| {
+            let spec = with(usual(model), key, Value::Text((*value).into()));
+            (format!("{}, {key} = {value}", model.id), spec)
+        });
+        for (name, spec) in std::iter::once(plain).chain(variants) {
+            let pairs = contact(usual_stiffness(model));
+            let points = ContactSpec {
+                points: Some(PointContact::new(1e15)),
+                ..contact(1.5e10)
+            };
+            let flanks = of_flanks(&spec, &pairs);
+            all.push(Subject {
+                model: *model,
+                name,
+                spec,
+                contact: if flanks { points } else { pairs },
+                flanks,
+            });
+        }
+    }
+    all
+}
+
+/// Whether a model needs the contact of flank points: that of tooth pairs is refused.
+fn of_flanks(model: &ModelSpec, pairs: &ContactSpec) -> bool {
+    let modelling = Modelling {
+        gears: vec![model.clone(), model.clone()],
+        contacts: vec![pairs.clone()],
+    };
+    Scene::build(&case_of_body(3e-6), &modelling, gearbench::models::models()).is_err()
+}
+
+/// The impact of [`case_a`] with the inertia that follows from the bodies.
+pub fn case_of_body(gap: f64) -> gearbench_models::spec::SceneSpec {
+    let mut spec = case_a(gap);
+    for g in &mut spec.gears {
+        g.inertia = None;
+    }
+    spec
+}
+
+impl Subject {
+    /// The impact of case A with this model for both gears.
+    pub fn scene(&self, gap: f64) -> Scene {
+        let modelling = Modelling {
+            gears: vec![self.spec.clone(), self.spec.clone()],
+            contacts: vec![self.contact.clone()],
+        };
+        Scene::build(&case_of_body(gap), &modelling, gearbench::models::models())
+            .unwrap_or_else(|e| panic!("{}: {e}", self.name))
+    }
+}

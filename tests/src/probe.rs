@@ -1,0 +1,103 @@
+//! What tests read from a scene at a state, random numbers and fitted slopes.
+
+use gearbench_integrators::{SecondOrderSystem, State};
+use gearbench_models::contact::{Candidate, Party, Wanted};
+use gearbench_models::kinematics::Row;
+use gearbench_models::scene::Scene;
+
+/// All candidates of a scene at a state, whatever their gap, with the index of their mesh.
+pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
+    let mut all = Vec::new();
+    for (m, mesh) in scene.meshes().iter().enumerate() {
+        let party = |i: usize| {
+            let g = &scene.gears()[i];
+            Party {
+                gear: g.model.as_ref(),
+                at: g.at(s.at()),
+            }
+        };
+        let mut found = Vec::new();
+        let wanted = Wanted::Touching(f64::INFINITY);
+        mesh.search.candidates(
+            party(mesh.gears[0]),
+            party(mesh.gears[1]),
+            &[],
+            wanted,
+            &mut found,
+        );
+        all.extend(found.into_iter().map(|c| (m, c)));
+    }
+    all
+}
+
+/// The candidate of the same teeth, flank and slice at another state.
+pub fn same_candidate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Option<Candidate> {
+    let same = |x: &Candidate| x.slot == c.slot && x.points[0].tooth == c.points[0].tooth;
+    candidates(scene, s)
+        .into_iter()
+        .find(|(m, x)| *m == mesh && same(x))
+        .map(|(_, x)| x)
+}
+
+/// The contact row `dg/dq` of a candidate as a full vector.
+pub fn contact_row(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> Vec<f64> {
+    row_and_rate(scene, s, mesh, c).0
+}
+
+/// The contact row of a candidate, and the part of its gap rate that is prescribed [m/s].
+pub fn row_and_rate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> (Vec<f64>, f64) {
+    let (mut row, mut rate) = (Row::default(), 0.0);
+    row.clear();
+    for (k, sign) in [(0, -1.0), (1, 1.0)] {
+        let g = &scene.gears()[scene.meshes()[mesh].gears[k]];
+        row.target(g.range().start, sign * c.scale[k]);
+        let at = g.at(s.at());
+        rate += sign * c.scale[k] * g.model.row(at, &c.points[k], &c.normal, &mut row);
+    }
+    let mut w = vec![0.0; s.q.len()];
+    row.add_to(1.0, &mut w);
+    (w, rate)
+}
+
+/// Slope of `log y` over `log x`, least squares.
+pub fn slope(x: &[f64], y: &[f64]) -> f64 {
+    let n = x.len() as f64;
+    let log = |v: &[f64]| -> Vec<f64> { v.iter().map(|a| a.ln()).collect() };
+    let (x, y) = (log(x), log(y));
+    let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+    let above: f64 = x.iter().zip(&y).map(|(a, b)| (a - mx) * (b - my)).sum();
+    let below: f64 = x.iter().map(|a| (a - mx).powi(2)).sum();
+    above / below
+}
+
+/// Deterministic numbers in [-1, 1) for directions and states.
+pub struct Numbers(u64);
+
+impl Numbers {
+    /// A sequence from a seed.
+    pub fn new(seed: u64) -> Self {
+        Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    /// The next number (xorshift64*).
+    pub fn draw(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
+        bits as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// A vector of them, scaled by entries of `scale`.
+    pub fn vector(&mut self, scale: &[f64]) -> Vec<f64> {
+        scale.iter().map(|s| s * self.draw()).collect()
+    }
+}
+
+/// Magnitudes of coordinates and velocities of a scene.
+pub fn scales(scene: &Scene) -> (Vec<f64>, Vec<f64>) {
+    let n = scene.layout().n;
+    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    SecondOrderSystem::scales(scene, &mut q, &mut v);
+    (q, v)
+}

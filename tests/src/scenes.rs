@@ -1,0 +1,124 @@
+//! Scenes of spur gears and racks of module 4 mm.
+
+use crate::models_with_flanks;
+use gearbench_models::error::BuildError;
+use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side};
+use gearbench_models::law::Damping;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, SceneSpec, Start,
+};
+use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
+
+/// Geometry of a spur gear of module 4 mm.
+pub fn spur(teeth: u32) -> GearParams {
+    GearParams {
+        teeth,
+        module: 4e-3,
+        tip_radius: 0.3,
+        bore_radius: 0.015,
+        ..Default::default()
+    }
+}
+
+/// A gear at a position on the x axis that is free to turn.
+pub fn gear(name: &str, params: GearParams, x: f64, speed: f64) -> GearSpec {
+    GearSpec {
+        name: name.into(),
+        body: Body::Gear(Gear::new(params).expect("the gear can be cut")),
+        material: Material::STEEL,
+        inertia: None,
+        added_inertia: 0.0,
+        mount: Mount::Revolute,
+        position: [x, 0.0],
+        facing: 0.0,
+        speed,
+        loads: vec![],
+    }
+}
+
+/// A rack of module 4 mm in front of a gear at the origin, teeth towards it.
+pub fn rack(name: &str, teeth: u32, distance: f64, speed: f64) -> GearSpec {
+    let params = RackParams {
+        teeth,
+        module: 4e-3,
+        tip_radius: 0.3,
+        ..Default::default()
+    };
+    GearSpec {
+        body: Body::Rack(Rack::new(params).expect("the rack can be cut")),
+        mount: Mount::Prismatic,
+        facing: std::f64::consts::PI,
+        ..gear(name, spur(20), distance, speed)
+    }
+}
+
+/// The tooth pair of a mesh that is placed at the start.
+pub fn start(side: Side, gap: f64) -> Start {
+    Start {
+        side,
+        gap,
+        path_coordinate: None,
+    }
+}
+
+/// Two gears in mesh.
+pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
+    SceneSpec {
+        gears: vec![a, b],
+        meshes: vec![MeshSpec {
+            gears: [0, 1],
+            start,
+        }],
+    }
+}
+
+/// The impact of reference case A: z = 20/30, m = 4 mm, 10 mm wide, 20 rad/s, inertias of the stored meshes.
+pub fn case_a(gap: f64) -> SceneSpec {
+    let mut a = gear("pinion", spur(20), 0.0, 20.0);
+    a.inertia = Some(0.000_310_205_607_253_510_6);
+    let mut b = gear(
+        "wheel",
+        GearParams {
+            bore_radius: 0.025,
+            ..spur(30)
+        },
+        0.1001,
+        0.0,
+    );
+    b.inertia = Some(0.001_543_270_566_960_835_3);
+    pair_of(a, b, start(Side::Left, gap))
+}
+
+/// A linear elastic contact of constant stiffness per width [N/m per m] of a tooth pair.
+pub fn contact(per_width: f64) -> ContactSpec {
+    ContactSpec {
+        stiffness: PairStiffness::Constant {
+            per_width,
+            of: PairOrMesh::Pair,
+        },
+        exponent: 1.0,
+        damping: Damping::None,
+        friction: None,
+        slices: None,
+        points: None,
+    }
+}
+
+/// Builds a scene with the joined table.
+pub fn try_build(
+    spec: &SceneSpec,
+    gears: &[ModelSpec],
+    contact: &ContactSpec,
+) -> Result<Scene, BuildError> {
+    let modelling = Modelling {
+        gears: gears.to_vec(),
+        contacts: vec![contact.clone(); spec.meshes.len()],
+    };
+    Scene::build(spec, &modelling, &models_with_flanks())
+}
+
+/// Builds a scene that must be buildable, all contacts alike.
+pub fn build(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec) -> Scene {
+    try_build(spec, gears, contact).expect("the scene can be assembled")
+}
