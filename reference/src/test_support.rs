@@ -73,6 +73,22 @@ pub(crate) fn coarse(rim: usize, width: usize) -> GearMeshParams {
     }
 }
 
+/// The default mesh of a kind of element, with so many layers over the width.
+pub(crate) fn layered(kind: ElementKind, width: usize) -> GearMeshParams {
+    GearMeshParams {
+        kind,
+        width,
+        ..GearMeshParams::default()
+    }
+}
+
+/// The default mesh with other counts along a flank, of the rim and over the width.
+pub(crate) fn counted(flank: usize, rim: usize, width: usize) -> GearMeshParams {
+    let mut params = layered(ElementKind::C3D8I, width);
+    (params.tooth.flank, params.rim) = (flank, rim);
+    params
+}
+
 /// A box from the origin, cut into equal cells; nodes ascend along z first, x last.
 pub(crate) fn brick(kind: ElementKind, cells: [usize; 3], size: [f64; 3]) -> Mesh {
     let points = cells.map(|c| 2 * c + 1);

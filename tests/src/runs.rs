@@ -86,6 +86,22 @@ pub fn run(scene: &mut Scene, id: &str, resolution: Resolution, t_end: f64) -> O
     )
 }
 
+/// Runs a scene from a state with a method that must not fail, watched by a sink.
+pub fn watched(
+    scene: &mut Scene,
+    mut state: State,
+    id: &str,
+    plan: &TimePlan<'_>,
+    sink: &mut dyn Sink,
+) -> (State, Work) {
+    let mut work = Work::default();
+    let mut method = gearbench_integrators::method(id).expect("the method is known");
+    if let Err(e) = method.run(scene, &mut state, plan, sink, &mut work) {
+        panic!("{id} under {:?}: {e}", plan.resolution);
+    }
+    (state, work)
+}
+
 /// Runs a scene from a state.
 pub fn run_from(scene: &mut Scene, mut state: State, id: &str, plan: &TimePlan<'_>) -> Outcome {
     let mut integrator = gearbench_integrators::method(id).expect("the method is known");

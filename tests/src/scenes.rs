@@ -62,14 +62,16 @@ pub fn start(side: Side, gap: f64) -> Start {
     }
 }
 
+/// A mesh of two gears of a scene.
+pub fn mesh(gears: [usize; 2], start: Start) -> MeshSpec {
+    MeshSpec { gears, start }
+}
+
 /// Two gears in mesh.
 pub fn pair_of(a: GearSpec, b: GearSpec, start: Start) -> SceneSpec {
     SceneSpec {
         gears: vec![a, b],
-        meshes: vec![MeshSpec {
-            gears: [0, 1],
-            start,
-        }],
+        meshes: vec![mesh([0, 1], start)],
     }
 }
 

@@ -10,12 +10,16 @@ pub const DEFAULT_REPEATS: u32 = 3;
 /// Wall-clock bound of one integration [s] when the command line does not say.
 pub const DEFAULT_TIMEOUT: f64 = 120.0;
 
+/// A number that something holds of.
+pub fn number(text: &str, holds: impl Fn(&f64) -> bool, expected: &str) -> Result<f64, String> {
+    let x = text.trim().parse().ok();
+    x.filter(holds).ok_or_else(|| expected.to_owned())
+}
+
 /// A positive number of seconds.
 pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x <= 1e6 => Ok(x),
-        _ => Err("expected a positive number of seconds".into()),
-    }
+    let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
+    number(text, holds, "expected a positive number of seconds")
 }
 
 /// Load over the width [N/mm] when the command line does not say.
@@ -25,18 +29,14 @@ pub const DEFAULT_POSITIONS: usize = 24;
 
 /// A positive number.
 pub fn positive_load(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x <= 1e9 => Ok(x),
-        _ => Err("expected a positive number".into()),
-    }
+    let holds = |x: &f64| *x > 0.0 && *x <= 1e9;
+    number(text, holds, "expected a positive number")
 }
 
 /// Positions over a base pitch.
 pub fn positions(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(n) if (2..=2000).contains(&n) => Ok(n),
-        _ => Err("expected a whole number from 2 to 2000".into()),
-    }
+    let n = text.parse().ok().filter(|n| (2..=2000).contains(n));
+    n.ok_or_else(|| "expected a whole number from 2 to 2000".into())
 }
 
 /// A relative error, by its name on the command line or by its key in records.

@@ -220,25 +220,7 @@ fn difference(header: &Header, plan: &[(String, String)]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new(name: &str) -> Self {
-            let name = format!("gearbench-journal-{}-{name}", std::process::id());
-            Folder(std::env::temp_dir().join(name))
-        }
-
-        fn file(&self) -> PathBuf {
-            self.0.join(JOURNAL)
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
+    use tempfile::TempDir;
 
     fn plan(step: &str) -> Vec<(String, String)> {
         vec![
@@ -266,65 +248,70 @@ mod tests {
         }
     }
 
+    /// Opens the journal of a folder for the plan with some steps.
+    fn open(folder: &TempDir, step: &str, fresh: bool) -> Result<Journal<Line>, JournalError> {
+        Journal::open(&folder.path().join(JOURNAL), &plan(step), fresh)
+    }
+
     #[test]
     fn a_torn_last_line_is_cut_off() {
-        let folder = Folder::new("torn");
-        let mut journal = Journal::<Line>::open(&folder.file(), &plan("a"), false).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(JOURNAL);
+        let mut journal = open(&folder, "a", false).unwrap();
         journal.store(&line("m0/c0")).unwrap();
         let kept = journal.get("m0/c0").unwrap().clone();
         journal.store(&line("m0/c1")).unwrap();
         drop(journal);
-        let whole = std::fs::read(folder.file()).unwrap();
+        let whole = std::fs::read(&file).unwrap();
         let first = whole.iter().position(|b| *b == b'\n').unwrap() + 1;
         let second = first + whole[first..].iter().position(|b| *b == b'\n').unwrap() + 1;
         // Torn at every byte, also in the header.
         for end in (0..whole.len()).rev() {
-            std::fs::write(folder.file(), &whole[..end]).unwrap();
-            let journal = Journal::<Line>::open(&folder.file(), &plan("a"), false).unwrap();
+            std::fs::write(&file, &whole[..end]).unwrap();
+            let journal = open(&folder, "a", false).unwrap();
             assert_eq!(journal.len(), usize::from(end >= second));
             if end >= second {
                 assert_eq!(journal.get("m0/c0"), Some(&kept));
             }
-            let left = std::fs::read(folder.file()).unwrap();
+            let left = std::fs::read(&file).unwrap();
             assert!(left.ends_with(b"\n") && whole.starts_with(&left));
         }
         // It goes on where it was cut.
-        let mut journal = Journal::<Line>::open(&folder.file(), &plan("a"), false).unwrap();
+        let mut journal = open(&folder, "a", false).unwrap();
         for key in ["m0/c0", "m0/c1"] {
             journal.store(&line(key)).unwrap();
         }
-        assert_eq!(std::fs::read(folder.file()).unwrap(), whole);
+        assert_eq!(std::fs::read(&file).unwrap(), whole);
     }
 
     #[test]
     fn another_plan_is_refused_with_a_way_out() {
-        let folder = Folder::new("other");
-        let mut journal = Journal::<Line>::open(&folder.file(), &plan("1e-7"), false).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mut journal = open(&folder, "1e-7", false).unwrap();
         journal.store(&line("m0/c0")).unwrap();
         drop(journal);
-        let error = Journal::<Line>::open(&folder.file(), &plan("2e-7"), false).unwrap_err();
-        let text = error.to_string();
+        let text = open(&folder, "2e-7", false).unwrap_err().to_string();
         for word in ["steps is `1e-7` there and `2e-7` here", "--fresh", "--out"] {
             assert!(text.contains(word), "{text}");
         }
         let longer = [plan("1e-7"), plan("1e-7")].concat();
-        assert!(Journal::<Line>::open(&folder.file(), &longer, false).is_err());
-        let journal = Journal::<Line>::open(&folder.file(), &plan("2e-7"), true).unwrap();
-        assert!(journal.is_empty());
-        drop(journal);
-        assert!(Journal::<Line>::open(&folder.file(), &plan("2e-7"), false).is_ok());
+        let file = folder.path().join(JOURNAL);
+        assert!(Journal::<Line>::open(&file, &longer, false).is_err());
+        assert!(open(&folder, "2e-7", true).unwrap().is_empty());
+        assert!(open(&folder, "2e-7", false).is_ok());
     }
 
     #[test]
     fn a_damaged_line_is_named() {
-        let folder = Folder::new("damaged");
-        let mut journal = Journal::<Line>::open(&folder.file(), &plan("a"), false).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(JOURNAL);
+        let mut journal = open(&folder, "a", false).unwrap();
         journal.store(&line("m0/c0")).unwrap();
         journal.store(&line("m0/c1")).unwrap();
         drop(journal);
-        let text = std::fs::read_to_string(folder.file()).unwrap();
-        std::fs::write(folder.file(), text.replacen("\"key\":\"m0/c0\"", "\"ke", 1)).unwrap();
-        let error = Journal::<Line>::open(&folder.file(), &plan("a"), false).unwrap_err();
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replacen("\"key\":\"m0/c0\"", "\"ke", 1)).unwrap();
+        let error = open(&folder, "a", false).unwrap_err();
         assert!(error.to_string().contains(".jsonl:2:"), "{error}");
     }
 }

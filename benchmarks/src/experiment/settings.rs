@@ -4,7 +4,7 @@ use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_models::geometry::Pair;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, effective_radius, mesh_layout,
+    Body, ContactSpec, GearSpec, ModelSpec, Mount, SceneSpec, Value, mesh_layout,
 };
 use gearbench_models::stiffness::build_with_warnings;
 use gearbench_reports::numbers::short;
@@ -177,7 +177,6 @@ fn warnings(spec: &SceneSpec, gears: [usize; 2], contact: &ContactSpec) -> Vec<S
     let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
         return Vec::new();
     };
-    debug_assert!(effective_radius(&a.body) > 0.0);
     let materials = [a.material, b.material];
     let pair = Pair::new(ga, &b.body, l.distance).ok();
     let built = pair.and_then(|pair| {

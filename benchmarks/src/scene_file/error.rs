@@ -1,17 +1,20 @@
 //! Refusals of scene files: what is wrong, the place in the file, and a way out.
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use std::fmt::Display;
+use miette::{Diagnostic, LabeledSpan, NamedSource};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Why a scene is refused. Rendered by `miette` it shows file, line and help.
-#[derive(Clone, Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error, Diagnostic)]
 #[error("{message}")]
 pub struct SceneError {
     message: String,
+    #[help]
     help: Option<String>,
-    labels: Vec<(Range<usize>, String)>,
+    /// The first one is the one whose line stands in the heading.
+    #[label(collection)]
+    labels: Vec<LabeledSpan>,
+    #[source_code]
     source_code: Option<Arc<NamedSource<String>>>,
 }
 
@@ -39,50 +42,19 @@ impl SceneError {
     /// Line (from 1) of the first label, if the error has a place.
     pub fn line(&self) -> Option<usize> {
         let text = self.source_code.as_ref()?.inner();
-        let (span, _) = self.labels.first()?;
-        Some(
-            text.as_bytes()[..span.start.min(text.len())]
-                .iter()
-                .filter(|&&b| b == b'\n')
-                .count()
-                + 1,
-        )
+        let start = self.labels.first()?.offset().min(text.len());
+        let breaks = text.as_bytes()[..start].iter().filter(|&&b| b == b'\n');
+        Some(breaks.count() + 1)
     }
 
     /// A further label.
     pub(super) fn and(mut self, span: Range<usize>, label: impl Into<String>) -> Self {
         if let Some(source) = &self.source_code {
-            self.labels
-                .push((inside(span, source.inner()), label.into()));
+            let span = inside(span, source.inner());
+            let label = LabeledSpan::new_with_span(Some(label.into()), span);
+            self.labels.push(label);
         }
         self
-    }
-}
-
-impl Diagnostic for SceneError {
-    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        self.help.as_ref().map(|h| Box::new(h) as Box<dyn Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source_code.as_deref().map(|s| s as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        if self.labels.is_empty() {
-            return None;
-        }
-        // The first label is the one whose line stands in the heading.
-        Some(Box::new(self.labels.iter().enumerate().map(
-            |(i, (span, text))| {
-                let (text, span) = (Some(text.clone()), (span.start, span.len()));
-                if i == 0 {
-                    LabeledSpan::new_primary_with_span(text, span)
-                } else {
-                    LabeledSpan::new_with_span(text, span)
-                }
-            },
-        )))
     }
 }
 
@@ -116,10 +88,11 @@ impl Source {
         help: impl Into<String>,
     ) -> SceneError {
         let help = help.into();
+        let span = inside(span, self.text());
         SceneError {
             message: message.into(),
             help: (!help.is_empty()).then_some(help),
-            labels: vec![(inside(span, self.text()), label.into())],
+            labels: vec![LabeledSpan::new_primary_with_span(Some(label.into()), span)],
             source_code: Some(self.named.clone()),
         }
     }

@@ -24,7 +24,6 @@ pub struct Clearance {
 
 impl Clearance {
     /// The smaller of both sides after further displacements [m].
-    #[must_use]
     pub fn after(&self, displacements: [f64; 2]) -> f64 {
         let change = self.per_displacement[0] * displacements[0]
             + self.per_displacement[1] * displacements[1];
@@ -32,7 +31,6 @@ impl Clearance {
     }
 
     /// The gap of each side as a linear function of further displacements.
-    #[must_use]
     pub fn lines(&self) -> [LineClearance; 2] {
         [1.0, -1.0].map(|sign| LineClearance {
             assembled: self.gaps[usize::from(sign < 0.0)],

@@ -23,7 +23,6 @@ pub enum Search {
 impl Search {
     /// The tooth pairs, if it looks at such.
     #[inline]
-    #[must_use]
     pub fn pairs(&self) -> Option<&LinesOfAction> {
         match self {
             Search::Pairs(pairs) => Some(pairs),
@@ -33,7 +32,6 @@ impl Search {
 
     /// The points of flanks, if it looks at such.
     #[inline]
-    #[must_use]
     pub fn points(&self) -> Option<&FlankPoints> {
         match self {
             Search::Pairs(_) => None,
@@ -58,7 +56,6 @@ impl Search {
     }
 
     /// Ends of the line of action of a flank [m], for pictures.
-    #[must_use]
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         match self {
             Search::Pairs(pairs) => pairs.line(side),
@@ -67,7 +64,6 @@ impl Search {
     }
 
     /// Teeth and flank side of a candidate.
-    #[must_use]
     pub fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
         let side = match self {
             Search::Pairs(pairs) => pairs.side_of(c),

@@ -86,20 +86,17 @@ pub fn respond_by(
 
 impl dyn GearModel + '_ {
     /// The grids of its flanks, if it brings any.
-    #[must_use]
     pub fn flanks(&self) -> Option<&Flanks> {
         self.surface().map(|s| s.flanks)
     }
 
     /// Its flank displacement operator, if it has one.
     #[inline]
-    #[must_use]
     pub fn displacement(&self) -> Option<&dyn FlankDisplacement> {
         self.surface()?.displacement
     }
 
     /// Angle or displacement of a tooth from its assembled position.
-    #[must_use]
     pub fn tooth_displacement(&self, at: At<'_>, tooth: Tooth) -> f64 {
         match self.teeth() {
             Some(teeth) => teeth.displacement(at, tooth),
@@ -108,7 +105,6 @@ impl dyn GearModel + '_ {
     }
 
     /// Whether its springs know the contact radius.
-    #[must_use]
     pub fn follows_contact(&self) -> bool {
         self.teeth().is_some_and(ToothCoordinates::follows_contact)
     }

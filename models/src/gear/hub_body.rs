@@ -78,40 +78,34 @@ impl HubBody {
 
     /// The hub's coordinates come first: index of the first own one.
     #[inline]
-    #[must_use]
     pub fn first(&self) -> usize {
         self.hub.coordinates()
     }
 
     /// Number of all coordinates.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.hub.coordinates() + self.own
     }
 
     /// True when the gear has no coordinate at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Angle or displacement of the hub.
     #[inline]
-    #[must_use]
     pub fn displacement_at(&self, at: At<'_>) -> f64 {
         self.hub.displacement(at.t, at.q)
     }
 
     /// Speed of the hub's coordinate.
     #[inline]
-    #[must_use]
     pub fn speed_at(&self, at: At<'_>) -> f64 {
         self.hub.speed(at.t, at.v)
     }
 
     /// Speed of the hub as loads see it: that of its coordinate and what own coordinates turn it by.
     #[inline]
-    #[must_use]
     pub fn load_speed(&self, at: At<'_>) -> f64 {
         let speed = self.speed_at(at);
         if self.hub_shapes.is_empty() {
@@ -121,7 +115,6 @@ impl HubBody {
     }
 
     /// What own coordinates turn the hub by.
-    #[must_use]
     pub fn over_shapes(&self, x: &[f64]) -> f64 {
         let own = self.hub_shapes.iter().zip(&x[self.first()..]);
         own.map(|(w, x)| w * x).sum()
@@ -163,7 +156,6 @@ impl HubBody {
     }
 
     /// Motion and momentum of a body that moves as its hub does.
-    #[must_use]
     pub fn state(&self, at: At<'_>) -> HubState {
         let speed = self.speed_at(at);
         HubState {
@@ -174,7 +166,6 @@ impl HubBody {
     }
 
     /// Displacement, speed and acceleration of a frame that moves as the hub does under a steady `load`.
-    #[must_use]
     pub fn frame(&self, at: At<'_>, load: f64) -> [f64; 3] {
         [
             self.displacement_at(at),
@@ -193,7 +184,6 @@ impl HubBody {
     }
 
     /// Whether power may be lost or put in.
-    #[must_use]
     pub fn has_powers(&self) -> bool {
         !self.conservative || self.hub.is_driven()
     }

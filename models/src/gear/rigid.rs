@@ -29,7 +29,6 @@ pub const FIT: Fit = Fit {
 };
 
 /// A gear of this model in a scene.
-#[must_use]
 pub fn spec() -> ModelSpec {
     ModelSpec {
         id: MODEL.into(),

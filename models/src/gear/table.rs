@@ -107,7 +107,6 @@ pub static MODELS: &[Model] = &[
 ];
 
 /// What a table says of the model with an id: nothing of one that it does not have, which is refused when it is built.
-#[must_use]
 pub fn properties_of(models: &[Model], id: &str) -> Properties {
     let row = models.iter().find(|m| m.id == id);
     row.map_or(Properties::NONE, |m| m.properties)

@@ -81,7 +81,6 @@ pub enum GeometryError {
 
 impl GeometryError {
     /// Cause and way out.
-    #[must_use]
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::Invalid {

@@ -45,13 +45,11 @@ impl Flanks {
     }
 
     /// The grids.
-    #[must_use]
     pub fn grids(&self) -> &[FlankGrid] {
         &self.grids
     }
 
     /// Index of the grid of a tooth's flank.
-    #[must_use]
     pub fn find(&self, tooth: u32, side: Side) -> Option<usize> {
         self.grids
             .iter()
@@ -59,7 +57,6 @@ impl Flanks {
     }
 
     /// Number of a face by its grid and its row and column there.
-    #[must_use]
     pub fn face(&self, grid: usize, row: usize, column: usize) -> u32 {
         self.first_face[grid] + (row * (self.grids[grid].columns - 1) + column) as u32
     }
@@ -67,7 +64,6 @@ impl Flanks {
     /// The gear's node numbers at the corners of a face: (row, column), (row + 1, column),
     /// (row + 1, column + 1), (row, column + 1). Local coordinates `xi` in [-1, 1]: the first along the
     /// profile, the second over the width.
-    #[must_use]
     pub fn corners(&self, face: u32) -> [u32; 4] {
         let grid = self.first_face.partition_point(|&first| first <= face) - 1;
         let g = &self.grids[grid];
@@ -84,7 +80,6 @@ impl Flanks {
 
     /// Bilinear shape functions of the corners.
     #[inline]
-    #[must_use]
     pub fn weights(xi: [f64; 2]) -> [f64; 4] {
         let (a, b) = (0.5 * (1.0 + xi[0]), 0.5 * (1.0 + xi[1]));
         [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]

@@ -156,123 +156,103 @@ impl Gear {
     }
 
     /// What the user gave.
-    #[must_use]
     pub fn params(&self) -> &GearParams {
         &self.params
     }
 
     /// Number of teeth.
-    #[must_use]
     pub fn teeth(&self) -> u32 {
         self.params.teeth
     }
 
     /// Face width (m).
-    #[must_use]
     pub fn face_width(&self) -> f64 {
         self.params.face_width
     }
 
     /// Transverse pressure angle at the reference circle (rad).
-    #[must_use]
     pub fn transverse_pressure_angle(&self) -> f64 {
         self.alpha_t
     }
 
     /// Helix angle on the base cylinder (rad), signed as the helix angle.
-    #[must_use]
     pub fn base_helix_angle(&self) -> f64 {
         self.beta_b
     }
 
     /// Transverse module (m).
-    #[must_use]
     pub fn transverse_module(&self) -> f64 {
         self.params.module / self.params.helix_angle.cos()
     }
 
     /// Reference radius (m).
-    #[must_use]
     pub fn r_reference(&self) -> f64 {
         self.r
     }
 
     /// Base radius (m).
-    #[must_use]
     pub fn r_base(&self) -> f64 {
         self.r_base
     }
 
     /// Tip radius (m).
-    #[must_use]
     pub fn r_tip(&self) -> f64 {
         self.r_tip
     }
 
     /// Root radius (m).
-    #[must_use]
     pub fn r_root(&self) -> f64 {
         self.r_root
     }
 
     /// Form radius (m): where the fillet ends and the involute begins.
-    #[must_use]
     pub fn r_form(&self) -> f64 {
         self.r_form
     }
 
     /// Transverse base pitch (m).
-    #[must_use]
     pub fn base_pitch(&self) -> f64 {
         self.r_base * self.pitch_angle()
     }
 
     /// Angular pitch 2 pi / z (rad).
-    #[must_use]
     pub fn pitch_angle(&self) -> f64 {
         2.0 * PI / f64::from(self.params.teeth)
     }
 
     /// Half tooth thickness angle at the reference circle (rad), thinning included.
-    #[must_use]
     pub fn half_angle_reference(&self) -> f64 {
         self.psi
     }
 
     /// Angle between the tooth centreline and the origin of the flank on the base circle (rad).
-    #[must_use]
     pub fn half_angle_base(&self) -> f64 {
         self.chi
     }
 
     /// Length of roll (path coordinate) (m) of the involute at radius `r` (m); 0 below the base.
-    #[must_use]
     pub fn roll_length(&self, r: f64) -> f64 {
         ((r - self.r_base) * (r + self.r_base)).max(0.0).sqrt()
     }
 
     /// Length of roll at the form circle (m).
-    #[must_use]
     pub fn roll_length_form(&self) -> f64 {
         self.roll[0]
     }
 
     /// Length of roll at the tip circle (m).
-    #[must_use]
     pub fn roll_length_tip(&self) -> f64 {
         self.roll[1]
     }
 
     /// Half tooth thickness angle (rad) on the involute at length of roll `s` (m); the point has radius
     /// `sqrt(r_b^2 + s^2)`. Unlike [`Gear::half_angle_at`] it is smooth where the involute meets the base circle.
-    #[must_use]
     pub fn half_angle_at_roll(&self, s: f64) -> f64 {
         self.chi - inv_of_tangent(s / self.r_base)
     }
 
     /// Half tooth thickness angle (rad) at radius `r` (m): involute above the form radius,
     /// trochoidal fillet below. `r` is held within root and tip radius.
-    #[must_use]
     pub fn half_angle_at(&self, r: f64) -> f64 {
         if r >= self.r_form {
             return self.half_angle_at_roll(self.roll_length(r.min(self.r_tip)));
@@ -283,7 +263,6 @@ impl Gear {
 
     /// Point of the left fillet in its own parameter, from 0 at the root circle to 1 at the form circle:
     /// radius (m) and half tooth thickness angle (rad).
-    #[must_use]
     pub fn fillet_at(&self, t: f64) -> (f64, f64) {
         let p = self.fillet.at(self.fillet.q_max() * t.clamp(0.0, 1.0));
         (p.r2.sqrt(), 0.5 * self.pitch_angle() - p.delta)
@@ -291,7 +270,6 @@ impl Gear {
 
     /// Material removed normal to the flank (m), 0 or above, by relief and crowning at radius `r`
     /// (m) and at `zeta` in [-1, 1] over the face width. Below the form radius the value there.
-    #[must_use]
     pub fn flank_deviation(&self, r: f64, zeta: f64) -> f64 {
         if self.params.modifications.is_none() {
             return 0.0;

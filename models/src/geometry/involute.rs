@@ -21,13 +21,11 @@ pub(super) fn inv_of_tangent(t: f64) -> f64 {
 }
 
 /// Involute function `tan(alpha) - alpha`; `alpha` in rad, |alpha| < pi/2.
-#[must_use]
 pub fn inv(alpha: f64) -> f64 {
     inv_of_tangent(alpha.tan())
 }
 
 /// Angle (rad) in (-pi/2, pi/2) whose involute function is `x`; NaN for NaN.
-#[must_use]
 pub fn inv_inverse(x: f64) -> f64 {
     if x.is_nan() || x == 0.0 {
         return x;

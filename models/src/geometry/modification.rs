@@ -43,7 +43,6 @@ pub struct Modifications {
 
 impl Modifications {
     /// True when the flank is the plain involute.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }

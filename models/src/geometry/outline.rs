@@ -51,7 +51,6 @@ fn integrate(a: f64, b: f64, f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
 
 impl Gear {
     /// Area (m^2) and polar second moment of area (m^4) of the transverse section without bore.
-    #[must_use]
     pub fn section_properties(&self) -> (f64, f64) {
         let z = f64::from(self.teeth());
         let half_pitch = 0.5 * self.pitch_angle();
@@ -73,7 +72,6 @@ impl Gear {
     }
 
     /// Mass and inertia for a density (kg/m^3): teeth, fillets and body minus the bore.
-    #[must_use]
     pub fn mass_properties(&self, density: f64) -> MassProperties {
         let (area, polar) = self.section_properties();
         let bore2 = self.params().bore_radius.powi(2);
@@ -87,7 +85,6 @@ impl Gear {
     /// One pitch of the outline (m), counter-clockwise: from the middle of the tooth space at
     /// `-pi/z` over tooth 0 (centred on +x) to the middle of the next space at `+pi/z`.
     /// `points` (at least 6) per flank, half of them on the fillet.
-    #[must_use]
     pub fn tooth_outline(&self, points: usize) -> Vec<[f64; 2]> {
         let half = self.half_outline(points.max(6));
         let upper = half.iter().map(|&(r, a)| [r * a.cos(), r * a.sin()]);
@@ -103,7 +100,6 @@ impl Gear {
 
     /// The closed outline polygon (m) of the whole gear without bore, counter-clockwise, tooth 0
     /// centred on +x; the last point joins the first. Density as in [`Gear::tooth_outline`].
-    #[must_use]
     pub fn outline(&self, points_per_flank: usize) -> Vec<[f64; 2]> {
         let tooth = self.tooth_outline(points_per_flank);
         let mut all = Vec::with_capacity((tooth.len() - 1) * self.teeth() as usize);

@@ -81,25 +81,21 @@ pub(super) enum Second {
 
 impl Pair {
     /// Centre distance, or distance to the rack's reference line (m).
-    #[must_use]
     pub fn centre_distance(&self) -> f64 {
         self.distance
     }
 
     /// Transverse working pressure angle (rad).
-    #[must_use]
     pub fn working_pressure_angle(&self) -> f64 {
         self.alpha_w
     }
 
     /// Transverse base pitch (m).
-    #[must_use]
     pub fn base_pitch(&self) -> f64 {
         self.base_pitch
     }
 
     /// Length L of the line of action between its tangent points T1 and T2 (m), infinite on a rack.
-    #[must_use]
     pub fn line_length(&self) -> f64 {
         match self.second {
             Second::Gear { length, .. } => length,
@@ -108,81 +104,68 @@ impl Pair {
     }
 
     /// Path coordinate of the start of contact A (tip of the mate) (m).
-    #[must_use]
     pub fn s_start(&self) -> f64 {
         self.s_start
     }
 
     /// Path coordinate of the end of contact E (tip of gear 1) (m).
-    #[must_use]
     pub fn s_end(&self) -> f64 {
         self.s_end
     }
 
     /// Path coordinate of the pitch point C (m).
-    #[must_use]
     pub fn s_pitch(&self) -> f64 {
         self.r_base * self.alpha_w.tan()
     }
 
     /// Transverse contact ratio.
-    #[must_use]
     pub fn contact_ratio(&self) -> f64 {
         (self.s_end - self.s_start) / self.base_pitch
     }
 
     /// Overlap ratio over the common face width; 0 for spur teeth.
-    #[must_use]
     pub fn overlap_ratio(&self) -> f64 {
         self.face_width * self.beta_b.tan().abs() / self.base_pitch
     }
 
     /// Total contact ratio: transverse plus overlap.
-    #[must_use]
     pub fn total_contact_ratio(&self) -> f64 {
         self.contact_ratio() + self.overlap_ratio()
     }
 
     /// Common face width (m).
-    #[must_use]
     pub fn face_width(&self) -> f64 {
         self.face_width
     }
 
     /// Circumferential backlash at the working pitch circle, transverse (m).
-    #[must_use]
     pub fn backlash_circ(&self) -> f64 {
         self.backlash_circ
     }
 
     /// Transverse backlash along the line of action (m): the sum of the gaps of both flanks.
-    #[must_use]
     pub fn backlash_base(&self) -> f64 {
         self.backlash_base
     }
 
     /// Normal backlash (m): shortest distance between the idle flanks when the others touch.
-    #[must_use]
     pub fn backlash_normal(&self) -> f64 {
         self.backlash_base * self.beta_b.cos()
     }
 
     /// Working pitch radii (m); that of a rack is infinite.
-    #[must_use]
     pub fn pitch_radii(&self) -> [f64; 2] {
         self.pitch_radii
     }
 
     /// Path coordinate `s_1` (m) that a flank of gear 1 reaches when the centreline of its tooth
     /// stands at `theta` (rad).
-    #[must_use]
     pub fn path_coordinate(&self, theta: f64, side: Side) -> f64 {
         self.r_base * (side.sign() * theta + self.alpha_w + self.chi)
     }
 
     /// Gap (m) along the line of action, positive when open, between the flanks of `side` of two teeth: that of gear 1
     /// with its centreline at `theta` (rad), that of its mate at `other` (rad, or m along a rack).
-    #[must_use]
     pub fn gap(&self, theta: f64, other: f64, side: Side) -> f64 {
         let s_1 = self.path_coordinate(theta, side);
         match self.second {
@@ -199,14 +182,12 @@ impl Pair {
     }
 
     /// Centreline angle (rad) of the tooth of gear 1 whose flank of `side` stands at `s` (m).
-    #[must_use]
     pub fn tooth_angle(&self, s: f64, side: Side) -> f64 {
         side.sign() * (s / self.r_base - self.alpha_w - self.chi)
     }
 
     /// Centreline (rad, or m along a rack) of the tooth of the mate whose flank of `side` stands `gap` (m) away from a
     /// flank of gear 1 at path coordinate `s` (m).
-    #[must_use]
     pub fn mate_position(&self, s: f64, gap: f64, side: Side) -> f64 {
         match self.second {
             Second::Gear {

@@ -73,80 +73,67 @@ impl Rack {
     }
 
     /// What the user gave.
-    #[must_use]
     pub fn params(&self) -> &RackParams {
         &self.params
     }
 
     /// Number of teeth.
-    #[must_use]
     pub fn teeth(&self) -> u32 {
         self.params.teeth
     }
 
     /// Face width (m).
-    #[must_use]
     pub fn face_width(&self) -> f64 {
         self.params.face_width
     }
 
     /// Index of the first tooth, the one at the lowest y.
-    #[must_use]
     pub fn first_tooth(&self) -> i64 {
         -((i64::from(self.params.teeth) - 1) / 2)
     }
 
     /// Transverse pressure angle (rad).
-    #[must_use]
     pub fn transverse_pressure_angle(&self) -> f64 {
         self.alpha_t
     }
 
     /// Base helix angle (rad), signed as the helix angle.
-    #[must_use]
     pub fn base_helix_angle(&self) -> f64 {
         self.beta_b
     }
 
     /// Transverse pitch along the reference line (m).
-    #[must_use]
     pub fn pitch(&self) -> f64 {
         2.0 * FRAC_PI_2 * self.params.module / self.params.helix_angle.cos()
     }
 
     /// Transverse base pitch (m).
-    #[must_use]
     pub fn base_pitch(&self) -> f64 {
         self.pitch() * self.alpha_t.cos()
     }
 
     /// Height of the tips above the reference line (m).
-    #[must_use]
     pub fn tip_height(&self) -> f64 {
         self.params.addendum * self.params.module
     }
 
     /// Depth of the root below the reference line (m).
-    #[must_use]
     pub fn root_depth(&self) -> f64 {
         self.params.dedendum * self.params.module
     }
 
     /// Depth below the reference line (m) at which the straight flank ends and the fillet begins.
-    #[must_use]
     pub fn form_depth(&self) -> f64 {
         self.tip.flank_end_depth()
     }
 
     /// Half tooth thickness at the reference line (m), thinning included.
-    #[must_use]
     pub fn half_thickness_reference(&self) -> f64 {
         self.half_thickness
     }
 
     /// Transverse half tooth thickness (m) at `height` (m) above the reference line: straight
     /// flank, below it the fillet. `height` is held between root and tip.
-    #[must_use]
     pub fn half_thickness_at(&self, height: f64) -> f64 {
         if height >= -self.form_depth() {
             return self.half_thickness_on_flank(height.min(self.tip_height()));
@@ -157,7 +144,6 @@ impl Rack {
 
     /// Point of a fillet in its own parameter, from 0 at the root line to 1 at the straight flank: height (m)
     /// above the reference line and half tooth thickness (m).
-    #[must_use]
     pub fn fillet_at(&self, t: f64) -> (f64, f64) {
         let (u, d) = self.tip.point(self.tip.q_max() * t.clamp(0.0, 1.0));
         (-d, 0.5 * self.pitch() - u)
@@ -186,14 +172,12 @@ impl Rack {
 
     /// Mass (kg) of the rack, cut square in the middle of the outer tooth spaces, for a density
     /// (kg/m^3).
-    #[must_use]
     pub fn mass(&self, density: f64) -> f64 {
         density * self.params.face_width * f64::from(self.params.teeth) * self.pitch_area()
     }
 
     /// The closed outline polygon (m), counter-clockwise, in the rack's own frame (reference line
     /// at x = 0, teeth towards -x), with `points` (at least 2) on each fillet.
-    #[must_use]
     pub fn outline(&self, points: usize) -> Vec<[f64; 2]> {
         let n = points.max(2);
         let half_pitch = 0.5 * self.pitch();

@@ -85,7 +85,6 @@ impl Hub {
 
     /// What the mount makes of the six directions: three translations, along the slide of a body that slides, along x
     /// of any other, and so on in a right-handed frame about z; then three rotations about the same axes.
-    #[must_use]
     pub fn directions(&self) -> [Direction<'_>; 6] {
         let mut directions = [Direction::Held; 6];
         directions[self.moving()] = match &self.mount {
@@ -104,7 +103,6 @@ impl Hub {
 
     /// Component of a unit force along `n` at `x`, the wrench `[n; (x - c) x n]`, in one of the six directions.
     #[inline]
-    #[must_use]
     pub fn component(&self, direction: usize, x: &Vec3, n: &Vec3) -> f64 {
         let along = self.slide.unwrap_or(Vec3::new(1.0, 0.0, 0.0));
         match direction {
@@ -146,7 +144,6 @@ impl Hub {
     }
 
     /// Whether its motion is prescribed.
-    #[must_use]
     pub fn is_driven(&self) -> bool {
         matches!(self.mount, Mount::Driven(_))
     }
@@ -154,7 +151,6 @@ impl Hub {
     /// What the mount exerts on a body that moves as its hub does and whose centre of mass lies on the axis, while
     /// contacts exert `contact` on it. The torque of a mount that is free is zero, and so is the force along a free
     /// slide, whatever loads the hub.
-    #[must_use]
     pub fn reaction(&self, t: f64, contact: &Wrench) -> Wrench {
         let pull = match &self.mount {
             Mount::Driven(speed) => self.inertia * speed.slope(t),

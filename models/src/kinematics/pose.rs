@@ -31,7 +31,6 @@ impl Placement {
 
     /// The frame after a displacement [rad] (rack: [m]) from the assembled position.
     #[inline]
-    #[must_use]
     pub fn pose(&self, displacement: f64) -> Pose {
         match self.slide {
             None => {
@@ -72,7 +71,6 @@ impl Pose {
 
     /// Turns a direction of the own frame into space.
     #[inline]
-    #[must_use]
     pub fn turn(&self, x: &Vec3) -> Vec3 {
         Vec3::new(
             self.cos * x.x - self.sin * x.y,
@@ -83,7 +81,6 @@ impl Pose {
 
     /// Turns a direction in space into the own frame.
     #[inline]
-    #[must_use]
     pub fn turn_back(&self, x: &Vec3) -> Vec3 {
         Vec3::new(
             self.cos * x.x + self.sin * x.y,
@@ -94,14 +91,12 @@ impl Pose {
 
     /// Position in space [m] of a point of the own frame.
     #[inline]
-    #[must_use]
     pub fn point(&self, x: &Vec3) -> Vec3 {
         self.origin + self.turn(x)
     }
 
     /// Position in the own frame [m] of a point in space.
     #[inline]
-    #[must_use]
     pub fn point_back(&self, x: &Vec3) -> Vec3 {
         self.turn_back(&(x - self.origin))
     }

@@ -4,54 +4,30 @@ use crate::error::{Reason, reasoned};
 
 /// Why a law cannot be used as specified.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(missing_docs, reason = "what the fields are the messages say")]
 pub enum LawError {
     /// The penetration exponent is outside `[1, 3]`.
-    Exponent {
-        /// The value given.
-        value: f64,
-    },
+    Exponent { value: f64 },
     /// The coefficient of restitution is outside `(0, 1]`.
-    Restitution {
-        /// Id of the damping.
-        law: &'static str,
-        /// The value given.
-        value: f64,
-    },
+    Restitution { law: &'static str, value: f64 },
     /// A Kelvin-Voigt coefficient or ratio is negative or not finite.
-    KelvinVoigt {
-        /// Coefficient or ratio.
-        what: &'static str,
-        /// The value given.
-        value: f64,
-    },
+    KelvinVoigt { what: &'static str, value: f64 },
     /// A damping ratio reached a law before it became a coefficient.
     UnresolvedRatio,
     /// A damping ratio was given for a nonlinear law.
-    RatioOfNonlinearLaw {
-        /// The exponent of the law.
-        exponent: f64,
-    },
+    RatioOfNonlinearLaw { exponent: f64 },
     /// A quantity that must be positive is not.
-    NotPositive {
-        /// Which quantity, with its unit.
-        what: &'static str,
-        /// The value given.
-        value: f64,
-    },
+    NotPositive { what: &'static str, value: f64 },
     /// A friction parameter is out of range.
     Friction {
-        /// Which parameter.
         what: &'static str,
-        /// The value given.
         value: f64,
-        /// What is allowed.
         rule: &'static str,
     },
 }
 
 impl LawError {
     /// Cause and way out.
-    #[must_use]
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::Exponent { value } => (

@@ -122,7 +122,6 @@ impl PointContact {
     }
 
     /// What is wrong with the settings and a way out, if anything.
-    #[must_use]
     pub fn problem(&self) -> Option<Reason> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
             return Some(

@@ -16,72 +16,39 @@ pub enum Property {
 
 /// Why a stiffness cannot be built.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(missing_docs, reason = "what the fields are the messages say")]
 pub enum StiffnessError {
     /// A value that has to be positive is not.
-    NotPositive {
-        /// Which quantity, with its unit.
-        what: &'static str,
-        /// The value given.
-        value: f64,
-    },
+    NotPositive { what: &'static str, value: f64 },
     /// A material that no solid has.
-    Material {
-        /// Which property.
-        property: Property,
-        /// The value given.
-        value: f64,
-    },
+    Material { property: Property, value: f64 },
     /// A table is malformed.
-    Table {
-        /// What is wrong and where.
-        reason: String,
-    },
+    Table { reason: String },
     /// The interpolated stiffness is not positive everywhere.
-    NotPositiveBetween {
-        /// Path coordinate of the minimum (m).
-        s: f64,
-        /// Stiffness there (N/m).
-        value: f64,
-    },
+    NotPositiveBetween { s: f64, value: f64 },
     /// Radzimovsky's Hertz law needs curved bodies.
     HertzFlat,
     /// The contact is wider than the tooth allows.
     HertzTooWide {
-        /// Contact half-width (m).
         half_width: f64,
-        /// Reference load of the pair (N).
         load: f64,
-        /// Depth available in the tooth (m).
         depth: f64,
     },
     /// The path of contact is empty or not finite.
-    Path {
-        /// Start (m).
-        start: f64,
-        /// End (m).
-        end: f64,
-    },
+    Path { start: f64, end: f64 },
     /// ISO 6336 gives no positive stiffness for these teeth.
-    IsoRange {
-        /// The flexibility (mm um/N).
-        q: f64,
-    },
+    IsoRange { q: f64 },
     /// The foundation fit of Sainsot and Velex gives a negative compliance.
     FoundationRange {
-        /// Gear number, 1 or 2.
         gear: usize,
-        /// Compliance found (m/N).
         value: f64,
-        /// Half angle of the tooth at the root circle (rad).
         theta_f: f64,
-        /// Root over bore radius.
         ratio: f64,
     },
 }
 
 impl StiffnessError {
     /// Cause and way out.
-    #[must_use]
     pub fn reason(&self) -> Reason {
         let (cause, help) = match self {
             Self::NotPositive { what, value } => (
@@ -149,65 +116,31 @@ reasoned!(StiffnessError);
 /// What a user should know about a stiffness that was built all the same.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "what the fields are the messages say")]
 pub enum StiffnessWarning {
     /// ISO 6336-1 is fitted for `x1 >= x2` (1: pinion).
-    IsoShiftOrder {
-        /// Profile shift coefficients of pinion and wheel.
-        x: [f64; 2],
-    },
+    IsoShiftOrder { x: [f64; 2] },
     /// ISO 6336-1 is fitted for `-0.5 <= x1 + x2 <= 2`.
-    IsoShiftSum {
-        /// The sum found.
-        sum: f64,
-    },
+    IsoShiftSum { sum: f64 },
     /// ISO 6336-1 gives the mean mesh stiffness for transverse contact ratios of 1.2 and above.
-    IsoContactRatio {
-        /// The transverse contact ratio found.
-        value: f64,
-    },
+    IsoContactRatio { value: f64 },
     /// A coefficient of the Sainsot-Velex fit is outside the range it was fitted in.
     FoundationFit {
-        /// Gear number, 1 or 2.
         gear: usize,
-        /// `L*`, `M*`, `P*` or `Q*`.
         coefficient: &'static str,
-        /// Value found.
         value: f64,
-        /// Range of the fit.
         range: [f64; 2],
     },
     /// The root to bore ratio was held at the end of the Sainsot-Velex fit.
-    FoundationRatioHeld {
-        /// Gear number, 1 or 2.
-        gear: usize,
-        /// Root over bore radius (infinite for a solid gear).
-        ratio: f64,
-        /// Ratio used.
-        used: f64,
-    },
+    FoundationRatioHeld { gear: usize, ratio: f64, used: f64 },
     /// The Sainsot-Velex fit holds for Poisson's ratio 0.3.
-    FoundationPoisson {
-        /// Gear number, 1 or 2.
-        gear: usize,
-        /// Poisson's ratio given.
-        poisson: f64,
-    },
+    FoundationPoisson { gear: usize, poisson: f64 },
     /// A rack has no ring foundation.
     RackFoundationOmitted,
     /// A table does not cover the path of contact and is held constant beyond its ends.
-    TableShort {
-        /// Range of the table (m).
-        table: [f64; 2],
-        /// Path of contact (m).
-        path: [f64; 2],
-    },
+    TableShort { table: [f64; 2], path: [f64; 2] },
     /// The period of a periodic table differs from the base pitch.
-    TablePeriod {
-        /// Period of the table (m).
-        period: f64,
-        /// Base pitch (m).
-        base_pitch: f64,
-    },
+    TablePeriod { period: f64, base_pitch: f64 },
 }
 
 impl fmt::Display for StiffnessWarning {

@@ -45,9 +45,9 @@ pub enum MassKind {
 #[derive(Clone, Debug)]
 pub struct Tie {
     /// Free nodes in ascending order.
-    free: Vec<u32>,
+    pub free: Vec<u32>,
     /// Per node its place in `free`, or [`Tie::HELD`].
-    place: Vec<u32>,
+    pub place: Vec<u32>,
     /// Held nodes with their displacement per unit of each hub motion.
     held: Vec<(u32, Vec<Vec3>)>,
     motions: usize,
@@ -92,16 +92,6 @@ impl Tie {
             held,
             motions: motions.len(),
         }
-    }
-
-    /// Free nodes in ascending order.
-    pub fn free(&self) -> &[u32] {
-        &self.free
-    }
-
-    /// Per node its place among the free ones, or [`Tie::HELD`].
-    pub fn places(&self) -> &[u32] {
-        &self.place
     }
 
     /// Number of reduced coordinates.

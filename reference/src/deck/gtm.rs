@@ -9,6 +9,7 @@
 use super::data::Deck;
 use super::error::{DeckErrorKind, Place};
 use super::gears::{BodyShape, DeckGear, bodies_of, bore_axis, flank_name, gears, is_bore_name};
+use crate::mesh::flank_set;
 use gearbench_models::geometry::Side;
 use std::fmt;
 
@@ -295,9 +296,9 @@ impl Check<'_> {
             flanks.iter().any(|f| f.tooth == tooth && f.side == side)
         };
         let missing: Vec<String> = (0..g.mesh.teeth)
-            .flat_map(|t| [(t, Side::Left, 'l'), (t, Side::Right, 'r')])
-            .filter(|&(t, side, _)| !has(t, side))
-            .map(|(t, _, letter)| format!("flank_{}{letter}", t + 1))
+            .flat_map(|t| Side::BOTH.map(|side| (t, side)))
+            .filter(|&(t, side)| !has(t, side))
+            .map(|(t, side)| flank_set(t, side))
             .collect();
         if !missing.is_empty() && !g.mesh.flanks.is_empty() {
             let shown = missing[..missing.len().min(4)].join(", ");
@@ -317,7 +318,6 @@ impl Check<'_> {
         // Teeth of a rack have no first one that all agree on.
         let numbered = g.mesh.flanks.iter().filter(|_| g.shape == BodyShape::Gear);
         for f in numbered {
-            let letter = if f.side == Side::Left { 'l' } else { 'r' };
             let label = i64::from(f.tooth) + 1;
             let Some(&node) = f.nodes.first() else {
                 continue;
@@ -332,7 +332,8 @@ impl Check<'_> {
                     deck.defined.get(name).cloned(),
                     format!("`{name}` on the tooth that counts as {label}"),
                     &format!(
-                        "number the teeth counter-clockwise, seen against +z: this is `flank_{label}{letter}`"
+                        "number the teeth counter-clockwise, seen against +z: this is `{}`",
+                        flank_set(f.tooth, f.side)
                     ),
                 );
                 return; // one finding says it for all teeth

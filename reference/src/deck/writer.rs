@@ -10,8 +10,8 @@ mod impact;
 
 pub use impact::{Hub, Impact, ImpactGear, write_impact};
 
-use super::gears::{letter, surface_faces};
-use crate::mesh::{Face, GearMesh};
+use super::gears::surface_faces;
+use crate::mesh::{Face, GearMesh, letter};
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
 use std::io::{self, Write};

@@ -76,7 +76,7 @@ impl Body {
         let moves = matches!(mount, Mount::Revolute | Mount::Prismatic);
         let motions: &[HubMotion] = if moves { &[motion] } else { &[] };
         let tie = Tie::new(&position, &bore, motions);
-        let (free, place) = (tie.free().to_vec(), tie.places().to_vec());
+        let (free, place) = (tie.free.clone(), tie.place.clone());
         if matches!(mount, Mount::Driven(_)) {
             assembly.mass.decouple(|node| place[node] == Tie::HELD);
         }

@@ -5,7 +5,7 @@
 
 use super::build::{Plan, Template, refine};
 use super::profile::Body;
-use super::{Face, GearMesh, Mesh};
+use super::{Face, GearMesh, Mesh, flank_set};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
@@ -90,8 +90,7 @@ impl Assembly {
         let (planes, f) = (plan.planes.len(), refine(plan.params.kind));
         let layers = plan.layers_over_width();
         for (line, side) in t.section.flanks.iter().zip(Side::BOTH) {
-            let letter = if side == Side::Left { 'l' } else { 'r' };
-            let name = format!("flank_{}{letter}", tooth + 1);
+            let name = flank_set(tooth, side);
             let mut set = Vec::with_capacity(line.points.len() * planes);
             for &p in &line.points {
                 let of_point = &self.ids[p as usize * planes..][..planes];

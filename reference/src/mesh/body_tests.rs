@@ -2,7 +2,7 @@
 
 use super::tests::{assert_conforming, bored, params, small, spur};
 use super::*;
-use crate::test_support;
+use crate::test_support::{self, layered};
 use gearbench_models::geometry::{
     Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
@@ -19,11 +19,7 @@ fn a_rack(helix: f64) -> Rack {
 fn flanks_of_a_rack_are_planes_and_its_mass_is_right() {
     for helix in [0.0, 0.35] {
         let r = a_rack(helix);
-        let p = GearMeshParams {
-            kind: ElementKind::C3D20,
-            width: 2,
-            ..GearMeshParams::default()
-        };
+        let p = layered(ElementKind::C3D20, 2);
         let m = rack(&r, &p).unwrap();
         assert_eq!((m.teeth, m.flanks.len()), (6, 12));
         assert_conforming(&m.mesh);
@@ -72,11 +68,7 @@ fn all_racks_have_sound_elements() {
                 };
                 let Ok(r) = Rack::new(r) else { continue };
                 for kind in [ElementKind::C3D8, ElementKind::C3D20] {
-                    let p = GearMeshParams {
-                        kind,
-                        width: 1,
-                        ..GearMeshParams::default()
-                    };
+                    let p = layered(kind, 1);
                     let made = rack(&r, &p);
                     // A body of a quarter of the module may be refused; it is never built unsound.
                     if body_height < 2e-3 && matches!(made, Err(MeshError::Inverted { .. })) {
@@ -110,10 +102,8 @@ fn a_web_takes_its_volume_away() {
     };
     for kind in [ElementKind::C3D8, ElementKind::C3D20] {
         let p = GearMeshParams {
-            kind,
-            width: 5,
             web: Some(web),
-            ..GearMeshParams::default()
+            ..layered(kind, 5)
         };
         let m = gear(&g, &p).unwrap();
         let solid = gear(&g, &GearMeshParams { web: None, ..p }).unwrap();
@@ -203,10 +193,7 @@ fn modifications_are_laid_normal_to_the_flank() {
         profile_crowning: 10e-6,
         lead_crowning: 20e-6,
     });
-    let p = GearMeshParams {
-        kind: ElementKind::C3D20,
-        ..small()
-    };
+    let p = layered(ElementKind::C3D20, 2);
     let (a, b) = (gear(&plain, &p).unwrap(), gear(&modified, &p).unwrap());
     let twist = 0.3_f64.tan() / plain.r_reference();
     let mut greatest = 0.0_f64;
@@ -343,7 +330,7 @@ fn bad_input_is_refused_with_a_way_out() {
 fn thin_rims_have_sound_elements() {
     for part in [0.95, 0.98, 0.99, 0.999] {
         for kind in [ElementKind::C3D8, ElementKind::C3D20] {
-            let p = GearMeshParams { kind, ..small() };
+            let p = layered(kind, 2);
             let q = quality(&gear(&bored(params(20), part), &p).unwrap().mesh);
             assert!(
                 q.min_scaled_jacobian > 0.2,

@@ -32,7 +32,7 @@ pub use params::{FineTeeth, GearMeshParams, Tooth, Web};
 pub use quality::{ElementQuality, Quality, element_qualities, quality};
 
 use gearbench_models::Vec3;
-use gearbench_models::geometry::FlankGrid;
+use gearbench_models::geometry::{FlankGrid, Side};
 use std::collections::BTreeMap;
 
 /// Kind of a hexahedral element, by the name it has in decks.
@@ -104,6 +104,19 @@ pub const EDGES: [[usize; 2]; 12] = [
     [2, 6],
     [3, 7],
 ];
+
+/// Name of the node set of a flank; with an `s` in front, of its set of faces.
+pub(crate) fn flank_set(tooth: u32, side: Side) -> String {
+    format!("flank_{}{}", tooth + 1, letter(side))
+}
+
+/// Letter of a side in the names of sets.
+pub(crate) fn letter(side: Side) -> char {
+    match side {
+        Side::Left => 'l',
+        Side::Right => 'r',
+    }
+}
 
 /// A face of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

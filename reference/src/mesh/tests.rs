@@ -1,4 +1,5 @@
 use super::*;
+use crate::test_support::layered;
 use gearbench_models::geometry::{Gear, GearParams, Side};
 
 pub(super) fn params(teeth: u32) -> GearParams {
@@ -20,10 +21,7 @@ pub(super) fn spur(teeth: u32) -> Gear {
 }
 
 pub(super) fn small() -> GearMeshParams {
-    GearMeshParams {
-        width: 2,
-        ..GearMeshParams::default()
-    }
+    layered(ElementKind::C3D8I, 2)
 }
 
 /// Every node belongs to an element, every inner face to exactly two.
@@ -56,7 +54,7 @@ fn outer_faces(section_edges: usize, quads: usize, layers: usize) -> usize {
 #[test]
 fn a_gear_is_closed_and_conforming() {
     for kind in [ElementKind::C3D8, ElementKind::C3D20] {
-        let p = GearMeshParams { kind, ..small() };
+        let p = layered(kind, 2);
         let m = gear(&spur(20), &p).unwrap();
         let quads = m.mesh.element_count() / p.width;
         // Surface of a tooth: tip, two flanks with fillet and root arc; at the bore one edge per column.
@@ -87,13 +85,12 @@ fn flanks_lie_on_the_involute_helicoid() {
             },
             0.4,
         );
-        let m = gear(&g, &GearMeshParams { kind, ..small() }).unwrap();
+        let m = gear(&g, &layered(kind, 2)).unwrap();
         let twist = beta.tan() / g.r_reference();
         let mut seen = 0;
         for tooth in 0..17 {
             for side in Side::BOTH {
-                let letter = if side == Side::Left { 'l' } else { 'r' };
-                for &n in &m.mesh.node_sets[&format!("flank_{}{letter}", tooth + 1)] {
+                for &n in &m.mesh.node_sets[&flank_set(tooth, side)] {
                     let x = m.mesh.nodes[n as usize];
                     let (r, centre) = (x.xy().norm(), f64::from(tooth) * g.pitch_angle());
                     let angle = centre + twist * x.z + side.sign() * g.half_angle_at(r);
@@ -112,7 +109,7 @@ fn flanks_lie_on_the_involute_helicoid() {
 fn flank_grids_run_from_root_to_tip_and_from_low_to_high_z() {
     let g = spur(20);
     for kind in [ElementKind::C3D8, ElementKind::C3D20R] {
-        let m = gear(&g, &GearMeshParams { kind, ..small() }).unwrap();
+        let m = gear(&g, &layered(kind, 2)).unwrap();
         assert_eq!(m.flanks.len(), 40);
         for (i, f) in m.flanks.iter().enumerate() {
             assert_eq!((f.tooth, f.side), (i as u32 / 2, Side::BOTH[i % 2]));
@@ -127,8 +124,7 @@ fn flank_grids_run_from_root_to_tip_and_from_low_to_high_z() {
                 assert!((p.z - (k % 3) as f64 * 5e-3 + 5e-3).abs() < 1e-15);
             }
             // The faces of the set are those of the grid.
-            let letter = if i % 2 == 0 { 'l' } else { 'r' };
-            let faces = &m.mesh.face_sets[&format!("sflank_{}{letter}", f.tooth + 1)];
+            let faces = &m.mesh.face_sets[&format!("s{}", flank_set(f.tooth, f.side))];
             assert_eq!(faces.len(), 8 * 2);
             for (k, &face) in faces.iter().enumerate() {
                 let (row, column) = (k / 2, k % 2);
@@ -172,8 +168,8 @@ fn cuts_of_a_sector_match_by_one_turn() {
             },
             0.6,
         );
-        let whole = gear(&g, &GearMeshParams { kind, ..small() }).unwrap();
-        let m = sector(&g, &GearMeshParams { kind, ..small() }).unwrap();
+        let whole = gear(&g, &layered(kind, 2)).unwrap();
+        let m = sector(&g, &layered(kind, 2)).unwrap();
         let (low, high) = (&m.mesh.node_sets["cut_low"], &m.mesh.node_sets["cut_high"]);
         assert_eq!(low.len(), high.len());
         let turn = nalgebra::Rotation3::from_axis_angle(&Vec3::z_axis(), g.pitch_angle());

@@ -208,8 +208,8 @@ fn base64(bytes: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{ElementKind, GearMeshParams, sector};
-    use crate::test_support::gear;
+    use crate::mesh::{ElementKind, sector};
+    use crate::test_support::{gear, layered};
 
     #[test]
     fn base64_of_the_standard() {
@@ -263,11 +263,7 @@ mod tests {
     fn what_is_written_reads_back_bit_for_bit() {
         let g = gear(20, 4e-3, |p| p.bore_radius = 15e-3);
         for kind in [ElementKind::C3D8, ElementKind::C3D20] {
-            let p = GearMeshParams {
-                kind,
-                ..GearMeshParams::default()
-            };
-            let mesh = sector(&g, &p).unwrap().mesh;
+            let mesh = sector(&g, &layered(kind, 4)).unwrap().mesh;
             let u: Vec<Vec3> = mesh.nodes.iter().map(|x| x * 1e-3).collect();
             let jacobian: Vec<f64> = crate::mesh::element_qualities(&mesh)
                 .map(|q| q.scaled_jacobian)

@@ -53,7 +53,7 @@ struct Held {
     /// Turn per force, `a_k` [m] (rack: 1).
     effective_radius: Vec<f64>,
     /// `g_k` [kg m^2 m/N] and the like.
-    yielding: Vec<f64>,
+    inertial: Vec<f64>,
     /// `gamma`.
     hub: f64,
     /// `J` without what is added.
@@ -66,7 +66,7 @@ impl Held {
         let Held {
             mut flanks,
             effective_radius,
-            yielding,
+            inertial,
             hub,
             inertia,
         } = self;
@@ -81,7 +81,7 @@ impl Held {
         let gamma = hub / (inertia * inertia);
         let relief = |k: usize, l: usize| {
             effective_radius[k] * effective_radius[l] * gamma
-                - (yielding[k] * effective_radius[l] + effective_radius[k] * yielding[l]) / inertia
+                - (inertial[k] * effective_radius[l] + effective_radius[k] * inertial[l]) / inertia
         };
         match &mut flanks {
             FlankCompliance::Full(c) => {
@@ -102,7 +102,7 @@ impl Held {
                 }
             }
         }
-        let hub_to = |k: usize| effective_radius[k] * gamma - yielding[k] / inertia;
+        let hub_to = |k: usize| effective_radius[k] * gamma - inertial[k] / inertia;
         Residual {
             hub: (0..effective_radius.len()).map(hub_to).collect(),
             hub_hub: gamma,
@@ -121,7 +121,7 @@ pub fn of_assembly(
     let nodes = &gear.mesh.nodes;
     let tie = Tie::new(nodes, &gear.bore, &[]);
     let columns = columns(surface, surface.nodes(), |node| {
-        let place = tie.places().get(node as usize).copied();
+        let place = tie.place.get(node as usize).copied();
         place.filter(|p| *p != Tie::HELD).map(|p| p as usize)
     })?;
     let stiffness = tie.reduce(assembly, &[], MassKind::Consistent).stiffness;
@@ -156,20 +156,20 @@ pub fn of_assembly(
     let inertia = dot(&unit, &image);
     let mut load = vec![0.0; tie.coordinates()];
     tie.gather(&image, &mut load);
-    let mut answer = Mat::from_fn(load.len(), 1, |i, _| load[i]);
-    factor.solve_many(answer.as_mut(), Par::Seq);
+    let mut response = Mat::from_fn(load.len(), 1, |i, _| load[i]);
+    factor.solve_many(response.as_mut(), Par::Seq);
     let along = |(place, normal): &(usize, Vec3)| -> f64 {
         (0..3)
-            .map(|axis| normal[axis] * answer[(3 * place + axis, 0)])
+            .map(|axis| normal[axis] * response[(3 * place + axis, 0)])
             .sum()
     };
     Ok(Held {
         flanks: FlankCompliance::Full(compliance),
         effective_radius: effective_radii(surface, mounting),
-        yielding: columns.iter().map(along).collect(),
+        inertial: columns.iter().map(along).collect(),
         hub: load
             .iter()
-            .zip(answer.col(0).iter())
+            .zip(response.col(0).iter())
             .map(|(a, b)| a * b)
             .sum(),
         inertia,
@@ -179,7 +179,7 @@ pub fn of_assembly(
 
 /// Compliance of a whole gear from one sector of it; `surface` is that of [`Surface::of_sector`].
 ///
-/// With the forces on tooth 0 alone the load of every harmonic is that tooth's, and the teeth answer by the inverse
+/// With the forces on tooth 0 alone the load of every harmonic is that tooth's, and the teeth respond by the inverse
 /// transform, in the frame turned with each:
 ///
 /// ```text
@@ -227,7 +227,7 @@ pub fn of_sector(
             blocks,
         },
         effective_radius: effective_radii(surface, mounting),
-        yielding: found.yielding.repeat(teeth),
+        inertial: found.inertial.repeat(teeth),
         hub: found.hub * teeth as f64,
         inertia: found.inertia * teeth as f64,
     }

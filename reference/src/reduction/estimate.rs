@@ -140,7 +140,7 @@ impl<'a> Impacts<'a> {
         let omega = &self.basis.omega;
         let static_part = |i: usize| (probe.shapes[i] / omega[i]).powi(2);
         let rest = probe.compliance - kept.iter().map(|&i| static_part(i)).sum::<f64>();
-        let yielding = rest + LAW * probe.compliance;
+        let contact_compliance = rest + LAW * probe.compliance;
 
         let shapes: Vec<f64> = kept.iter().map(|&i| probe.shapes[i]).collect();
         let light = 1.0 / self.mass + shapes.iter().map(|b| b * b).sum::<f64>();
@@ -148,7 +148,8 @@ impl<'a> Impacts<'a> {
             std::f64::consts::PI * (self.mass * (1.0 + LAW) * probe.compliance).sqrt();
         let end = HALF_PERIODS * half_period;
         let per_sample =
-            ((end / SAMPLES as f64) * STEPS_PER_RADIAN * (light / yielding).sqrt()).ceil();
+            ((end / SAMPLES as f64) * STEPS_PER_RADIAN * (light / contact_compliance).sqrt())
+                .ceil();
         let h = end / SAMPLES as f64 / per_sample;
         let turn: Vec<[f64; 3]> = (kept.iter())
             .map(|&i| {
@@ -172,7 +173,7 @@ impl<'a> Impacts<'a> {
                     (*q, *v) = (c * *q + s * kicked, d * *q + c * kicked);
                     outward += b * *q;
                 }
-                f = ((approach + outward) / yielding).max(0.0);
+                f = ((approach + outward) / contact_compliance).max(0.0);
             }
             history.push(f);
         }

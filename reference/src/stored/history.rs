@@ -85,16 +85,6 @@ impl History {
         Ok(history)
     }
 
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.time.len()
-    }
-
-    /// True without rows; a reference that was read has at least the initial state.
-    pub fn is_empty(&self) -> bool {
-        self.time.is_empty()
-    }
-
     /// Greatest contact force [N] and its time [s].
     pub fn peak(&self) -> (f64, f64) {
         self.contact_force

@@ -1,7 +1,6 @@
 //! The stored references. A further one is a folder with its files and one line in [`REFERENCES`].
 
-use super::format::RawParameters;
-use super::{ExternalReference, History, ReferenceError};
+use super::{ExternalReference, History, ReferenceError, format};
 
 /// A stored reference before it is read: the embedded files.
 #[derive(Clone, Copy, Debug)]
@@ -73,12 +72,10 @@ impl StoredReference {
             file,
             message,
         };
-        let raw: RawParameters =
-            serde_json::from_str(self.params).map_err(|e| damaged("params.json", e.to_string()))?;
+        let (solver, parameters) =
+            format::read(self.params).map_err(|e| damaged("params.json", e))?;
         let summary = serde_json::from_str(self.summary)
             .map_err(|e| damaged("summary.json", e.to_string()))?;
-        let solver = raw.solver.clone();
-        let parameters = raw.typed().map_err(|e| damaged("params.json", e))?;
         let history = History::read(self.results, parameters.rack.is_some())
             .map_err(|e| damaged("results.csv", e))?;
         Ok(ExternalReference {
@@ -127,8 +124,8 @@ mod tests {
         for stored in REFERENCES {
             let r = stored.load().unwrap();
             let (h, s, p) = (&r.history, &r.summary, &r.parameters);
-            let last = h.len() - 1;
-            assert_eq!(h.len() as u32, s.increments + 1, "{}", r.id);
+            let last = h.time.len() - 1;
+            assert_eq!(h.time.len() as u32, s.increments + 1, "{}", r.id);
             close(h.time[last], s.end_s, 1e-8);
             close(h.impulse(), s.impulse_ns, 1e-6);
             assert_eq!(h.peak().1, s.peak_time_s);

@@ -154,6 +154,21 @@ impl Frame {
         )
     }
 
+    /// The abscissa alone, with at most about so many ticks: grid, labels, base line, name.
+    pub fn paint_x(&self, c: &mut Canvas<'_>, name: &str, most: usize) {
+        let r = &self.area;
+        let ticks = self.x.ticks(most);
+        for &t in &ticks {
+            let (x, _) = self.at(t, self.y.min);
+            c.line(&[(x, r.y0), (x, r.y1)], Stroke::new(Ink::GRID, 0.8));
+            let kind = Type::new(TICK_SIZE, Anchor::Middle).ink(Ink::GREY);
+            c.text(&tick_label(t, &ticks, self.x.log), (x, r.y1 + 12.0), kind);
+        }
+        c.line(&[(r.x0, r.y1), (r.x1, r.y1)], Stroke::new(Ink::PALE, 1.0));
+        let at = (0.5 * (r.x0 + r.x1), r.y1 + 30.0);
+        c.text(name, at, Type::new(NAME_SIZE, Anchor::Middle));
+    }
+
     /// Grid, tick labels, names and edge. `x_labels` is off for panels that share the axis below.
     pub fn paint(&self, c: &mut Canvas<'_>, x_name: &str, y_name: &str, x_labels: bool) {
         let ticks = self.x.ticks((self.area.width() / 85.0) as usize);

@@ -35,7 +35,7 @@ pub const CONTACT_THRESHOLD: f64 = 1e-6;
 /// line of action since the flanks of rigid gears would have touched.
 pub const TRANSMISSION_ERROR: &str = "transmission_error_m";
 
-/// What a run left behind that reached its end: metrics are told of nothing else.
+/// Histories and ledger of a run that reached its end: no other has metrics.
 #[derive(Clone, Copy, Debug)]
 pub struct Finished<'a> {
     series: &'a TimeSeries,
@@ -44,7 +44,7 @@ pub struct Finished<'a> {
 
 /// A run that stopped before its end: a part of a run has no metrics.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the run stopped at {reached_s:.4e} s of {end_s:.4e} s: nothing can be told of the whole")]
+#[error("the run stopped at {reached_s:.4e} s of {end_s:.4e} s: nothing is known of the whole")]
 pub struct Unfinished {
     /// Time that it reached \[s\].
     pub reached_s: f64,
@@ -83,7 +83,7 @@ impl<'a> Finished<'a> {
 pub fn compare(run: Finished<'_>, reference: &TimeSeries, against: &str) -> Metrics {
     let Finished { series, ledger } = run;
     let target = Force::of(reference);
-    // What a run does after its reference ends can not be judged by it.
+    // What a run does after its reference ends cannot be compared with it.
     let window = target.t.last().copied().unwrap_or(f64::INFINITY);
     let run = Force::of(series).until(window);
     let end = |column: &[f64]| last_finite(&column[..run.t.len().min(column.len())]);

@@ -21,7 +21,7 @@ fn half_sine(start: f64, length: f64, peak: f64, h: f64) -> TimeSeries {
 }
 
 /// Metrics of a run that was to end where it does.
-fn told(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
+fn metrics_of(s: &TimeSeries, reference: &TimeSeries, against: &str) -> Metrics {
     let ledger = Ledger::default();
     let run = Finished::reached(s, &ledger, [0.0, 0.0]).unwrap();
     compare(run, reference, against)
@@ -35,7 +35,7 @@ fn close(a: Option<f64>, b: f64, tolerance: f64) {
 #[test]
 fn half_sine_has_its_closed_form() {
     let s = half_sine(1e-4, 1e-4, 3000.0, 1e-7);
-    let m = told(&s, &s, "self");
+    let m = metrics_of(&s, &s, "self");
     close(m.peak_force_n, 3000.0, 1e-3);
     close(m.impulse_ns, 2.0 / PI * 3000.0 * 1e-4, 1e-6);
     close(m.duration_s, 1e-4, 2e-10);
@@ -64,7 +64,7 @@ fn rebound_and_transmission_error() {
     let mut s = r.clone();
     with(&mut r, 1.0, -5.0);
     with(&mut s, 1.1, -4.5);
-    let m = told(&s, &r, "fe");
+    let m = metrics_of(&s, &r, "fe");
     close(m.rebound_rel, 0.5 / 25.0, 1e-12);
     close(m.transmission_error_l2, 0.1, 1e-12);
     // A run that stops early has no rebound; a reference without the column has no transmission error.
@@ -74,7 +74,7 @@ fn rebound_and_transmission_error() {
     s.omega2_rad_s.truncate(300);
     s.columns[0].values.truncate(300);
     r.columns.clear();
-    let m = told(&s, &r, "fe");
+    let m = metrics_of(&s, &r, "fe");
     assert_eq!((m.rebound_rel, m.transmission_error_l2), (None, None));
 }
 
@@ -82,7 +82,7 @@ fn rebound_and_transmission_error() {
 fn scaled_force_has_the_scale_as_error() {
     let r = half_sine(1e-4, 1e-4, 1000.0, 1e-7);
     let s = half_sine(1e-4, 1e-4, 1100.0, 1e-7);
-    let m = told(&s, &r, "fe");
+    let m = metrics_of(&s, &r, "fe");
     close(m.force_l2, 0.1, 1e-12);
     close(m.force_l2_aligned, 0.1, 1e-6);
     close(m.peak_force_rel, 0.1, 1e-12);
@@ -98,7 +98,7 @@ fn shifted_force_is_found_and_raw_error_exact() {
     let r = half_sine(1e-4, length, 1000.0, 1e-7);
     for shift in [-6.35e-5, -3e-6, 1.234e-5, 9e-5] {
         let s = half_sine(1e-4 + shift, length, 1000.0, 1.3e-7);
-        let m = told(&s, &r, "fe");
+        let m = metrics_of(&s, &r, "fe");
         let x: f64 = shift.abs() / length;
         let overlap = (1.0 - x) * (PI * x).cos() + (PI * x).sin() / PI;
         close(m.force_l2, (2.0 * (1.0 - overlap)).sqrt(), 1e-4);
@@ -111,7 +111,7 @@ fn shifted_force_is_found_and_raw_error_exact() {
 fn far_apart_impacts_are_still_aligned() {
     let r = half_sine(1e-5, 1e-4, 1000.0, 1e-7);
     let s = half_sine(2.9e-4, 1e-4, 1000.0, 1e-7);
-    let m = told(&s, &r, "fe");
+    let m = metrics_of(&s, &r, "fe");
     close(m.force_l2, 2.0_f64.sqrt(), 1e-6);
     close(m.force_l2_aligned, 0.0, 1e-6);
 }
@@ -128,7 +128,7 @@ fn a_run_that_ends_before_its_reference_is_charged() {
     ] {
         column.truncate(1501);
     }
-    let m = told(&s, &r, "fe");
+    let m = metrics_of(&s, &r, "fe");
     close(m.force_l2, 0.5_f64.sqrt(), 1e-3);
 }
 
@@ -167,7 +167,7 @@ fn what_follows_the_reference_is_not_compared_with_it() {
     for i in 1..50 {
         run.push(end + f64::from(i) * 1e-6, 9000.0, 5.0, 5.0);
     }
-    let m = told(&run, &reference, "calculix");
+    let m = metrics_of(&run, &reference, "calculix");
     assert!(m.peak_force_rel.is_some_and(|x| x.abs() < 1e-12), "{m:?}");
     assert!(m.impulse_rel.is_some_and(|x| x.abs() < 1e-9), "{m:?}");
     assert_eq!(m.omega1_end, reference.omega1_rad_s.last().copied());

@@ -114,7 +114,7 @@ pub struct Run {
     /// Dynamic modes of the gear that has most of them (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
-    /// Whether the cut modes are kept as residual compliance (elastic model).
+    /// Whether the truncated modes are kept as residual compliance (elastic model).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<bool>,
     /// How its modes were chosen, `flank-compliance` or `frequency` (elastic model).

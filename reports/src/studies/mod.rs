@@ -1,6 +1,6 @@
-//! The studies that write a record, a room each: what the record holds, and what page, charts and CSV say of it.
+//! The studies that write a record, a module each: what the record holds, and what page, charts and CSV say of it.
 //!
-//! A new study is a room, and its lines in [`Study`], [`Part`] and [`report`] below.
+//! A new study is a module, and its lines in [`Study`], [`Part`] and [`report`] below.
 
 pub mod choice_check;
 pub mod choose;
@@ -33,7 +33,7 @@ words! {
         Stability = "stability",
         /// The cheapest adequate model, integrator and step.
         Choose = "choose",
-        /// Choices judged on random scenes.
+        /// Choices validated on random scenes.
         ChoiceCheck = "choice-check",
         /// Error over the number of modes that a reduction keeps.
         Truncation = "truncation",
@@ -104,7 +104,7 @@ impl Part {
     }
 }
 
-/// What the study of a record says: the one place that knows the rooms of all studies.
+/// What the study of a record says: the one place that knows the modules of all studies.
 ///
 /// # Errors
 /// [`DrawError`] when the drawing backend refuses.

@@ -136,18 +136,18 @@ fn files_and_finding() {
             "precision.csv",
         ],
     );
-    let told = finding(&files[PAGE]);
+    let text = finding(&files[PAGE]);
     // Nothing fitted: elastic holds it from the error of the rigid gears down to its least; fe beats only below.
-    assert!(told.contains("down to 0.800"), "{told}");
-    assert!(told.contains("for every error below 5"), "{told}");
+    assert!(text.contains("down to 0.800"), "{text}");
+    assert!(text.contains("for every error below 5"), "{text}");
     // 1 % costs 1 ms; elastic under Verlet keeps it in 10 ms, fe needs 1600.
     assert!(
-        told.contains("\u{d7} 10 faster than elastic under velocity-verlet"),
-        "{told}"
+        text.contains("\u{d7} 10 faster than elastic under velocity-verlet"),
+        "{text}"
     );
     // With the fitted model the errors above 4 % are not elastic's.
-    assert!(told.contains("takes over below 4.00"), "{told}");
-    assert!(told.contains("2 of 14 runs failed"), "{told}");
+    assert!(text.contains("takes over below 4.00"), "{text}");
+    assert!(text.contains("2 of 14 runs failed"), "{text}");
     let csv = &files["precision.csv"];
     assert_eq!(csv.lines().count(), 1 + 2 * 14);
     let on_front = csv.lines().filter(|l| l.contains(",fe,true,")).count();
@@ -164,8 +164,8 @@ fn failures_are_on_their_edge_and_nowhere_else() {
     }
     assert!(files[PAGE].contains("gone at t = 2 us"));
     let results = results();
-    let told = Precision::of(&results);
-    let cloud = told.cloud("fe", told.headline(), Cost::Wall);
+    let study = Precision::of(&results);
+    let cloud = study.cloud("fe", study.headline(), Cost::Wall);
     assert_eq!((cloud.shown.len(), cloud.failed.len()), (12, 2));
     assert!(
         cloud
@@ -186,8 +186,8 @@ fn fitted_models_are_marked_and_set_apart() {
     // The lead stands on the chart itself.
     assert!(chart.contains("\u{d7} 10 faster"), "{chart}");
     let results = results();
-    let told = Precision::of(&results);
-    let cloud = told.cloud("fe", told.headline(), Cost::Wall);
+    let study = Precision::of(&results);
+    let cloud = study.cloud("fe", study.headline(), Cost::Wall);
     let names = |fitted_too: bool| -> Vec<&str> {
         let front = cloud.front(|s| fitted_too || !s.is_fitted());
         front

@@ -2,7 +2,7 @@
 
 use gearbench_integrators::{
     AcceptedStep, Control, NullSink, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
-    Work, method,
+    Work,
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Load, Mount, Profile, SceneSpec, mesh_layout};
@@ -196,11 +196,8 @@ fn the_cost_of_hammering_follows_contact_time() {
                     events,
                     ..TimePlan::new(0.02 * stretch, resolution)
                 };
-                let (mut s, mut work) = (scene.initial(), Work::default());
-                let mut impacts = Impacts::of(&scene);
-                let mut m = method("trigonometric").unwrap();
-                m.run(&mut scene, &mut s, &plan, &mut impacts, &mut work)
-                    .unwrap();
+                let (start, mut impacts) = (scene.initial(), Impacts::of(&scene));
+                let (_, work) = watched(&mut scene, start, "trigonometric", &plan, &mut impacts);
                 println!(
                     "events {events}, {resolution:?}, backlash {:.0} um: {} impacts, {} steps, {} rejected, {} evaluations, {} events",
                     50.0 * stretch,

@@ -314,8 +314,8 @@ fn teeth_in_closed_form_equal_integrated_ones_up_to_rounding() {
         let speeds = [
             "speed:pinion",
             "speed:wheel",
-            "displacement:pinion",
-            "displacement:wheel",
+            "hub_angle:pinion",
+            "hub_angle:wheel",
         ]
         .map(|name| channel(&mut scene, &s, name));
         (speeds, out.work.steps)
@@ -346,8 +346,8 @@ fn teeth_in_closed_form_equal_integrated_ones_up_to_rounding() {
         [
             "speed:pinion",
             "speed:wheel",
-            "displacement:pinion",
-            "displacement:wheel",
+            "hub_angle:pinion",
+            "hub_angle:wheel",
         ]
         .map(|name| channel(&mut scene, &s, name))
     };

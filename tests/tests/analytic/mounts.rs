@@ -1,7 +1,7 @@
 //! Mounts, loads and trains: motions in closed form, power through prescribed motions, statics.
 
 use gearbench_integrators::{
-    AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
@@ -12,6 +12,28 @@ use gearbench_models::spec::{
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 
+/// A profile times a factor.
+fn scaled(profile: &Profile, by: f64) -> Profile {
+    match profile {
+        Profile::Constant(x) => Profile::Constant(by * x),
+        Profile::Ramp {
+            from,
+            to,
+            start,
+            end,
+        } => Profile::Ramp {
+            from: by * from,
+            to: by * to,
+            start: *start,
+            end: *end,
+        },
+        Profile::Table { time, value } => Profile::Table {
+            time: time.clone(),
+            value: value.iter().map(|x| by * x).collect(),
+        },
+    }
+}
+
 /// A pair with its teeth apart on both flanks, for motions without contact.
 fn free(load: Load) -> Scene {
     let mut spec = case_a(30e-6);
@@ -19,23 +41,8 @@ fn free(load: Load) -> Scene {
     spec.gears[0].loads = vec![load.clone()];
     // The wheel turns along, so that the flanks stay apart however far the pinion goes.
     spec.gears[1].inertia = spec.gears[0].inertia.map(|j| j * 1.5 * 1.5);
-    spec.gears[1].loads = vec![match load {
-        Load::Applied(Profile::Table { time, value }) => Load::Applied(Profile::Table {
-            time,
-            value: value.iter().map(|x| -1.5 * x).collect(),
-        }),
-        Load::Applied(Profile::Ramp {
-            from,
-            to,
-            start,
-            end,
-        }) => Load::Applied(Profile::Ramp {
-            from: -1.5 * from,
-            to: -1.5 * to,
-            start,
-            end,
-        }),
-        Load::Applied(Profile::Constant(x)) => Load::Applied(Profile::Constant(-1.5 * x)),
+    spec.gears[1].loads = vec![match &load {
+        Load::Applied(profile) => Load::Applied(scaled(profile, -1.5)),
         Load::Viscous(c) => Load::Viscous(2.25 * c),
     }];
     build(&spec, &[rigid(), rigid()], &contact(1e10))
@@ -72,14 +79,10 @@ fn applied_loads_are_integrated_exactly_and_steps_land_on_breakpoints() {
     ] {
         for method in methods_of(&mut free(Load::Applied(profile.clone()))) {
             let mut scene = free(Load::Applied(profile.clone()));
-            let mut s = scene.initial();
+            let (id, start) = (method.info.id, scene.initial());
             let mut times = Times::default();
             let plan = TimePlan::new(5e-3, resolution(method.info, 1e-4, 1e-6));
-            method
-                .build()
-                .run(&mut scene, &mut s, &plan, &mut times, &mut Work::default())
-                .unwrap();
-            let id = method.info.id;
+            let (s, _) = watched(&mut scene, start, id, &plan, &mut times);
             for breakpoint in &breakpoints {
                 assert!(
                     times.0.contains(breakpoint),
@@ -180,20 +183,8 @@ fn driven_gears_put_their_power_into_the_ledger() {
                     }
                     let mut spec = case_a(2e-6);
                     let other = 1 - driven;
-                    spec.gears[driven].mount = Mount::Driven(match (driven, profile) {
-                        (0, p) => p.clone(),
-                        (_, Profile::Constant(x)) => Profile::Constant(-x),
-                        (_, Profile::Ramp { to, start, end, .. }) => Profile::Ramp {
-                            from: 0.0,
-                            to: -to,
-                            start: *start,
-                            end: *end,
-                        },
-                        (_, Profile::Table { time, value }) => Profile::Table {
-                            time: time.clone(),
-                            value: value.iter().map(|x| -x).collect(),
-                        },
-                    });
+                    let sign = if driven == 0 { 1.0 } else { -1.0 };
+                    spec.gears[driven].mount = Mount::Driven(scaled(profile, sign));
                     if driven == 1 {
                         // The wheel drives with its other flanks.
                         spec.meshes[0].start = start(Side::Right, 2e-6);

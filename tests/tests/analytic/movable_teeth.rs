@@ -1,15 +1,13 @@
 //! Movable teeth with closed-form deviations of the teeth out of contact, against all teeth integrated.
 
 use gearbench_integrators::{
-    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::OfMesh;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{
-    ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value,
-};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, Value};
 use gearbench_tests::*;
 
 const K: f64 = 5.3e8;
@@ -89,13 +87,10 @@ fn watch(
     rtol: f64,
 ) -> (Watch, State, Scene) {
     let mut scene = build(spec, models, contact);
-    let mut s = scene.initial();
+    let start = scene.initial();
     let mut w = Watch::every(t_end / 400.0);
-    let mut method = gearbench_integrators::table::DOPRI5.build();
     let plan = TimePlan::new(t_end, Resolution::Tolerance(rtol));
-    method
-        .run(&mut scene, &mut s, &plan, &mut w, &mut Work::default())
-        .unwrap();
+    let (s, _) = watched(&mut scene, start, "dopri5", &plan, &mut w);
     (w, s, scene)
 }
 
@@ -214,14 +209,8 @@ fn train(torque: f64) -> SceneSpec {
     SceneSpec {
         gears: vec![first, idler, last],
         meshes: vec![
-            MeshSpec {
-                gears: [0, 1],
-                start: start(Side::Left, 2e-6),
-            },
-            MeshSpec {
-                gears: [1, 2],
-                start: start(Side::Right, 2e-6),
-            },
+            mesh([0, 1], start(Side::Left, 2e-6)),
+            mesh([1, 2], start(Side::Right, 2e-6)),
         ],
     }
 }

@@ -4,7 +4,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, MeshSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Value,
+    ContactSpec, Load, MeshSpec, ModelSpec, Modelling, Mount, Profile, SceneSpec, Start, Value,
 };
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use gearbench_tests::*;
@@ -20,216 +20,165 @@ fn refused(spec: &SceneSpec, gears: &[ModelSpec], contact: &ContactSpec, words: 
     }
 }
 
-fn rigid_pair() -> [ModelSpec; 2] {
-    [rigid(), rigid()]
+/// The scene of rigid gears, changed, is refused.
+fn scene(change: impl FnOnce(&mut SceneSpec), words: &[&str]) {
+    let mut spec = case_a(3e-6);
+    change(&mut spec);
+    let gears = vec![rigid(); spec.gears.len()];
+    refused(&spec, &gears, &contact(1.5e10), words);
 }
+
+/// The model of the pinion is refused.
+fn model(pinion: ModelSpec, words: &[&str]) {
+    let gears = [pinion, rigid()];
+    refused(&case_a(3e-6), &gears, &contact(1.5e10), words);
+}
+
+const START: Start = Start {
+    side: Side::Left,
+    gap: 3e-6,
+    path_coordinate: None,
+};
 
 #[test]
 fn positions_and_starts() {
-    let c = contact(1.5e10);
-    let mut far = case_a(3e-6);
-    far.gears[1].position = [0.12, 0.0];
-    refused(
-        &far,
-        &rigid_pair(),
-        &c,
-        &["`pinion` and `wheel`", "distance must stay below"],
+    let pair = "`pinion` and `wheel`";
+    scene(
+        |s| s.gears[1].position = [0.12, 0.0],
+        &[pair, "distance must stay below"],
     );
-    let mut near = case_a(3e-6);
-    near.gears[1].position = [0.09, 0.0];
-    refused(&near, &rigid_pair(), &c, &["`pinion` and `wheel`"]);
-
-    let mut start = case_a(3e-6);
-    start.meshes[0].start.path_coordinate = Some(0.1);
-    refused(
-        &start,
-        &rigid_pair(),
-        &c,
+    scene(|s| s.gears[1].position = [0.09, 0.0], &[pair]);
+    scene(
+        |s| s.meshes[0].start.path_coordinate = Some(0.1),
         &["outside the path of contact", "1.000000e-1"],
     );
-    refused(
-        &case_a(500e-6),
-        &rigid_pair(),
-        &c,
-        &["right flanks overlap", "backlash", "use a gap"],
-    );
-    refused(
-        &case_a(-500e-6),
-        &rigid_pair(),
-        &c,
-        &["left flanks overlap", "use a gap"],
-    );
-    refused(&case_a(f64::NAN), &rigid_pair(), &c, &["gap", "no"]);
-
+    for (gap, words) in [
+        (500e-6, ["right flanks overlap", "use a gap"]),
+        (500e-6, ["backlash", "use a gap"]),
+        (-500e-6, ["left flanks overlap", "use a gap"]),
+        (f64::NAN, ["gap", "no"]),
+    ] {
+        scene(|s| s.meshes[0].start.gap = gap, &words);
+    }
     // Three gears in a triangle: the last mesh finds both of its gears placed, and teeth where teeth are.
-    let mut closed = case_a(3e-6);
-    closed.gears[1] = gear("wheel", spur(20), 0.0801, 0.0);
-    let mut third = gear("third", spur(20), 0.04005, 0.0);
-    third.position[1] = 0.0801 * 0.75_f64.sqrt();
-    closed.gears.push(third);
-    closed.meshes = [[0, 1], [1, 2], [0, 2]]
-        .map(|gears| MeshSpec {
-            gears,
-            start: start_of(),
-        })
-        .to_vec();
-    refused(
-        &closed,
-        &[rigid(), rigid(), rigid()],
-        &c,
+    scene(
+        |s| {
+            s.gears[1] = gear("wheel", spur(20), 0.0801, 0.0);
+            let mut third = gear("third", spur(20), 0.04005, 0.0);
+            third.position[1] = 0.0801 * 0.75_f64.sqrt();
+            s.gears.push(third);
+            let start = START;
+            s.meshes = [[0, 1], [1, 2], [0, 2]]
+                .map(|gears| MeshSpec { gears, start })
+                .to_vec();
+        },
         &["`pinion` and `third`", "flanks overlap", "another position"],
     );
 }
 
-fn start_of() -> gearbench_models::spec::Start {
-    start(Side::Left, 3e-6)
-}
-
 #[test]
 fn mounts_loads_and_inertias() {
-    let c = contact(1.5e10);
-    let mut slide = case_a(3e-6);
-    slide.gears[1].mount = Mount::Prismatic;
-    refused(
-        &slide,
-        &rigid_pair(),
-        &c,
+    scene(
+        |s| s.gears[1].mount = Mount::Prismatic,
         &["`wheel`", "prismatic", "use revolute"],
     );
-    let mut turn = pair_of(
-        gear("pinion", spur(20), 0.0, 1.0),
-        rack("rack", 20, 0.0401, 0.0),
-        start_of(),
-    );
-    turn.gears[1].mount = Mount::Revolute;
-    refused(
-        &turn,
-        &rigid_pair(),
-        &c,
+    let on_rack = |s: &mut SceneSpec| {
+        let pinion = gear("pinion", spur(20), 0.0, 1.0);
+        *s = pair_of(pinion, rack("rack", 20, 0.0401, 0.0), START);
+    };
+    scene(
+        |s| {
+            on_rack(s);
+            s.gears[1].mount = Mount::Revolute;
+        },
         &["`rack`", "cannot turn", "use prismatic"],
     );
-    turn.gears[1].mount = Mount::Prismatic;
-    turn.meshes[0].gears = [1, 0];
-    refused(&turn, &rigid_pair(), &c, &["rack", "name the gear first"]);
-
-    let mut weightless = case_a(3e-6);
-    weightless.gears[0].inertia = Some(0.0);
-    refused(
-        &weightless,
-        &rigid_pair(),
-        &c,
+    scene(
+        |s| {
+            on_rack(s);
+            s.meshes[0].gears = [1, 0];
+        },
+        &["rack", "name the gear first"],
+    );
+    scene(
+        |s| s.gears[0].inertia = Some(0.0),
         &["`pinion`", "inertia 0", "not positive"],
     );
-
-    let mut ramp = case_a(3e-6);
     let backwards = Profile::Ramp {
         from: 0.0,
         to: 1.0,
         start: 0.2,
         end: 0.1,
     };
-    ramp.gears[0].loads = vec![Load::Applied(backwards.clone())];
-    refused(&ramp, &rigid_pair(), &c, &["`pinion`", "load", "no length"]);
-    ramp.gears[0].loads = vec![Load::Viscous(-1.0)];
-    refused(
-        &ramp,
-        &rigid_pair(),
-        &c,
+    let applied = Load::Applied(backwards.clone());
+    scene(
+        |s| s.gears[0].loads = vec![applied],
+        &["`pinion`", "load", "no length"],
+    );
+    scene(
+        |s| s.gears[0].loads = vec![Load::Viscous(-1.0)],
         &["`pinion`", "viscous coefficient -1"],
     );
-    ramp.gears[0].loads.clear();
-    ramp.gears[0].mount = Mount::Driven(backwards);
-    refused(
-        &ramp,
-        &rigid_pair(),
-        &c,
+    scene(
+        |s| s.gears[0].mount = Mount::Driven(backwards),
         &["`pinion`", "driven motion", "no length"],
     );
 }
 
 #[test]
 fn models_and_their_parameters() {
-    let c = contact(1.5e10);
-    let spec = case_a(3e-6);
-    let both = |m: ModelSpec| [m, rigid()];
     let unknown = ModelSpec {
         id: "rubber".into(),
-        parameters: Default::default(),
+        ..rigid()
     };
-    refused(
-        &spec,
-        &both(unknown),
-        &c,
-        &[
-            "`pinion`",
-            "no model `rubber`",
-            "movable-teeth",
-            "elastic-web",
-        ],
-    );
-    refused(
-        &spec,
-        &both(with(rigid(), "k", Value::Number(1.0))),
-        &c,
-        &["`rigid`", "`k`", "it takes none"],
-    );
+    let known = [
+        "`pinion`",
+        "no model `rubber`",
+        "movable-teeth",
+        "elastic-web",
+    ];
+    model(unknown, &known);
+    let extra = with(rigid(), "k", Value::Number(1.0));
+    model(extra, &["`rigid`", "`k`", "it takes none"]);
     let teeth = || movable(5e8, 5e-3, 0.0);
-    let set = |key: &str, value: Value| both(with(teeth(), key, value));
-    refused(
-        &spec,
-        &set("tooth_weight", Value::Number(1.0)),
-        &c,
-        &["`tooth_weight`", "it takes", "tooth_mass_kg"],
-    );
-    refused(
-        &spec,
-        &set("tooth_mass_kg", Value::Number(-1.0)),
-        &c,
-        &["`tooth_mass_kg`", "-1 is not positive"],
-    );
-    refused(
-        &spec,
-        &set("tooth_mass_kg", Value::Number(0.5)),
-        &c,
-        &["`pinion`", "smaller tooth mass"],
-    );
-    refused(
-        &spec,
-        &set("tooth_mass_kg", Value::List(vec![1e-3; 7])),
-        &c,
-        &["7 values for 20 teeth"],
-    );
-    refused(
-        &spec,
-        &set("tooth_mass_kg", Value::Text("light".into())),
-        &c,
-        &["expected a number", "light"],
-    );
-    refused(
-        &spec,
-        &set("integrate", Value::Text("some".into())),
-        &c,
-        &["\"active\" or \"all\""],
-    );
-    refused(
-        &spec,
-        &set("stiffness_radius_m", Value::List(vec![0.04, 0.05])),
-        &c,
-        &["needs both"],
-    );
+    let (mass, text) = ("tooth_mass_kg", |x: &str| Value::Text(x.into()));
+    let radii = Value::List(vec![0.04, 0.05]);
+    for (key, value, words) in [
+        ("tooth_weight", Value::Number(1.0), ["`tooth_weight`", mass]),
+        (
+            mass,
+            Value::Number(-1.0),
+            ["`tooth_mass_kg`", "-1 is not positive"],
+        ),
+        (mass, Value::Number(0.5), ["`pinion`", "smaller tooth mass"]),
+        (
+            mass,
+            Value::List(vec![1e-3; 7]),
+            ["7 values", "for 20 teeth"],
+        ),
+        (mass, text("light"), ["expected a number", "light"]),
+        (
+            "integrate",
+            text("some"),
+            ["integrate", "\"active\" or \"all\""],
+        ),
+        (
+            "stiffness_radius_m",
+            radii,
+            ["stiffness_radius_m", "needs both"],
+        ),
+    ] {
+        model(with(teeth(), key, value), &words);
+    }
     let mut missing = teeth();
     missing.parameters.remove("tooth_stiffness_n_per_m");
-    refused(
-        &spec,
-        &both(missing),
-        &c,
+    model(
+        missing,
         &["`tooth_stiffness_n_per_m`", "is missing", "identify"],
     );
     // The example refuses in the same manner.
-    refused(
-        &spec,
-        &both(with(web(0.0), "rim_share", Value::Number(1.5))),
-        &c,
+    model(
+        with(web(0.0), "rim_share", Value::Number(1.5)),
         &["`elastic-web`", "`rim_share`", "below 1"],
     );
 }
@@ -237,61 +186,40 @@ fn models_and_their_parameters() {
 #[test]
 fn contacts() {
     let spec = case_a(3e-6);
-    let c = || contact(1.5e10);
+    let rigid_pair = [rigid(), rigid()];
     let with_damping = |exponent, damping| ContactSpec {
         exponent,
         damping,
-        ..c()
+        ..contact(1.5e10)
     };
-    refused(
-        &spec,
-        &rigid_pair(),
-        &with_damping(4.0, Damping::None),
-        &["exponent", "[1, 3]"],
-    );
-    refused(
-        &spec,
-        &rigid_pair(),
-        &with_damping(1.0, Damping::Flores { e: 0.0 }),
-        &["restitution", "(0, 1]"],
-    );
+    let no_slices = ContactSpec {
+        slices: Some(0),
+        ..contact(1.5e10)
+    };
     let ratio = Damping::KelvinVoigtRatio { ratio: 0.1 };
-    refused(
-        &spec,
-        &rigid_pair(),
-        &with_damping(1.5, ratio),
-        &["linear law only", "give c"],
-    );
+    for (contact, words) in [
+        (with_damping(4.0, Damping::None), ["exponent", "[1, 3]"]),
+        (
+            with_damping(1.0, Damping::Flores { e: 0.0 }),
+            ["restitution", "(0, 1]"],
+        ),
+        (with_damping(1.5, ratio), ["linear law only", "give c"]),
+        (contact(-1.0), ["stiffness", "positive"]),
+        (no_slices, ["0 slices", "1 to 1000"]),
+    ] {
+        refused(&spec, &rigid_pair, &contact, &words);
+    }
     let mut held = case_a(3e-6);
     held.gears[0].mount = Mount::Fixed;
     held.gears[1].mount = Mount::Driven(Profile::Constant(1.0));
-    refused(
-        &held,
-        &rigid_pair(),
-        &with_damping(1.0, ratio),
-        &["both are held", "N s/m"],
-    );
-    refused(
-        &spec,
-        &rigid_pair(),
-        &contact(-1.0),
-        &["stiffness", "positive"],
-    );
-    refused(
-        &spec,
-        &rigid_pair(),
-        &ContactSpec {
-            slices: Some(0),
-            ..c()
-        },
-        &["0 slices", "1 to 1000"],
-    );
+    let words = ["both are held", "N s/m"];
+    refused(&held, &rigid_pair, &with_damping(1.0, ratio), &words);
     let mesh = ContactSpec {
         stiffness: PairStiffness::Constant {
             per_width: 2e10,
             of: PairOrMesh::Mesh,
         },
-        ..c()
+        ..contact(1.5e10)
     };
     refused(
         &spec,
@@ -299,7 +227,7 @@ fn contacts() {
         &mesh,
         &["whole mesh", "`pinion`", "of a tooth pair"],
     );
-    assert!(try_build(&spec, &rigid_pair(), &mesh).is_ok());
+    assert!(try_build(&spec, &rigid_pair, &mesh).is_ok());
 }
 
 #[test]

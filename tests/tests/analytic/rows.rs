@@ -8,7 +8,7 @@ use gearbench_models::geometry::{
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    Body, GearSpec, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, Value, effective_radius,
+    Body, GearSpec, ModelSpec, Mount, Profile, SceneSpec, Value, effective_radius,
 };
 use gearbench_tests::*;
 
@@ -246,14 +246,8 @@ fn idler_train() -> SceneSpec {
     SceneSpec {
         gears: vec![first, idler, last],
         meshes: vec![
-            MeshSpec {
-                gears: [0, 1],
-                start: start(Side::Left, 3e-6),
-            },
-            MeshSpec {
-                gears: [1, 2],
-                start: start(Side::Right, 3e-6),
-            },
+            mesh([0, 1], start(Side::Left, 3e-6)),
+            mesh([1, 2], start(Side::Right, 3e-6)),
         ],
     }
 }

@@ -3,7 +3,7 @@
 
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{
-    Coeffs, Events, Outputs, Report, Resolution, SecondOrderSystem, State, TimePlan, Work,
+    Coeffs, Events, Outputs, Report, Resolution, SecondOrderSystem, State, TimePlan,
 };
 use gearbench_models::geometry::{Gear, Side};
 use gearbench_models::scene::Scene;
@@ -160,14 +160,9 @@ fn stiffness_over_the_radius_books_its_jumps_and_work() {
     for model in [by_radius(60.0), all_teeth(by_radius(60.0))] {
         let spec = loaded(1.0, 60.0, 20.0);
         let mut scene = build(&spec, &[model.clone(), rigid()], &contact(5e10));
-        let mut s = scene.initial();
-        let mut ledger = Ledger::default();
+        let (start, mut ledger) = (scene.initial(), Ledger::default());
         let plan = TimePlan::new(0.01, Resolution::Tolerance(1e-9));
-        let mut method = gearbench_integrators::table::DOPRI5.build();
-        let mut work = Work::default();
-        method
-            .run(&mut scene, &mut s, &plan, &mut ledger, &mut work)
-            .unwrap();
+        let (s, work) = watched(&mut scene, start, "dopri5", &plan, &mut ledger);
         assert!(work.events > 10, "{} events", work.events);
         assert!(
             ledger.parametric.abs() > 1e-7,

@@ -5,7 +5,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, MeshSpec, ModelSpec, Mount, Profile, SceneSpec, effective_radius,
+    ContactSpec, Load, ModelSpec, Mount, Profile, SceneSpec, effective_radius,
 };
 use gearbench_tests::*;
 
@@ -47,14 +47,8 @@ fn train(models: [ModelSpec; 3], mounts: [Mount; 3], torques: [f64; 2], side: Si
         g.mount = mount;
     }
     let meshes = vec![
-        MeshSpec {
-            gears: [0, 1],
-            start: start(Side::Left, -1e-7),
-        },
-        MeshSpec {
-            gears: [1, 2],
-            start: start(side, -1e-7),
-        },
+        mesh([0, 1], start(Side::Left, -1e-7)),
+        mesh([1, 2], start(side, -1e-7)),
     ];
     build(&SceneSpec { gears, meshes }, &models, &contact(2e10))
 }
@@ -99,14 +93,8 @@ fn a_train_carries_its_load_in_motion() {
     last.position = [0.1001, 0.1081];
     last.loads = vec![Load::Viscous(0.4)];
     let meshes = vec![
-        MeshSpec {
-            gears: [0, 1],
-            start: start(Side::Left, 0.0),
-        },
-        MeshSpec {
-            gears: [1, 2],
-            start: start(Side::Right, 0.0),
-        },
+        mesh([0, 1], start(Side::Left, 0.0)),
+        mesh([1, 2], start(Side::Right, 0.0)),
     ];
     let spec = SceneSpec {
         gears: vec![first, idler, last],

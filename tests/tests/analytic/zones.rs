@@ -1,7 +1,7 @@
 //! Ends of the path of contact, counts of events, both flanks of the backlash, runs without event location.
 
 use gearbench_integrators::{
-    AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan, Work,
+    AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
@@ -55,17 +55,12 @@ fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
             let spec = driven(speed, 60.0);
             let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
             let mut scene = build(&spec, &[rigid(), rigid()], &damped(1.5e10));
-            let mut method = gearbench_integrators::method(id).unwrap();
-            let row = method.info();
-            let mut s = scene.initial();
-            let mut switches = Switches::default();
-            let mut work = Work::default();
+            let row = gearbench_integrators::method(id).unwrap().info();
+            let (start, mut switches) = (scene.initial(), Switches::default());
             let pitches = 6.0;
             let t_end = pitches * std::f64::consts::TAU / 20.0 / speed.abs();
             let plan = TimePlan::new(t_end, resolution(row, 2e-6, 1e-6));
-            method
-                .run(&mut scene, &mut s, &plan, &mut switches, &mut work)
-                .unwrap();
+            watched(&mut scene, start, id, &plan, &mut switches);
             let mut at_ends = 0;
             for s in &switches.0 {
                 // A pinion's tooth at either end of the path, on either flank.
@@ -169,14 +164,9 @@ fn hammering_in_the_backlash_keeps_the_energy() {
         let spec = case_a(34e-6);
         let both = [model.clone(), model.clone()];
         let mut scene = build(&spec, &both, &contact(2e10));
-        let mut s = scene.initial();
-        let mut switches = Switches::default();
+        let (start, mut switches) = (scene.initial(), Switches::default());
         let plan = TimePlan::new(3e-3, Resolution::Tolerance(1e-9));
-        let mut method = gearbench_integrators::table::DOPRI5.build();
-        let mut work = Work::default();
-        method
-            .run(&mut scene, &mut s, &plan, &mut switches, &mut work)
-            .unwrap();
+        let (_, work) = watched(&mut scene, start, "dopri5", &plan, &mut switches);
         // Both flanks take part, again and again.
         let mut flanks = [0, 0];
         for s in &switches.0 {
@@ -270,16 +260,7 @@ fn impact_speeds_belong_to_their_own_impact() {
         let first = closing(&s).abs();
         let mut switches = Switches::default();
         let plan = TimePlan::new(1.2e-3, Resolution::Tolerance(1e-9));
-        let mut method = gearbench_integrators::table::DOPRI5.build();
-        method
-            .run(
-                &mut scene,
-                &mut s,
-                &plan,
-                &mut switches,
-                &mut Work::default(),
-            )
-            .unwrap();
+        watched(&mut scene, s, "dopri5", &plan, &mut switches);
         // Free flights between impacts: their relative speeds fall by r each time.
         let mut speeds: Vec<f64> = Vec::new();
         for s in &switches.0 {

@@ -186,7 +186,7 @@ fn statics_are_those_of_full_finite_elements() {
                 let mut s = scene.initial();
                 s.q[0] = CLOSED;
                 equilibrium(&mut scene, &mut s, &EquilibriumOptions::default()).unwrap();
-                channel(&mut scene, &s, "displacement:pinion") * effective_radius
+                channel(&mut scene, &s, "hub_angle:pinion") * effective_radius
             });
             let apart = (free[0] / free[2] - 1.0)
                 .abs()

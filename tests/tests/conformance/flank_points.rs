@@ -35,19 +35,11 @@ fn scene(points: PointContact, condensed: bool) -> Scene {
 
 /// Runs a scene; returns the ledger, the largest force, the error of the impulse and the work.
 fn run_impact(scene: &mut Scene, id: &str, resolution: Resolution) -> (Ledger, f64, f64, Work) {
-    let mut method = gearbench_integrators::method(id).unwrap();
-    let mut s = scene.initial();
-    let (mut ledger, mut work) = (Ledger::default(), Work::default());
-    let mut impulse = Impulse::new(scene, &s);
-    method
-        .run(
-            scene,
-            &mut s,
-            &TimePlan::new(T_END, resolution),
-            &mut Tee(vec![&mut ledger, &mut impulse]),
-            &mut work,
-        )
-        .unwrap_or_else(|e| panic!("{id}: {e}"));
+    let start = scene.initial();
+    let (mut ledger, mut impulse) = (Ledger::default(), Impulse::new(scene, &start));
+    let plan = TimePlan::new(T_END, resolution);
+    let mut sinks = Tee(vec![&mut ledger, &mut impulse]);
+    let (s, work) = watched(scene, start, id, &plan, &mut sinks);
     (ledger, impulse.peak, impulse.error(scene, &s), work)
 }
 
@@ -128,19 +120,11 @@ fn tips_leave_with_little_energy() {
             ..contact(1.5e10)
         };
         let mut scene = build(&spec, &[model.clone(), model], &contact);
-        let mut s = scene.initial();
-        let mut method = gearbench_integrators::table::VELOCITY_VERLET.build();
-        let (mut ledger, mut through) = (Ledger::default(), Impulse::new(&mut scene, &s));
-        let t_end = 4e-3;
-        method
-            .run(
-                &mut scene,
-                &mut s,
-                &TimePlan::new(t_end, Resolution::Step(1e-6)),
-                &mut Tee(vec![&mut ledger, &mut through]),
-                &mut Work::default(),
-            )
-            .unwrap();
+        let start = scene.initial();
+        let (mut ledger, mut through) = (Ledger::default(), Impulse::new(&mut scene, &start));
+        let plan = TimePlan::new(4e-3, Resolution::Step(1e-6));
+        let mut sinks = Tee(vec![&mut ledger, &mut through]);
+        let (s, _) = watched(&mut scene, start, "velocity-verlet", &plan, &mut sinks);
         let work = 20.0 * (s.q[0] - scene.initial().q[0]);
         let lost = ledger.residual() / work;
         println!(

@@ -3,7 +3,7 @@
 
 use gearbench_integrators::{
     AcceptedStep, Control, Method, MethodInfo, Outputs, Resolution, SecondOrderSystem, Sink,
-    Stepping, TimePlan, Work,
+    Stepping, TimePlan,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::law::{Damping, realised_restitution};
@@ -99,16 +99,12 @@ fn momentum_along_the_line_of_action_is_invariant() {
             for events in [true, false] {
                 let mut scene = scene_of(model, &contact(usual_stiffness(model)));
                 let mut watch = Invariant::new(&scene);
-                let mut s = scene.initial();
+                let start = scene.initial();
                 let plan = TimePlan {
                     events,
                     ..TimePlan::new(T_END, resolution(method.info, 2e-7, 1e-6))
                 };
-                let mut work = Work::default();
-                method
-                    .build()
-                    .run(&mut scene, &mut s, &plan, &mut watch, &mut work)
-                    .unwrap();
+                watched(&mut scene, start, method.info.id, &plan, &mut watch);
                 let what = format!("{} under {}, events {events}", model.id, method.info.id);
                 assert!(watch.impulse > 0.1, "{what}: impulse {}", watch.impulse);
                 let drift = watch.drift / watch.impulse;

@@ -7,12 +7,14 @@ use gearbench::experiment::conditions::{Conditions, silent};
 use gearbench::models::models;
 use gearbench::scene_file::{self, SceneFile};
 use gearbench::studies::compare::{Plan, compare};
+use gearbench_integrators::observers::Tee;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
-use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work};
+use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{PointRule, Value};
 use gearbench_reference::{ExternalReference, reference};
 use gearbench_reports::record::Run;
+use gearbench_tests::{Impulse, watched};
 use std::sync::LazyLock;
 
 /// A scene of which these models are built, and its reference.
@@ -176,15 +178,12 @@ fn case_c_and_the_rack() {
     }
 }
 
-/// What velocity Verlet keeps exactly: the impulse of the moments on each gear by the trapezoidal rule, and the
-/// work of the forces between half steps, `K_(n+1/2) - K_(n-1/2) = f_n . (q_(n+1) - q_(n-1)) / 2`; and the
-/// physical energy, which it keeps to second order.
+/// What velocity Verlet keeps exactly beside the impulse of the torques by the trapezoidal rule: the work of the forces
+/// between half steps, `K_(n+1/2) - K_(n-1/2) = f_n . (q_(n+1) - q_(n-1)) / 2`; and the physical energy, which it keeps
+/// to second order.
 #[derive(Default)]
 struct Ledger {
     out: Outputs,
-    torque: Vec<usize>,
-    last: Vec<f64>,
-    impulse: Vec<f64>,
     energy: [f64; 2],
     before: Vec<f64>,
     kinetic: [f64; 2],
@@ -214,20 +213,12 @@ impl Ledger {
 
 impl Sink for Ledger {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
-        if self.last.is_empty() {
+        if self.before.is_empty() {
             sys.output(step.from.at(), &mut self.out);
-            self.last = self.torque.iter().map(|&c| self.out.channels[c]).collect();
-            self.impulse = vec![0.0; self.torque.len()];
             self.energy[0] = self.out.energy.total();
         }
         self.half_step(sys, step);
         sys.output(step.to.at(), &mut self.out);
-        let h = step.to.t - step.from.t;
-        for (i, &c) in self.torque.iter().enumerate() {
-            let torque = self.out.channels[c];
-            self.impulse[i] += 0.5 * h * (self.last[i] + torque);
-            self.last[i] = torque;
-        }
         self.energy[1] = self.out.energy.total();
         Control::Continue
     }
@@ -241,41 +232,15 @@ fn explicit_steps_keep_momentum_and_make_up_little_energy() {
     let mut built = Scene::build(&scene.spec_for(choice), &choice.modelling, models()).unwrap();
     let mut drift = Vec::new();
     for h in [3e-8, 1.5e-8] {
-        let mut state = built.initial();
-        let torque = ["pinion", "wheel"]
-            .iter()
-            .map(|g| gearbench_tests::named(&built, &format!("contact_torque:{g}")))
-            .collect();
-        let momenta = |scene: &Scene, s: &gearbench_integrators::State| -> Vec<f64> {
-            let gears = scene.gears().iter();
-            gears
-                .map(|g| g.model.hub_state(g.at(s.at())).momentum)
-                .collect()
-        };
-        let before = momenta(&built, &state);
-        let mut ledger = Ledger {
-            torque,
-            ..Ledger::default()
-        };
-        let mut method = gearbench_integrators::table::VELOCITY_VERLET.build();
+        let start = built.initial();
+        let (mut ledger, mut impulse) = (Ledger::default(), Impulse::new(&mut built, &start));
         // Until the flanks have parted; a whole number of steps.
         let plan = TimePlan::new(1.08e-4, Resolution::Step(h));
-        method
-            .run(
-                &mut built,
-                &mut state,
-                &plan,
-                &mut ledger,
-                &mut Work::default(),
-            )
-            .unwrap();
-        let after = momenta(&built, &state);
-        for i in 0..2 {
-            let change = after[i] - before[i];
-            let error = (change - ledger.impulse[i]) / change;
-            assert!(error.abs() < 1e-9, "momentum of gear {i}: {error:e}");
-            println!("step {h:e} s: momentum of gear {i} {error:e}");
-        }
+        let mut sinks = Tee(vec![&mut ledger, &mut impulse]);
+        let (end, _) = watched(&mut built, start, "velocity-verlet", &plan, &mut sinks);
+        let error = impulse.error(&built, &end);
+        assert!(error < 1e-9, "impulse: {error:e}");
+        println!("step {h:e} s: impulse off by {error:e}");
         let made_up = ledger.kinetic[1] - ledger.kinetic[0] - ledger.work;
         let relative = made_up / ledger.energy[0];
         assert!(relative.abs() < 1e-10, "work of the steps: {relative:e}");

@@ -339,7 +339,7 @@ fn effort(c: &Candidate) -> f64 {
 /// A candidate cannot be cheaper than another: the same integrator with steps no longer, on the same level or with no
 /// fewer modes.
 fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
-    let same_rung = match (c.level.modes(), other.level.modes()) {
+    let same_level = match (c.level.modes(), other.level.modes()) {
         (Some(a), Some(b)) => a >= b,
         _ => c.level == other.level,
     };
@@ -348,5 +348,5 @@ fn is_dearer_kin(c: &Candidate, other: &Candidate) -> bool {
         (Resolution::Tolerance(a), Resolution::Tolerance(b)) => a <= b,
         _ => false,
     };
-    same_rung && finer && c.method.method == other.method.method
+    same_level && finer && c.method.method == other.method.method
 }

@@ -3,6 +3,7 @@
 mod contacts;
 mod precision;
 mod refusals;
+mod refused_models;
 mod robustness;
 mod shipped_scenes;
 mod stability;
@@ -10,6 +11,8 @@ mod values;
 
 use super::reading::keys::tables;
 use super::{Origin, SceneError, SceneFile};
+use gearbench_models::geometry::Gear;
+use gearbench_models::spec::Body;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 /// A small sound scene that the tests change.
@@ -74,6 +77,14 @@ fn changed(from: &str, to: &str) -> String {
 
 fn read(from: &str, to: &str) -> SceneFile {
     parse(&changed(from, to)).unwrap_or_else(|e| panic!("{}", render(&e)))
+}
+
+/// The toothing of a gear that is no rack.
+fn toothing_of(scene: &SceneFile, gear: usize) -> Gear {
+    match &scene.spec.gears[gear].body {
+        Body::Gear(toothing) => toothing.clone(),
+        Body::Rack(_) => panic!("a gear"),
+    }
 }
 
 /// The page about the format names every key, and its example is a sound scene.

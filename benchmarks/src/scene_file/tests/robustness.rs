@@ -25,39 +25,18 @@ fn truncated_scenes() {
     }
 }
 
+/// What is put in place of others, between blanks.
+const PIECES: &str = "\" [ ] { } = , nan -1 0 1e308 -1e-308 1e999 true [[ ]] é '' # . 0x7fffffffffffffff \
+                      99999999999999999999 1979-05-27 [] {}";
+
+/// A value of every type.
+const VALUES: &str = "\"text\" | 3 | -3 | 0 | 0.5 | nan | 1e300 | 1e-300 | true | [] | [1] | {} | { a = 1 } | [{}] | [[]]";
+
 /// Replaces, deletes and doubles pieces at places chosen by a fixed linear congruential generator.
 #[test]
 fn mutated_scenes() {
-    let pieces = [
-        "",
-        "\"",
-        "[",
-        "]",
-        "{",
-        "}",
-        "=",
-        ",",
-        "\n",
-        "nan",
-        "-1",
-        "0",
-        "1e308",
-        "-1e-308",
-        "1e999",
-        "true",
-        "[[",
-        "]]",
-        "é",
-        "\u{0}",
-        "''",
-        "#",
-        ".",
-        "0x7fffffffffffffff",
-        "99999999999999999999",
-        "1979-05-27",
-        "[]",
-        "{}",
-    ];
+    let mut pieces = vec!["", "\n", "\u{0}"];
+    pieces.extend(PIECES.split(' '));
     let mut seed: u64 = 20_061_107;
     let mut next = |n: usize| {
         seed = seed
@@ -85,29 +64,12 @@ fn mutated_scenes() {
 /// Every value of the scene replaced by one of every type.
 #[test]
 fn every_value_of_every_type() {
-    let values = [
-        "\"text\"",
-        "3",
-        "-3",
-        "0",
-        "0.5",
-        "nan",
-        "1e300",
-        "1e-300",
-        "true",
-        "[]",
-        "[1]",
-        "{}",
-        "{ a = 1 }",
-        "[{}]",
-        "[[]]",
-    ];
     let lines: Vec<&str> = BASE.lines().collect();
     for (i, line) in lines.iter().enumerate() {
         let Some((key, _)) = line.split_once(" = ") else {
             continue;
         };
-        for value in values {
+        for value in VALUES.split(" | ") {
             let mut text = lines.clone();
             let new = format!("{key} = {value}");
             text[i] = &new;

@@ -1,9 +1,9 @@
 //! The shipped scenes load, and those with a reference agree with it.
 
-use super::render;
+use super::{render, toothing_of};
 use crate::scene_file::{CalibrationUse, Origin, SHIPPED, Selection, load, load_uncalibrated};
 use gearbench_models::geometry::{Pair, Side};
-use gearbench_models::spec::{Body, Load, Value};
+use gearbench_models::spec::{Load, Value};
 use gearbench_models::stiffness::PairStiffness;
 
 #[test]
@@ -45,10 +45,8 @@ fn impacts_are_those_of_their_references() {
             gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
         let p = &reference.parameters;
         assert_eq!(scene.tolerance.as_ref().unwrap().against, "calculix");
-        for (gear, data) in scene.spec.gears.iter().zip(&p.gears) {
-            let Body::Gear(body) = &gear.body else {
-                panic!("a gear")
-            };
+        for (i, (gear, data)) in scene.spec.gears.iter().zip(&p.gears).enumerate() {
+            let body = toothing_of(&scene, i);
             let g = body.params();
             assert_eq!(g.teeth, data.teeth);
             assert_eq!(gear.inertia, Some(data.inertia));
@@ -88,10 +86,7 @@ fn impacts_are_those_of_their_references() {
         );
         assert!((scene.spec.gears[1].position[0] - p.centre_distance).abs() < 1e-15);
         // The pitch point is where the reference starts.
-        let [a, b] = [0, 1].map(|i| match &scene.spec.gears[i].body {
-            Body::Gear(g) => g.clone(),
-            Body::Rack(_) => panic!("a gear"),
-        });
+        let [a, b] = [0, 1].map(|i| toothing_of(&scene, i));
         let pair = Pair::new(&a, &b, p.centre_distance).unwrap();
         assert!((pair.s_pitch() - p.path_coordinate).abs() < 1e-12);
     }
@@ -153,10 +148,7 @@ fn calibrations_are_applied() {
 #[test]
 fn the_hammering_pair_starts_in_the_middle_of_its_backlash() {
     let scene = load("hammer").unwrap();
-    let [a, b] = [0, 1].map(|i| match &scene.spec.gears[i].body {
-        Body::Gear(g) => g.clone(),
-        Body::Rack(_) => panic!("a gear"),
-    });
+    let [a, b] = [0, 1].map(|i| toothing_of(&scene, i));
     let pair = Pair::new(&a, &b, scene.spec.gears[1].position[0]).unwrap();
     assert!((pair.backlash_normal() - 100e-6).abs() < 1e-13);
     assert_eq!(scene.spec.meshes[0].start.gap, 50e-6);

@@ -1,6 +1,6 @@
 //! What is read arrives as it was written.
 
-use super::{BASE, changed, parse, read, render};
+use super::{BASE, changed, parse, read, render, toothing_of};
 use crate::scene_file::{Selection, load, load_uncalibrated};
 use gearbench_integrators::Resolution;
 use gearbench_models::error::{BuildError, GearPart, MeshPart};
@@ -79,9 +79,7 @@ fn toothing() {
          material = { young_pa = 2e11, poisson = 0.28, density_kg_m3 = 7800 }\nadded_inertia_kgm2 = 1e-3",
     );
     let gear = &scene.spec.gears[0];
-    let Body::Gear(body) = &gear.body else {
-        panic!("a gear")
-    };
+    let body = toothing_of(&scene, 0);
     let p = body.params();
     assert_eq!(
         [p.profile_shift, p.addendum, p.dedendum, p.tip_radius],
@@ -184,10 +182,7 @@ fn distance_from_backlash_and_direction() {
         "backlash_m = 8e-5\ndirection_deg = 90.0",
     );
     let [x, y] = scene.spec.gears[1].position;
-    let [a, b] = [0, 1].map(|i| match &scene.spec.gears[i].body {
-        Body::Gear(g) => g.clone(),
-        Body::Rack(_) => panic!("a gear"),
-    });
+    let [a, b] = [0, 1].map(|i| toothing_of(&scene, i));
     assert!(x.abs() < 1e-15);
     assert!((Pair::new(&a, &b, y).unwrap().backlash_normal() - 8e-5).abs() < 1e-13);
 }

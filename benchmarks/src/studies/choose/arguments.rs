@@ -1,7 +1,7 @@
 //! Arguments of `choose`.
 
 use crate::cli::arguments::Output;
-use crate::cli::values::metric;
+use crate::cli::values::{metric, number};
 use clap::Args;
 use gearbench_reports::Metric;
 
@@ -33,10 +33,8 @@ pub struct Choose {
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
-        _ => Err("expected a number between 0 and 1; 0.05 allows an error of 5 %".into()),
-    }
+    let expected = "expected a number between 0 and 1; 0.05 allows an error of 5 %";
+    number(text, |x| *x > 0.0 && *x < 1.0, expected)
 }
 
 #[cfg(test)]

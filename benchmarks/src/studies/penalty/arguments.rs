@@ -1,7 +1,7 @@
 //! Arguments of `penalty`.
 
 use crate::cli::arguments::Bounded;
-use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, positions, positive_load};
+use crate::cli::values::{DEFAULT_LOAD, DEFAULT_SCENE, number, positions, positive_load};
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -48,8 +48,6 @@ pub struct Penalty {
 }
 
 fn penalty(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x <= 1e25 => Ok(x),
-        _ => Err("expected a positive number of Pa/m, for example 1e15".into()),
-    }
+    let expected = "expected a positive number of Pa/m, for example 1e15";
+    number(text, |x| *x > 0.0 && *x <= 1e25, expected)
 }

@@ -1,7 +1,7 @@
 //! Arguments of `precision`.
 
 use crate::cli::arguments::Output;
-use crate::cli::values::{DEFAULT_REPEATS, metric, positive};
+use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive};
 use clap::Args;
 use gearbench_integrators::scheme::seconds;
 use gearbench_reports::Metric;
@@ -79,10 +79,8 @@ fn step(text: &str) -> Result<f64, String> {
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
-        _ => Err("expected a tolerance between 0 and 1, for example 1e-6".into()),
-    }
+    let expected = "expected a tolerance between 0 and 1, for example 1e-6";
+    number(text, |x| *x > 0.0 && *x < 1.0, expected)
 }
 
 #[cfg(test)]
@@ -91,9 +89,9 @@ mod tests {
     use crate::cli::{Cli, Command};
     use clap::Parser;
 
-    fn parse(arguments: &[&str]) -> Result<Precision, clap::Error> {
-        let all = ["gearbench", "precision"].iter().chain(arguments);
-        match Cli::try_parse_from(all)?.command {
+    fn parse(arguments: &str) -> Result<Precision, clap::Error> {
+        let all = ["gearbench", "precision"].into_iter();
+        match Cli::try_parse_from(all.chain(arguments.split_whitespace()))?.command {
             Some(Command::Precision(p)) => Ok(p),
             other => panic!("{other:?}"),
         }
@@ -101,38 +99,23 @@ mod tests {
 
     #[test]
     fn lists_and_units() {
-        let p = parse(&[
-            "hammer",
-            "--steps",
-            "500ns,1us,2e-6",
-            "--rtols",
-            "1e-3,1e-5",
-            "--modes",
-            "0,35",
-            "--metric",
-            "force-aligned, peak,energy_drift_rel",
-        ])
-        .unwrap();
+        let steps = "--steps 500ns,1us,2e-6 --rtols 1e-3,1e-5 --modes 0,35";
+        let metrics = "--metric force-aligned,peak,energy_drift_rel";
+        let p = parse(&format!("hammer {steps} {metrics}")).unwrap();
+        assert_eq!(p.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
+        assert_eq!((p.rtols, p.modes), (vec![1e-3, 1e-5], vec![0, 35]));
         let metrics = [
             Metric::ForceL2Aligned,
             Metric::PeakForceRel,
             Metric::EnergyDrift,
         ];
         assert_eq!(p.metric, metrics);
-        assert_eq!(p.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
-        assert_eq!((p.rtols, p.modes), (vec![1e-3, 1e-5], vec![0, 35]));
-        for wrong in [
-            ["--steps", "fast"],
-            ["--steps", "-1us"],
-            ["--rtols", "2"],
-            ["--modes", "-1"],
-            ["--timeout", "0"],
-            ["--metric", "farce"],
-            ["--metric", " ,"],
-        ] {
-            let e = parse(&["hammer", wrong[0], wrong[1]]).unwrap_err();
-            assert_eq!(e.exit_code(), 2, "{wrong:?}");
+        let wrong =
+            "--steps fast|--steps -1us|--rtols 2|--modes -1|--timeout 0|--metric farce|--metric ,";
+        for wrong in wrong.split('|') {
+            let e = parse(&format!("hammer {wrong}")).unwrap_err();
+            assert_eq!(e.exit_code(), 2, "{wrong}");
         }
-        assert!(parse(&[]).is_err());
+        assert!(parse("").is_err());
     }
 }

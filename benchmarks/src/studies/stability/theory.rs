@@ -3,9 +3,9 @@
 //! A scene is linearised once per model and row; all integrators of the model take their lines from there.
 
 use super::plan::{MapPlan, Plan};
-use crate::studies::stability::limits::{LineKind, Linearised};
+use crate::studies::stability::limits::{Linearised, StepLine};
 use gearbench_reports::record::finite;
-use gearbench_reports::stability::{Columns, LineKind as Kind, MapLine};
+use gearbench_reports::stability::{Columns, MapLine};
 
 /// The lines of all maps that share their converged solutions with map `first` (one model over one set of axes), by
 /// place in the plan. A row that cannot be linearised has no lines.
@@ -31,13 +31,7 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
                 && let Ok(found) = scene.lines(setup.method)
             {
                 for line in found {
-                    put(
-                        lines,
-                        (row, map.rows()),
-                        line.label,
-                        kind(line.kind),
-                        line.step_s,
-                    );
+                    put(lines, (row, map.rows()), line);
                 }
             }
         }
@@ -50,34 +44,17 @@ fn linearise(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Option<Linearised> {
     Linearised::new(&setup.scene, &setup.modelling, plan.conditions.models).ok()
 }
 
-fn kind(kind: LineKind) -> Kind {
-    match kind {
-        LineKind::Stability => Kind::Stability,
-        LineKind::Resonance => Kind::Resonance,
-        LineKind::Penalty => Kind::Penalty,
-    }
-}
-
-/// Puts the step of one row into the line with this label.
-fn put(
-    lines: &mut Vec<MapLine>,
-    (row, rows): (usize, usize),
-    label: String,
-    kind: Kind,
-    step: f64,
-) {
-    let at = match lines.iter().position(|l| l.label == label) {
-        Some(at) => at,
-        None => {
-            lines.push(MapLine {
-                label,
-                kind,
-                step_s: vec![None; rows],
-            });
-            lines.len() - 1
-        }
-    };
-    lines[at].step_s[row] = finite(step);
+/// Puts the step of one row into the line with its label.
+fn put(lines: &mut Vec<MapLine>, (row, rows): (usize, usize), step: StepLine) {
+    let at = (lines.iter().position(|l| l.label == step.label)).unwrap_or_else(|| {
+        lines.push(MapLine {
+            label: step.label,
+            kind: step.kind,
+            step_s: vec![None; rows],
+        });
+        lines.len() - 1
+    });
+    lines[at].step_s[row] = finite(step.step_s);
 }
 
 /// The places of maps that share their linearised scenes.

@@ -1,6 +1,6 @@
 //! Arguments of `reduce`.
 
-use crate::cli::values::positive_load;
+use crate::cli::values::{number, positive_load};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -65,15 +65,14 @@ pub struct Reduce {
 }
 
 fn modulus(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x <= 1e15 => Ok(x),
-        _ => Err("expected a positive number of pascals, for example 2.1e11".into()),
-    }
+    let expected = "expected a positive number of pascals, for example 2.1e11";
+    number(text, |x| *x > 0.0 && *x <= 1e15, expected)
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if (0.0..=1e9).contains(&x) => Ok(x),
-        _ => Err("expected a number of 0 or more".into()),
-    }
+    number(
+        text,
+        |x| (0.0..=1e9).contains(x),
+        "expected a number of 0 or more",
+    )
 }

@@ -102,13 +102,11 @@ impl HardSolve {
     }
 
     /// Forces of the constraints [N].
-    #[must_use]
     pub fn forces(&self) -> &[f64] {
         &self.force
     }
 
     /// Gaps of the constraints [m].
-    #[must_use]
     pub fn gaps(&self) -> &[f64] {
         &self.gap
     }

@@ -114,7 +114,6 @@ impl GearNodes {
 
     /// Values at slots; zeros for those of a gear without a field.
     #[inline]
-    #[must_use]
     pub fn at(values: &[f64], slots: &[u32; 4]) -> [f64; 4] {
         if slots[0] == UNUSED {
             return [0.0; 4];
@@ -124,7 +123,6 @@ impl GearNodes {
 
     /// Total displacement at slots [m].
     #[inline]
-    #[must_use]
     pub fn total(&self, slots: &[u32; 4]) -> [f64; 4] {
         let (a, u) = (
             Self::at(&self.displacement, slots),
@@ -135,14 +133,12 @@ impl GearNodes {
 
     /// Whether the node at a slot carried a force in the last evaluation that met it.
     #[inline]
-    #[must_use]
     pub fn was_pressed(&self, slot: u32) -> bool {
         self.pressed[self.nodes[slot as usize] as usize] > 0.0
     }
 
     /// Residual displacement of the node at a slot in the last evaluation [m].
     #[inline]
-    #[must_use]
     pub fn before(&self, slot: u32) -> f64 {
         self.last[self.nodes[slot as usize] as usize]
     }
@@ -150,7 +146,6 @@ impl GearNodes {
 
 /// `w . a`.
 #[inline]
-#[must_use]
 pub fn weighted(w: &[f64; 4], a: &[f64; 4]) -> f64 {
     w[0] * a[0] + w[1] * a[1] + w[2] * a[2] + w[3] * a[3]
 }

@@ -41,7 +41,6 @@ impl GapBound {
 
     /// Largest gap before residual compliance that is wanted [m].
     #[inline]
-    #[must_use]
     pub fn gap(&self) -> f64 {
         self.least.max(Self::BESIDE * self.depth)
     }
@@ -101,7 +100,6 @@ pub struct NodalPoint {
 impl NodalPoint {
     /// Index of the slave in the mesh, then of the master.
     #[inline]
-    #[must_use]
     pub fn sides(&self) -> [usize; 2] {
         let slave = usize::from(self.slave);
         [slave, 1 - slave]
@@ -109,7 +107,6 @@ impl NodalPoint {
 
     /// Slope of the master's outward displacements `a` at the corners of the face, by the place on it [m].
     #[inline]
-    #[must_use]
     pub fn slope(&self, a: [f64; 4]) -> [f64; 2] {
         let [s, t] = self.place;
         [
@@ -120,7 +117,6 @@ impl NodalPoint {
 
     /// Direction `d` of the force on the slave, for displacements `a` of the master's corners.
     #[inline]
-    #[must_use]
     pub fn direction(&self, a: [f64; 4]) -> Vec3 {
         let [s, t] = self.slope(a);
         self.normal - s * self.sensitivity[0] - t * self.sensitivity[1]

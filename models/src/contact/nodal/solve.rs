@@ -80,13 +80,11 @@ impl NodalSolve {
     }
 
     /// `R` of the nodes, block by block.
-    #[must_use]
     pub fn compliance(&self) -> &[f64] {
         &self.compliance.matrix
     }
 
     /// Number of nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.compliance.n
     }

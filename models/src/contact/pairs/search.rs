@@ -123,7 +123,6 @@ impl LinesOfAction {
     }
 
     /// Flank side of a candidate.
-    #[must_use]
     pub fn side_of(&self, c: &Candidate) -> Side {
         self.lines[c.slot / self.pairs].side
     }

@@ -42,7 +42,6 @@ use surface::Shape;
 
 /// Reference areas [m^2] that the points of a rule stand for on grid `grid`: nodes row by row, or faces row by
 /// row with their points along the profile, then over the width.
-#[must_use]
 pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64> {
     let rule = Rule::new(rule);
     let shape = Shape::new(flanks, grid, SurfaceKind::Smooth, &rule, false);
@@ -53,7 +52,6 @@ pub fn reference_areas(flanks: &Flanks, grid: usize, rule: PointRule) -> Vec<f64
 
 /// Outward unit normals of the smooth surface through the undeformed nodes of grid `grid`, at these nodes, row by
 /// row: `t_z x t_r` of the spline tangents over the width and along the profile, turned out of the tooth.
-#[must_use]
 pub fn nodal_normals(flanks: &Flanks, grid: usize) -> Vec<Vec3> {
     Shape::new(flanks, grid, SurfaceKind::Smooth, &Rule::default(), false).nodal_normals()
 }

@@ -147,19 +147,16 @@ impl FlankPoints {
 
     /// A lower bound of the gaps of all points of rigid flanks at displacements of both hubs; `None` where flanks move
     /// otherwise or the search does not know.
-    #[must_use]
     pub fn clearance(&self, displacements: [f64; 2]) -> Option<Clearance> {
         self.flanks.clearance(displacements)
     }
 
     /// What the last evaluation looked at.
-    #[must_use]
     pub fn work(&self) -> SearchWork {
         self.scratch.borrow().work
     }
 
     /// Ends of the line of action of a flank [m], for pictures.
-    #[must_use]
     pub fn line(&self, side: Side) -> Option<[Vec3; 2]> {
         self.lines[usize::from(side == Side::Right)]
     }

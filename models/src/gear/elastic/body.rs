@@ -150,7 +150,6 @@ impl Elastic {
     }
 
     /// The reduction.
-    #[must_use]
     pub fn data(&self) -> &Reduced {
         &self.data
     }

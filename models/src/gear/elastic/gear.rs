@@ -120,38 +120,36 @@ impl GearModel for Elastic {
         hub_damping: f64,
         rhs_to_x: &mut [f64],
     ) -> Result<(), Singular> {
-        // A viscous load sees the speed of the hub, frame and modes: one more rank (Sherman and Morrison).
-        let damping = c.d * hub_damping * self.own as f64;
-        let (mut answer, mut flow) = (0.0, 0.0);
-        for i in 0..self.omega.len() {
+        let entry = |i: usize| {
             let (w, z) = (self.omega[i], self.zeta[i]);
             let (mass, hub) = if i < self.own {
                 (self.hub.inertia, 1.0)
             } else {
                 (1.0, self.data.hub[i - self.own])
             };
-            let diagonal = c.m * mass + c.d * 2.0 * z * w + c.k * w * w;
+            (hub, c.m * mass + c.d * 2.0 * z * w + c.k * w * w)
+        };
+        // A viscous load sees the speed of the hub, frame and modes: one more rank (Sherman and Morrison).
+        let damping = c.d * hub_damping * self.own as f64;
+        let (mut response, mut flow) = (0.0, 0.0);
+        for (i, x) in rhs_to_x.iter_mut().enumerate() {
+            let (hub, diagonal) = entry(i);
             if diagonal == 0.0 {
                 return Err(Singular);
             }
-            rhs_to_x[i] /= diagonal;
+            *x /= diagonal;
             if damping != 0.0 {
-                answer += hub * hub / diagonal;
-                flow += hub * rhs_to_x[i];
+                response += hub * hub / diagonal;
+                flow += hub * *x;
             }
         }
         if damping == 0.0 {
             return Ok(());
         }
-        let y = damping * flow / (1.0 + damping * answer);
-        for i in 0..self.omega.len() {
-            let (w, z) = (self.omega[i], self.zeta[i]);
-            let (mass, hub) = if i < self.own {
-                (self.hub.inertia, 1.0)
-            } else {
-                (1.0, self.data.hub[i - self.own])
-            };
-            rhs_to_x[i] -= y * hub / (c.m * mass + c.d * 2.0 * z * w + c.k * w * w);
+        let y = damping * flow / (1.0 + damping * response);
+        for (i, x) in rhs_to_x.iter_mut().enumerate() {
+            let (hub, diagonal) = entry(i);
+            *x -= y * hub / diagonal;
         }
         Ok(())
     }

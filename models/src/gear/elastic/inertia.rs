@@ -48,7 +48,6 @@ pub struct Integrals {
 
 impl Integrals {
     /// Number of modes.
-    #[must_use]
     pub fn modes(&self) -> usize {
         self.radial.len()
     }
@@ -57,7 +56,6 @@ impl Integrals {
     ///
     /// # Panics
     /// If there is no such mode.
-    #[must_use]
     pub fn of_modes(&self, kept: &[usize]) -> Integrals {
         let n = self.modes();
         let three = |x: &[f64]| {
@@ -83,7 +81,6 @@ impl Integrals {
     }
 
     /// Whether all lengths are those of as many modes and all numbers are finite.
-    #[must_use]
     pub fn fits(&self, modes: usize) -> bool {
         let lengths = [
             (self.translation.len(), 3 * modes),

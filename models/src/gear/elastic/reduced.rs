@@ -78,7 +78,6 @@ pub enum FlankCompliance {
 impl FlankCompliance {
     /// Compliance between two of `nodes` flank nodes [m/N].
     #[inline]
-    #[must_use]
     pub fn between(&self, i: u32, j: u32, nodes: usize) -> f64 {
         let (i, j) = (i as usize, j as usize);
         match self {
@@ -135,27 +134,23 @@ impl FlankCompliance {
 
 impl Reduced {
     /// Number of flank nodes.
-    #[must_use]
     pub fn nodes(&self) -> usize {
         self.normals.len()
     }
 
     /// Number of kept modes.
-    #[must_use]
     pub fn modes(&self) -> usize {
         self.omega.len()
     }
 
     /// Shapes of all modes at a flank node.
     #[inline]
-    #[must_use]
     pub fn shapes_at(&self, node: u32) -> &[f64] {
         let n = self.omega.len();
         &self.shapes[node as usize * n..][..n]
     }
 
     /// What does not fit together, if anything: lengths, and numbers that are not finite or have the wrong sign.
-    #[must_use]
     pub fn problem(&self) -> Option<String> {
         let (nodes, modes) = (self.nodes(), self.modes());
         let grid_nodes: usize = self.flanks.grids().iter().map(|g| g.nodes.len()).sum();

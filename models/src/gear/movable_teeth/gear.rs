@@ -59,9 +59,7 @@ impl GearModel for MovableTeeth {
             }
             return;
         }
-        for i in 0..at.q.len() - first {
-            let (s, v) = (at.q[first + i], at.v[first + i]);
-            let p = self.spring(at, i, s);
+        for (i, s, v, p) in self.each_spring(at) {
             let torque = p.k * (s - phi) + p.c * (v - speed);
             f[first + i] -= torque;
             on_body += torque;
@@ -80,9 +78,7 @@ impl GearModel for MovableTeeth {
             (0.0, 0.0)
         };
         let mut on_body = 0.0;
-        for i in 0..at.q.len() - first {
-            let s = at.q[first + i];
-            let p = self.spring(at, i, s);
+        for (i, s, _, p) in self.each_spring(at) {
             let (ds, du) = (dq[first + i], dv[first + i]);
             let torque = p.k * (ds - dphi) + p.dk * (s - phi) * ds + p.c * (du - dspeed);
             df[first + i] -= torque;
@@ -104,9 +100,7 @@ impl GearModel for MovableTeeth {
         let first = self.first();
         let phi = self.hub.displacement(at.t, at.q);
         let (mut hub, mut rhs) = (c.m * self.body + c.d * hub_damping, 0.0);
-        for i in 0..at.q.len() - first {
-            let s = at.q[first + i];
-            let p = self.spring(at, i, s);
+        for (i, s, _, p) in self.each_spring(at) {
             let spring = c.d * p.c + c.k * p.k;
             let turning = spring + c.k * p.dk * (s - phi);
             let diagonal = c.m * p.inertia + turning;
@@ -123,9 +117,7 @@ impl GearModel for MovableTeeth {
             x[0] = (x[0] + rhs) / hub;
         }
         let dphi = if first > 0 { x[0] } else { 0.0 };
-        for i in 0..at.q.len() - first {
-            let s = at.q[first + i];
-            let p = self.spring(at, i, s);
+        for (i, s, _, p) in self.each_spring(at) {
             let spring = c.d * p.c + c.k * p.k;
             let diagonal = c.m * p.inertia + spring + c.k * p.dk * (s - phi);
             x[first + i] = (x[first + i] + spring * dphi) / diagonal;
@@ -143,9 +135,7 @@ impl GearModel for MovableTeeth {
         if first > 0 {
             e.kinetic += 0.5 * self.body * speed * speed;
         }
-        for i in 0..at.q.len() - first {
-            let (s, v) = (at.q[first + i], at.v[first + i]);
-            let p = self.spring(at, i, s);
+        for (_, s, v, p) in self.each_spring(at) {
             e.kinetic += 0.5 * p.inertia * v * v;
             e.strain += 0.5 * p.k * (s - phi).powi(2);
         }
@@ -201,12 +191,10 @@ impl GearModel for MovableTeeth {
 
 impl MovableTeeth {
     fn dissipated(&self, at: At<'_>) -> f64 {
-        let first = self.first();
         let speed = self.hub.speed(at.t, at.v);
         let mut power = 0.0;
-        for i in 0..at.q.len() - first {
-            let p = self.spring(at, i, at.q[first + i]);
-            power += p.c * (at.v[first + i] - speed).powi(2);
+        for (_, _, v, p) in self.each_spring(at) {
+            power += p.c * (v - speed).powi(2);
         }
         if self.slots > 0 && self.springs.damping[0] > 0.0 {
             let (_, vv) =
@@ -221,13 +209,9 @@ impl MovableTeeth {
         if self.springs.radius.is_none() {
             return 0.0;
         }
-        let first = self.first();
         let phi = self.hub.displacement(at.t, at.q);
-        (0..at.q.len() - first)
-            .map(|i| {
-                let s = at.q[first + i];
-                0.5 * self.spring(at, i, s).dk * at.v[first + i] * (s - phi).powi(2)
-            })
+        self.each_spring(at)
+            .map(|(_, s, v, p)| 0.5 * p.dk * v * (s - phi).powi(2))
             .sum()
     }
 
@@ -239,11 +223,9 @@ impl MovableTeeth {
             self.hub.displacement(at.t, at.q),
             self.hub.speed(at.t, at.v),
         );
-        -(0..at.q.len())
-            .map(|i| {
-                let p = self.spring(at, i, at.q[i]);
-                (p.k * (at.q[i] - phi) + p.c * (at.v[i] - speed)) * speed
-            })
+        -self
+            .each_spring(at)
+            .map(|(_, s, v, p)| (p.k * (s - phi) + p.c * (v - speed)) * speed)
             .sum::<f64>()
     }
 }

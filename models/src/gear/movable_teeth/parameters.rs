@@ -58,7 +58,6 @@ impl<'de> Deserialize<'de> for PerTooth {
 
 impl PerTooth {
     /// The number that all teeth have.
-    #[must_use]
     pub fn common(&self) -> Option<f64> {
         match self {
             PerTooth::All(x) => Some(*x),
@@ -67,7 +66,6 @@ impl PerTooth {
     }
 
     /// The greatest of all teeth.
-    #[must_use]
     pub fn greatest(&self) -> Option<f64> {
         match self {
             PerTooth::All(x) => Some(*x),

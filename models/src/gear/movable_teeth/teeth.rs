@@ -140,6 +140,18 @@ impl MovableTeeth {
         }
     }
 
+    /// Per coordinate after the mount's: its number, angle and speed, and the spring behind it.
+    #[inline]
+    pub(super) fn each_spring<'a>(
+        &'a self,
+        at: At<'a>,
+    ) -> impl Iterator<Item = (usize, f64, f64, Spring)> + 'a {
+        let own = self.first()..at.q.len();
+        let state = at.q[own.clone()].iter().zip(&at.v[own]);
+        let springs = state.enumerate();
+        springs.map(move |(i, (&s, &v))| (i, s, v, self.spring(at, i, s)))
+    }
+
     fn varying_spring(&self, at: At<'_>, i: usize, s: f64) -> Spring {
         let n = self.count(i);
         let slot = self.slot(i);

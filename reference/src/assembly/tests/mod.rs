@@ -117,7 +117,7 @@ fn turning_the_whole_body_with_its_hub_stores_no_energy() {
     let reduced = tie.reduce(&a, &[0.0], MassKind::Consistent);
     let n = tie.coordinates();
     let mut r = vec![0.0; n];
-    for (place, &node) in tie.free().iter().enumerate() {
+    for (place, &node) in tie.free.iter().enumerate() {
         let turned = HubMotion::Turn.of(&mesh.nodes[node as usize]);
         r[3 * place..][..3].copy_from_slice(turned.as_slice());
     }

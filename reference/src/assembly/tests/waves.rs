@@ -39,7 +39,7 @@ fn a_bar_vibrates_as_its_discrete_dispersion_says() {
                     "above with consistent mass, below with lumped"
                 );
                 let u: Vec<f64> = tie
-                    .free()
+                    .free
                     .iter()
                     .flat_map(|&i| [(number * mesh.nodes[i as usize].x).sin(), 0.0, 0.0])
                     .collect();

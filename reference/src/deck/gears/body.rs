@@ -1,10 +1,10 @@
 //! A connected body of a deck, and the mesh of a gear that it becomes.
 
 use super::patch::{Grid, Quad};
-use super::{BodyShape, DeckGear, circle, decline, letter, rack, spur};
+use super::{BodyShape, DeckGear, circle, decline, rack, spur};
 use crate::deck::data::Deck;
 use crate::deck::error::DeckError;
-use crate::mesh::{ElementKind, GearMesh, Mesh};
+use crate::mesh::{ElementKind, GearMesh, Mesh, flank_set};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
@@ -124,7 +124,7 @@ impl Body {
         let mut face_sets = BTreeMap::new();
         let mut flanks = Vec::with_capacity(placement.flanks.len());
         for f in placement.flanks {
-            let name = format!("flank_{}{}", f.tooth + 1, letter(f.side));
+            let name = flank_set(f.tooth, f.side);
             face_sets.insert(format!("s{name}"), f.grid.faces);
             let members = f.grid.members.unwrap_or_else(|| f.grid.nodes.clone());
             node_sets.insert(name, members);

@@ -23,7 +23,6 @@ use super::error::{DeckError, DeckErrorKind};
 use crate::mesh::{Face, GearMesh, Mesh};
 use crate::vector::turned;
 use gearbench_models::Vec3;
-use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;
 use std::collections::HashMap;
 
@@ -159,14 +158,6 @@ fn snapped(value: f64, size: f64) -> f64 {
         0.0
     } else {
         value
-    }
-}
-
-/// Letter of a side in the names of sets.
-pub(super) fn letter(side: Side) -> char {
-    match side {
-        Side::Left => 'l',
-        Side::Right => 'r',
     }
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::mesh::ElementKind;
 use crate::test_support::{calculix, parsed};
-use gearbench_models::geometry::FlankGrid;
+use gearbench_models::geometry::{FlankGrid, Side};
 
 fn parameters(case: &str) -> serde_json::Value {
     let path = format!("{}/calculix/{case}/params.json", env!("CARGO_MANIFEST_DIR"));

@@ -4,7 +4,7 @@ use super::{Hub, Impact, ImpactGear};
 use crate::deck::data::{Deck, Procedure, Target};
 use crate::deck::error::{DeckError, DeckErrorKind};
 use crate::deck::gears::DeckGear;
-use crate::mesh::Face;
+use crate::mesh::{Face, flank_set};
 use gearbench_models::geometry::Side;
 
 impl<'a> Impact<'a> {
@@ -104,7 +104,7 @@ fn flank_of(gear: &DeckGear, surface: &[Face]) -> Option<(u32, Side)> {
     let mut wanted = surface.to_vec();
     wanted.sort_unstable();
     gear.mesh.flanks.iter().find_map(|f| {
-        let name = format!("sflank_{}{}", f.tooth + 1, super::letter(f.side));
+        let name = format!("s{}", flank_set(f.tooth, f.side));
         let mut faces: Vec<Face> = gear
             .mesh
             .mesh

@@ -1,8 +1,8 @@
 //! The deck of an impact: two gears with rigid bores, contact of tooth pairs, initial speeds, one implicit step.
 
-use super::{Numbered, WriteError, heading, letter, materials, number};
+use super::{Numbered, WriteError, heading, materials, number};
 use crate::deck::gears::{BodyShape, DeckGear, placed};
-use crate::mesh::GearMesh;
+use crate::mesh::{GearMesh, letter};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::Side;
 use gearbench_models::stiffness::Material;

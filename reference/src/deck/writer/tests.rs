@@ -1,6 +1,6 @@
 use super::*;
 use crate::deck::{Deck, DeckGear, Procedure, gears};
-use crate::test_support::{calculix, parsed};
+use crate::test_support::{self, calculix, layered, parsed};
 
 fn read_text(text: &[u8]) -> Deck {
     parsed("written.inp", std::str::from_utf8(text).unwrap())
@@ -180,36 +180,23 @@ fn numbers_fit_into_twenty_characters() {
 #[test]
 fn generated_meshes_come_back_bit_for_bit() {
     use crate::mesh::{ElementKind, GearMeshParams, gear, rack};
-    use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
     let mut meshes = Vec::new();
     for (teeth, helix, kind) in [
         (17, 0.0, ElementKind::C3D8I),
         (18, 0.3, ElementKind::C3D8),
         (9, 0.0, ElementKind::C3D20R),
     ] {
-        let spec = GearParams {
-            teeth,
-            module: 2e-3,
-            profile_shift: 0.5,
-            helix_angle: helix,
-            bore_radius: 5e-3,
-            ..GearParams::default()
-        };
-        let params = GearMeshParams {
-            kind,
-            width: 2,
-            ..GearMeshParams::default()
-        };
-        let gear = gear(&Gear::new(spec).unwrap(), &params).unwrap();
+        let spec = test_support::gear(teeth, 2e-3, |p| {
+            p.profile_shift = 0.5;
+            p.helix_angle = helix;
+            p.bore_radius = 5e-3;
+        });
+        let gear = gear(&spec, &layered(kind, 2)).unwrap();
         meshes.push((format!("{teeth} teeth, helix {helix}"), gear));
     }
     for teeth in [4, 5] {
-        let spec = RackParams {
-            teeth,
-            module: 2e-3,
-            ..RackParams::default()
-        };
-        let rack = rack(&Rack::new(spec).unwrap(), &GearMeshParams::default()).unwrap();
+        let spec = test_support::rack(teeth, 2e-3, |_| {});
+        let rack = rack(&spec, &GearMeshParams::default()).unwrap();
         meshes.push((format!("rack of {teeth}"), rack));
     }
     for (name, mesh) in &meshes {

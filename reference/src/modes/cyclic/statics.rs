@@ -14,7 +14,7 @@ pub(crate) struct StaticResponses {
     /// `C^T K_n^-1 C` per harmonic from 0 to z/2, row by row.
     pub compliance: Vec<Vec<c64>>,
     /// `C^T K_0^-1 M e`.
-    pub yielding: Vec<f64>,
+    pub inertial: Vec<f64>,
     /// `(M e)^T K_0^-1 M e` of one sector, free nodes only.
     pub hub: f64,
     /// `e^T M e` of one sector.
@@ -82,7 +82,7 @@ impl Sector {
             .solve_many(x.as_mut(), Par::Seq);
         Ok(StaticResponses {
             compliance,
-            yielding: columns.iter().map(|c| dot(c, x.col(0)).re).collect(),
+            inertial: columns.iter().map(|c| dot(c, x.col(0)).re).collect(),
             hub: load.iter().zip(x.col(0).iter()).map(|(f, x)| f * x).sum(),
             inertia,
         })

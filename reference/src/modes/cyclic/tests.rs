@@ -138,7 +138,7 @@ fn agrees(kind: ElementKind, teeth: u32, bands: usize, layers: usize, hub: &Hub,
     let mut x = Mat::<f64>::zeros(n, cyclic.modes.len());
     for i in 0..cyclic.modes.len() {
         let u = on_whole(&cyclic, i, &sector, &gear);
-        for (place, &node) in tie.free().iter().enumerate() {
+        for (place, &node) in tie.free.iter().enumerate() {
             for axis in 0..3 {
                 x[(3 * place + axis, i)] = u[3 * node as usize + axis];
             }

@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::assembly::tie::HubMotion;
-use crate::mesh::{self, ElementKind, GearMesh, GearMeshParams};
+use crate::mesh::{self, ElementKind, GearMesh};
 use crate::reduction::request::ALGORITHM;
 use crate::reduction::store::tests::{all_bits, example};
 use crate::reduction::{Mounting, Wanted};
-use crate::test_support::gear;
+use crate::test_support::{counted, gear};
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{FlankGrid, Side};
 use gearbench_models::stiffness::Material;
@@ -20,13 +20,7 @@ fn small() -> GearMesh {
         p.face_width = 5e-3;
         p.bore_radius = 4e-3;
     });
-    let mut params = GearMeshParams {
-        width: 1,
-        rim: 1,
-        ..GearMeshParams::default()
-    };
-    params.tooth.flank = 2;
-    mesh::gear(&gear, &params).unwrap()
+    mesh::gear(&gear, &counted(2, 1, 1)).unwrap()
 }
 
 fn request(mesh: &GearMesh) -> Request<'_> {

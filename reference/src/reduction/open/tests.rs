@@ -1,11 +1,11 @@
 //! Stored reductions held against gears, and opened once.
 
 use super::*;
-use crate::mesh::{self, GearMeshParams};
+use crate::mesh;
 use crate::reduction::geometry::tests::bare;
 use crate::reduction::store::Meta;
 use crate::reduction::{Basis, Mounting, Request, Wanted};
-use crate::test_support;
+use crate::test_support::{self, counted};
 use gearbench_models::geometry::{Gear, GearParams};
 use gearbench_models::spec::{Mount, Parameters};
 use gearbench_models::stiffness::Material;
@@ -25,13 +25,7 @@ fn judged(
     material: Material,
     change: impl Fn(&mut Basis),
 ) -> Option<String> {
-    let mut params = GearMeshParams {
-        width: 1,
-        rim: 1,
-        ..GearMeshParams::default()
-    };
-    params.tooth.flank = 4;
-    let mesh = mesh::gear(&gear(18, |_| {}), &params).unwrap();
+    let mesh = mesh::gear(&gear(18, |_| {}), &counted(4, 1, 1)).unwrap();
     let mut basis = bare(&mesh);
     change(&mut basis);
     let request = Request {

@@ -1,6 +1,6 @@
 //! The container: a zip archive with one `.npy` file per array.
 
-use super::error::{StoreError, StoreErrorKind, refused, spoilt};
+use super::error::{StoreError, StoreErrorKind, refused, unusable};
 use super::npy::{self, Head, shape_text};
 use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
 use std::collections::BTreeMap;
@@ -98,7 +98,7 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, StoreError> {
         let archive = ZipArchive::from_slice(bytes).map_err(|e| {
-            spoilt(
+            unusable(
                 StoreErrorKind::NotZip,
                 "",
                 "a reduction as `gearbench reduce` writes it, a zip archive (.npz)",
@@ -111,7 +111,7 @@ impl<'a> Reader<'a> {
         let mut entries = BTreeMap::new();
         for entry in archive.entries() {
             let damaged = |found: String| {
-                spoilt(
+                unusable(
                     StoreErrorKind::Damaged,
                     "",
                     "a whole table of contents",
@@ -133,7 +133,7 @@ impl<'a> Reader<'a> {
 
     fn missing(&self, name: &str) -> StoreError {
         let there: Vec<&str> = self.entries.keys().map(String::as_str).take(40).collect();
-        spoilt(
+        unusable(
             StoreErrorKind::Missing,
             name,
             "this array",
@@ -208,7 +208,7 @@ impl<'a> Reader<'a> {
                     Axis::Any(name) => (*name).to_owned(),
                 })
                 .collect();
-            return Err(spoilt(
+            return Err(unusable(
                 StoreErrorKind::Shape,
                 name,
                 format!("the shape ({})", expected.join(", ")),
@@ -260,7 +260,7 @@ impl<'a> Reader<'a> {
             f64::from_le_bytes,
         )?;
         if let Some(i) = x.iter().position(|x| !x.is_finite()) {
-            return Err(spoilt(
+            return Err(unusable(
                 StoreErrorKind::Value,
                 name,
                 "finite numbers",
@@ -282,7 +282,7 @@ impl<'a> Reader<'a> {
             .iter()
             .position(|x| !(-1..=i64::from(u32::MAX)).contains(x))
         {
-            return Err(spoilt(
+            return Err(unusable(
                 StoreErrorKind::Value,
                 name,
                 "numbers that count or name something",
@@ -314,7 +314,7 @@ impl<'a> Reader<'a> {
 }
 
 fn damaged(name: &str, found: String) -> StoreError {
-    spoilt(StoreErrorKind::Damaged, name, "a whole array", found)
+    unusable(StoreErrorKind::Damaged, name, "a whole array", found)
 }
 
 /// Place of number `i` in an array.

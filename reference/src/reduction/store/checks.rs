@@ -1,7 +1,7 @@
 //! What has to fit in a basis that is written or was read.
 
 use super::Meta;
-use super::error::{StoreError, StoreErrorKind, spoilt, value};
+use super::error::{StoreError, StoreErrorKind, unusable, value};
 use super::names::{
     ADDED, COMPLIANCE, FAMILY, HUB, HUB_FLANK, HUB_HUB, INERTIA, MOMENTUM, NODES, NORMALS, OMEGA,
     PARTICIPATION, ROWS, SHAPES, TOOTH, UNBALANCE, YOUNG, sign,
@@ -25,7 +25,7 @@ pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
     ];
     for (array, found, expected) in lengths {
         if found != expected {
-            return Some(spoilt(
+            return Some(unusable(
                 StoreErrorKind::Shape,
                 array,
                 format!("{expected} numbers"),
@@ -113,7 +113,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
         }
     };
     if let Some(expected) = c {
-        return Some(spoilt(
+        return Some(unusable(
             StoreErrorKind::Shape,
             COMPLIANCE,
             expected,

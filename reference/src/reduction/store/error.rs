@@ -44,8 +44,13 @@ pub(super) fn refused(
     Refused::new(kind, context, expected, found, help)
 }
 
+/// A file that cannot be read or written.
+pub(super) fn unusable_file(file: &str, expected: &str, found: String, help: &str) -> StoreError {
+    refused(StoreErrorKind::Io, "", expected, found, help).at(file, 0)
+}
+
 /// A refusal that only another file helps against.
-pub(super) fn spoilt(
+pub(super) fn unusable(
     kind: StoreErrorKind,
     array: &str,
     expected: impl Into<String>,
@@ -60,5 +65,5 @@ pub(super) fn value(
     expected: impl Into<String>,
     found: impl Into<String>,
 ) -> StoreError {
-    spoilt(StoreErrorKind::Value, array, expected, found)
+    unusable(StoreErrorKind::Value, array, expected, found)
 }

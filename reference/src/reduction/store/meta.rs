@@ -1,6 +1,6 @@
 //! The array `meta`: JSON text that says where a basis comes from.
 
-use super::error::{StoreError, StoreErrorKind, refused, spoilt, value};
+use super::error::{StoreError, StoreErrorKind, refused, unusable, value};
 use super::names::{META, MOST};
 use super::{Meta, Motion, SCHEMA};
 use crate::hash::Hash;
@@ -63,7 +63,7 @@ impl Entries {
     ) -> Result<T, StoreError> {
         let found = self.0.get(name);
         found.and_then(as_t).ok_or_else(|| {
-            spoilt(
+            unusable(
                 match found {
                     Some(_) => StoreErrorKind::Value,
                     None => StoreErrorKind::Missing,

@@ -25,7 +25,7 @@ use crate::assembly::tie::HubMotion;
 use crate::hash::Hash;
 use crate::mesh::ElementKind;
 use archive::Reader;
-use error::refused;
+use error::unusable_file;
 use gearbench_models::stiffness::Material;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -133,14 +133,7 @@ pub fn write(path: &Path, basis: &Basis, meta: &Meta) -> Result<u64, StoreError>
     kept.map_err(|e| {
         let _ = fs::remove_file(&part);
         let help = "choose another name for the output";
-        refused(
-            StoreErrorKind::Io,
-            "",
-            "a place to write to",
-            e.to_string(),
-            help,
-        )
-        .at(&name, 0)
+        unusable_file(&name, "a place to write to", e.to_string(), help)
     })
 }
 
@@ -158,14 +151,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let name = path.to_string_lossy();
     let fail = |found: String| {
         let help = "`gearbench reduce DECK --out F.npz` makes one";
-        refused(
-            StoreErrorKind::Io,
-            "",
-            "a readable reduction (.npz)",
-            found,
-            help,
-        )
-        .at(&name, 0)
+        unusable_file(&name, "a readable reduction (.npz)", found, help)
     };
     let size = fs::metadata(path).map_err(|e| fail(e.to_string()))?.len();
     if size > MAX_FILE_BYTES {
@@ -189,13 +175,6 @@ pub fn to_bytes(basis: &Basis, meta: &Meta) -> Result<Vec<u8>, StoreError> {
     if let Some(problem) = checks::problem(basis, meta) {
         return Err(problem);
     }
-    fields::write(Vec::new(), basis, meta).map_err(|e| {
-        refused(
-            StoreErrorKind::Io,
-            "",
-            "an archive in memory",
-            e.to_string(),
-            "",
-        )
-    })
+    fields::write(Vec::new(), basis, meta)
+        .map_err(|e| unusable_file("", "an archive in memory", e.to_string(), ""))
 }

@@ -1,6 +1,6 @@
 use super::*;
-use crate::mesh::{GearMeshParams, Tooth, gear, rack, sector};
-use crate::test_support;
+use crate::mesh::{GearMeshParams, gear, rack, sector};
+use crate::test_support::{self, counted};
 use gearbench_models::geometry::{Gear, Side};
 
 fn spur(helix_angle: f64) -> Gear {
@@ -8,17 +8,6 @@ fn spur(helix_angle: f64) -> Gear {
         p.helix_angle = helix_angle;
         p.bore_radius = 0.02;
     })
-}
-
-fn params(flank: usize, width: usize) -> GearMeshParams {
-    GearMeshParams {
-        tooth: Tooth {
-            flank,
-            ..Tooth::default()
-        },
-        width,
-        ..GearMeshParams::default()
-    }
 }
 
 /// Outward normal of the involute (helicoid) through a point: tangent to the base cylinder, tilted by the base
@@ -36,7 +25,7 @@ fn involute_normal(g: &Gear, side: Side, x: &Vec3) -> Vec3 {
 /// Largest error of a normal where the radius of curvature is at least `from` [m].
 fn worst(helix: f64, flank: usize, width: usize, from: f64) -> f64 {
     let g = spur(helix);
-    let s = Surface::new(&gear(&g, &params(flank, width)).unwrap()).unwrap();
+    let s = Surface::new(&gear(&g, &counted(flank, 4, width)).unwrap()).unwrap();
     let mut worst = 0.0_f64;
     for grid in s.flanks.grids() {
         for (&k, x) in grid.nodes.iter().zip(&grid.positions) {
@@ -84,7 +73,7 @@ fn a_rack_has_the_normals_of_its_planes_and_its_teeth_in_order() {
 #[test]
 fn areas_add_up_and_nodes_are_where_the_mesh_has_them() {
     let g = spur(0.0);
-    let mesh = gear(&g, &params(8, 3)).unwrap();
+    let mesh = gear(&g, &counted(8, 4, 3)).unwrap();
     let s = Surface::new(&mesh).unwrap();
     let (low, high) = (g.roll_length_form(), g.roll_length_tip());
     // Arc length of an involute over its roll length: (s_2^2 - s_1^2) / (2 r_b).
@@ -111,7 +100,7 @@ fn areas_add_up_and_nodes_are_where_the_mesh_has_them() {
 #[test]
 fn copies_of_a_sector_are_the_whole_gear() {
     let g = spur(0.2);
-    let p = params(5, 2);
+    let p = counted(5, 4, 2);
     let whole = Surface::new(&gear(&g, &p).unwrap()).unwrap();
     let copies = Surface::of_sector(&sector(&g, &p).unwrap()).unwrap();
     assert_eq!(whole.nodes(), copies.nodes());
@@ -128,7 +117,7 @@ fn copies_of_a_sector_are_the_whole_gear() {
 
 #[test]
 fn declines_flanks_that_are_none() {
-    let mesh = gear(&spur(0.0), &params(3, 1)).unwrap();
+    let mesh = gear(&spur(0.0), &counted(3, 4, 1)).unwrap();
     let declined = |change: &dyn Fn(&mut GearMesh)| {
         let mut m = mesh.clone();
         change(&mut m);

@@ -155,12 +155,6 @@ impl ValidatedChoice {
         over(self.predicted_error?, self.error?)
     }
 
-    /// Predicted time over the time that was measured.
-    #[must_use]
-    pub fn predicted_cost_ratio(&self) -> Option<f64> {
-        over(self.predicted_cost_s?, self.cost_s?)
-    }
-
     /// Why a scene was missed, in words.
     #[must_use]
     pub fn why_missed(&self) -> String {

@@ -1,7 +1,7 @@
 //! What runs cost: wall time per run, and error against wall time. Failures are drawn as failures.
 
 use crate::drawing::Chart;
-use crate::drawing::axis::{Axis, Frame, TICK_SIZE, tick_label};
+use crate::drawing::axis::{Axis, Frame};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
 use crate::drawing::labels::point_label;
@@ -52,7 +52,9 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             x: axis,
             y: Axis::linear(0.0, 1.0),
         };
-        bars_axis(c, &frame, &format!("wall time [{}s]", prefix.symbol));
+        frame.paint_x(c, &format!("wall time [{}s]", prefix.symbol), 7);
+        let edge = [(area.x0, area.y0), (area.x0, area.y1)];
+        c.line(&edge, Stroke::new(Ink::PALE, 1.0));
         let mut y = area.y0 + 3.0;
         for group in &view.groups {
             c.text(
@@ -83,22 +85,6 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         ),
         svg,
     }))
-}
-
-fn bars_axis(c: &mut Canvas<'_>, frame: &Frame, name: &str) {
-    let r = frame.area;
-    let ticks = frame.x.ticks(7);
-    for &t in &ticks {
-        let (x, _) = frame.at(t, 0.0);
-        c.line(&[(x, r.y0), (x, r.y1)], Stroke::new(Ink::GRID, 0.8));
-        let label = tick_label(t, &ticks, frame.x.log);
-        let kind = Type::new(TICK_SIZE, Anchor::Middle).ink(Ink::GREY);
-        c.text(&label, (x, r.y1 + 12.0), kind);
-    }
-    c.line(&[(r.x0, r.y1), (r.x1, r.y1)], Stroke::new(Ink::PALE, 1.0));
-    c.line(&[(r.x0, r.y0), (r.x0, r.y1)], Stroke::new(Ink::PALE, 1.0));
-    let middle = 0.5 * (r.x0 + r.x1);
-    c.text(name, (middle, r.y1 + 31.0), Type::new(13.5, Anchor::Middle));
 }
 
 fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefix: Prefix) {

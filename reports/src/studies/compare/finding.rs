@@ -121,11 +121,11 @@ pub fn costs(view: &View<'_>) -> Vec<(String, f64)> {
                 .runs
                 .iter()
                 .filter_map(|(_, run)| {
-                    let (_, twin) = base.runs.iter().find(|(_, b)| {
+                    let (_, counterpart) = base.runs.iter().find(|(_, b)| {
                         b.integrator == run.integrator && b.step == run.step && b.rtol == run.rtol
                     })?;
-                    let ratio = run.wall_s / twin.wall_s;
-                    let usable = !run.status.is_failure() && !twin.status.is_failure();
+                    let ratio = run.wall_s / counterpart.wall_s;
+                    let usable = !run.status.is_failure() && !counterpart.status.is_failure();
                     (usable && ratio.is_finite() && ratio > 0.0).then_some(ratio)
                 })
                 .collect();

@@ -36,15 +36,15 @@ fn enough(s: &Series<'_>, get: fn(&Run) -> Option<f64>) -> Option<f64> {
 }
 
 pub fn finding(view: &View<'_>) -> Markup {
-    let mut told = Vec::new();
+    let mut text = Vec::new();
     for s in &series(view) {
         let label = html! { b { (s.label) } };
         let Some(hard) = s.hard else {
-            told.push(html! { (label) " has no run with hard contact to compare with." });
+            text.push(html! { (label) " has no run with hard contact to compare with." });
             continue;
         };
         let Some((at, last)) = (s.soft.iter().rev()).find(|(_, r)| !r.status.is_failure()) else {
-            told.push(html! { "No run of " (label) " with a penalty ended well." });
+            text.push(html! { "No run of " (label) " with a penalty ended well." });
             continue;
         };
         let off = |get: fn(&Run) -> Option<f64>| {
@@ -59,7 +59,7 @@ pub fn finding(view: &View<'_>) -> Markup {
         let parts: Vec<String> = (named.into_iter())
             .filter_map(|(name, off)| Some(format!("{name} by {}", off?)))
             .collect();
-        told.push(html! {
+        text.push(html! {
             "With a penalty of " (power(*at, 1)) " Pa/m " (label) " differs from hard contact in " (parts.join(", ")) "."
         });
         let enough = [
@@ -70,13 +70,13 @@ pub fn finding(view: &View<'_>) -> Markup {
             .filter_map(|(name, p)| Some(format!("{name} from {} Pa/m on", power(p?, 1))))
             .collect();
         if !from.is_empty() {
-            told.push(html! { "Within 1\u{a0}% are " (from.join(" and ")) "." });
+            text.push(html! { "Within 1\u{a0}% are " (from.join(" and ")) "." });
         }
     }
-    if told.is_empty() {
-        told.push(html! { "The record holds no run with a penalty." });
+    if text.is_empty() {
+        text.push(html! { "The record holds no run with a penalty." });
     }
-    sentences(told)
+    sentences(text)
 }
 
 /// All penalties with their outputs and distances.

@@ -9,10 +9,10 @@ type Row<'a> = (&'a Run, &'a Metrics);
 
 /// One line per run and reference.
 pub fn tables(results: &Results) -> Vec<CsvTable> {
-    let told = Precision::of(results);
-    let clouds: Vec<Cloud<'_>> = (told.references.iter().map(String::as_str))
+    let study = Precision::of(results);
+    let clouds: Vec<Cloud<'_>> = (study.references.iter().map(String::as_str))
         .chain([SELF])
-        .map(|id| told.cloud(id, told.headline(), Cost::Wall))
+        .map(|id| study.cloud(id, study.headline(), Cost::Wall))
         .collect();
     // The front of each reference, of the model's own converged solution that of each model.
     let on_front = |(r, m): &Row<'_>| {

@@ -1,7 +1,7 @@
 //! What a study of accuracy against cost says: families of runs, their points, who leads.
 //!
 //! A family is a model under an integrator, at every step, tolerance and number of modes. Models whose truncated modes
-//! stay as residual compliance, under a method that solves their linear part exactly, are the ones whose lead is told.
+//! stay as residual compliance, under a method that solves their linear part exactly, are the ones whose lead is reported.
 
 mod charts;
 mod csv;
@@ -75,7 +75,7 @@ impl Shown<'_> {
 pub struct Cloud<'a> {
     /// Reference.
     pub against: String,
-    /// Runs that reached their end with an error that can be told, in the order of the record.
+    /// Runs that reached their end with an error that is known, in the order of the record.
     pub shown: Vec<Shown<'a>>,
     /// Runs of the same models that failed, with the place of their model.
     pub failed: Vec<(&'a Run, usize)>,
@@ -93,7 +93,7 @@ pub struct Precision<'a> {
     pub metrics: Vec<Metric>,
 }
 
-/// Whether a run is one of those whose lead is told.
+/// Whether a run is one of those whose lead is reported.
 pub fn is_ours(run: &Run) -> bool {
     run.residual == Some(true) && run.exact_linear
 }

@@ -22,11 +22,11 @@ fn three(x: f64) -> String {
 
 /// The finding, a paragraph each.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
-    let told = Precision::of(view.results);
-    let metric = told.headline();
+    let study = Precision::of(view.results);
+    let metric = study.headline();
     let mut paragraphs = Vec::new();
-    for id in &told.references {
-        let cloud = told.cloud(id, metric, Cost::Wall);
+    for id in &study.references {
+        let cloud = study.cloud(id, metric, Cost::Wall);
         if cloud.shown.is_empty() {
             continue;
         }
@@ -141,9 +141,9 @@ fn fits(cloud: &Cloud<'_>) -> String {
 
 /// Fronts, and what each model costs within limits of the error.
 pub fn tables(view: &View<'_>) -> Markup {
-    let told = Precision::of(view.results);
-    let metric = told.headline();
-    let clouds = (told.references.iter()).map(|id| told.cloud(id, metric, Cost::Wall));
+    let study = Precision::of(view.results);
+    let metric = study.headline();
+    let clouds = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Wall));
     html! {
         @for cloud in clouds.filter(|c| !c.shown.is_empty()) {
             @let reference = view.reference_name(&cloud.against);
@@ -161,7 +161,7 @@ pub fn tables(view: &View<'_>) -> Markup {
             }
             section.glance {
                 h2 { "Cheapest run of each model against " (reference) }
-                (within(&told, &cloud))
+                (within(&study, &cloud))
                 p.note {
                     "Least wall time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
                 }
@@ -200,13 +200,13 @@ fn front(cloud: &Cloud<'_>) -> Markup {
     html! { (table) }
 }
 
-fn within(told: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
+fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
     let of = |style: usize| cloud.shown.iter().filter(move |s| s.style == style);
-    let models: Vec<usize> = (0..told.models.len())
+    let models: Vec<usize> = (0..study.models.len())
         .filter(|i| of(*i).next().is_some())
         .collect();
     let mut table = Table::of(&models)
-        .text("Model", |m| told.models[*m].clone())
+        .text("Model", |m| study.models[*m].clone())
         .text("Fitted to", |m| {
             of(*m).find_map(|s| s.run.fitted_to.clone())
         });
@@ -232,8 +232,8 @@ fn within(told: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
 
 /// All runs, shortly, and the failures counted.
 pub fn runs(view: &View<'_>) -> Markup {
-    let told = Precision::of(view.results);
-    let metric = told.headline();
+    let study = Precision::of(view.results);
+    let metric = study.headline();
     let rows = common::rows(view);
     if rows.is_empty() {
         return Markup::default();
@@ -245,7 +245,7 @@ pub fn runs(view: &View<'_>) -> Markup {
         .written("Modes", "", |(r, ..)| common::modes(r))
         .text("Step", |(r, ..)| resolution(r))
         .text("Status", |(r, ..)| r.status.to_string());
-    for id in told.references.iter().map(String::as_str).chain([SELF]) {
+    for id in study.references.iter().map(String::as_str).chain([SELF]) {
         let heading = match id {
             SELF => "Integration error".into(),
             id => format!("Error, {id}"),

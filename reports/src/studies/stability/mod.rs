@@ -105,7 +105,7 @@ pub struct SelfReference {
     /// Distance of the two in the metric of the tolerance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checked: Option<f64>,
-    /// Why there is none; the cells are then judged by the energy ledger alone.
+    /// Why there is none; the cells are then classified by the energy ledger alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing: Option<String>,
 }

@@ -51,7 +51,7 @@ pub fn finding(maps: &[Map]) -> Markup {
         [] => ", none failed".into(),
         all => format!("; the others failed: {}", all.join(", ")),
     };
-    let mut told = vec![html! {
+    let mut parts = vec![html! {
         "Of " (count(total as u64)) " runs " (part(of(Status::Converged))) " converged, " (part(of(Status::Inaccurate)))
         " ended but were inaccurate" (failed) "."
     }];
@@ -59,10 +59,10 @@ pub fn finding(maps: &[Map]) -> Markup {
         let of_model: Vec<&Map> = (once(maps).into_iter())
             .filter(|m| m.model_label() == label)
             .collect();
-        told.extend(about(&label, &of_model));
+        parts.extend(about(&label, &of_model));
     }
-    told.extend(beside(maps).map(|text| html! { (text) }));
-    sentences(told)
+    parts.extend(beside(maps).map(|text| html! { (text) }));
+    sentences(parts)
 }
 
 /// The explicit method with the largest and smallest limit of a model, and the implicit ones that never failed.

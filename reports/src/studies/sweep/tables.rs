@@ -22,7 +22,7 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
             })
         })
         .collect();
-    let mut told = vec![html! {
+    let mut parts = vec![html! {
         "The transmission error vibrates most (rms) where the mesh frequency meets the resonance of the gears on their mesh \
          stiffness: "
         @for (i, peak) in peaks.iter().enumerate() { @if i > 0 { ", " } (peak) }
@@ -30,7 +30,7 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
     }];
     if let Some(f) = resonance(all) {
         let f = quantity(f, "Hz", 3);
-        told.push(
+        parts.push(
             html! { "The mean tangent stiffness of the mesh puts that resonance at " (f) "." },
         );
     }
@@ -46,7 +46,7 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
         })
         .collect();
     if !slow.is_empty() {
-        told.push(html! {
+        parts.push(html! {
             "At the lowest speed the peak to peak stands against that at rest: " (slow.join(", ")) "."
         });
     }
@@ -59,13 +59,13 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Markup {
             Some(format!("{} between {first} and {last}", s.label))
         })
         .collect();
-    told.push(if apart.is_empty() {
+    parts.push(if apart.is_empty() {
         html! { "The teeth stay in contact at all speeds." }
     } else {
         html! { "The teeth lift off for " (apart.join(", ")) "." }
     });
-    told.extend(failed_of(view.results).map(|text| html! { (text) }));
-    sentences(told)
+    parts.extend(failed_of(view.results).map(|text| html! { (text) }));
+    sentences(parts)
 }
 
 /// Peaks and static values per model.

@@ -152,7 +152,7 @@ pub fn truncation(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
         panels.push(panel);
     }
     let mut charts = Vec::new();
-    let how = "Relative L2 error of the contact-force history, not shifted in time. Filled: cut modes kept as \
+    let how = "Relative L2 error of the contact-force history, not shifted in time. Filled: truncated modes kept as \
                residual compliance; open: plain truncation. Failed runs stand as crosses above the frame.";
     if !panels.is_empty() {
         let caption = format!("{how} Left: gears without any mode.");

@@ -21,7 +21,7 @@ pub struct Way<'a> {
     pub label: String,
     /// `flank-compliance` or `frequency`.
     pub choose: String,
-    /// Whether the cut modes are kept as residual compliance.
+    /// Whether the truncated modes are kept as residual compliance.
     pub residual: bool,
     /// Its runs with their index in the record, ascending in modes.
     pub runs: Vec<(usize, &'a Run)>,

@@ -32,7 +32,7 @@ pub fn finding(view: &View<'_>) -> Markup {
     if all.is_empty() {
         return html! { "The record holds no run with modes." };
     }
-    let mut told: Vec<Markup> = Vec::new();
+    let mut parts: Vec<Markup> = Vec::new();
     for way in all.iter().filter(|w| w.residual) {
         let reached = LIMITS.map(|limit| {
             let text = format!("{}\u{a0}%", short(100.0 * limit, 2));
@@ -41,21 +41,21 @@ pub fn finding(view: &View<'_>) -> Markup {
                 None => format!("no number tried for {text}"),
             }
         });
-        told.push(html! {
+        parts.push(html! {
             "With residual compliance and modes chosen " b { (way.label) } ", the fewest modes per gear are "
             (reached.join(", ")) " of the force history against " (view.reference_name(&id)) "."
         });
     }
     let truncated = all.iter().filter(|w| !w.residual);
     let marked = truncated.flat_map(|w| w.runs.iter().filter(|(_, r)| r.mark.is_some()));
-    told.extend(marked.filter_map(|(_, run)| beside(&all, run, &id)));
-    if told.is_empty() {
-        told.push(html! { "No run could be held against a reference." });
+    parts.extend(marked.filter_map(|(_, run)| beside(&all, run, &id)));
+    if parts.is_empty() {
+        parts.push(html! { "No run could be held against a reference." });
     }
     let runs = view.results.runs.len();
     let none = || format!("None of the {runs} runs failed.");
-    told.push(html! { (failed_of(view.results).unwrap_or_else(none)) });
-    sentences(told)
+    parts.push(html! { (failed_of(view.results).unwrap_or_else(none)) });
+    sentences(parts)
 }
 
 /// A run that is pointed out beside the best that residual compliance does with no more modes.

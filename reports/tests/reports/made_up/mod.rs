@@ -13,7 +13,12 @@ use std::f64::consts::PI;
 pub use studies::{mode_results, penalty_results, sweep_results};
 
 /// Metrics of a run that was to end where it does.
-fn told(series: &TimeSeries, ledger: &Ledger, reference: &TimeSeries, against: &str) -> Metrics {
+fn metrics_of(
+    series: &TimeSeries,
+    ledger: &Ledger,
+    reference: &TimeSeries,
+    against: &str,
+) -> Metrics {
     let end = series.time_s.last().copied().unwrap_or(0.0);
     let run = Finished::reached(series, ledger, [end, end]).unwrap();
     compare(run, reference, against)
@@ -202,7 +207,7 @@ pub fn impact_results() -> Results {
                 contacts: (i < 3).then(|| snapshot(&[(0.0016, peak, "1-1")])),
                 ..Run::default()
             };
-            run.metrics = vec![told(&series, &run.ledger, &reference, "calculix")];
+            run.metrics = vec![metrics_of(&series, &run.ledger, &reference, "calculix")];
             run.series = Some(series);
             runs.push(run);
         }
@@ -278,7 +283,7 @@ fn fail(run: &mut Run, reference: &TimeSeries, status: Status, message: &str) {
                 *x = f64::NAN;
             }
         }
-        run.metrics = vec![told(series, &run.ledger, reference, "calculix")];
+        run.metrics = vec![metrics_of(series, &run.ledger, reference, "calculix")];
     }
     run.metrics[0].force_l2 = Some(f64::NAN);
     run.metrics[0].peak_force_rel = Some(f64::INFINITY);
@@ -312,7 +317,7 @@ pub fn rotation_results() -> Results {
                 residual_rel: Some(1.3e-6),
                 ..Ledger::default()
             };
-            let metrics = vec![told(&s, &ledger, &s, "self")];
+            let metrics = vec![metrics_of(&s, &ledger, &s, "self")];
             runs.push(Run {
                 variant: variant.map(Into::into),
                 implicit,

@@ -1,6 +1,6 @@
 //! Made-up records of the studies of mode counts, speeds and penalties.
 
-use super::{fail, impact, impact_results, reference, run, study, told};
+use super::{fail, impact, impact_results, metrics_of, reference, run, study};
 use gearbench_reports::sweep::{Bearing, StaticCycle, Steady, SweepRecord};
 use gearbench_reports::{Ledger, Part, Results, Run, Status};
 use std::f64::consts::PI;
@@ -14,7 +14,12 @@ pub fn mode_results() -> Results {
         wall_s: 1.9,
         setup_s: 0.6,
         dofs: 14918,
-        metrics: vec![told(&fe, &Ledger::default(), &calculix.series, "calculix")],
+        metrics: vec![metrics_of(
+            &fe,
+            &Ledger::default(),
+            &calculix.series,
+            "calculix",
+        )],
         series: Some(fe.clone()),
         ..run("fe", "hht-alpha", 5e-7, 1.34e-4)
     }];
@@ -40,8 +45,8 @@ pub fn mode_results() -> Results {
             let series = impact(1.9e-5, 3610.0 * (1.0 + 0.6 * error), 0.05 + error, 1e-6);
             let ledger = Ledger::default();
             let mut metrics = vec![
-                told(&series, &ledger, &fe, "fe"),
-                told(&series, &ledger, &calculix.series, "calculix"),
+                metrics_of(&series, &ledger, &fe, "fe"),
+                metrics_of(&series, &ledger, &calculix.series, "calculix"),
             ];
             metrics[0].force_l2 = Some(error);
             metrics[0].impulse_rel = Some(-0.05 * error);
@@ -171,7 +176,7 @@ pub fn penalty_results() -> Results {
             penalty_pa_per_m: penalty,
             hard: penalty.is_none().then_some(true),
             static_error_m: Some(1e-5 * (1.0 + off)),
-            metrics: vec![told(&series, &Ledger::default(), &hard, "hard")],
+            metrics: vec![metrics_of(&series, &Ledger::default(), &hard, "hard")],
             series: (i % 3 == 0).then_some(series),
             ..run("elastic", "trigonometric", 1e-6, 1.34e-4)
         };

@@ -3,7 +3,7 @@
 use super::potential::gradient_error;
 use super::*;
 use gearbench_models::geometry::Side;
-use gearbench_models::spec::{MeshSpec, Mount};
+use gearbench_models::spec::Mount;
 
 /// The gradient with partners without fields, on either side. Partners with nodes of their own leave out what the
 /// closest point's sliding brings beyond first order.
@@ -65,10 +65,8 @@ fn an_idler_joins_its_meshes() {
     let mut spec = case_a(-11e-6);
     let third = gear("third", spur(25), 0.1001 + 4e-3 * 27.5 + 1e-4, 0.0);
     spec.gears.push(third);
-    spec.meshes.push(MeshSpec {
-        gears: [idler, 2],
-        start: start(Side::Right, -11e-6),
-    });
+    spec.meshes
+        .push(mesh([idler, 2], start(Side::Right, -11e-6)));
     let points = PointContact {
         rule: quadrature(6, 2),
         ..PointContact::new(1e15)

@@ -7,16 +7,18 @@ use crate::studies::precision::plan::{Asked, COUNTS};
 use gearbench_reports::{Ledger, Metric};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// The study of some models of a scene, with its stored reference or without.
+fn plan(scene: &str, labels: &str, stored: bool, asked: &Asked) -> Result<Plan<'static>, String> {
+    let scene = load_for(scene, Selection::None).unwrap();
+    let choices = scene.select(Some(labels)).unwrap();
+    let id = scene.reference.as_deref().filter(|_| stored);
+    let reference = id.map(|id| gearbench_reference::reference(id).unwrap());
+    Plan::of(&scene, &choices, reference.as_ref(), asked)
+}
+
 /// The rigid gears of the impact, a few resolutions.
 fn small(asked: &Asked) -> Results {
-    let scene = load_for(
-        "spur_impact",
-        Selection::Labels(Some("rigid,rigid-iso6336")),
-    )
-    .unwrap();
-    let choices = scene.select(Some("rigid,rigid-iso6336")).unwrap();
-    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
-    let plan = Plan::of(&scene, &choices, Some(&reference), asked).unwrap();
+    let plan = plan("spur_impact", "rigid,rigid-iso6336", true, asked).unwrap();
     let total = plan.len();
     let last = AtomicUsize::new(0);
     let results = study(&plan, &|done, all, _| {
@@ -27,8 +29,14 @@ fn small(asked: &Asked) -> Results {
     results
 }
 
+/// Ids of the references that a model is held against.
+fn against(plan: &Plan<'_>, label: &str) -> String {
+    let mut of = plan.variants.iter().filter(|v| v.entry.label == label);
+    of.next().unwrap().against.join(" ")
+}
+
 #[test]
-fn every_rung_is_a_row_with_both_errors() {
+fn every_resolution_is_a_row_with_both_errors() {
     let asked = Asked {
         integrators: Some("velocity-verlet,dopri5,rk4@1us".into()),
         steps: vec![1e-4, 2e-6, 5e-7],
@@ -82,13 +90,11 @@ fn every_rung_is_a_row_with_both_errors() {
 
 #[test]
 fn short_runs_are_repeated_until_their_times_count() {
-    let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
-    let choices = scene.select(Some("rigid")).unwrap();
     let asked = Asked {
         integrators: Some("rk4@2us".into()),
         ..Asked::default()
     };
-    let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
+    let mut plan = plan("spur_impact", "rigid", false, &asked).unwrap();
     plan.conditions.repeats = 2;
     // Far more than the most repeats take.
     plan.timed = std::time::Duration::from_secs(1);
@@ -99,15 +105,13 @@ fn short_runs_are_repeated_until_their_times_count() {
 }
 
 #[test]
-fn a_ladder_ends_where_a_run_takes_too_long() {
-    let scene = load_for("spur_impact", Selection::Labels(Some("rigid"))).unwrap();
-    let choices = scene.select(Some("rigid")).unwrap();
+fn a_series_ends_where_a_run_takes_too_long() {
     let asked = Asked {
         integrators: Some("rk4".into()),
         steps: vec![1e-6, 1e-8, 1e-9, 1e-10],
         ..Asked::default()
     };
-    let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
+    let mut plan = plan("spur_impact", "rigid", false, &asked).unwrap();
     plan.conditions.max_steps = 1000;
     let results = study(&plan, &silent).unwrap();
     let statuses: Vec<Status> = results.runs.iter().map(|r| r.status).collect();
@@ -121,90 +125,57 @@ fn a_ladder_ends_where_a_run_takes_too_long() {
 
 #[test]
 fn references_go_with_their_contact() {
-    let labels = "rigid,elastic,elastic-nodes,elastic-nodes-hard,fe";
-    let scene = crate::scene_file::load_unbuilt("spur_impact").unwrap();
-    let choices = scene.select(Some(labels)).unwrap();
-    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
-    let plan = Plan::of(&scene, &choices, Some(&reference), &Asked::default()).unwrap();
-    let against = |label: &str| {
-        let v = plan
-            .variants
-            .iter()
-            .find(|v| v.entry.label == label)
-            .unwrap();
-        v.against.join(" ")
-    };
-    assert_eq!(against("rigid"), "calculix fe");
-    assert_eq!(against("elastic"), "calculix fe");
-    assert_eq!(against("elastic-nodes"), "calculix fe");
-    assert_eq!(against("elastic-nodes-hard"), "");
-    let counts: Vec<_> = (plan.variants.iter())
+    let all = "rigid,elastic,elastic-nodes,elastic-nodes-hard,fe";
+    let impact = plan("spur_impact", all, true, &Asked::default()).unwrap();
+    for label in ["rigid", "elastic", "elastic-nodes"] {
+        assert_eq!(against(&impact, label), "calculix fe");
+    }
+    assert_eq!(against(&impact, "elastic-nodes-hard"), "");
+    let counts: Vec<_> = (impact.variants.iter())
         .filter(|v| v.entry.label == "elastic")
         .map(|v| v.modes.unwrap())
         .collect();
     assert_eq!(counts, COUNTS);
 
     // The rack has two contacts that have nothing to do with each other.
-    let scene = crate::scene_file::load_unbuilt("rack_pinion").unwrap();
-    let choices = scene
-        .select(Some("elastic-nodes,elastic,rigid,fe,fe-nodes"))
-        .unwrap();
-    let reference = gearbench_reference::reference(scene.reference.as_deref().unwrap()).unwrap();
-    let plan = Plan::of(&scene, &choices, Some(&reference), &Asked::default()).unwrap();
-    let against = |label: &str| {
-        let v = plan
-            .variants
-            .iter()
-            .find(|v| v.entry.label == label)
-            .unwrap();
-        v.against.join(" ")
-    };
-    assert_eq!(against("elastic-nodes"), "fe-nodes");
-    assert_eq!(against("elastic"), "calculix fe");
-    assert_eq!(against("rigid"), "calculix fe");
+    let all = "elastic-nodes,elastic,rigid,fe,fe-nodes";
+    let rack = plan("rack_pinion", all, true, &Asked::default()).unwrap();
+    assert_eq!(against(&rack, "elastic-nodes"), "fe-nodes");
+    assert_eq!(against(&rack, "elastic"), "calculix fe");
+    assert_eq!(against(&rack, "rigid"), "calculix fe");
 
     // Named on the command line, the reference stands for all, and the settings say where contacts differ.
-    let asked = Asked {
-        against: vec!["fe".into()],
-        ..Asked::default()
+    let named = |id: &str| {
+        let against = vec![id.to_owned()];
+        let asked = Asked {
+            against,
+            ..Asked::default()
+        };
+        plan("rack_pinion", all, true, &asked)
     };
-    let plan = Plan::of(&scene, &choices, Some(&reference), &asked).unwrap();
-    assert!(plan.variants.iter().all(|v| v.against == ["fe"]) && plan.external.is_none());
-    let said = |label: &str| {
-        let what = format!("model {label} is held against");
-        (plan.conditions.settings.iter())
-            .find(|(w, _)| *w == what)
-            .unwrap()
-            .1
-            .clone()
-    };
-    assert_eq!(said("elastic"), "fe");
-    assert_eq!(said("elastic-nodes"), "fe (another contact)");
-    let asked = Asked {
-        against: vec!["abaqus".into()],
-        ..Asked::default()
-    };
-    let e = Plan::of(&scene, &choices, Some(&reference), &asked).unwrap_err();
+    let fe = named("fe").unwrap();
+    assert!(fe.variants.iter().all(|v| v.against == ["fe"]) && fe.external.is_none());
+    for (label, said) in [("elastic", "fe"), ("elastic-nodes", "fe (another contact)")] {
+        let row = (format!("model {label} is held against"), said.to_owned());
+        assert!(fe.conditions.settings.contains(&row), "{row:?}");
+    }
+    let e = named("abaqus").unwrap_err();
     assert!(e.contains("calculix") && e.contains("fe-nodes"), "{e}");
 }
 
 #[test]
 fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
-    let scene = crate::scene_file::load_unbuilt("hammer").unwrap();
+    let scene = load_for("hammer", Selection::None).unwrap();
     let choices = scene.select(None).unwrap();
-    let plan = Plan::of(&scene, &choices, None, &Asked::default()).unwrap();
+    let plan_of = |choices: &[_]| Plan::of(&scene, choices, None, &Asked::default()).unwrap();
+    let plan = plan_of(&choices);
     let ids: Vec<_> = plan.fulls.iter().map(|f| f.id.as_str()).collect();
     assert_eq!(ids, ["elastic"]);
-    let most = plan.variants.iter().filter_map(|v| v.modes).max();
-    assert!(
-        plan.fulls[0]
-            .title
-            .contains(&format!("{} modes", most.unwrap()))
-    );
+    let most = plan.variants.iter().filter_map(|v| v.modes).max().unwrap();
+    assert!(plan.fulls[0].title.contains(&format!("{most} modes")));
     assert!(plan.variants.iter().all(|v| v.against == ["elastic"]));
     // A scene of rigid gears has nothing to be held against but itself.
-    let choices = scene.select(Some("rigid")).unwrap();
-    let plan = Plan::of(&scene, &choices, None, &Asked::default()).unwrap();
+    let plan = plan_of(&scene.select(Some("rigid")).unwrap());
     assert!(plan.fulls.is_empty() && plan.variants.iter().all(|v| v.against.is_empty()));
 }
 

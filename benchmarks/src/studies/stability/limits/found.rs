@@ -18,10 +18,10 @@
 //! Larger systems whose modes dampers couple take **long runs** from a random state, where growth is a matter of per cent
 //! per step: the energy doubles again and again in the second half.
 
-use super::LimitError;
 use super::linear::{Dense, Linear};
 use super::linearised::Linearised;
 use super::system::{Damping, Kicked, Vibrations};
+use super::{LimitError, first_unstable};
 use gearbench_integrators::linear_stability::{Kicks, Stability};
 use gearbench_integrators::{
     AcceptedStep, Control, Integrator, MethodSpec, Resolution, SecondOrderSystem, Sink, State,
@@ -40,12 +40,9 @@ const RANK: f64 = 1e-9;
 /// Steps of a long run, and by how much the energy grows in its second half when it is unstable.
 const LONG: u32 = 1600;
 const LONG_GROWTH: f64 = 100.0;
-/// Steps over the fastest mode's time, `omega h`, between which limits are looked for, and the ratio of looks.
+/// Steps over the fastest mode's time, `omega h`, between which limits are looked for.
 const FROM: f64 = 0.2;
 const TO: f64 = 1e3;
-const LOOK: f64 = 1.25;
-/// Relative width at which the search ends.
-const WIDTH: f64 = 1e-3;
 
 /// The largest stable step [s] of a method at the scene's closed state, by stepping its linear system; `damped: false`
 /// leaves its dampers out. `None` where no step up to a thousand times the fastest mode's is unstable, for methods
@@ -117,29 +114,12 @@ impl Sink for Energy<'_> {
     }
 }
 
-/// The first step at which something is unstable, from below: `omega` [rad/s] sets where to look.
+/// The first unstable step; the frequency [rad/s] sets where to look.
 fn search(
     omega: f64,
-    mut unstable: impl FnMut(f64) -> Result<bool, LimitError>,
+    unstable: impl FnMut(f64) -> Result<bool, LimitError>,
 ) -> Result<Option<f64>, LimitError> {
-    let mut low = 0.0;
-    let mut high = FROM / omega;
-    while !unstable(high)? {
-        low = high;
-        high *= LOOK;
-        if high > TO / omega {
-            return Ok(None);
-        }
-    }
-    while high - low > WIDTH * high {
-        let h = 0.5 * (low + high);
-        if unstable(h)? {
-            high = h;
-        } else {
-            low = h;
-        }
-    }
-    Ok(Some(0.5 * (low + high)))
+    first_unstable([FROM / omega, TO / omega], unstable)
 }
 
 impl Trial {

@@ -1,39 +1,19 @@
 //! Theory as lines over the step.
 
 use super::linearised::Linearised;
-use super::{LimitError, LineKind, StepLine};
+use super::{LimitError, LineKind, StepLine, first_unstable};
 use gearbench_integrators::MethodSpec;
 use gearbench_integrators::linear_stability::{Kicks, Stability};
-use gearbench_models::gear::table::Model;
-use gearbench_models::spec::{Modelling, SceneSpec};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// Multiples of pi that are marked.
 const RESONANCES: u32 = 3;
 
-/// Lines over the fixed step of a method, named as in a scene: the largest stable step, the resonances of the
-/// trigonometric method, the limit that the penalty alone would set. None for methods that choose their steps; no
-/// [`LineKind::Stability`] for those that are stable at every step.
-///
-/// [`Linearised::lines`] serves several methods of one scene without running it again.
-pub fn theory(
-    scene: &SceneSpec,
-    modelling: &Modelling,
-    models: &[Model],
-    method: MethodSpec,
-) -> Result<Vec<StepLine>, LimitError> {
-    if matches!(
-        method.stability(),
-        Stability::Controlled | Stability::Unconditional
-    ) {
-        return Ok(Vec::new());
-    }
-    Linearised::new(scene, modelling, models)?.lines(method)
-}
-
 impl Linearised {
-    /// As [`theory`].
+    /// Lines over the fixed step of a method, named as in a scene: the largest stable step, the resonances of the
+    /// trigonometric method, the limit that the penalty alone would set. None for methods that choose their steps; no
+    /// [`LineKind::Stability`] for those that are stable at every step.
     pub fn lines(&mut self, method: MethodSpec) -> Result<Vec<StepLine>, LimitError> {
         let stability = method.stability();
         let mut lines = Vec::new();
@@ -117,23 +97,8 @@ impl Linearised {
             f64::INFINITY
         };
         // Each look takes the matrix at its step: begin near where the contact alone or the first resonance ends.
-        let mut low = 0.0;
-        let mut high = 0.25 * last.min(2.0 / stiffest.sqrt());
-        while stable(high)? {
-            low = high;
-            high *= 1.25;
-            if high >= last || high * stiffest.sqrt() > 1e3 {
-                return Ok(None);
-            }
-        }
-        while high - low > 1e-3 * high {
-            let h = 0.5 * (low + high);
-            if stable(h)? {
-                low = h;
-            } else {
-                high = h;
-            }
-        }
-        Ok(Some(0.5 * (low + high)))
+        let from = 0.25 * last.min(2.0 / stiffest.sqrt());
+        let to = last.min(1e3 / stiffest.sqrt());
+        first_unstable([from, to], |h| stable(h).map(|stable| !stable))
     }
 }

@@ -12,7 +12,7 @@
 //! |---|---|
 //! | [`linearised`] | the state, the matrices there |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
-//! | [`lines`] | [`theory`]: limits, resonances and penalty frequency as lines over the step |
+//! | [`lines`] | limits, resonances and penalty frequency as lines over the step |
 //! | [`found`] | the limit of the method as implemented, by stepping the linear system |
 //! | [`table`] | both side by side for models and methods |
 
@@ -27,21 +27,11 @@ pub mod table;
 mod tests;
 
 pub use linearised::Linearised;
-pub use lines::theory;
 pub use table::{Case, StepLimit};
 
-use gearbench_models::error::BuildError;
+pub use gearbench_reports::stability::LineKind;
 
-/// What a line over the step marks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LineKind {
-    /// The largest stable step.
-    Stability,
-    /// `omega h` is a multiple of pi for the fastest mode.
-    Resonance,
-    /// The largest step that is stable for the masses of the bodies on the penalty of the contact alone.
-    Penalty,
-}
+use gearbench_models::error::BuildError;
 
 /// A step that theory marks.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,4 +53,33 @@ pub enum LimitError {
     /// The matrices at the state are no matrices of a vibrating system.
     #[error("the scene cannot be linearised where its contact force is largest: {0}")]
     Matrices(&'static str),
+}
+
+/// Ratio of looks for the first unstable step, and the relative width at which the search ends.
+const LOOK: f64 = 1.25;
+const WIDTH: f64 = 1e-3;
+
+/// The first step between two at which something is unstable, from below.
+fn first_unstable(
+    [from, to]: [f64; 2],
+    mut unstable: impl FnMut(f64) -> Result<bool, LimitError>,
+) -> Result<Option<f64>, LimitError> {
+    let mut low = 0.0;
+    let mut high = from;
+    while !unstable(high)? {
+        low = high;
+        high *= LOOK;
+        if high >= to {
+            return Ok(None);
+        }
+    }
+    while high - low > WIDTH * high {
+        let h = 0.5 * (low + high);
+        if unstable(h)? {
+            high = h;
+        } else {
+            low = h;
+        }
+    }
+    Ok(Some(0.5 * (low + high)))
 }

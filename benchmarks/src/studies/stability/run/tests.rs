@@ -61,9 +61,8 @@ fn plan(methods: &[MethodSpec]) -> Plan<'static> {
 }
 
 fn run(plan: &Plan<'_>, threads: usize) -> Results {
-    let name = format!("gearbench-stability-{}-{threads}", std::process::id());
-    let folder = std::env::temp_dir().join(name);
-    let journal = Journal::open(&folder.join(JOURNAL), &plan.echo(), true).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let journal = Journal::open(&folder.path().join(JOURNAL), &plan.echo(), true).unwrap();
     let means = Means {
         journal,
         threads,
@@ -74,7 +73,6 @@ fn run(plan: &Plan<'_>, threads: usize) -> Results {
         .map(|m| m.cells.len() + m.refined.len())
         .sum();
     assert_eq!(timings.len(), runs, "every run has its time");
-    let _ = std::fs::remove_dir_all(folder);
     results
 }
 

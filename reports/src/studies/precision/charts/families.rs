@@ -15,12 +15,12 @@ use crate::view::View;
 /// Each family by its own front alone.
 pub(super) fn families(
     view: &View<'_>,
-    told: &Precision<'_>,
+    study: &Precision<'_>,
     marks: &Marks,
     against: &str,
     metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
-    let cloud = told.cloud(against, metric, Cost::Wall);
+    let cloud = study.cloud(against, metric, Cost::Wall);
     let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), Cost::Wall) else {
         return Ok(None);
     };
@@ -31,7 +31,7 @@ pub(super) fn families(
             names.push(name);
         }
     }
-    let models = models_of(told, &cloud);
+    let models = models_of(study, &cloud);
     let top = 8.0 + legend_height(&models, marks);
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + PLOT);
     let title = "The best of each family";

@@ -15,13 +15,13 @@ use crate::view::capital;
 
 /// Work-precision diagrams, one per model: what its integrators lose.
 pub(super) fn integration(
-    told: &Precision<'_>,
+    study: &Precision<'_>,
     marks: &Marks,
     metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
-    let cloud = told.cloud(SELF, metric, Cost::Wall);
+    let cloud = study.cloud(SELF, metric, Cost::Wall);
     let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
-    for style in 0..told.models.len() {
+    for style in 0..study.models.len() {
         let of: Vec<&Shown<'_>> = cloud.shown.iter().filter(|s| s.style == style).collect();
         let modes = busiest(&of);
         let kept: Vec<&Shown<'_>> = of.into_iter().filter(|s| s.run.modes == modes).collect();
@@ -38,7 +38,7 @@ pub(super) fn integration(
     let rows = panels.len().div_ceil(2);
     let models: Vec<(usize, String)> = panels
         .iter()
-        .map(|p| (p.0, told.models[p.0].clone()))
+        .map(|p| (p.0, study.models[p.0].clone()))
         .collect();
     let top = 8.0 + legend_height(&models, marks);
     let title = "Integration error against wall time";
@@ -60,8 +60,8 @@ pub(super) fn integration(
             let last = k + 2 >= panels.len();
             panel(c, marks, &scale, (area, last), *style, shown);
             let label = match modes {
-                Some(n) => format!("{}, {n} modes", told.models[*style]),
-                None => told.models[*style].clone(),
+                Some(n) => format!("{}, {n} modes", study.models[*style]),
+                None => study.models[*style].clone(),
             };
             let failed = (cloud.failed.iter())
                 .filter(|(r, s)| s == style && r.modes == *modes)
@@ -125,20 +125,20 @@ fn panel(
 ) {
     let frame = scale.frame(area);
     frame.paint(c, if last { scale.x_name } else { "" }, "", true);
-    let mut told: Vec<&str> = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
     for s in shown {
         let id = s.run.integrator.as_str();
-        if told.contains(&id) {
+        if seen.contains(&id) {
             continue;
         }
-        told.push(id);
+        seen.push(id);
         for steps in [true, false] {
-            let ladder: Vec<(f64, f64)> = (shown.iter())
+            let curve: Vec<(f64, f64)> = (shown.iter())
                 .filter(|o| o.run.integrator == id && o.run.step.is_some() == steps)
                 .map(|o| scale.at(&frame, o.point))
                 .collect();
             c.line_within(
-                &ladder,
+                &curve,
                 &area,
                 Stroke::new(look(style).ink.opacity(0.35), 1.0),
             );

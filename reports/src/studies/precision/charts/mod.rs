@@ -32,22 +32,22 @@ const ROW: f64 = 19.0;
 
 /// The charts of accuracy against cost.
 pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
-    let told = Precision::of(view.results);
+    let study = Precision::of(view.results);
     let marks = Marks::of(view.results);
-    let metric = told.headline();
+    let metric = study.headline();
     let mut charts = Vec::new();
     let one = |against: &str, metric, cost, file: String| {
-        scatter(view, &told, &marks, (against, metric, cost), file)
+        scatter(view, &study, &marks, (against, metric, cost), file)
     };
-    for (i, id) in told.references.iter().enumerate() {
+    for (i, id) in study.references.iter().enumerate() {
         charts.extend(one(id, metric, Cost::Wall, numbered("model", i))?);
     }
-    charts.extend(integration(&told, &marks, metric)?);
+    charts.extend(integration(&study, &marks, metric)?);
     let work = "precision_work.svg".to_owned();
-    if let Some(first) = told.references.first() {
-        charts.extend(families(view, &told, &marks, first, metric)?);
+    if let Some(first) = study.references.first() {
+        charts.extend(families(view, &study, &marks, first, metric)?);
         charts.extend(one(first, metric, Cost::Evaluations, work)?);
-        for (i, further) in told.metrics.iter().enumerate().skip(1) {
+        for (i, further) in study.metrics.iter().enumerate().skip(1) {
             charts.extend(one(first, *further, Cost::Wall, numbered("metric", i))?);
         }
     } else {
@@ -125,12 +125,12 @@ fn staircase(c: &mut Canvas<'_>, frame: &Frame, scale: &Scale, points: &[Point],
 /// All runs against one reference.
 fn scatter(
     view: &View<'_>,
-    told: &Precision<'_>,
+    study: &Precision<'_>,
     marks: &Marks,
     (against, metric, cost): (&str, Metric, Cost),
     file: String,
 ) -> Result<Option<Chart>, DrawError> {
-    let cloud = told.cloud(against, metric, cost);
+    let cloud = study.cloud(against, metric, cost);
     let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), cost) else {
         return Ok(None);
     };
@@ -142,7 +142,7 @@ fn scatter(
         Cost::Wall => notes(&cloud),
         Cost::Evaluations => Vec::new(),
     };
-    let models = models_of(told, &cloud);
+    let models = models_of(study, &cloud);
     let top = 8.0 + legend_height(&models, marks);
     let strip = strip_height(&reasons);
     let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + PLOT);
@@ -257,7 +257,7 @@ fn words(s: &Shown<'_>) -> String {
 }
 
 /// Models of a cloud: place, label, fitted or not.
-fn models_of(told: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
+fn models_of(study: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
     let styles = (cloud.shown.iter().map(|s| (s.style, s.is_fitted()))).chain(
         cloud
             .failed
@@ -272,7 +272,7 @@ fn models_of(told: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
     }
     found.sort_unstable();
     let label = |(style, fitted): (usize, bool)| {
-        let name = &told.models[style];
+        let name = &study.models[style];
         let text = if fitted {
             format!("{name} (fitted)")
         } else {

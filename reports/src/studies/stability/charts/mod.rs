@@ -90,7 +90,7 @@ fn caption(maps: &[&Map]) -> String {
     let worst = checked.iter().copied().fold(0.0, f64::max);
     let references = match (checked.len(), first.references.len()) {
         (0, _) => {
-            "No converged solution was to be had: cells are judged by the energy ledger alone."
+            "No converged solution was to be had: cells are classified by the energy ledger alone."
                 .into()
         }
         (n, all) if n == all => format!(
@@ -98,7 +98,7 @@ fn caption(maps: &[&Map]) -> String {
             short(worst, 2)
         ),
         (n, all) => format!(
-            "{n} of {all} rows have a converged solution, checked to {}; the others are judged by the energy ledger \
+            "{n} of {all} rows have a converged solution, checked to {}; the others are classified by the energy ledger \
              alone.",
             short(worst, 2)
         ),

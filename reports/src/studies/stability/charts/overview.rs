@@ -2,10 +2,10 @@
 
 use super::look::{self, Entry, found_mark, legend, legend_height};
 use super::panel::{Abscissa, column_scale};
-use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
+use crate::drawing::axis::{Axis, Frame, NAME_SIZE};
+use crate::drawing::canvas::{Anchor, Canvas, DrawError, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::panel::{RIGHT, WIDTH};
+use crate::drawing::panel::{RIGHT, WIDTH, extremes};
 use crate::record::Status;
 use crate::studies::stability::{Columns, LineKind, Map, once};
 
@@ -24,25 +24,18 @@ pub fn pairs(maps: &[Map], columns: Columns) -> Vec<&Map> {
     found
 }
 
-/// Place on a logarithmic axis over several maps.
-struct Common {
-    low: f64,
-    high: f64,
-}
-
-impl Common {
-    fn of(maps: &[&Map]) -> Option<Self> {
-        let ends: Vec<[f64; 2]> = (maps.iter())
-            .filter_map(|m| Some(Abscissa::of(&m.at)?.ends()))
-            .collect();
-        let low = ends.iter().map(|e| e[0]).fold(f64::INFINITY, f64::min);
-        let high = ends.iter().map(|e| e[1]).fold(0.0, f64::max);
-        (low < high).then_some(Common { low, high })
-    }
-
-    fn place(&self, x: f64, area: &Rect) -> f64 {
-        area.x0 + (x / self.low).ln() / (self.high / self.low).ln() * area.width()
-    }
+/// The axis of several maps in its own unit.
+fn common(maps: &[&Map]) -> Option<Axis> {
+    let (scale, _) = column_scale(maps[0].columns);
+    let ends = maps
+        .iter()
+        .filter_map(|m| Some(Abscissa::of(&m.at)?.ends()));
+    let (low, high) = extremes(ends.flatten());
+    (low < high).then_some(Axis {
+        min: low * scale,
+        max: high * scale,
+        log: true,
+    })
 }
 
 fn block_height(maps: &[&Map]) -> f64 {
@@ -95,25 +88,18 @@ pub fn overview(maps: &[Map]) -> Result<Option<String>, DrawError> {
 }
 
 fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64) {
-    let Some(common) = Common::of(maps) else {
+    let Some(x) = common(maps) else {
         return;
     };
     let bottom = top + block_height(maps) - 46.0;
-    let whole = Rect::new(LEFT, top, WIDTH - RIGHT, bottom);
-    let (scale, name) = column_scale(maps[0].columns);
-    let axis = crate::drawing::axis::Axis {
-        min: common.low * scale,
-        max: common.high * scale,
-        log: true,
+    let frame = Frame {
+        area: Rect::new(LEFT, top + 4.0, WIDTH - RIGHT, bottom),
+        x,
+        y: Axis::linear(0.0, 1.0),
     };
-    let ticks = axis.ticks(9);
-    for t in &ticks {
-        let x = common.place(t / scale, &whole);
-        c.line(&[(x, top + 4.0), (x, bottom)], Stroke::new(Ink::GRID, 0.8));
-        let text = crate::drawing::axis::tick_label(*t, &ticks, true);
-        let kind = Type::new(TICK_SIZE, Anchor::Middle).ink(Ink::GREY);
-        c.text(&text, (x, bottom + 12.0), kind);
-    }
+    let (scale, name) = column_scale(maps[0].columns);
+    frame.paint_x(c, name, 9);
+    let place = |x: f64| frame.at(x * scale, 0.0).0;
     let begins = headings(maps);
     let mut y = top;
     for (i, map) in maps.iter().enumerate() {
@@ -126,18 +112,12 @@ fn paint(c: &mut Canvas<'_>, maps: &[&Map], top: f64) {
             );
             y += HEADING;
         }
-        strip(c, map, &common, &whole, y);
+        strip(c, map, &place, &frame.area, y);
         y += STRIP;
     }
-    c.line(
-        &[(whole.x0, bottom), (whole.x1, bottom)],
-        Stroke::new(Ink::PALE, 1.0),
-    );
-    let at = (0.5 * (whole.x0 + whole.x1), bottom + 30.0);
-    c.text(name, at, Type::new(NAME_SIZE, Anchor::Middle));
 }
 
-fn strip(c: &mut Canvas<'_>, map: &Map, common: &Common, whole: &Rect, y: f64) {
+fn strip(c: &mut Canvas<'_>, map: &Map, place: &dyn Fn(f64) -> f64, whole: &Rect, y: f64) {
     let middle = y + 0.5 * STRIP;
     let name = if map.implicit {
         format!("{} (implicit)", map.integrator)
@@ -149,15 +129,15 @@ fn strip(c: &mut Canvas<'_>, map: &Map, common: &Common, whole: &Rect, y: f64) {
     let Some(x) = Abscissa::of(&map.at) else {
         return;
     };
-    let [low, high] = x.ends().map(|x| common.place(x, whole));
+    let [low, high] = x.ends().map(place);
     let area = Rect::new(low, y + 1.0, high, y + STRIP - 1.0);
     super::panel::paint_row(c, map.row(map.own_row()), &x, &area, &area);
     if let Some((h, _)) = map.theory(map.own_row()) {
-        let at = common.place(h, whole);
+        let at = place(h);
         let line = [(at, area.y1), (at, area.y0)];
         look::theory_line(c, &line, whole, LineKind::Stability);
     }
     if let Some(h) = map.limit().and_then(|l| l.unstable_s.and(l.stable_s)) {
-        found_mark(c, (common.place(h, whole), middle));
+        found_mark(c, (place(h), middle));
     }
 }
