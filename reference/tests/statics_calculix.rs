@@ -7,12 +7,11 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
-use gearbench_models::geometry::{Gear, GearParams, Side};
-use gearbench_models::law::Damping;
-use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Passes, PointContact,
-    PointRule, SceneSpec, Start, SurfaceKind, Value,
-};
+mod common;
+
+use common::{modelling, scene};
+use gearbench_models::geometry::{Gear, GearParams};
+use gearbench_models::spec::{ModelSpec, Passes, PointContact, PointRule, SurfaceKind, Value};
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
@@ -46,44 +45,19 @@ fn stored() -> Vec<Stored> {
         .collect()
 }
 
-fn gear(name: &str, teeth: u32, bore_radius: f64, x: f64) -> GearSpec {
-    let params = GearParams {
-        teeth,
-        module: 4e-3,
-        face_width: WIDTH,
-        tip_radius: 0.3,
-        bore_radius,
-        ..Default::default()
-    };
-    GearSpec {
-        name: name.into(),
-        body: Body::Gear(Gear::new(params).unwrap()),
-        material: Material::STEEL,
-        inertia: None,
-        added_inertia: 0.0,
-        mount: Mount::Fixed,
-        position: [x, 0.0],
-        facing: 0.0,
-        speed: 0.0,
-        loads: vec![],
-    }
-}
-
 fn case_a(rule: PointRule, passes: Passes) -> LoadedPair {
-    let spec = SceneSpec {
-        gears: vec![
-            gear("pinion", 20, 0.015, 0.0),
-            gear("wheel", 30, 0.025, 0.1001),
-        ],
-        meshes: vec![MeshSpec {
-            gears: [0, 1],
-            start: Start {
-                side: Side::Left,
-                gap: 0.0,
-                path_coordinate: None,
-            },
-        }],
-    };
+    let gears = [(20, 0.015), (30, 0.025)].map(|(teeth, bore_radius)| {
+        let params = GearParams {
+            teeth,
+            module: 4e-3,
+            face_width: WIDTH,
+            tip_radius: 0.3,
+            bore_radius,
+            ..Default::default()
+        };
+        Gear::new(params).unwrap()
+    });
+    let spec = scene(gears, Material::STEEL, 0.1001);
     let mesh = Value::Text("calculix/case-a-fine".into());
     let fe = ModelSpec {
         id: "fe".into(),
@@ -95,20 +69,11 @@ fn case_a(rule: PointRule, passes: Passes) -> LoadedPair {
         surface: SurfaceKind::Faceted,
         ..PointContact::new(1e15)
     };
-    let modelling = Modelling {
-        gears: vec![fe.clone(), fe],
-        contacts: vec![ContactSpec {
-            stiffness: PairStiffness::Constant {
-                per_width: 1.4e10,
-                of: PairOrMesh::Pair,
-            },
-            exponent: 1.0,
-            damping: Damping::None,
-            friction: None,
-            slices: None,
-            points: Some(points),
-        }],
+    let stiffness = PairStiffness::Constant {
+        per_width: 1.4e10,
+        of: PairOrMesh::Pair,
     };
+    let modelling = modelling(fe, stiffness, Some(points));
     LoadedPair::new(&spec, &modelling, MODELS).unwrap()
 }
 

@@ -7,8 +7,8 @@ use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 
-/// Longest distance of samples in contact, in paces of the system.
-const SAMPLES_PER_PACE: f64 = 0.2;
+/// Longest distance of samples in contact, in characteristic times of the system.
+const SAMPLE_DISTANCE: f64 = 0.2;
 /// Samples in one step at most.
 const MOST_PARTS: f64 = 24.0;
 /// Rows kept beyond the grid at most.
@@ -109,7 +109,7 @@ impl Sink for History {
         // damper lets the force jump the grid shows all of it; in flight there is no force.
         let finely = self.also_steps && sys.has_jumps() && !step.flight;
         let parts = if finely && self.rows.len() < self.grid.len() + MOST_STEPS {
-            (h / (SAMPLES_PER_PACE * sys.characteristic_time(step.to.at())))
+            (h / (SAMPLE_DISTANCE * sys.characteristic_time(step.to.at())))
                 .ceil()
                 .clamp(1.0, MOST_PARTS)
         } else {

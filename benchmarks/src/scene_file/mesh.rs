@@ -39,12 +39,6 @@ keys! {
     }
 }
 
-/// Path of contact and backlash, which a start must respect.
-struct Path {
-    ends: [f64; 2],
-    backlash: f64,
-}
-
 /// Checks all meshes and places the gears.
 pub(super) fn meshes(
     list: &[MeshKeys],
@@ -68,7 +62,7 @@ pub(super) fn meshes(
             ));
         }
         put(keys, gears, pair, &mut placed, &at)?;
-        let path = path_of(&gears[pair[0]], &gears[pair[1]], &at)?;
+        let built = pair_at(&gears[pair[0]], &gears[pair[1]], &at)?;
         let again = pair.map(|i| std::mem::replace(&mut seen[i], true));
         if keys.start.is_some() && again == [true; 2] {
             return at.key("start").refuse(
@@ -79,7 +73,7 @@ pub(super) fn meshes(
         }
         meshes.push(MeshSpec {
             gears: pair,
-            start: start_of(keys.start.as_ref(), &path, &at.key("start"))?,
+            start: start_of(keys.start.as_ref(), &built, &at.key("start"))?,
         });
     }
     match seen.iter().position(|s| !s) {
@@ -215,30 +209,24 @@ fn rack_distance(gear: &Gear, rack: &Rack, backlash: f64) -> f64 {
     nominal + (backlash / gear.base_helix_angle().cos() - thinned) / (2.0 * alpha.sin())
 }
 
-fn path_of(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Path, SceneError> {
+/// The pair at its positions.
+fn pair_at(a: &GearDraft, b: &GearDraft, at: &Place<'_>) -> Result<Pair, SceneError> {
+    let Body::Gear(gear) = &a.spec.body else {
+        unreachable!("`pair_of` refuses a rack as the first gear")
+    };
     let (pa, pb) = (
         a.position.unwrap_or_default(),
         b.position.unwrap_or_default(),
     );
     let (dx, dy) = (pb[0] - pa[0], pb[1] - pa[1]);
-    let path = match (&a.spec.body, &b.spec.body) {
-        (Body::Gear(one), Body::Gear(two)) => Pair::new(one, two, dx.hypot(dy)).map(|p| Path {
-            ends: [p.s_start(), p.s_end()],
-            backlash: p.backlash_base(),
-        }),
-        (Body::Gear(gear), Body::Rack(rack)) => {
+    let distance = match &b.spec.body {
+        Body::Gear(_) => dx.hypot(dy),
+        Body::Rack(_) => {
             let direction = b.spec.facing + std::f64::consts::PI;
-            Pair::new(gear, rack, dx * direction.cos() + dy * direction.sin()).map(|p| Path {
-                ends: [p.s_start(), p.s_end()],
-                backlash: p.backlash_base(),
-            })
+            dx * direction.cos() + dy * direction.sin()
         }
-        (Body::Rack(_), _) => Ok(Path {
-            ends: [0.0; 2],
-            backlash: 0.0,
-        }),
     };
-    path.map_err(|e| refusal(a, b, &e, at))
+    Pair::new(gear, &b.spec.body, distance).map_err(|e| refusal(a, b, &e, at))
 }
 
 /// A refusal of a pair: at the two keys that disagree, or at what sets the distance.
@@ -264,28 +252,25 @@ fn refusal(a: &GearDraft, b: &GearDraft, e: &GeometryError, at: &Place<'_>) -> S
     cause.error(message, "does not mesh", help)
 }
 
-fn start_of(keys: Option<&StartKeys>, path: &Path, at: &Place<'_>) -> Result<Start, SceneError> {
+fn start_of(keys: Option<&StartKeys>, pair: &Pair, at: &Place<'_>) -> Result<Start, SceneError> {
     let side = keys.and_then(|k| k.flank).unwrap_or(Side::Left);
     let gap = keys.map_or(0.0, |k| k.gap_m);
     let path_coordinate = keys.and_then(|k| k.path_coordinate_m);
-    if at.has("gap_m") && gap > path.backlash * (1.0 + 1e-9) {
+    let backlash = pair.backlash_base();
+    if at.has("gap_m") && gap > backlash * (1.0 + 1e-9) {
         return at.key("gap_m").refuse(
-            format!(
-                "the gap {gap:.4e} m is larger than the backlash {:.4e} m",
-                path.backlash
-            ),
+            format!("the gap {gap:.4e} m is larger than the backlash {backlash:.4e} m"),
             "the other flanks would overlap",
             "use a smaller gap, a larger centre distance or thinner teeth",
         );
     }
+    let [start, end] = [pair.s_start(), pair.s_end()];
     match path_coordinate {
-        Some(x) if !(path.ends[0]..=path.ends[1]).contains(&x) => {
-            at.key("path_coordinate_m").refuse(
-                format!("the path coordinate {x:.6e} m lies outside the path of contact"),
-                format!("expected {:.6e} to {:.6e} m", path.ends[0], path.ends[1]),
-                "leave it out to start at the pitch point",
-            )
-        }
+        Some(x) if !(start..=end).contains(&x) => at.key("path_coordinate_m").refuse(
+            format!("the path coordinate {x:.6e} m lies outside the path of contact"),
+            format!("expected {start:.6e} to {end:.6e} m"),
+            "leave it out to start at the pitch point",
+        ),
         _ => Ok(Start {
             side,
             gap,

@@ -1,7 +1,7 @@
 //! What the user chooses of a contact between flank points and flank surfaces.
 
 use crate::error::Reason;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Where the points lie on the faces of a flank, and what area each stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ impl Default for PointRule {
 }
 
 /// The surface between the nodes of a flank.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
     /// The element faces as they are: a convex flank lies up to `l^2 / (8 rho)` outside its chords.
@@ -55,7 +55,7 @@ pub enum CoarseSearch {
 }
 
 /// Whose points are held against the other's surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Passes {
     /// Points of the first gear that brings flanks.

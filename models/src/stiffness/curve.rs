@@ -14,7 +14,7 @@
 use super::error::StiffnessError;
 
 /// Whether a stiffness is that of one tooth pair or of the whole mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PairOrMesh {
     /// One spring per tooth pair; pairs in contact act in parallel.
@@ -25,7 +25,7 @@ pub enum PairOrMesh {
 }
 
 /// What happens outside the knots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ends {
     /// Held at the end values.
@@ -36,7 +36,7 @@ pub enum Ends {
 }
 
 /// What happens between the knots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Interpolation {
     /// Cubic spline, C2.

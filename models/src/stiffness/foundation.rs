@@ -37,7 +37,7 @@ use super::material::Material;
 use super::tooth::{ToothLoad, ToothProfile, is_wide};
 
 /// What the length `S` of the tooth root in the Sainsot-Velex formula is taken to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
 pub enum RootLength {
     /// Arc `2 r_f theta_f` (ROSS).
     #[default]

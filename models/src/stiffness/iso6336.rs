@@ -29,7 +29,7 @@ pub const N_PER_MM_UM: f64 = 1e9;
 const YOUNG_STEEL: f64 = 2.06e11;
 
 /// How `c'` varies along the path of contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum IsoVariation {
     /// Parabola that keeps both `c'` (maximum) and `c_gamma_alpha` (mean of the mesh) of the norm.

@@ -33,7 +33,7 @@ const SAMPLES: usize = 1000;
 const CORNELL_FILLET_ANGLE: f64 = 75.0 * std::f64::consts::PI / 180.0;
 
 /// How a tooth deflects above its root section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToothModel {
     /// Weber and Banaschek: plane strain.

@@ -69,14 +69,6 @@ impl Pattern {
         start + self.columns[range].partition_point(|&c| c < column)
     }
 
-    /// The diagonal alone.
-    pub fn diagonal(nodes: usize) -> Self {
-        Pattern {
-            starts: (0..=nodes as u32).collect(),
-            columns: (0..nodes as u32).collect(),
-        }
-    }
-
     /// Stored entries of a row as `(column, place)`, ascending.
     pub fn of_row(&self, row: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.row(row)
@@ -104,6 +96,8 @@ pub trait Entry: Copy {
     fn times(&self, x: &[f64; 3]) -> [f64; 3];
     /// `E^T x`.
     fn transposed_times(&self, x: &[f64; 3]) -> [f64; 3];
+    /// The 3x3 block that it stands for, row by row.
+    fn block(&self) -> [f64; 9];
 }
 
 /// A 3x3 block, row by row.
@@ -135,6 +129,10 @@ impl Entry for [f64; 9] {
             self[2] * x[0] + self[5] * x[1] + self[8] * x[2],
         ]
     }
+
+    fn block(&self) -> [f64; 9] {
+        *self
+    }
 }
 
 /// A scalar, meant times the unit matrix of three axes.
@@ -157,6 +155,10 @@ impl Entry for f64 {
     #[inline]
     fn transposed_times(&self, x: &[f64; 3]) -> [f64; 3] {
         self.times(x)
+    }
+
+    fn block(&self) -> [f64; 9] {
+        [*self, 0.0, 0.0, 0.0, *self, 0.0, 0.0, 0.0, *self]
     }
 }
 
@@ -238,6 +240,19 @@ impl<E: Entry> NodalMatrix<E> {
 }
 
 impl ScalarMatrix {
+    /// One entry per node.
+    pub fn diagonal(entries: &[f64]) -> Self {
+        let nodes = entries.len() as u32;
+        let pattern = Pattern {
+            starts: (0..=nodes).collect(),
+            columns: (0..nodes).collect(),
+        };
+        NodalMatrix {
+            pattern: Arc::new(pattern),
+            entries: entries.to_vec(),
+        }
+    }
+
     /// Lumps every entry between a held and a free node onto both of them: row sums stay.
     pub fn decouple(&mut self, held: impl Fn(usize) -> bool) {
         for row in 0..self.pattern.nodes() {

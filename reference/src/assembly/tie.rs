@@ -4,7 +4,8 @@
 //! `3 place + axis` of the free nodes in ascending order, then one per motion that the hub is free in;
 //! motions that are not listed are fixed. `K_r = T^T K T` and `M_r = T^T M T + diag(0, added)`.
 
-use super::{Assembly, Pattern};
+use super::blocks::Entry;
+use super::{Assembly, NodalMatrix, ScalarMatrix};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use gearbench_models::Vec3;
 use serde::{Deserialize, Serialize};
@@ -132,44 +133,15 @@ impl Tie {
     /// # Panics
     /// If there are fewer values than motions.
     pub fn reduce(&self, a: &Assembly, added_inertia: &[f64], mass: MassKind) -> Reduced {
-        let stiffness = self.reduced(
-            a.stiffness.pattern(),
-            |place| a.stiffness.entries()[place],
-            |x, y| a.stiffness.apply(x, y),
-            &vec![0.0; self.motions],
-        );
-        let scalar = |m: f64| [m, 0.0, 0.0, 0.0, m, 0.0, 0.0, 0.0, m];
+        let stiffness = self.reduced(&a.stiffness, &vec![0.0; self.motions]);
         let mass = match mass {
-            MassKind::Consistent => self.reduced(
-                a.mass.pattern(),
-                |place| scalar(a.mass.entries()[place]),
-                |x, y| a.mass.apply(x, y),
-                added_inertia,
-            ),
-            MassKind::Lumped => {
-                let diagonal = Pattern::diagonal(a.lumped.len());
-                self.reduced(
-                    &diagonal,
-                    |place| scalar(a.lumped[place]),
-                    |x, y| {
-                        for (i, y) in y.iter_mut().enumerate() {
-                            *y = a.lumped[i / 3] * x[i];
-                        }
-                    },
-                    added_inertia,
-                )
-            }
+            MassKind::Consistent => self.reduced(&a.mass, added_inertia),
+            MassKind::Lumped => self.reduced(&ScalarMatrix::diagonal(&a.lumped), added_inertia),
         };
         Reduced { stiffness, mass }
     }
 
-    fn reduced(
-        &self,
-        pattern: &Pattern,
-        block: impl Fn(usize) -> [f64; 9],
-        apply: impl Fn(&[f64], &mut [f64]),
-        added: &[f64],
-    ) -> SparseColMat<usize, f64> {
+    fn reduced<E: Entry>(&self, a: &NodalMatrix<E>, added: &[f64]) -> SparseColMat<usize, f64> {
         let nodes = self.free.len();
         let n = self.coordinates();
         // What a unit of each hub motion does: the hub's rows of the lower triangle, and its own block.
@@ -181,7 +153,7 @@ impl Tie {
             for (node, moved) in &self.held {
                 full[3 * *node as usize..][..3].copy_from_slice(moved[motion].as_slice());
             }
-            apply(&full, &mut image);
+            a.apply(&full, &mut image);
             let mut row = vec![0.0; n];
             self.gather(&image, &mut row);
             row[3 * nodes + motion] += added[motion];
@@ -192,12 +164,12 @@ impl Tie {
         for (&node, place) in self.free.iter().zip(0..) {
             // Entries right of the diagonal in the row of a symmetric matrix are those below it in the column.
             for axis in 0..3 {
-                for (column, at) in pattern.of_row(node as usize) {
+                for (column, at) in a.pattern().of_row(node as usize) {
                     let other = self.place[column];
                     if other == Self::HELD {
                         continue;
                     }
-                    let b = block(at);
+                    let b = a.entries()[at].block();
                     for i in 0..3 {
                         if other == place && i < axis {
                             continue;

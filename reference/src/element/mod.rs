@@ -71,13 +71,27 @@ pub(crate) fn rule(line: &[(f64, f64)]) -> impl Iterator<Item = ([f64; 3], f64)>
 /// Most functions whose gradients meet in a stiffness: 20 nodes, or 8 and three incompatible modes.
 const MAX_PAIRS: usize = MAX_NODES * (MAX_NODES + 1) / 2;
 
-/// One integration point of an element kind.
+/// Shape functions of an element kind at a point of the reference cube.
 #[derive(Clone, Debug)]
-struct Point {
+pub(crate) struct Point {
     xi: [f64; 3],
-    weight: f64,
-    values: [f64; MAX_NODES],
-    gradients: [[f64; 3]; MAX_NODES],
+    pub(crate) weight: f64,
+    pub(crate) values: [f64; MAX_NODES],
+    pub(crate) gradients: [[f64; 3]; MAX_NODES],
+}
+
+impl Point {
+    pub(crate) fn new(kind: ElementKind, xi: [f64; 3], weight: f64) -> Self {
+        let mut point = Point {
+            xi,
+            weight,
+            values: [0.0; MAX_NODES],
+            gradients: [[0.0; 3]; MAX_NODES],
+        };
+        values(kind, xi, &mut point.values);
+        gradients(kind, xi, &mut point.gradients);
+        point
+    }
 }
 
 /// Integrates elements of one kind: shape functions at its points, evaluated once.
@@ -96,21 +110,9 @@ impl Integrator {
         } else {
             &TWO
         };
-        let points = rule(line)
-            .map(|(xi, weight)| {
-                let mut point = Point {
-                    xi,
-                    weight,
-                    values: [0.0; MAX_NODES],
-                    gradients: [[0.0; 3]; MAX_NODES],
-                };
-                values(kind, xi, &mut point.values);
-                gradients(kind, xi, &mut point.gradients);
-                point
-            })
-            .collect();
-        let mut centre = [[0.0; 3]; MAX_NODES];
-        gradients(kind, [0.0; 3], &mut centre);
+        let points = rule(line).map(|(xi, weight)| Point::new(kind, xi, weight));
+        let points = points.collect();
+        let centre = Point::new(kind, [0.0; 3], 0.0).gradients;
         Integrator {
             kind,
             points,

@@ -6,7 +6,7 @@
 //! element's integration points: corners alone do not bound the inside of a curved element.
 
 use super::{EDGES, ElementKind, Mesh};
-use crate::element::{MAX_NODES, THREE, TWO, gradients, natural_corner, rule, values};
+use crate::element::{Point, THREE, TWO, natural_corner, rule};
 use gearbench_models::Vec3;
 
 /// Quality of a mesh.
@@ -41,32 +41,15 @@ pub struct ElementQuality {
     pub polar_moment: f64,
 }
 
-/// Shape functions and their derivatives at a point of the reference cube.
-#[derive(Clone)]
-struct At {
-    n: [f64; MAX_NODES],
-    dn: [[f64; 3]; MAX_NODES],
-    weight: f64,
-}
-
-impl At {
-    fn new(kind: ElementKind, xi: [f64; 3], weight: f64) -> Self {
-        let (mut n, mut dn) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
-        values(kind, xi, &mut n);
-        gradients(kind, xi, &mut dn);
-        At { n, dn, weight }
-    }
-
-    /// Columns of the Jacobian.
-    fn jacobian(&self, nodes: &[Vec3]) -> [Vec3; 3] {
-        let mut j = [Vec3::zeros(); 3];
-        for (x, d) in nodes.iter().zip(&self.dn) {
-            for k in 0..3 {
-                j[k] += x * d[k];
-            }
+/// Columns of the Jacobian.
+fn jacobian(at: &Point, nodes: &[Vec3]) -> [Vec3; 3] {
+    let mut j = [Vec3::zeros(); 3];
+    for (x, d) in nodes.iter().zip(&at.gradients) {
+        for k in 0..3 {
+            j[k] += x * d[k];
         }
-        j
     }
+    j
 }
 
 fn scaled([a, b, c]: [Vec3; 3]) -> f64 {
@@ -75,8 +58,8 @@ fn scaled([a, b, c]: [Vec3; 3]) -> f64 {
 
 /// Tests elements of one kind.
 pub(super) struct ElementCheck {
-    corners: Vec<At>,
-    integration: Vec<At>,
+    corners: Vec<Point>,
+    integration: Vec<Point>,
 }
 
 impl ElementCheck {
@@ -85,8 +68,8 @@ impl ElementCheck {
             ElementKind::C3D8 | ElementKind::C3D8I => &TWO,
             ElementKind::C3D20 | ElementKind::C3D20R => &THREE,
         };
-        let integration = rule(line).map(|(xi, weight)| At::new(kind, xi, weight));
-        let corners = (0..8).map(|c| At::new(kind, natural_corner(c), 0.0));
+        let integration = rule(line).map(|(xi, weight)| Point::new(kind, xi, weight));
+        let corners = (0..8).map(|c| Point::new(kind, natural_corner(c), 0.0));
         ElementCheck {
             corners: corners.collect(),
             integration: integration.collect(),
@@ -96,19 +79,19 @@ impl ElementCheck {
     pub(super) fn element(&self, nodes: &[Vec3]) -> ElementQuality {
         let mut least = f64::INFINITY;
         for c in &self.corners {
-            let s = scaled(c.jacobian(nodes));
+            let s = scaled(jacobian(c, nodes));
             // `min` would drop a NaN.
             least = if s < least || s.is_nan() { s } else { least };
         }
         let (mut volume, mut polar) = (0.0, 0.0);
         for p in &self.integration {
-            let j = p.jacobian(nodes);
+            let j = jacobian(p, nodes);
             let det = j[0].cross(&j[1]).dot(&j[2]);
             if det.is_nan() || det <= 0.0 {
                 let s = scaled(j);
                 least = if s < least || s.is_nan() { s } else { least };
             }
-            let at: Vec3 = nodes.iter().zip(&p.n).map(|(x, &n)| x * n).sum();
+            let at: Vec3 = nodes.iter().zip(&p.values).map(|(x, &n)| x * n).sum();
             volume += p.weight * det;
             polar += p.weight * det * (at.x * at.x + at.y * at.y);
         }

@@ -38,7 +38,6 @@ pub(super) fn read(text: &str) -> Result<(String, ImpactParameters), String> {
                 teeth: number("/rack/teeth")? as u32,
                 mass: number("/gear2/mass_mesh_kg")?,
                 distance: number("/rack/reference_line_x_m")?,
-                tooth0: number("/rack/tooth0_centre_y_m")?,
             };
             let distance = rack.distance;
             (Some(rack), distance, pressure_angle)

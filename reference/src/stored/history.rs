@@ -19,12 +19,6 @@ pub struct History {
     pub omega2_mean: Vec<f64>,
     /// Angular velocity of the bore of gear 1 [rad/s].
     pub omega1_hub: Vec<f64>,
-    /// The same of gear 2 [rad/s].
-    pub omega2_hub: Vec<f64>,
-    /// Angle of the bore of gear 1 since t = 0 [rad].
-    pub phi1_hub: Vec<f64>,
-    /// The same of gear 2 [rad].
-    pub phi2_hub: Vec<f64>,
     /// Strain energy of both gears [J].
     pub strain_energy: [Vec<f64>; 2],
     /// Kinetic energy of both gears [J].
@@ -53,9 +47,8 @@ impl History {
         let rows = columns.first().map_or(0, Vec::len);
         let mut by_name: BTreeMap<&str, Vec<f64>> = header.iter().zip(columns).collect();
         if rack {
-            for name in ["omega2_mean_rad_s", "omega2_hub_rad_s", "phi2_hub_rad"] {
-                by_name.entry(name).or_insert_with(|| vec![0.0; rows]);
-            }
+            let still = by_name.entry("omega2_mean_rad_s");
+            still.or_insert_with(|| vec![0.0; rows]);
         }
         let mut take = |name: &str| {
             by_name
@@ -70,9 +63,6 @@ impl History {
             omega1_mean: take("omega1_mean_rad_s")?,
             omega2_mean: take("omega2_mean_rad_s")?,
             omega1_hub: take("omega1_hub_rad_s")?,
-            omega2_hub: take("omega2_hub_rad_s")?,
-            phi1_hub: take("phi1_hub_rad")?,
-            phi2_hub: take("phi2_hub_rad")?,
             strain_energy: [take("strain_energy1_j")?, take("strain_energy2_j")?],
             kinetic_energy: [take("kinetic_energy1_j")?, take("kinetic_energy2_j")?],
         };

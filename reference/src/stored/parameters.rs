@@ -23,9 +23,6 @@ pub struct GearData {
     /// Base radius [m].
     #[serde(rename = "r_base")]
     pub base_radius: f64,
-    /// Polar angle of tooth 1 at t = 0 [rad].
-    #[serde(rename = "tooth1_centre_angle_rad")]
-    pub tooth1_angle: f64,
     /// Angular velocity at t = 0 [rad/s].
     #[serde(skip)]
     pub speed: f64,
@@ -40,8 +37,6 @@ pub struct RackData {
     pub mass: f64,
     /// Distance of the reference line from the axis of gear 1 [m].
     pub distance: f64,
-    /// Position of tooth 0's centreline along y at t = 0 [m].
-    pub tooth0: f64,
 }
 
 /// What an impact of two gears, or of a gear on a rack, was computed from.

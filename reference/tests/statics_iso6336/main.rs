@@ -19,6 +19,8 @@
 
 #![allow(clippy::print_stdout)] // measured numbers belong to the log of a test run
 
+#[path = "../common/mod.rs"]
+mod common;
 mod pairs;
 
 use gearbench_models::stiffness::Hertz;

@@ -1,14 +1,13 @@
 //! The pairs, by laws of stiffness and by finite elements.
 
+use crate::common::{self, modelling};
 use gearbench_models::error::{BuildError, GearPart};
 use gearbench_models::gear::GearModel;
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, MODELS, Model, ParameterInfo};
-use gearbench_models::geometry::{Gear, GearParams, Side};
-use gearbench_models::law::Damping;
+use gearbench_models::geometry::{Gear, GearParams};
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, PointContact,
-    PointRule, SceneSpec, Start, Value,
+    Body, ModelSpec, Mount, Parameters, PointContact, PointRule, SceneSpec, Value,
 };
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, Material, PairStiffness, RootLength, ToothModel,
@@ -69,40 +68,19 @@ pub const CASES: [Case; 3] = [
 const THINNING: f64 = 30e-6;
 
 fn scene(case: &Case) -> SceneSpec {
-    let gear = |i: usize| GearSpec {
-        name: format!("gear {}", i + 1),
-        body: Body::Gear(
-            Gear::new(GearParams {
-                teeth: case.teeth[i],
-                module: case.module,
-                profile_shift: case.shift[i],
-                face_width: case.width,
-                bore_radius: case.bore_radius,
-                thinning: THINNING,
-                ..Default::default()
-            })
-            .unwrap(),
-        ),
-        material: Material::STEEL_ISO,
-        inertia: None,
-        added_inertia: 0.0,
-        mount: Mount::Fixed,
-        position: [if i == 0 { 0.0 } else { case.distance }, 0.0],
-        facing: 0.0,
-        speed: 0.0,
-        loads: vec![],
+    let gear = |i: usize| {
+        let params = GearParams {
+            teeth: case.teeth[i],
+            module: case.module,
+            profile_shift: case.shift[i],
+            face_width: case.width,
+            bore_radius: case.bore_radius,
+            thinning: THINNING,
+            ..Default::default()
+        };
+        Gear::new(params).unwrap()
     };
-    SceneSpec {
-        gears: vec![gear(0), gear(1)],
-        meshes: vec![MeshSpec {
-            gears: [0, 1],
-            start: Start {
-                side: Side::Left,
-                gap: 0.0,
-                path_coordinate: None,
-            },
-        }],
-    }
+    common::scene([gear(0), gear(1)], Material::STEEL_ISO, case.distance)
 }
 
 /// A mesh of finite elements: the teeth about the pitch point as counted here, the others coarse.
@@ -210,17 +188,6 @@ fn fine(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     )))
 }
 
-fn contact(stiffness: PairStiffness, points: Option<PointContact>) -> ContactSpec {
-    ContactSpec {
-        stiffness,
-        exponent: 1.0,
-        damping: Damping::None,
-        friction: None,
-        slices: None,
-        points,
-    }
-}
-
 pub fn iso() -> PairStiffness {
     PairStiffness::Iso6336 {
         variation: IsoVariation::IsoMean,
@@ -240,10 +207,7 @@ pub fn rigid_pair(case: &Case, stiffness: PairStiffness) -> LoadedPair {
         id: "rigid".into(),
         parameters: Parameters::new(),
     };
-    let modelling = Modelling {
-        gears: vec![rigid.clone(), rigid],
-        contacts: vec![contact(stiffness, None)],
-    };
+    let modelling = modelling(rigid, stiffness, None);
     LoadedPair::new(&scene(case), &modelling, MODELS).unwrap()
 }
 
@@ -266,9 +230,6 @@ pub fn elastic_pair(case: &Case, f: Fineness, penalty: f64) -> LoadedPair {
         },
         ..PointContact::new(penalty)
     };
-    let modelling = Modelling {
-        gears: vec![fe.clone(), fe],
-        contacts: vec![contact(iso(), Some(points))],
-    };
+    let modelling = modelling(fe, iso(), Some(points));
     LoadedPair::new(&scene(case), &modelling, &[FINE_WHERE_IT_TOUCHES]).unwrap()
 }

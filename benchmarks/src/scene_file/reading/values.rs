@@ -164,38 +164,28 @@ impl<'de> Deserialize<'de> for Method {
     }
 }
 
-static METRIC_KEYS: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| Metric::ALL.map(Metric::key).to_vec());
-static METRIC_OPTIONS: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| Metric::ALL.into_iter().filter_map(Metric::option).collect());
+macro_rules! metrics {
+    ($($(#[$doc:meta])* $name:ident, $known:expr;)*) => { $(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) struct $name(pub(crate) Metric);
 
-/// A metric by its key in the record.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MetricKey(pub(crate) Metric);
-
-/// A metric by its name on the command line.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MetricOption(pub(crate) Metric);
-
-fn metric<'de, D: Deserializer<'de>>(
-    deserializer: D,
-    known: &'static [&'static str],
-) -> Result<Metric, D::Error> {
-    let word = String::deserialize(deserializer)?;
-    match word.parse() {
-        Ok(metric) if known.contains(&word.as_str()) => Ok(metric),
-        _ => Err(D::Error::unknown_variant(&word, known)),
-    }
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                static KNOWN: LazyLock<Vec<&'static str>> = LazyLock::new(|| $known);
+                let word = String::deserialize(deserializer)?;
+                match word.parse() {
+                    Ok(metric) if KNOWN.contains(&word.as_str()) => Ok($name(metric)),
+                    _ => Err(D::Error::unknown_variant(&word, &KNOWN)),
+                }
+            }
+        }
+    )* };
 }
 
-impl<'de> Deserialize<'de> for MetricKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        metric(deserializer, &METRIC_KEYS).map(MetricKey)
-    }
-}
-
-impl<'de> Deserialize<'de> for MetricOption {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        metric(deserializer, &METRIC_OPTIONS).map(MetricOption)
-    }
+metrics! {
+    /// A metric by its key in the record.
+    MetricKey, Metric::ALL.map(Metric::key).to_vec();
+    /// A metric by its name on the command line.
+    MetricOption, Metric::ALL.into_iter().filter_map(Metric::option).collect();
 }

@@ -1,10 +1,13 @@
 //! The shipped scenes load, and those with a reference agree with it.
 
 use super::{render, toothing_of};
-use crate::scene_file::{CalibrationUse, Origin, SHIPPED, Selection, load, load_uncalibrated};
+use crate::scene_file::{
+    CalibrationUse, Origin, SHIPPED, SceneFile, Selection, load, load_uncalibrated,
+};
 use gearbench_models::geometry::{Pair, Side};
 use gearbench_models::spec::{Load, Value};
 use gearbench_models::stiffness::PairStiffness;
+use std::path::Path;
 
 #[test]
 fn all_load_and_are_described() {
@@ -24,6 +27,29 @@ fn all_load_and_are_described() {
         load_uncalibrated(shipped.name, Selection::All)
             .unwrap_or_else(|e| panic!("{}", render(&e)));
     }
+}
+
+/// Scenes of examples, benches and tests are read as well.
+#[test]
+fn all_scenes_of_the_repository_are_read() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut read = 0;
+    for folder in ["examples", "benches/support", "../tests/fingerprint"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let text = match path.extension() {
+                Some(e) if e == "toml" => std::fs::read_to_string(&path).unwrap(),
+                _ => continue,
+            };
+            if text.lines().any(|l| l.starts_with("schema")) {
+                let name = path.to_string_lossy().into_owned();
+                let scene = SceneFile::unbuilt(&name, &text, Origin::File(path), false);
+                scene.unwrap_or_else(|e| panic!("{}", render(&e)));
+                read += 1;
+            }
+        }
+    }
+    assert!(read >= 8, "{read}");
 }
 
 /// Four explicit and four implicit methods in every impact scene.

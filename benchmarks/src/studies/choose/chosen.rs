@@ -4,10 +4,10 @@ use super::plan::Candidate;
 use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{ContactSpec, Parameters, Passes, PointRule, SurfaceKind, Value};
-use gearbench_models::stiffness::{
-    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
-};
+use gearbench_models::spec::{ContactSpec, PointContact, PointRule};
+use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness};
+use serde::Serialize;
+use serde_json::{Value as Json, json};
 use toml_edit::{DocumentMut, TomlError};
 
 /// Tables and keys that a choice replaces. The tolerance may refer to a model that is gone.
@@ -22,16 +22,19 @@ pub fn text(
     candidate: &Candidate,
     remarks: &[String],
 ) -> Result<String, SceneError> {
-    let mut out = String::new();
-    for remark in remarks {
-        out.push_str(&format!("# {}\n", remark.replace('\n', " ")));
-    }
-    out.push_str(kept(file.text())?.trim_end());
-    out.push_str("\n\n");
-    out.push_str(&model(file, candidate));
-    out.push_str(&study(file, candidate));
+    let remarks = remarks
+        .iter()
+        .map(|r| format!("# {}\n", r.replace('\n', " ")));
+    let out = remarks.collect::<String>() + &written(file, candidate)?;
     SceneFile::parse("chosen.toml", &out, Origin::Shipped, true)?;
     Ok(out)
+}
+
+/// The scene with a choice.
+fn written(file: &SceneFile, candidate: &Candidate) -> Result<String, SceneError> {
+    let kept = kept(file.text())?;
+    let (model, study) = (model(file, candidate), study(file, candidate));
+    Ok(format!("{}\n\n{model}{study}", kept.trim_end()))
 }
 
 /// A scene without what a choice replaces, and without the comments right above that.
@@ -55,210 +58,155 @@ fn number(x: f64) -> String {
     format!("{short:e}")
 }
 
-fn list(x: &[f64]) -> String {
-    let all: Vec<String> = x.iter().map(|x| number(*x)).collect();
-    format!("[{}]", all.join(", "))
-}
-
 fn quote(text: &str) -> String {
     toml_edit::Value::from(text).to_string()
+}
+
+/// A value as TOML has it in a line; nothing is left out of tables.
+fn inline(value: &Json) -> String {
+    match value {
+        Json::Number(x) => x.as_f64().map_or_else(String::new, number),
+        Json::String(x) => quote(x),
+        Json::Array(all) => {
+            let all: Vec<String> = all.iter().map(inline).collect();
+            format!("[{}]", all.join(", "))
+        }
+        Json::Object(all) => {
+            let given = all.iter().filter(|(_, value)| !value.is_null());
+            let pairs = given.map(|(key, value)| format!("{key} = {}", inline(value)));
+            format!("{{ {} }}", pairs.collect::<Vec<_>>().join(", "))
+        }
+        other => other.to_string(),
+    }
 }
 
 fn model(file: &SceneFile, candidate: &Candidate) -> String {
     let modelling = &candidate.modelling;
     let first = &modelling.gears[0];
-    let mut out = format!("[[models]]\nlabel = \"chosen\"\nmodel = \"{}\"\n", first.id);
-    if !first.parameters.is_empty() {
-        out.push_str(&format!("parameters = {}\n", parameters(&first.parameters)));
-    }
-    let others: Vec<String> = (file.spec.gears.iter().zip(&modelling.gears))
+    let others: serde_json::Map<String, Json> = (file.spec.gears.iter().zip(&modelling.gears))
         .filter(|(_, m)| *m != first)
         .map(|(g, m)| {
-            format!(
-                "{} = {{ model = \"{}\", parameters = {} }}",
-                g.name,
-                m.id,
-                parameters(&m.parameters)
-            )
+            let own = json!({ "model": m.id, "parameters": m.parameters });
+            (g.name.clone(), own)
         })
         .collect();
-    if !others.is_empty() {
-        out.push_str(&format!("gears = {{ {} }}\n", others.join(", ")));
-    }
-    let contacts: Vec<String> = modelling.contacts.iter().map(contact).collect();
+    let contacts: Vec<Json> = modelling.contacts.iter().map(contact).collect();
     let alike = contacts.windows(2).all(|w| w[0] == w[1]);
-    let contact = match contacts.first() {
-        Some(one) if alike => one.clone(),
-        _ => format!("[{}]", contacts.join(", ")),
-    };
-    out.push_str(&format!("contact = {contact}\n"));
     let gap = candidate.scene.meshes.first().map(|m| m.start.gap);
     let plain = file.spec.meshes.first().map(|m| m.start.gap);
-    if let Some(gap) = gap.filter(|_| gap != plain) {
-        out.push_str(&format!("gap_m = {}\n", number(gap)));
+    let rows = [
+        ("label", json!("chosen")),
+        ("model", json!(first.id)),
+        ("parameters", json!(first.parameters)),
+        ("gears", Json::Object(others)),
+        (
+            "contact",
+            match contacts.first() {
+                Some(one) if alike => one.clone(),
+                _ => Json::Array(contacts),
+            },
+        ),
+        ("gap_m", json!(gap.filter(|_| gap != plain))),
+    ];
+    let empty = |value: &Json| value.is_null() || value.as_object().is_some_and(|o| o.is_empty());
+    let mut out = "[[models]]\n".to_owned();
+    for (key, value) in rows.iter().filter(|(_, value)| !empty(value)) {
+        out.push_str(&format!("{key} = {}\n", inline(value)));
     }
     out
 }
 
-fn parameters(all: &Parameters) -> String {
-    let pairs: Vec<String> = (all.iter())
-        .map(|(key, value)| {
-            let value = match value {
-                Value::Number(x) => number(*x),
-                Value::Text(x) => quote(x),
-                Value::List(x) => list(x),
-                Value::Flag(x) => x.to_string(),
-            };
-            format!("{key} = {value}")
-        })
-        .collect();
-    format!("{{ {} }}", pairs.join(", "))
+/// What is not the default of scenes.
+fn given<T: Default + PartialEq + Serialize>(value: &T) -> Json {
+    match *value == T::default() {
+        true => Json::Null,
+        false => json!(value),
+    }
 }
 
-fn contact(c: &ContactSpec) -> String {
-    let mut parts = Vec::new();
-    if let Some(p) = &c.points {
-        if p.hard {
-            parts.push("law = \"hard\"".into());
-            if p.rule == PointRule::Nodes {
-                parts.push("points = \"nodes\"".into());
-            }
-        } else {
-            let key = match p.rule {
-                PointRule::EachNode => "penalty_n_per_m",
-                _ => "penalty_pa_per_m",
-            };
-            parts.push(format!("{key} = {}", number(p.penalty)));
-            parts.push(match p.rule {
-                PointRule::Nodes | PointRule::EachNode => "points = \"nodes\"".into(),
-                PointRule::Quadrature { along, across } => {
-                    format!("points = {{ along = {along}, across = {across} }}")
-                }
-            });
-        }
-        if p.surface == SurfaceKind::Faceted {
-            parts.push("surface = \"faceted\"".into());
-        }
-        match p.passes {
-            Passes::Auto => {}
-            Passes::First => parts.push("passes = \"first\"".into()),
-            Passes::Second => parts.push("passes = \"second\"".into()),
-            Passes::Both => parts.push("passes = \"both\"".into()),
-        }
-        if p.damping != 0.0 {
-            parts.push(format!("damping_ns_per_m3 = {}", number(p.damping)));
-        }
-        if let Some(reach) = p.reach {
-            parts.push(format!("reach_m = {}", number(reach)));
-        }
-    }
-    parts.push(format!("stiffness = {}", stiffness(&c.stiffness)));
-    if c.exponent != 1.0 {
-        parts.push(format!("exponent = {}", number(c.exponent)));
-    }
-    let restitution = |e: f64| {
-        format!(
-            "damping = {{ law = \"{}\", e = {} }}",
-            c.damping.id(),
-            number(e)
-        )
+fn contact(c: &ContactSpec) -> Json {
+    let points = c.points.as_ref();
+    let penalty = match points.map(|p| p.rule) {
+        Some(PointRule::EachNode) => "penalty_n_per_m",
+        _ => "penalty_pa_per_m",
     };
-    match c.damping {
-        Damping::None => {}
-        Damping::KelvinVoigt { c } => parts.push(format!(
-            "damping = {{ law = \"kelvin-voigt\", damping_ns_per_m = {} }}",
-            number(c)
-        )),
-        Damping::KelvinVoigtRatio { ratio } => parts.push(format!(
-            "damping = {{ law = \"kelvin-voigt-ratio\", ratio = {} }}",
-            number(ratio)
-        )),
+    let rule = |p: &PointContact| match p.rule {
+        PointRule::Nodes => Some(json!("nodes")),
+        _ if p.hard => None,
+        PointRule::EachNode => Some(json!("nodes")),
+        PointRule::Quadrature { along, across } => {
+            Some(json!({ "along": along, "across": across }))
+        }
+    };
+    let law = c.damping.id();
+    let damping = match c.damping {
+        Damping::None => Json::Null,
+        Damping::KelvinVoigt { c } => json!({ "law": law, "damping_ns_per_m": c }),
+        Damping::KelvinVoigtRatio { ratio } => json!({ "law": law, "ratio": ratio }),
         Damping::HuntCrossley { e }
         | Damping::LankaraniNikravesh { e }
         | Damping::Flores { e }
-        | Damping::Gonthier { e } => parts.push(restitution(e)),
-    }
-    if let Some(f) = &c.friction {
-        parts.push(format!(
-            "friction = {{ mu = {}, v_ref_m_s = {} }}",
-            number(f.mu()),
-            number(f.v_ref())
-        ));
-    }
-    if let Some(n) = c.slices {
-        parts.push(format!("slices = {n}"));
-    }
-    format!("{{ {} }}", parts.join(", "))
+        | Damping::Gonthier { e } => json!({ "law": law, "e": e }),
+    };
+    let friction = c.friction.as_ref();
+    json!({
+        "law": points.filter(|p| p.hard).map(|_| "hard"),
+        (penalty): points.filter(|p| !p.hard).map(|p| p.penalty),
+        "points": points.and_then(rule),
+        "surface": points.map(|p| given(&p.surface)),
+        "passes": points.map(|p| given(&p.passes)),
+        "damping_ns_per_m3": points.map(|p| given(&p.damping)),
+        "reach_m": points.and_then(|p| p.reach),
+        "stiffness": stiffness(&c.stiffness),
+        "exponent": Some(c.exponent).filter(|x| *x != 1.0),
+        "damping": damping,
+        "friction": friction.map(|f| json!({ "mu": f.mu(), "v_ref_m_s": f.v_ref() })),
+        "slices": c.slices,
+    })
 }
 
-fn stiffness(s: &PairStiffness) -> String {
-    let of = |of: &PairOrMesh| match of {
-        PairOrMesh::Pair => "",
-        PairOrMesh::Mesh => ", of = \"mesh\"",
-    };
+fn stiffness(s: &PairStiffness) -> Json {
     match s {
-        PairStiffness::Constant { per_width, of: o } => format!(
-            "{{ kind = \"constant\", stiffness_n_per_m2 = {}{} }}",
-            number(*per_width),
-            of(o)
-        ),
+        PairStiffness::Constant { per_width, of } => {
+            json!({ "kind": "constant", "stiffness_n_per_m2": per_width, "of": given(of) })
+        }
         PairStiffness::Iso6336 { variation } => {
-            let variation = match variation {
-                IsoVariation::IsoMean => "iso-mean",
-                IsoVariation::CaiHayashi => "cai-hayashi",
-                IsoVariation::Constant => "constant",
-            };
-            format!("{{ kind = \"iso6336\", variation = \"{variation}\" }}")
+            json!({ "kind": "iso6336", "variation": variation })
         }
         PairStiffness::Compliance {
             tooth,
             foundation,
             hertz,
-        } => {
-            let root = match foundation {
-                Foundation::SainsotVelex(RootLength::TwoRfSinThetaF) => {
-                    ", root_length = \"2 rf sin theta\""
-                }
-                Foundation::SainsotVelex(RootLength::TwoRbThetaF) => {
-                    ", root_length = \"2 rb theta\""
-                }
-                _ => "",
-            };
-            let load = match hertz {
+        } => json!({
+            "kind": "compliance",
+            "tooth": tooth.id(),
+            "foundation": foundation.id(),
+            "root_length": match foundation {
+                Foundation::SainsotVelex(root) => given(root),
+                _ => Json::Null,
+            },
+            "hertz": hertz.id(),
+            "reference_load_n": match hertz {
                 Hertz::Log { reference_load } | Hertz::WeberBanaschek { reference_load } => {
-                    format!(", reference_load_n = {}", number(*reference_load))
+                    Some(reference_load)
                 }
-                Hertz::Linear | Hertz::Rigid => String::new(),
-            };
-            format!(
-                "{{ kind = \"compliance\", tooth = \"{}\", foundation = \"{}\"{root}, hertz = \"{}\"{load} }}",
-                tooth.id(),
-                foundation.id(),
-                hertz.id()
-            )
-        }
+                Hertz::Linear | Hertz::Rigid => None,
+            },
+        }),
         PairStiffness::Table {
             s,
             k,
-            of: o,
+            of,
             ends,
             interpolation,
-        } => {
-            let ends = match ends {
-                Ends::Clamped => "",
-                Ends::Periodic => ", ends = \"periodic\"",
-            };
-            let between = match interpolation {
-                Interpolation::Cubic => "",
-                Interpolation::Linear => ", interpolation = \"linear\"",
-            };
-            format!(
-                "{{ kind = \"table\", path_coordinate_m = {}, stiffness_n_per_m = {}{}{ends}{between} }}",
-                list(s),
-                list(k),
-                of(o)
-            )
-        }
+        } => json!({
+            "kind": "table",
+            "path_coordinate_m": s,
+            "stiffness_n_per_m": k,
+            "of": given(of),
+            "ends": given(ends),
+            "interpolation": given(interpolation),
+        }),
     }
 }
 
@@ -277,6 +225,9 @@ fn study(file: &SceneFile, candidate: &Candidate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene_file::{ModelChoice, Selection, load_for};
+    use crate::studies::choose::level::Level;
+    use gearbench_integrators::table::DOPRI5;
 
     #[test]
     fn replaced_parts_go_with_their_comments() {
@@ -300,6 +251,36 @@ mod tests {
         );
         let quoted = "description = \"\"\"\n[[models]]\nof words\"\"\"\n[gears.a]";
         assert_eq!(kept(quoted).unwrap().trim_end(), quoted);
+    }
+
+    /// Models of all kinds, written and read, are written alike again.
+    #[test]
+    fn what_is_written_is_read() {
+        let write = |file: &SceneFile, choice: &ModelChoice| {
+            let candidate = Candidate {
+                level: Level::QuasiStatic,
+                scene: file.spec_for(choice).into(),
+                modelling: choice.modelling.clone().into(),
+                method: DOPRI5.at_tolerance(1e-6),
+            };
+            written(file, &candidate).unwrap()
+        };
+        for name in [
+            "spur_impact",
+            "rack_pinion",
+            "hammer",
+            "loaded_mesh",
+            "spur_rotation",
+        ] {
+            let file = load_for(name, Selection::None).unwrap();
+            for choice in &file.models {
+                let first = write(&file, choice);
+                let read = SceneFile::unbuilt("chosen.toml", &first, Origin::Shipped, true);
+                let read = read.unwrap_or_else(|e| panic!("{e:?}\n{first}"));
+                assert_eq!(read.models.len(), 1, "{first}");
+                assert_eq!(write(&read, &read.models[0]), first);
+            }
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use super::plan::Fixed;
 use super::problem::Problem;
 use super::run::ChooseError;
-use super::statics::Swing;
+use super::statics::MeshOscillator;
 use super::trial::{Outcome, Trial};
 use gearbench_integrators::Scheme;
 use gearbench_integrators::table::TRIGONOMETRIC;
@@ -114,12 +114,16 @@ fn whole(problem: &Problem, level: &Fixed, contact_time: f64) -> Result<Outcome,
 ///
 /// # Errors
 /// [`ChooseError::NoContact`] when no teeth touch.
-pub fn approach(problem: &Problem, level: &Fixed, swing: &Swing) -> Result<f64, ChooseError> {
-    let run = whole(problem, level, swing.contact_time())?;
+pub fn approach(
+    problem: &Problem,
+    level: &Fixed,
+    oscillator: &MeshOscillator,
+) -> Result<f64, ChooseError> {
+    let run = whole(problem, level, oscillator.contact_time())?;
     let force = &run.series.contact_force_n;
     let peak = force.iter().copied().fold(0.0, f64::max);
     if peak > 0.0 {
-        Ok(peak / swing.stiffness)
+        Ok(peak / oscillator.stiffness)
     } else {
         Err(ChooseError::NoContact {
             duration: problem.duration,
@@ -164,10 +168,10 @@ fn cycle(problem: &Problem) -> f64 {
 pub fn window(
     problem: &Problem,
     level: &Fixed,
-    swing: &Swing,
+    oscillator: &MeshOscillator,
     metric: Metric,
 ) -> Result<Window, ChooseError> {
-    let time = swing.contact_time();
+    let time = oscillator.contact_time();
     let run = whole(problem, level, time)?;
     let spells = spells(&run);
     let total: f64 = spells.iter().map(|[a, b]| b - a).sum();
@@ -200,14 +204,14 @@ pub fn window(
         all_contacts: spells.len(),
         contact_ratio: if inside > 0.0 { total / inside } else { 1.0 },
         time_ratio: problem.duration / end,
-        grid: grid(end, spacing(problem, swing, metric), time, &spells),
+        grid: grid(end, spacing(problem, oscillator, metric), time, &spells),
         ..Window::to(end, time / SAMPLES)
     })
 }
 
 /// Distance of samples around contacts [s].
-fn spacing(problem: &Problem, swing: &Swing, metric: Metric) -> f64 {
-    let contact = swing.contact_time() / SAMPLES;
+fn spacing(problem: &Problem, oscillator: &MeshOscillator, metric: Metric) -> f64 {
+    let contact = oscillator.contact_time() / SAMPLES;
     if metric == Metric::PeakForceRel {
         contact.min(1.0 / (RINGING * problem.tooth_frequency()))
     } else {
@@ -235,14 +239,15 @@ pub fn growth(
     problem: &Problem,
     level: &Fixed,
     window: &Window,
-    swing: &Swing,
+    oscillator: &MeshOscillator,
     metric: Metric,
 ) -> Result<f64, ChooseError> {
     if window.whole {
         return Ok(1.0);
     }
-    let [base, stiffer] = [1.0, 1.0 + NUDGE].map(|factor| scaled(problem, level, swing, factor));
-    let all = Window::to(problem.duration, spacing(problem, swing, metric));
+    let [base, stiffer] =
+        [1.0, 1.0 + NUDGE].map(|factor| scaled(problem, level, oscillator, factor));
+    let all = Window::to(problem.duration, spacing(problem, oscillator, metric));
     let error = |w: &Window| -> Result<f64, ChooseError> {
         let run =
             |level: &Fixed| Trial::new(problem, &level.scene, &level.modelling)?.run(&method(), w);
@@ -254,7 +259,7 @@ pub fn growth(
 }
 
 /// A rigid level with its stiffness times a factor; a stiffness that is no table becomes a constant one.
-fn scaled(problem: &Problem, level: &Fixed, swing: &Swing, factor: f64) -> Fixed {
+fn scaled(problem: &Problem, level: &Fixed, oscillator: &MeshOscillator, factor: f64) -> Fixed {
     let mut modelling = (*level.modelling).clone();
     for (c, mesh) in modelling.contacts.iter_mut().zip(&problem.scene.meshes) {
         if let PairStiffness::Table { k, .. } = &mut c.stiffness {
@@ -264,7 +269,7 @@ fn scaled(problem: &Problem, level: &Fixed, swing: &Swing, factor: f64) -> Fixed
         let [a, b] = mesh.gears.map(|i| &problem.scene.gears[i]);
         let width = mesh_layout(a, b).map_or(1.0, |l| l.face_width);
         c.stiffness = PairStiffness::Constant {
-            per_width: factor * swing.stiffness / width,
+            per_width: factor * oscillator.stiffness / width,
             of: PairOrMesh::Pair,
         };
     }

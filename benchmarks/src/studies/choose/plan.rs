@@ -6,7 +6,7 @@
 use super::level::{Level, Stiffness};
 use super::problem::{Own, Problem};
 use super::run::ChooseError;
-use super::statics::{self, Calibrated, Swing, calibrate};
+use super::statics::{self, Calibrated, MeshOscillator, calibrate};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::{
     DOPRI5, RK4, SEMI_IMPLICIT_EULER, TRIGONOMETRIC, VELOCITY_VERLET,
@@ -62,40 +62,28 @@ struct Menu {
     tolerances: &'static [f64],
 }
 
+const fn at_steps(method: MethodSpec, steps: &'static [f64]) -> Menu {
+    Menu {
+        method,
+        steps,
+        tolerances: &[],
+    }
+}
+
 const RIGID: [Menu; 5] = [
-    Menu {
-        method: SEMI_IMPLICIT_EULER,
-        steps: &[16.0, 32.0, 64.0, 128.0, 256.0],
-        tolerances: &[],
-    },
-    Menu {
-        method: VELOCITY_VERLET,
-        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
-        tolerances: &[],
-    },
-    Menu {
-        method: RK4,
-        steps: &[4.0, 8.0, 16.0, 32.0],
-        tolerances: &[],
-    },
+    at_steps(SEMI_IMPLICIT_EULER, &[16.0, 32.0, 64.0, 128.0, 256.0]),
+    at_steps(VELOCITY_VERLET, &[8.0, 16.0, 32.0, 64.0, 128.0]),
+    at_steps(RK4, &[4.0, 8.0, 16.0, 32.0]),
     Menu {
         method: DOPRI5,
         steps: &[],
         tolerances: &[1e-2, 1e-3, 1e-4],
     },
-    Menu {
-        method: TRIGONOMETRIC,
-        steps: &[8.0, 16.0, 32.0, 64.0, 128.0],
-        tolerances: &[],
-    },
+    at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0]),
 ];
 /// Those that need no oscillators.
 const TEETH: std::ops::Range<usize> = 1..4;
-const ELASTIC: Menu = Menu {
-    method: TRIGONOMETRIC,
-    steps: &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0],
-    tolerances: &[],
-};
+const ELASTIC: Menu = at_steps(TRIGONOMETRIC, &[8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0]);
 
 impl Menu {
     /// Methods, the cheapest first.
@@ -162,8 +150,8 @@ pub struct Fixed {
 /// What candidates are made of: found once per scene.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// Swing of rigid gears.
-    pub swing: Swing,
+    /// Oscillation of rigid gears in their mesh.
+    pub oscillator: MeshOscillator,
     /// Rungs of rigid gears and movable teeth.
     pub fixed: Vec<Fixed>,
     /// Stiffness from static solves, or why there is none.
@@ -173,14 +161,14 @@ pub struct Prepared {
 impl Prepared {
     /// Sizes up a scene: its contact time, a rigid run that tells how deep flanks go into each other, static solves.
     pub fn of(problem: &Problem) -> Result<Prepared, ChooseError> {
-        let swing = Swing::of(&problem.scene)?;
+        let oscillator = MeshOscillator::of(&problem.scene)?;
         let scene = Arc::new(problem.scene.clone());
         // Dampers belong to a force, which the first run tells; a ratio would need a linear law.
-        let relaxation = |m: usize, force| problem.relaxation(m, swing.stiffness, force);
+        let relaxation = |m: usize, force| problem.relaxation(m, oscillator.stiffness, force);
         let fixed = |stiffness: Stiffness, source: statics::Source<'_>, force: f64| {
             let contacts = (problem.flexible.contacts.iter().enumerate())
                 .map(|(m, flexible)| {
-                    let mut c = source.contact(relaxation(m, force), &swing);
+                    let mut c = source.contact(relaxation(m, force), &oscillator);
                     c.friction = flexible.friction;
                     c
                 })
@@ -192,8 +180,8 @@ impl Prepared {
             }
         };
         let first = fixed(Stiffness::Norm, statics::Source::Norm, 0.0);
-        let approach = super::pilot::approach(problem, &first, &swing)?;
-        let force = MEAN_FORCE * approach * swing.stiffness;
+        let approach = super::pilot::approach(problem, &first, &oscillator)?;
+        let force = MEAN_FORCE * approach * oscillator.stiffness;
         let statics = calibrate(problem, approach).map_err(|e| e.to_string());
         let mut all = vec![
             fixed(Stiffness::Norm, statics::Source::Norm, force),
@@ -213,7 +201,7 @@ impl Prepared {
             let tau = relaxation(0, force);
             let damping = match &statics {
                 Ok(c) => statics::damper(tau, c.secant()),
-                Err(_) => statics::damper(tau, swing.stiffness),
+                Err(_) => statics::damper(tau, oscillator.stiffness),
             };
             let derived = statics::movable_teeth(&problem.scene, statics.as_ref().ok(), damping);
             if let Ok(mut modelling) = derived {
@@ -227,7 +215,7 @@ impl Prepared {
         }
         all.extend(of(false).map(|o| own(o, Level::MovableTeeth(Some(o.label.clone())))));
         Ok(Prepared {
-            swing,
+            oscillator,
             fixed: all,
             statics,
         })
@@ -241,7 +229,7 @@ impl Prepared {
 
     /// All candidates, the cheapest family first, within a level the longest step first.
     pub fn candidates(&self, problem: &Problem) -> Vec<Candidate> {
-        let time = self.swing.contact_time();
+        let time = self.oscillator.contact_time();
         let mut all = Vec::new();
         for f in &self.fixed {
             let menus = match f.level {
@@ -274,7 +262,7 @@ impl Prepared {
         modes: usize,
         method: Scheme,
     ) -> Candidate {
-        let usual = || short(self.swing.contact_time() / TOLERANCE_STEPS);
+        let usual = || short(self.oscillator.contact_time() / TOLERANCE_STEPS);
         let step = method.resolution.step().unwrap_or_else(usual);
         Candidate {
             level: match modes {
@@ -290,7 +278,7 @@ impl Prepared {
     /// Elastic gears with some modes at some steps per contact time or more, so that teeth are resolved as well.
     pub fn at_steps(&self, problem: &Problem, modes: usize, steps: f64) -> Candidate {
         let tooth = 1.0 / (TOOTH_STEPS * problem.tooth_frequency());
-        let step = (self.swing.contact_time() / steps).min(tooth);
+        let step = (self.oscillator.contact_time() / steps).min(tooth);
         let method = TRIGONOMETRIC.at_step(short(step));
         self.flexible(problem, &Arc::new(problem.scene.clone()), modes, method)
     }
@@ -305,7 +293,7 @@ pub fn candidates(problem: &Problem) -> Result<Vec<Candidate>, ChooseError> {
 /// elements would take too long.
 pub fn densest(problem: &Problem) -> Result<Candidate, ChooseError> {
     let prepared = Prepared {
-        swing: Swing::of(&problem.scene)?,
+        oscillator: MeshOscillator::of(&problem.scene)?,
         fixed: Vec::new(),
         statics: Err("not asked for".into()),
     };

@@ -127,12 +127,17 @@ pub fn choose(
     let prepared = Prepared::of(problem)?;
     progress("rigid run through the scene");
     let pilot_level = prepared.best_rigid();
-    let window = pilot::window(problem, pilot_level, &prepared.swing, requirement.metric)?;
+    let window = pilot::window(
+        problem,
+        pilot_level,
+        &prepared.oscillator,
+        requirement.metric,
+    )?;
     let growth = pilot::growth(
         problem,
         pilot_level,
         &window,
-        &prepared.swing,
+        &prepared.oscillator,
         requirement.metric,
     )?;
     let hierarchy: Refinement = refine(

@@ -259,7 +259,7 @@ pub fn select(
         if matches!(fixed.level, Level::MovableTeeth(_)) && selector.cheapest.is_finite() {
             continue;
         }
-        let mut standing = selector.stand(fixed, prepared.swing.contact_time())?;
+        let mut standing = selector.stand(fixed, prepared.oscillator.contact_time())?;
         selector.look(&mut standing.tried, &all, &mut tried)?;
         standings.push(standing);
     }

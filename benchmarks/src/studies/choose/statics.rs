@@ -88,10 +88,10 @@ pub enum Source<'a> {
 
 impl Source<'_> {
     /// The contact with the damper that goes with the relaxation time `tau` [s].
-    pub fn contact(self, tau: f64, swing: &Swing) -> ContactSpec {
+    pub fn contact(self, tau: f64, oscillator: &MeshOscillator) -> ContactSpec {
         match self {
-            Source::Norm => contact(norm(), 1.0, damper(tau, swing.stiffness)),
-            Source::Analytic => contact(analytic(), 1.0, damper(tau, swing.stiffness)),
+            Source::Norm => contact(norm(), 1.0, damper(tau, oscillator.stiffness)),
+            Source::Analytic => contact(analytic(), 1.0, damper(tau, oscillator.stiffness)),
             Source::Static(c) => contact(c.stiffness(), c.exponent, damper(tau, c.secant())),
         }
     }
@@ -106,18 +106,18 @@ pub fn damper(tau: f64, stiffness: f64) -> Damping {
     }
 }
 
-/// How fast a mesh of rigid gears with the stiffness of the norm swings.
+/// A mesh of rigid gears with the stiffness of the norm as an oscillator.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Swing {
+pub struct MeshOscillator {
     /// Reduced mass along the line of action [kg].
     pub mass: f64,
     /// Stiffness of a tooth pair [N/m].
     pub stiffness: f64,
 }
 
-impl Swing {
+impl MeshOscillator {
     /// Of the stiffest mesh of a scene.
-    pub fn of(scene: &SceneSpec) -> Result<Swing, BuildError> {
+    pub fn of(scene: &SceneSpec) -> Result<MeshOscillator, BuildError> {
         let contacts = vec![contact(norm(), 1.0, Damping::None); scene.meshes.len()];
         let built = Scene::build(scene, &rigid(scene, contacts), MODELS)?;
         let characteristic_time = built.characteristic_time(built.initial().at());
@@ -126,9 +126,9 @@ impl Swing {
             1.0 / m.gears.map(|i| 1.0 / mass(i)).iter().sum::<f64>()
         };
         let mass = scene.meshes.iter().map(of).fold(f64::INFINITY, f64::min);
-        // Between held gears nothing swings; the stiffness is then that of a unit mass.
+        // Between held gears nothing vibrates; the stiffness is then that of a unit mass.
         let mass = if mass.is_finite() { mass } else { 1.0 };
-        Ok(Swing {
+        Ok(MeshOscillator {
             mass,
             stiffness: mass / (characteristic_time * characteristic_time),
         })
@@ -142,12 +142,12 @@ impl Swing {
 
 /// Time `tau = c/k` of the damper of a tooth pair [s]; `None` for laws that are no dampers.
 pub fn relaxation_of(scene: &SceneSpec, contact: &ContactSpec) -> Option<f64> {
-    let swing = Swing::of(scene).ok()?;
+    let oscillator = MeshOscillator::of(scene).ok()?;
     match contact.damping {
         Damping::None => Some(0.0),
-        Damping::KelvinVoigt { c } => Some(c / swing.stiffness),
+        Damping::KelvinVoigt { c } => Some(c / oscillator.stiffness),
         Damping::KelvinVoigtRatio { ratio } => {
-            Some(2.0 * ratio * (swing.mass / swing.stiffness).sqrt())
+            Some(2.0 * ratio * (oscillator.mass / oscillator.stiffness).sqrt())
         }
         _ => None,
     }

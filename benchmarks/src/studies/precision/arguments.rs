@@ -35,15 +35,32 @@ record:
 pub struct Precision {
     /// Name of a shipped scene, or path of a scene file (.toml)
     pub scene: String,
-    /// Metrics between commas, the first above all [default: that of the scene's tolerance]
-    #[arg(long, visible_alias = "metrics", value_name = "M,N", value_delimiter = ',', value_parser = metric)]
-    pub metric: Vec<Metric>,
-    /// References between commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
-    #[arg(long, value_name = "A,B", value_delimiter = ',')]
-    pub against: Vec<String>,
     /// Models of the scene by label, between commas [default: those of its study]
     #[arg(long, value_name = "A,B")]
     pub models: Option<String>,
+    /// What is compared, and with what.
+    #[command(flatten)]
+    pub asked: Asked,
+    /// Where results go.
+    #[command(flatten)]
+    pub output: Output,
+    /// Timed repeats of every run, at least; short runs are repeated more often
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    pub timeout: f64,
+}
+
+/// What the command line asks for; what it leaves out is the scene's.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Asked {
+    /// Metrics between commas, the first above all [default: that of the scene's tolerance]
+    #[arg(long = "metric", visible_alias = "metrics", value_name = "M,N", value_delimiter = ',', value_parser = metric)]
+    pub metrics: Vec<Metric>,
+    /// References between commas: the stored one by its program (calculix), a model `fe` or `elastic` by its label
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    pub against: Vec<String>,
     /// Integrators between commas: id, id(name=value); with @STEP or @RTOL that resolution alone, else the series
     ///
     /// A value with a unit of time is a step (rk4@500ns, trigonometric@1us), a bare number a step in seconds for
@@ -59,15 +76,6 @@ pub struct Precision {
     /// Tolerances of adaptive methods, between commas
     #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = tolerance)]
     pub rtols: Vec<f64>,
-    /// Where results go.
-    #[command(flatten)]
-    pub output: Output,
-    /// Timed repeats of every run, at least; short runs are repeated more often
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub repeats: u32,
-    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
-    pub timeout: f64,
 }
 
 fn step(text: &str) -> Result<f64, String> {
@@ -102,14 +110,17 @@ mod tests {
         let steps = "--steps 500ns,1us,2e-6 --rtols 1e-3,1e-5 --modes 0,35";
         let metrics = "--metric force-aligned,peak,energy_drift_rel";
         let p = parse(&format!("hammer {steps} {metrics}")).unwrap();
-        assert_eq!(p.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
-        assert_eq!((p.rtols, p.modes), (vec![1e-3, 1e-5], vec![0, 35]));
+        assert_eq!(p.asked.steps, [500.0 * 1e-9, 1e-6, 2e-6]);
+        assert_eq!(
+            (p.asked.rtols, p.asked.modes),
+            (vec![1e-3, 1e-5], vec![0, 35])
+        );
         let metrics = [
             Metric::ForceL2Aligned,
             Metric::PeakForceRel,
             Metric::EnergyDrift,
         ];
-        assert_eq!(p.metric, metrics);
+        assert_eq!(p.asked.metrics, metrics);
         let wrong =
             "--steps fast|--steps -1us|--rtols 2|--modes -1|--timeout 0|--metric farce|--metric ,";
         for wrong in wrong.split('|') {

@@ -2,7 +2,7 @@
 
 use super::arguments::Precision;
 use super::summary::summarise;
-use super::{Asked, Plan, study};
+use super::{Plan, study};
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
@@ -22,26 +22,10 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
             "`gearbench precision --help` shows what can be asked for",
         ))
     };
-    let asked = Asked {
-        integrators: args.integrators.clone(),
-        metrics: {
-            let mut each_once = Vec::new();
-            for m in &args.metric {
-                if !each_once.contains(m) {
-                    each_once.push(*m);
-                }
-            }
-            each_once
-        },
-        against: args.against.clone(),
-        modes: args.modes.iter().map(|n| *n as usize).collect(),
-        steps: args.steps.clone(),
-        rtols: args.rtols.clone(),
-    };
     let scene = scene_file::load_for(&args.scene, Selection::Precision(args.models.as_deref()))?;
     let choices = scene.select_precision(args.models.as_deref())?;
     let reference = stored_reference(&scene)?;
-    let plan = Plan::of(&scene, &choices, reference.as_ref(), &asked).map_err(refused)?;
+    let plan = Plan::of(&scene, &choices, reference.as_ref(), &args.asked).map_err(refused)?;
     // What was simulated stands first, then what it was held against.
     let mut told = settings(&scene, &choices, false);
     told.retain(|(what, _)| {

@@ -16,5 +16,5 @@ mod run;
 pub mod scene;
 mod summary;
 
-pub use plan::{Asked, Plan};
+pub use plan::Plan;
 pub use run::study;

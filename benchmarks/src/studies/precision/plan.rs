@@ -1,5 +1,6 @@
 //! What accuracy against cost runs: variants of models with their series, and the references they are held against.
 
+use super::arguments::Asked;
 use super::references::{held_against, references};
 use super::resolutions::Resolutions;
 use crate::experiment::conditions::Conditions;
@@ -14,6 +15,7 @@ use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use gearbench_reports::Metric;
 use gearbench_reports::record::ReferenceSeries;
+use std::collections::HashSet;
 use std::time::Duration;
 
 /// Numbers of modes that are tried when nobody says.
@@ -22,20 +24,6 @@ pub const COUNTS: [usize; 6] = [0, 10, 35, 70, 100, 150];
 pub(super) const FULL: &str = FullOrderParameters::MODEL;
 /// Steps of one integration at most: a timeout that does not depend on the machine.
 const MOST_STEPS: u64 = 20_000_000;
-
-/// What the command line asks for; what it leaves out is the scene's.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Asked {
-    /// Integrators, as [`Scheme::list`] takes them; those with `@` have that step or tolerance alone.
-    pub integrators: Option<String>,
-    pub metrics: Vec<Metric>,
-    /// Ids of the references.
-    pub against: Vec<String>,
-    pub modes: Vec<usize>,
-    /// Steps [s].
-    pub steps: Vec<f64>,
-    pub rtols: Vec<f64>,
-}
 
 /// A model with a number of modes, and its series.
 #[derive(Clone, Debug)]
@@ -170,7 +158,10 @@ impl Plan<'_> {
 /// Metrics asked for, else the scene's, else that of its tolerance.
 fn metrics(scene: &SceneFile, asked: &Asked) -> Vec<Metric> {
     if !asked.metrics.is_empty() {
-        return asked.metrics.clone();
+        let mut each_once = asked.metrics.clone();
+        let mut known = HashSet::new();
+        each_once.retain(|m| known.insert(*m));
+        return each_once;
     }
     if !scene.study.precision.metrics.is_empty() {
         return scene.study.precision.metrics.clone();
@@ -240,7 +231,7 @@ fn variants_of(
     let mut counts = match (asked.modes.as_slice(), own.modes.as_slice()) {
         ([], []) => COUNTS.to_vec(),
         ([], scene) => scene.to_vec(),
-        (asked, _) => asked.to_vec(),
+        (asked, _) => asked.iter().map(|n| *n as usize).collect(),
     };
     counts.sort_unstable();
     counts.dedup();

@@ -1,7 +1,8 @@
 //! What models are held against: full models on a fine step, the stored reference, the densest reduced model; and which
 //! of them goes with which contact.
 
-use super::plan::{Asked, FULL, Full, Variant};
+use super::arguments::Asked;
+use super::plan::{FULL, Full, Variant};
 use crate::experiment::configuration::Configuration;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::table::NEWMARK;

@@ -126,7 +126,7 @@ fn axis(text: &str) -> Result<AxisValues, String> {
     let known: Vec<&str> = Axis::ALL.iter().map(|a| a.id()).collect();
     let axis = (Axis::ALL.into_iter().find(|a| a.id() == name.trim()))
         .ok_or_else(|| format!("there is no axis `{name}`; there are {}", known.join(", ")))?;
-    let mut values = if rest.is_empty() {
+    let values = if rest.is_empty() {
         axis.defaults()
     } else if rest.contains(':') {
         let s = ends(rest, ROWS)?;
@@ -139,13 +139,10 @@ fn axis(text: &str) -> Result<AxisValues, String> {
             "{name} needs values, for example {name}=8e8:5.6e10"
         ));
     }
-    let [low, high] = axis.range();
-    if let Some(x) = values.iter().find(|x| !(low..=high).contains(*x)) {
-        return Err(format!("{name} {x} lies outside {low} to {high}"));
-    }
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    Ok(AxisValues { axis, values })
+    AxisValues::new(axis, values).map_err(|x| {
+        let [low, high] = axis.range();
+        format!("{name} {x} lies outside {low} to {high}")
+    })
 }
 
 #[cfg(test)]

@@ -104,6 +104,22 @@ pub struct StabilitySet {
     pub max_steps: Option<u64>,
 }
 
+impl AxisValues {
+    /// Each value once and ascending.
+    ///
+    /// # Errors
+    /// The first value that the parameter cannot have.
+    pub fn new(axis: Axis, mut values: Vec<f64>) -> Result<Self, f64> {
+        let [low, high] = axis.range();
+        if let Some(x) = values.iter().find(|x| !(low..=high).contains(*x)) {
+            return Err(*x);
+        }
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        Ok(AxisValues { axis, values })
+    }
+}
+
 impl StabilityKeys {
     /// What is asked for, if it goes together.
     pub(crate) fn read(self, at: &Place<'_>) -> Result<StabilitySet, SceneError> {
@@ -174,7 +190,7 @@ fn span(
 impl AxisKeys {
     fn read(self, at: &Place<'_>) -> Result<AxisValues, SceneError> {
         let axis = self.axis;
-        let mut values = if let Some(values) = self.values {
+        let values = if let Some(values) = self.values {
             let others = ["from", "to", "points"];
             if let Some(key) = others.into_iter().find(|key| at.has(key)) {
                 return at.key(key).refuse(
@@ -195,16 +211,13 @@ impl AxisKeys {
                 (_, None) => return Err(at.missing("to", &Self::TABLE)),
             }
         };
-        let [low, high] = axis.range();
-        if let Some(x) = values.iter().find(|x| !(low..=high).contains(*x)) {
-            return at.first(&["values", "from"]).refuse(
+        AxisValues::new(axis, values).map_err(|x| {
+            let [low, high] = axis.range();
+            at.first(&["values", "from"]).error(
                 format!("the {} {x} cannot be", axis.name()),
                 format!("expected {low} to {high}"),
                 "leave it out",
-            );
-        }
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        Ok(AxisValues { axis, values })
+            )
+        })
     }
 }

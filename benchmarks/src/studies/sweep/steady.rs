@@ -74,7 +74,7 @@ pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
         .collect();
     let cycle = mean_cycle(&error);
     let regular = rms(&cycle);
-    let strays: Vec<f64> = (error.iter().enumerate())
+    let deviations: Vec<f64> = (error.iter().enumerate())
         .map(|(i, e)| e - cycle[i % PER_CYCLE])
         .collect();
     let mut one = Steady {
@@ -89,7 +89,7 @@ pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
         force_peak_n: force.iter().copied().fold(0.0, f64::max),
         separated: share(&force, |f| f <= APART * mean_force),
         irregular: if regular > 0.0 {
-            rms(&strays) / regular
+            rms(&deviations) / regular
         } else {
             0.0
         },

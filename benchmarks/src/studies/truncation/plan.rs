@@ -48,38 +48,29 @@ pub(super) struct Way {
 
 /// The ways that are compared.
 pub(super) const WAYS: [Way; 5] = [
-    Way {
-        label: "by flank compliance",
-        choose: Criterion::FlankCompliance,
-        residual: true,
-        step: 1.0,
-    },
+    way("by flank compliance", BY_COMPLIANCE, true, 1.0),
     // What the step costs beside what the cut modes cost.
-    Way {
-        label: "by flank compliance, a quarter of the step",
-        choose: Criterion::FlankCompliance,
-        residual: true,
-        step: 0.25,
-    },
-    Way {
-        label: "by frequency",
-        choose: Criterion::Frequency,
-        residual: true,
-        step: 1.0,
-    },
-    Way {
-        label: "truncated, by flank compliance",
-        choose: Criterion::FlankCompliance,
-        residual: false,
-        step: 1.0,
-    },
-    Way {
-        label: "truncated, by frequency",
-        choose: Criterion::Frequency,
-        residual: false,
-        step: 1.0,
-    },
+    way(
+        "by flank compliance, a quarter of the step",
+        BY_COMPLIANCE,
+        true,
+        0.25,
+    ),
+    way("by frequency", Criterion::Frequency, true, 1.0),
+    way("truncated, by flank compliance", BY_COMPLIANCE, false, 1.0),
+    way("truncated, by frequency", Criterion::Frequency, false, 1.0),
 ];
+
+const BY_COMPLIANCE: Criterion = Criterion::FlankCompliance;
+
+const fn way(label: &'static str, choose: Criterion, residual: bool, step: f64) -> Way {
+    Way {
+        label,
+        choose,
+        residual,
+        step,
+    }
+}
 
 /// What to study.
 #[derive(Clone, Debug)]

@@ -62,13 +62,6 @@ pub struct DeckGear {
     pub rigid_body: Option<usize>,
 }
 
-impl DeckGear {
-    /// Where a point of the own frame stands in the deck [m].
-    pub fn to_deck(&self, x: Vec3) -> Vec3 {
-        placed(self.shape, self.centre, self.phase, x)
-    }
-}
-
 /// Where a point of a body's own frame stands.
 pub(super) fn placed(shape: BodyShape, centre: Vec3, phase: f64, x: Vec3) -> Vec3 {
     match shape {

@@ -60,23 +60,17 @@ impl Harmonic {
         &self.found
     }
 
-    /// Finds the lowest `count`; `keep` the factor for later.
-    pub fn find(&mut self, count: usize, keep: bool) -> Result<(), ModesError> {
-        self.found = match &mut self.search {
-            Search::Real(s) => s.find(Target::Count(count), keep)?,
-            Search::Complex(s) => s.find(Target::Count(count), keep)?,
-        };
-        Ok(())
-    }
-
-    /// Finds all up to `omega2` and the next one, unless that has happened.
-    pub fn find_above(&mut self, omega2: f64, keep: bool) -> Result<(), ModesError> {
-        if self.found.last().is_some_and(|last| *last > omega2) {
+    /// Finds the lowest so many, or all up to a bound and the next one unless that has happened; `keep` the factor for
+    /// later.
+    pub fn find(&mut self, target: Target, keep: bool) -> Result<(), ModesError> {
+        if let (Target::Above(omega2), Some(last)) = (target, self.found.last())
+            && *last > omega2
+        {
             return Ok(());
         }
         self.found = match &mut self.search {
-            Search::Real(s) => s.find(Target::Above(omega2), keep)?,
-            Search::Complex(s) => s.find(Target::Above(omega2), keep)?,
+            Search::Real(s) => s.find(target, keep)?,
+            Search::Complex(s) => s.find(target, keep)?,
         };
         Ok(())
     }

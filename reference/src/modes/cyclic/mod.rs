@@ -171,7 +171,7 @@ impl Sector {
         let guess = (count.div_ceil(teeth) + 1).min(self.unknowns());
         let states = self.each(harmonics, |n| {
             let mut state = Harmonic::new(self, n as u32, 2 * guess, &symbolic, options)?;
-            state.find(guess, keep)?;
+            state.find(Target::Count(guess), keep)?;
             Ok(state)
         })?;
         // The last mode wanted, as far as known: an upper bound of the true one.
@@ -179,7 +179,7 @@ impl Sector {
             Target::Count(_) => last_wanted(&states, count, f64::INFINITY),
             Target::Above(omega2) => omega2,
         };
-        let states = self.each_of(states, |state| state.find_above(bound, keep))?;
+        let states = self.each_of(states, |state| state.find(Target::Above(bound), keep))?;
         let bound = match target {
             Target::Count(_) => last_wanted(&states, count, bound),
             Target::Above(omega2) => omega2,

@@ -3,7 +3,8 @@
 use super::*;
 use crate::experiment::conditions::silent;
 use crate::scene_file::{Selection, load_for};
-use crate::studies::precision::plan::{Asked, COUNTS};
+use crate::studies::precision::arguments::Asked;
+use crate::studies::precision::plan::COUNTS;
 use gearbench_reports::{Ledger, Metric};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -49,6 +49,14 @@ pub(super) struct Pair<T> {
     pub mass: SparseColMat<usize, T>,
 }
 
+/// Where an entry of a harmonic's matrices comes from.
+enum Source {
+    /// A pair of free nodes, and the place in its block.
+    Pair(usize, usize),
+    /// The row of a hub motion, and the unknown.
+    Hub(usize, usize),
+}
+
 fn sector_error(text: impl Into<String>) -> ModesError {
     ModesError::Sector(text.into())
 }
@@ -229,16 +237,15 @@ impl Sector {
 
     /// Analysis of the pattern that all harmonics without hub motions have.
     pub(super) fn symbolic(&self) -> Result<Symbolic, SolveError> {
-        let (start, rows) = self.pattern(&[]);
-        let n = self.unknowns();
-        let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
+        let (pattern, _) = self.pattern(&[]);
         Symbolic::new(pattern.as_ref())
     }
 
-    /// Column starts and rows, `hub` rows appended to the columns where they have an entry.
-    fn pattern(&self, hub: &[Vec<[c64; 2]>]) -> (Vec<usize>, Vec<usize>) {
-        let mut start = vec![0];
-        let mut rows = Vec::new();
+    /// Lower triangle of a harmonic and where its entries come from; `hub` rows follow in the columns where they have an
+    /// entry.
+    fn pattern(&self, hub: &[Vec<[c64; 2]>]) -> (SymbolicSparseColMat<usize>, Vec<Source>) {
+        let own = 3 * self.free;
+        let (mut start, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
         let mut first = 0;
         for column in 0..self.free {
             let count = self.pairs[first..]
@@ -246,16 +253,17 @@ impl Sector {
                 .take_while(|p| p.0 as usize == column)
                 .count();
             for axis in 0..3 {
-                for (_, row) in &self.pairs[first..first + count] {
-                    let from = if *row as usize == column { axis } else { 0 };
-                    rows.extend((from..3).map(|i| 3 * *row as usize + i));
+                for pair in first..first + count {
+                    let row = self.pairs[pair].1 as usize;
+                    let from = if row == column { axis } else { 0 };
+                    rows.extend((from..3).map(|i| 3 * row + i));
+                    sources.extend((from..3).map(|i| Source::Pair(pair, 3 * i + axis)));
                 }
+                let at = 3 * column + axis;
                 for (h, entries) in hub.iter().enumerate() {
-                    if entries[3 * column + axis]
-                        .iter()
-                        .any(|e| e.norm_sqr() != 0.0)
-                    {
-                        rows.push(3 * self.free + h);
+                    if entries[at].iter().any(|e| e.norm_sqr() != 0.0) {
+                        rows.push(own + h);
+                        sources.push(Source::Hub(h, at));
                     }
                 }
                 start.push(rows.len());
@@ -263,65 +271,33 @@ impl Sector {
             first += count;
         }
         for h in 0..hub.len() {
-            rows.extend((h..hub.len()).map(|l| 3 * self.free + l));
+            rows.extend((h..hub.len()).map(|l| own + l));
+            sources.extend((h..hub.len()).map(|l| Source::Hub(l, own + h)));
             start.push(rows.len());
         }
-        (start, rows)
+        let n = own + hub.len();
+        let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
+        (pattern, sources)
     }
 
     /// Matrices of a harmonic; real numbers serve harmonics 0 and z/2 only.
     pub(super) fn matrices<T: Scalar>(&self, harmonic: u32) -> Pair<T> {
         let (sin, cos) = self.phase(harmonic).sin_cos();
         let hub = self.hub_rows(harmonic);
-        let (start, rows) = self.pattern(&hub);
-        let n = 3 * self.free + hub.len();
-        let (mut k, mut m) = (
-            Vec::with_capacity(rows.len()),
-            Vec::with_capacity(rows.len()),
-        );
-        let entry = |parts: &Phased, i: usize| {
-            let [a, b, c] = [parts[0][i], parts[1][i], parts[2][i]];
-            T::complex(a + cos * (b + c), sin * (b - c))
+        let (pattern, sources) = self.pattern(&hub);
+        let values = |of: &[Phased], which: usize| -> Vec<T> {
+            let value = |source: &Source| match *source {
+                Source::Pair(pair, i) => {
+                    let [a, b, c] = of[pair].map(|part| part[i]);
+                    T::complex(a + cos * (b + c), sin * (b - c))
+                }
+                Source::Hub(h, at) => T::complex(hub[h][at][which].re, hub[h][at][which].im),
+            };
+            sources.iter().map(value).collect()
         };
-        let scalar = |e: c64| T::complex(e.re, e.im);
-        let mut first = 0;
-        for column in 0..self.free {
-            let count = self.pairs[first..]
-                .iter()
-                .take_while(|p| p.0 as usize == column)
-                .count();
-            for axis in 0..3 {
-                for at in first..first + count {
-                    let from = if self.pairs[at].1 as usize == column {
-                        axis
-                    } else {
-                        0
-                    };
-                    for i in from..3 {
-                        k.push(entry(&self.stiffness[at], 3 * i + axis));
-                        m.push(entry(&self.mass[at], 3 * i + axis));
-                    }
-                }
-                for entries in &hub {
-                    let [ek, em] = entries[3 * column + axis];
-                    if ek.norm_sqr() != 0.0 || em.norm_sqr() != 0.0 {
-                        k.push(scalar(ek));
-                        m.push(scalar(em));
-                    }
-                }
-            }
-            first += count;
-        }
-        for column in 0..hub.len() {
-            for row in &hub[column..] {
-                k.push(scalar(row[3 * self.free + column][0]));
-                m.push(scalar(row[3 * self.free + column][1]));
-            }
-        }
-        let pattern = SymbolicSparseColMat::new_checked(n, n, start, None, rows);
         Pair {
-            stiffness: SparseColMat::new(pattern.clone(), k),
-            mass: SparseColMat::new(pattern, m),
+            stiffness: SparseColMat::new(pattern.clone(), values(&self.stiffness, 0)),
+            mass: SparseColMat::new(pattern, values(&self.mass, 1)),
         }
     }
 

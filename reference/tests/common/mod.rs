@@ -1,0 +1,55 @@
+//! Pairs of held gears and their contact.
+
+use gearbench_models::geometry::{Gear, Side};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, PointContact, SceneSpec,
+    Start,
+};
+use gearbench_models::stiffness::{Material, PairStiffness};
+
+/// Two gears at a distance, both held.
+pub fn scene(gears: [Gear; 2], material: Material, distance: f64) -> SceneSpec {
+    let held = |(i, gear)| GearSpec {
+        name: format!("gear {}", i + 1),
+        body: Body::Gear(gear),
+        material,
+        inertia: None,
+        added_inertia: 0.0,
+        mount: Mount::Fixed,
+        position: [i as f64 * distance, 0.0],
+        facing: 0.0,
+        speed: 0.0,
+        loads: vec![],
+    };
+    SceneSpec {
+        gears: gears.into_iter().enumerate().map(held).collect(),
+        meshes: vec![MeshSpec {
+            gears: [0, 1],
+            start: Start {
+                side: Side::Left,
+                gap: 0.0,
+                path_coordinate: None,
+            },
+        }],
+    }
+}
+
+/// Both gears of one model, with a linear contact without losses.
+pub fn modelling(
+    model: ModelSpec,
+    stiffness: PairStiffness,
+    points: Option<PointContact>,
+) -> Modelling {
+    Modelling {
+        gears: vec![model.clone(), model],
+        contacts: vec![ContactSpec {
+            stiffness,
+            exponent: 1.0,
+            damping: Damping::None,
+            friction: None,
+            slices: None,
+            points,
+        }],
+    }
+}
