@@ -1,26 +1,20 @@
-//! What adaptivity inside a run saves and what it changes: `cargo bench -p gearbench --bench adaptivity [-- --store
-//! FILE]`.
+//! What adaptivity inside a run saves and what it changes: `cargo bench --bench adaptivity [-- --store FILE]`.
 //!
 //! `hammer` of rigid gears, movable teeth and elastic gears, each method with flights stepped through and crossed in
 //! one step of the closed form (`free_flight`), then with teeth and modes put to rest in flight (`vibration_cut_off`):
 //! steps, force evaluations, wall time by turns (the least of the repeats, as the machine may be shared), and how far
 //! the impulse of the contact force and the last speeds are from those without the switch.
 
-use gearbench::scene_file::{self, SceneFile};
+mod support;
+
 use gearbench_integrators::observers::Tee;
 use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem};
-use gearbench_integrators::{
-    AcceptedStep, Control, NullSink, Resolution, Sink, State, TimePlan, Work,
-};
+use gearbench_integrators::{AcceptedStep, Control, NullSink, Resolution, Sink, TimePlan, Work};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
-use gearbench_models::spec;
 use serde_json::{Value, json};
-use std::time::Instant;
-
-/// Repeats by turns: at least so many, and for so long [s].
-const REPEATS: u32 = 5;
-const LONG: f64 = 1.0;
+use support::ratio::{Ratios, by_turns, ratios};
+use support::scenes::{built, file, method, run, store};
 
 /// Impulse of the contact force by the trapezoid rule over accepted steps.
 #[derive(Default)]
@@ -48,8 +42,6 @@ impl Sink for Impulse {
 struct Candidate {
     scene: Scene,
     method: String,
-    /// Least wall time [s].
-    least: f64,
 }
 
 /// What a run is judged by.
@@ -61,14 +53,6 @@ struct Found {
     residual: f64,
 }
 
-fn run(scene: &mut Scene, text: &str, plan: &TimePlan<'_>, sink: &mut dyn Sink) -> (State, Work) {
-    let mut method = gearbench_integrators::method(text).unwrap_or_else(|e| panic!("{e}"));
-    let (mut state, mut work) = (scene.initial(), Work::default());
-    let done = method.run(scene, &mut state, plan, sink, &mut work);
-    done.unwrap_or_else(|e| panic!("{text}: {e}"));
-    (state, work)
-}
-
 fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     let scene = &mut candidate.scene;
     let mut ledger = Ledger::default();
@@ -77,7 +61,8 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
         ..Impulse::default()
     };
     let mut sinks = Tee(vec![&mut ledger, &mut impulse]);
-    let (state, work) = run(scene, &candidate.method, plan, &mut sinks);
+    let mut method = method(&candidate.method);
+    let (state, work, _) = run(scene, method.as_mut(), plan, &mut sinks);
     ledger.close(scene, &state);
     let pinion = &scene.gears()[0];
     let momentum = pinion.model.hub_state(pinion.at(state.at())).momentum;
@@ -90,44 +75,27 @@ fn judged(candidate: &mut Candidate, plan: &TimePlan<'_>) -> Found {
     }
 }
 
-fn built(file: &SceneFile, label: &str, vibration_cut_off: f64) -> Scene {
-    let choice = file
-        .model(label)
-        .unwrap_or_else(|| panic!("no model {label}"));
-    let mut modelling = choice.modelling.clone();
-    for gear in &mut modelling.gears {
-        if vibration_cut_off > 0.0 {
-            let value = spec::Value::Number(vibration_cut_off);
-            gear.parameters.insert("vibration_cut_off".into(), value);
-        }
-    }
-    let scene = Scene::build(
-        &file.spec_for(choice),
-        &modelling,
-        gearbench::models::models(),
-    );
-    scene.unwrap_or_else(|e| panic!("{e}"))
-}
-
-#[allow(clippy::print_stdout)]
-fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
+/// A row of the table, and the same in figures.
+fn compare(
+    criterion: &mut Ratios,
+    what: &str,
+    plan: &TimePlan<'_>,
+    mut pair: [Candidate; 2],
+) -> (String, Value) {
     let found = [0, 1].map(|k| judged(&mut pair[k], plan));
-    // By turns, so that both see the same machine.
-    let started = Instant::now();
-    let mut turns = 0;
-    while turns < REPEATS || started.elapsed().as_secs_f64() < LONG {
-        turns += 1;
-        for candidate in &mut pair {
-            let begin = Instant::now();
-            run(&mut candidate.scene, &candidate.method, plan, &mut NullSink);
-            candidate.least = candidate.least.min(begin.elapsed().as_secs_f64());
-        }
-    }
-    let [off, on] = pair.map(|c| c.least);
+    let [off, on] = by_turns(criterion, "off / on", what, || {
+        [0, 1].map(|k| {
+            let Candidate {
+                scene,
+                method: text,
+            } = &mut pair[k];
+            run(scene, method(text).as_mut(), plan, &mut NullSink).2
+        })
+    });
     let relative = |of: &dyn Fn(&Found) -> f64| (of(&found[1]) / of(&found[0]) - 1.0).abs();
     let (impulse, speed) = (relative(&|f| f.impulse), relative(&|f| f.speed));
     let [a, b] = &found;
-    println!(
+    let row = format!(
         "{what:<58} {:>8} {:>7} {:>8} {:>9} {:>7} {:>9.2} {:>8.2} {:>7.2} {:>9.1e} {:>9.1e} {:>9.1e}",
         a.work.steps,
         b.work.steps,
@@ -141,7 +109,7 @@ fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
         speed,
         b.residual
     );
-    json!({
+    let figures = json!({
         "what": what,
         "steps": [a.work.steps, b.work.steps],
         "steps_in_contact": [a.closed, b.closed],
@@ -151,36 +119,21 @@ fn compare(what: &str, plan: &TimePlan<'_>, mut pair: [Candidate; 2]) -> Value {
         "impulse_differs_rel": impulse,
         "speed_differs_rel": speed,
         "energy_residual_rel": [a.residual, b.residual],
-    })
+    });
+    (row, figures)
 }
 
 #[allow(clippy::print_stdout)]
 fn main() {
-    let mut words = std::env::args().skip(1);
-    let mut store = None;
-    while let Some(word) = words.next() {
-        if word == "--store" {
-            store = words.next();
-        }
-    }
-    let file = scene_file::load("hammer").unwrap_or_else(|e| panic!("{e:?}"));
-    println!(
-        "{:<58} {:>16} {:>8} {:>17} {:>18} {:>7} {:>9} {:>9} {:>9}",
-        "hammer: off and on",
-        "steps",
-        "closed",
-        "evaluations",
-        "wall [ms]",
-        "ratio",
-        "impulse",
-        "speed",
-        "energy"
-    );
+    let file = file("hammer");
+    let mut criterion = ratios(1.0);
     let mut rows = Vec::new();
-    let candidate = |label: &str, method: &str, vibration_cut_off: f64| Candidate {
-        scene: built(&file, label, vibration_cut_off),
+    let candidate = |label: &str, method: &str, cut_off: f64| Candidate {
+        scene: match cut_off {
+            0.0 => built(&file, label, &[]),
+            _ => built(&file, label, &[("vibration_cut_off", cut_off)]),
+        },
         method: method.to_owned(),
-        least: f64::INFINITY,
     };
     let (step, rtol) = (Resolution::Step, Resolution::Tolerance);
     let cases = [
@@ -205,7 +158,7 @@ fn main() {
             candidate(label, &format!("{method}(free_flight=1)"), 0.0),
         ];
         let what = format!("free_flight, {label}, {method}, {resolution:?}");
-        rows.push(compare(&what, &plan, pair));
+        rows.push(compare(&mut criterion, &what, &plan, pair));
     }
     for (label, method, resolution, vibration_cut_off) in [
         (
@@ -223,17 +176,24 @@ fn main() {
             candidate(label, method, vibration_cut_off),
         ];
         let what = format!("vibration_cut_off {vibration_cut_off:.0e}, {label}, {method}");
-        rows.push(compare(&what, &plan, pair));
+        rows.push(compare(&mut criterion, &what, &plan, pair));
     }
-    if let Some(file) = store {
-        let figures = json!({
-            "command": "cargo bench -p gearbench --bench adaptivity -- --store FILE",
-            "machine": gearbench::experiment::machine::machine(),
-            "date": gearbench::experiment::machine::now(),
-            "commit": gearbench::experiment::machine::COMMIT,
-            "rows": rows,
-        });
-        let text = format!("{figures:#}\n");
-        std::fs::write(&file, text).unwrap_or_else(|e| panic!("{file}: {e}"));
-    }
+    println!(
+        "{:<58} {:>16} {:>8} {:>17} {:>18} {:>7} {:>9} {:>9} {:>9}",
+        "hammer: off and on",
+        "steps",
+        "closed",
+        "evaluations",
+        "wall [ms]",
+        "ratio",
+        "impulse",
+        "speed",
+        "energy"
+    );
+    let (rows, figures): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
+    println!("{}", rows.join("\n"));
+    store(
+        "cargo bench --bench adaptivity -- --store FILE",
+        json!({ "rows": figures }),
+    );
 }

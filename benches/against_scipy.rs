@@ -2,18 +2,21 @@
 //!
 //! ```sh
 //! python3 benchmarks/scripts/scipy_floor.py scipy.csv     # some minutes; pip install numpy scipy
-//! cargo bench --bench against_scipy -- scipy.csv
+//! cargo bench --bench against_scipy -- $PWD/scipy.csv
 //! ```
 //!
 //! At each error level the cheapest run of either side counts, whatever its method and tolerance. Error: rms of
 //! the pinion's speed over its span, 5001 points, against the exact piecewise solution. Time: wall clock of the
-//! integration alone, median.
+//! integration alone, median. (Not by criterion: the hundreds of candidates are alternatives to choose from, no pairs, and
+//! SciPy's times are of another process.)
 
 mod support;
 
 use gearbench_integrators::{METHODS, Resolution, Stepping};
 use gearbench_models::scene::{Channel, OfGear};
-use support::{Problem, record, sweep, time};
+use support::problem::Problem;
+use support::scenes;
+use support::sweep::{record, sweep, time};
 
 struct Point {
     what: String,
@@ -55,12 +58,8 @@ fn gearbench(problem: Problem) -> Vec<Point> {
                 .sum::<f64>()
                 / speed.len() as f64;
             let (wall, _) = time(&mut scene, method.as_mut(), resolution, problem.end());
-            let value = match resolution {
-                Resolution::Step(h) => format!("h {h:.1e}"),
-                Resolution::Tolerance(r) => format!("rtol {r:.1e}"),
-            };
             points.push(Point {
-                what: format!("{} {value}", row.info.id),
+                what: format!("{} {}", row.info.id, scenes::resolution(resolution)),
                 error: mean.sqrt() / span,
                 wall,
             });

@@ -1,20 +1,15 @@
-//! Scenes of the benches and the exact solution of the two-gear problems.
-#![allow(dead_code)]
+//! The two-gear problems that `benchmarks/scripts/scipy_floor.py` solves too, and their exact solution.
 
-use gearbench::scene_file;
-use gearbench_integrators::observers::recorder::Recorder;
-use gearbench_integrators::{Integrator, NullSink, Resolution, StepError, TimePlan, Work};
 use gearbench_models::gear::table::MODELS;
 use gearbench_models::geometry::{Gear, GearParams, Pair, Side};
 use gearbench_models::law::Damping;
-use gearbench_models::scene::{Channel, Scene};
+use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, GearSpec, MeshSpec, ModelSpec, Modelling, Mount, Parameters, SceneSpec,
     Start,
 };
 use gearbench_models::stiffness::{Material, PairOrMesh, PairStiffness};
 use std::f64::consts::PI;
-use std::time::Instant;
 
 const MODULE: f64 = 5e-3;
 const WIDTH: f64 = 20e-3;
@@ -193,65 +188,4 @@ fn disc(r: f64) -> f64 {
 
 fn inertia(gear: &Gear) -> f64 {
     disc(gear.r_reference())
-}
-
-/// A model of the scene `spur_impact` with its calibration, as shipped.
-pub fn spur_impact(label: &str) -> (Scene, f64) {
-    let scene = scene_file::load("spur_impact").unwrap_or_else(|e| panic!("{e:?}"));
-    let choice = scene.model(label).unwrap();
-    (
-        Scene::build(&scene.spec_for(choice), &choice.modelling, MODELS).unwrap(),
-        scene.duration,
-    )
-}
-
-/// A channel of a recorded run on a grid.
-pub fn record(
-    scene: &mut Scene,
-    method: &mut dyn Integrator,
-    resolution: Resolution,
-    grid: &[f64],
-    channel: Channel,
-) -> Result<Vec<f64>, StepError> {
-    let index = scene.channel(channel).unwrap();
-    let mut recorder = Recorder::on(grid.to_vec());
-    let mut s = scene.initial();
-    let plan = TimePlan::new(*grid.last().unwrap(), resolution);
-    method.run(scene, &mut s, &plan, &mut recorder, &mut Work::default())?;
-    Ok(recorder.column(index))
-}
-
-/// Wall time of one integration [s] without output: median of at least seven, for at least 20 ms in all.
-pub fn time(
-    scene: &mut Scene,
-    method: &mut dyn Integrator,
-    resolution: Resolution,
-    end: f64,
-) -> (f64, Work) {
-    let plan = TimePlan::new(end, resolution);
-    let mut walls = Vec::new();
-    let mut work = Work::default();
-    let begin = Instant::now();
-    while walls.len() < 7 || begin.elapsed().as_secs_f64() < 0.02 {
-        let mut s = scene.initial();
-        work = Work::default();
-        let start = Instant::now();
-        let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut work);
-        walls.push(start.elapsed().as_secs_f64());
-    }
-    walls.sort_by(f64::total_cmp);
-    (walls[walls.len() / 2], work)
-}
-
-/// Resolutions over which a method is swept: tolerances, or steps that start at `coarsest` [s].
-pub fn sweep(adaptive: bool, coarsest: f64) -> Vec<Resolution> {
-    if adaptive {
-        (2..=20)
-            .map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i))))
-            .collect()
-    } else {
-        (0..12)
-            .map(|i| Resolution::Step(coarsest * 0.6f64.powi(i)))
-            .collect()
-    }
 }

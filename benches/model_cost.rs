@@ -1,14 +1,16 @@
 //! What movable teeth cost beside rigid gears, side by side in one run: `cargo bench --bench model_cost`.
 //!
-//! 1. The same method at the same step: wall time per run of `spur_impact`.
+//! 1. The same method at the same step, by turns: wall time per run of `spur_impact`.
 //! 2. At an own error of 1 % (relative L2 of the force history against the model's own converged solution): the
-//!    cheapest method and resolution of each model.
+//!    cheapest method and resolution of each model (a search among candidates: not by criterion).
 
 mod support;
 
-use gearbench_integrators::{METHODS, Resolution, Stepping};
+use gearbench_integrators::{METHODS, NullSink, Resolution, Stepping, TimePlan};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
-use support::{record, spur_impact, sweep, time};
+use support::ratio::{Ratios, by_turns, ratios};
+use support::scenes::{built, file, resolution as text, run};
+use support::sweep::{record, sweep, time};
 
 const OWN_ERROR: f64 = 0.01;
 
@@ -59,11 +61,7 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
             }
             let (wall, work) = time(scene, method.as_mut(), resolution, end);
             if best.as_ref().is_none_or(|b| wall < b.wall) {
-                let value = match resolution {
-                    Resolution::Step(h) => format!("h {h:.1e} s"),
-                    Resolution::Tolerance(r) => format!("rtol {r:.1e}"),
-                };
-                let what = format!("{}, {value}", row.info.id);
+                let what = format!("{}, {}", row.info.id, text(resolution));
                 best = Some(Best {
                     wall,
                     what,
@@ -76,10 +74,33 @@ fn best(scene: &mut Scene, end: f64) -> Option<Best> {
     best
 }
 
+/// Movable teeth beside rigid gears, method by method.
 #[allow(clippy::print_stdout)]
-fn main() {
-    let (mut rigid, end) = spur_impact("rigid");
-    let (mut teeth, _) = spur_impact("movable-teeth");
+fn same_step(criterion: &mut Ratios, rigid: &mut Scene, teeth: &mut Scene, end: f64) {
+    let plan = TimePlan::new(end, Resolution::Step(5e-7));
+    let mut lines = Vec::new();
+    for row in METHODS
+        .iter()
+        .filter(|m| m.info.stepping != Stepping::Adaptive && !m.info.linear_part)
+    {
+        let mut method = row.build();
+        let mut steps = 0;
+        let [b, a] = by_turns(criterion, "movable teeth / rigid", row.info.id, || {
+            [&mut *teeth, &mut *rigid].map(|scene| {
+                let (_, work, wall) = run(scene, method.as_mut(), &plan, &mut NullSink);
+                steps = work.steps;
+                wall
+            })
+        });
+        let per_step = |wall: f64| format!("{:.0} ns/step", 1e9 * wall / steps as f64);
+        lines.push(format!(
+            "{:<22} {:>12} {:>14} {:>7.2}",
+            row.info.id,
+            per_step(a),
+            per_step(b),
+            b / a
+        ));
+    }
     println!(
         "same method, same step (0.5 us), spur_impact, {:.0} us",
         end * 1e6
@@ -88,23 +109,15 @@ fn main() {
         "{:<22} {:>12} {:>14} {:>7}",
         "method", "rigid", "movable teeth", "ratio"
     );
-    for row in METHODS
-        .iter()
-        .filter(|m| m.info.stepping != Stepping::Adaptive && !m.info.linear_part)
-    {
-        let mut method = row.build();
-        let step = Resolution::Step(5e-7);
-        let (a, work) = time(&mut rigid, method.as_mut(), step, end);
-        let (b, _) = time(&mut teeth, method.as_mut(), step, end);
-        let per_step = |wall: f64| format!("{:.0} ns/step", 1e9 * wall / work.steps as f64);
-        println!(
-            "{:<22} {:>12} {:>14} {:>7.2}",
-            row.info.id,
-            per_step(a),
-            per_step(b),
-            b / a
-        );
-    }
+    println!("{}", lines.join("\n"));
+}
+
+#[allow(clippy::print_stdout)]
+fn main() {
+    let file = file("spur_impact");
+    let end = file.duration;
+    let [mut rigid, mut teeth] = ["rigid", "movable-teeth"].map(|label| built(&file, label, &[]));
+    same_step(&mut ratios(0.5), &mut rigid, &mut teeth, end);
     println!(
         "\nat an own error of {:.0} % of the force history, cheapest method of each",
         100.0 * OWN_ERROR

@@ -1,11 +1,13 @@
-//! What a product `y = K x` costs beside reading its bytes once: `cargo bench -p gearbench-reference --bench sparse_product`.
+//! What a product `y = K x` costs beside reading its bytes once: `cargo bench --bench sparse_product`.
 //!
 //! The bound is the time of one pass over an array of as many bytes as the matrix stores, in the same run:
-//! a sum (reads only). Times are medians of repeats; the pass and the product alternate, so that a neighbour on
-//! the machine slows both. Beside it: assembly, and the product with the mass.
+//! a sum (reads only), by turns with the product. Beside it: assembly, and the product with
+//! the mass.
 //!
 //! The product needs some 56 instructions per 3x3 block (36 of them arithmetic, two numbers at once where the
 //! compiler can): from the second-level cache these take longer than reading, from memory they hide behind it.
+
+mod support;
 
 use gearbench_models::Vec3;
 use gearbench_models::stiffness::Material;
@@ -13,7 +15,7 @@ use gearbench_reference::assembly::{Assembly, assemble};
 use gearbench_reference::deck::{gears, read};
 use gearbench_reference::mesh::{ElementKind, Mesh};
 use std::hint::black_box;
-use std::time::Instant;
+use support::ratio::{Ratios, by_turns, median, ratios, seconds};
 
 /// A box of `cells` eight-node elements of 1 mm.
 fn brick(cells: [u32; 3]) -> Mesh {
@@ -56,27 +58,15 @@ fn sum(x: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-fn seconds(mut work: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
-#[allow(clippy::print_stdout)]
-fn report(name: &str, mesh: &Mesh) {
+/// A row of the table.
+fn report(criterion: &mut Ratios, name: &str, mesh: &Mesh) -> String {
     let (mut times, mut last) = (Vec::new(), None);
     for _ in 0..5 {
         times.push(seconds(|| last = Some(assemble(mesh, &Material::STEEL))));
     }
     let assembling = median(times);
     let Some(Ok(a)) = last else {
-        println!("{name}: an element is turned inside out");
-        return;
+        return format!("{name}: an element is turned inside out");
     };
     let Assembly {
         stiffness, mass, ..
@@ -85,19 +75,14 @@ fn report(name: &str, mesh: &Mesh) {
     let x: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
     let mut y = vec![0.0; n];
     let stream = vec![1.0; stiffness.bytes() / 8];
-    let repeats = (4e9 / stiffness.bytes() as f64) as usize;
-    let [mut pass, mut product, mut of_mass] = [const { Vec::new() }; 3];
-    for _ in 0..repeats.clamp(15, 400) {
-        pass.push(seconds(|| {
-            black_box(sum(black_box(&stream)));
-        }));
-        product.push(seconds(|| {
-            stiffness.apply(black_box(&x), black_box(&mut y))
-        }));
-        of_mass.push(seconds(|| mass.apply(black_box(&x), black_box(&mut y))));
-    }
-    let (pass, product, of_mass) = (median(pass), median(product), median(of_mass));
-    println!(
+    let mut of_mass = f64::INFINITY;
+    let [product, pass] = by_turns(criterion, "product / pass", name, || {
+        let pass = seconds(|| sum(black_box(&stream)));
+        let product = seconds(|| stiffness.apply(black_box(&x), black_box(&mut y)));
+        of_mass = of_mass.min(seconds(|| mass.apply(black_box(&x), black_box(&mut y))));
+        [product, pass]
+    });
+    format!(
         "{name:<20} {:>7} {:>8.1} {:>10.1} {:>10.1} {:>10.1} {:>6.2} {:>7.1} {:>10.1} {:>10.1}",
         n,
         stiffness.bytes() as f64 / 1e6,
@@ -108,11 +93,39 @@ fn report(name: &str, mesh: &Mesh) {
         stiffness.bytes() as f64 / product / 1e9,
         1e9 * product / stiffness.entries().len() as f64,
         1e6 * of_mass,
-    );
+    )
 }
 
 #[allow(clippy::print_stdout)]
 fn main() {
+    let mut criterion = ratios(2.0);
+    let mut rows = Vec::new();
+    let deck = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../reference/calculix/case-a-fine/AF8_d05.inp.gz"
+    );
+    match read(deck).and_then(|deck| gears(&deck)) {
+        Ok(found) => {
+            for (i, gear) in found.iter().enumerate() {
+                rows.push(report(
+                    &mut criterion,
+                    &format!("case A fine, gear {}", i + 1),
+                    &gear.mesh.mesh,
+                ));
+            }
+        }
+        Err(error) => rows.push(error.to_string()),
+    }
+    rows.push(report(
+        &mut criterion,
+        "brick 30x30x22",
+        &brick([30, 30, 22]),
+    ));
+    rows.push(report(
+        &mut criterion,
+        "brick 60x50x40",
+        &brick([60, 50, 40]),
+    ));
     println!(
         "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10}",
         "mesh", "dof", "MB", "assemble", "pass", "K x", "ratio", "GB/s", "ns/block", "M x"
@@ -121,18 +134,5 @@ fn main() {
         "{:<20} {:>7} {:>8} {:>10} {:>10} {:>10} {:>6} {:>7} {:>10} {:>10}",
         "", "", "", "ms", "us", "us", "", "", "", "us"
     );
-    let deck = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/calculix/case-a-fine/AF8_d05.inp.gz"
-    );
-    match read(deck).and_then(|deck| gears(&deck)) {
-        Ok(found) => {
-            for (i, gear) in found.iter().enumerate() {
-                report(&format!("case A fine, gear {}", i + 1), &gear.mesh.mesh);
-            }
-        }
-        Err(error) => println!("{error}"),
-    }
-    report("brick 30x30x22", &brick([30, 30, 22]));
-    report("brick 60x50x40", &brick([60, 50, 40]));
+    println!("{}", rows.join("\n"));
 }

@@ -1,14 +1,15 @@
-//! What a step of the full-order model costs beside what bounds it: `cargo bench -p gearbench --bench full_order`.
+//! What a step of the full-order model costs beside what bounds it: `cargo bench --bench full_order`.
 //!
 //! Case A fine, both gears, one impact. An explicit step cannot cost less than the product of both stiffness
 //! matrices with a vector; an implicit one not less than two solves with both factors (the step without
-//! contact, and the answer to its forces). Products and solves are timed in the same run, before and after.
+//! contact, and the answer to its forces). Product or solve follows every step of the run, so that both see the same
+//! machine; the medians of a run are compared.
+
+mod support;
 
 use faer::sparse::SparseColMat;
-use gearbench::scene_file;
 use gearbench_integrators::system::SecondOrderSystem;
 use gearbench_integrators::{AcceptedStep, Control, Resolution, Sink, TimePlan, Work};
-use gearbench_models::scene::Scene;
 use gearbench_models::stiffness::Material;
 use gearbench_reference::assembly::tie::{HubMotion, MassKind, Reduced, Tie};
 use gearbench_reference::assembly::{Assembly, assemble};
@@ -16,24 +17,8 @@ use gearbench_reference::solve::Cholesky;
 use gearbench_reference::{deck, reference};
 use std::hint::black_box;
 use std::time::Instant;
-
-const REPEATS: usize = 30;
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
-}
-
-fn scene(label: &str) -> (Scene, f64) {
-    let file = scene_file::load("spur_impact").unwrap_or_else(|e| panic!("{e:?}"));
-    let choice = file.model(label).unwrap();
-    let built = Scene::build(
-        &file.spec_for(choice),
-        &choice.modelling,
-        gearbench::models::models(),
-    );
-    (built.unwrap(), file.duration)
-}
+use support::ratio::{Ratios, by_turns, median, ratios, seconds};
+use support::scenes::{built, file, method, run};
 
 /// `m + k` on the pattern of both (that of the stiffness holds the mass's).
 fn newton(r: &Reduced, k: f64) -> SparseColMat<usize, f64> {
@@ -51,40 +36,46 @@ fn newton(r: &Reduced, k: f64) -> SparseColMat<usize, f64> {
     sum
 }
 
-struct Run {
-    per_step: f64,
-    work: Work,
+/// Times of steps, and of the work that bounds them, by turns.
+struct Clock<'b> {
+    bound: &'b mut dyn FnMut(),
+    last: Instant,
+    steps: Vec<f64>,
+    bounds: Vec<f64>,
 }
 
-/// Notes when steps end: the median of their times is that of the solver, whatever else runs on the machine.
-struct Clock(Vec<Instant>);
-
-impl Sink for Clock {
+impl Sink for Clock<'_> {
     fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, _step: &AcceptedStep<'_>) -> Control {
-        self.0.push(Instant::now());
+        self.steps.push(self.last.elapsed().as_secs_f64());
+        self.bounds.push(seconds(&mut self.bound));
+        self.last = Instant::now();
         Control::Continue
     }
 }
 
-/// Integrates through the impact; the median time of a step.
-fn run(label: &str, method: &str, h: f64) -> (Run, usize) {
-    let (mut scene, end) = scene(label);
-    let mut method = gearbench_integrators::method(method).unwrap();
-    let mut state = scene.initial();
+/// Median times of a step and of its bound, the work of a run through the impact, and the number of coordinates.
+fn compare(
+    criterion: &mut Ratios,
+    label: &str,
+    text: &str,
+    h: f64,
+    bound: &mut dyn FnMut(),
+) -> ([f64; 2], Work, usize) {
+    let file = file("spur_impact");
+    let mut scene = built(&file, label, &[]);
+    let plan = TimePlan::new(file.duration, Resolution::Step(h));
     let mut work = Work::default();
-    let mut clock = Clock(vec![Instant::now()]);
-    method
-        .run(
-            &mut scene,
-            &mut state,
-            &TimePlan::new(end, Resolution::Step(h)),
-            &mut clock,
-            &mut work,
-        )
-        .unwrap();
-    let steps = clock.0.windows(2).map(|w| (w[1] - w[0]).as_secs_f64());
-    let per_step = median(steps.collect());
-    (Run { per_step, work }, scene.layout().n)
+    let times = by_turns(criterion, "step / bound", text, || {
+        let mut clock = Clock {
+            bound,
+            last: Instant::now(),
+            steps: vec![],
+            bounds: vec![],
+        };
+        work = run(&mut scene, method(text).as_mut(), &plan, &mut clock).1;
+        [median(clock.steps), median(clock.bounds)]
+    });
+    (times, work, scene.layout().n)
 }
 
 #[allow(clippy::print_stdout)]
@@ -113,54 +104,53 @@ fn main() {
         })
         .collect();
     let mut products = || {
-        let times = (0..REPEATS).map(|_| {
-            let begin = Instant::now();
-            for (a, (x, y)) in assemblies.iter().zip(&mut vectors) {
-                a.stiffness.apply(black_box(x), y);
-            }
-            begin.elapsed().as_secs_f64()
-        });
-        median(times.collect())
+        for (a, (x, y)) in assemblies.iter().zip(&mut vectors) {
+            a.stiffness.apply(black_box(x), y);
+        }
     };
     let mut factors = factors;
     let mut right: Vec<Vec<f64>> = factors.iter().map(|f| vec![1.0; f.unknowns()]).collect();
     let mut solves = || {
-        let times = (0..REPEATS).map(|_| {
-            let begin = Instant::now();
-            for (f, x) in factors.iter_mut().zip(&mut right) {
+        for (f, x) in factors.iter_mut().zip(&mut right) {
+            for _ in 0..2 {
                 x.fill(1.0);
                 f.solve(black_box(x));
             }
-            begin.elapsed().as_secs_f64()
-        });
-        median(times.collect())
+        }
     };
-
-    let before = products();
-    let (explicit, n) = run("fe-lumped", "velocity-verlet", 3e-8);
-    let product = 0.5 * (before + products());
-    let before = solves();
-    let (implicit, _) = run("fe", "hht-alpha(alpha=0.05)", h);
-    let solve = 0.5 * (before + solves());
-
+    let mut criterion = ratios(10.0);
+    let ([explicit, product], kicks, n) = compare(
+        &mut criterion,
+        "fe-lumped",
+        "velocity-verlet",
+        3e-8,
+        &mut products,
+    );
+    let ([implicit, solves], newton, _) = compare(
+        &mut criterion,
+        "fe",
+        "hht-alpha(alpha=0.05)",
+        h,
+        &mut solves,
+    );
     println!("full-order case A fine, {n} coordinates");
     println!(
         "explicit step (velocity Verlet)  {:8.1} us; product of both gears {:8.1} us; ratio {:.2}",
-        explicit.per_step * 1e6,
+        explicit * 1e6,
         product * 1e6,
-        explicit.per_step / product
+        explicit / product
     );
     println!(
         "implicit step (HHT-alpha)        {:8.1} us; two solves of both gears {:8.1} us; ratio {:.2}",
-        implicit.per_step * 1e6,
-        2.0 * solve * 1e6,
-        implicit.per_step / (2.0 * solve)
+        implicit * 1e6,
+        solves * 1e6,
+        implicit / solves
     );
     println!(
         "Newton iterations per implicit step {:.2}; whole impact: explicit {:.2} s, implicit {:.2} s; CalculiX took {:.0} s of processor time",
-        implicit.work.newton_iterations as f64 / implicit.work.steps as f64,
-        explicit.per_step * explicit.work.steps as f64,
-        implicit.per_step * implicit.work.steps as f64,
+        newton.newton_iterations as f64 / newton.steps as f64,
+        explicit * kicks.steps as f64,
+        implicit * newton.steps as f64,
         external.summary.cpu_s
     );
 }

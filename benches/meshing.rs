@@ -1,10 +1,10 @@
-//! Time and size of generated meshes: `cargo bench -p gearbench-reference --bench meshing`.
+//! Time and size of generated meshes: `cargo bench --bench meshing`.
 //!
-//! Prints nodes, elements, unknowns, the median time of one mesh and the bytes it holds.
+//! Criterion times them; nodes, elements, unknowns and the bytes that a mesh holds are printed beside.
 
+use criterion::Criterion;
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams};
 use gearbench_reference::mesh::{self, ElementKind, FineTeeth, GearMesh, GearMeshParams, Tooth};
-use std::time::Instant;
 
 fn bytes(m: &GearMesh) -> usize {
     let sets: usize = m.mesh.node_sets.values().map(|s| 4 * s.capacity()).sum();
@@ -22,22 +22,14 @@ fn bytes(m: &GearMesh) -> usize {
 }
 
 #[allow(clippy::print_stdout)]
-fn row(name: &str, make: impl Fn() -> GearMesh) {
-    let mut times: Vec<f64> = (0..9)
-        .map(|_| {
-            let start = Instant::now();
-            std::hint::black_box(make());
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
+fn row(criterion: &mut Criterion, name: &str, make: impl Fn() -> GearMesh) {
+    criterion.bench_function(name, |bencher| bencher.iter(&make));
     let m = make();
     println!(
-        "{name:<34} {:>8} {:>8} {:>9} {:>10.2} {:>11}",
+        "{name:<34} {:>8} nodes {:>8} elements {:>9} unknowns {:>11} bytes",
         m.mesh.nodes.len(),
         m.mesh.element_count(),
         3 * m.mesh.nodes.len(),
-        1e3 * times[times.len() / 2],
         bytes(&m)
     );
 }
@@ -55,10 +47,8 @@ fn main() {
         })
         .expect("a gear that can be cut")
     };
-    println!(
-        "{:<34} {:>8} {:>8} {:>9} {:>10} {:>11}",
-        "", "nodes", "elements", "unknowns", "median ms", "bytes"
-    );
+    let mut criterion = Criterion::default().sample_size(20);
+    let mut row = |name: &str, make: &dyn Fn() -> GearMesh| row(&mut criterion, name, make);
     let g = gear(24, 0.0);
     let p = GearMeshParams {
         width: 5,
@@ -70,15 +60,15 @@ fn main() {
         p
     };
     let made = |g: &Gear, p: &GearMeshParams| mesh::gear(g, p).expect("a sound mesh");
-    row("spur, z = 24, C3D8I", || made(&g, &p));
+    row("spur, z = 24, C3D8I", &|| made(&g, &p));
     let wide = with(&|p| p.width = 6);
-    row("the same, 6 layers over the width", || made(&g, &wide));
+    row("the same, 6 layers over the width", &|| made(&g, &wide));
     let helical = gear(24, 0.35);
-    row("helical, 20 degrees, 6 layers", || made(&helical, &wide));
+    row("helical, 20 degrees, 6 layers", &|| made(&helical, &wide));
     let quadratic = with(&|p| (p.kind, p.width) = (ElementKind::C3D20R, 2));
-    row("spur, C3D20R, 2 layers", || made(&g, &quadratic));
+    row("spur, C3D20R, 2 layers", &|| made(&g, &quadratic));
     let sector = with(&|p| p.sector = true);
-    row("one sector, C3D8I", || made(&g, &sector));
+    row("one sector, C3D8I", &|| made(&g, &sector));
     let fine = with(&|p| {
         p.tooth.flank = 20;
         p.fine_teeth = Some(FineTeeth {
@@ -86,7 +76,7 @@ fn main() {
             others: Tooth::coarse(),
         });
     });
-    row("3 fine teeth, others coarse", || made(&g, &fine));
+    row("3 fine teeth, others coarse", &|| made(&g, &fine));
     let large = gear(120, 0.0);
     let huge = with(&|p| {
         p.tooth = Tooth {
@@ -97,7 +87,7 @@ fn main() {
         };
         (p.layers, p.rim, p.width) = (4, 8, 10);
     });
-    row("spur, z = 120, twice as fine", || made(&large, &huge));
+    row("spur, z = 120, twice as fine", &|| made(&large, &huge));
     let rack = Rack::new(RackParams {
         teeth: 20,
         module: 4e-3,
@@ -105,7 +95,7 @@ fn main() {
         ..RackParams::default()
     })
     .expect("a rack that can be cut");
-    row("rack, 20 teeth, C3D8I", || {
+    row("rack, 20 teeth, C3D8I", &|| {
         mesh::rack(&rack, &GearMeshParams::default()).expect("a sound mesh")
     });
 }

@@ -1,0 +1,99 @@
+//! Ratios of two wall times within one run.
+//!
+//! Criterion measures one function after the other, so that a neighbour on the machine slows one side of a ratio and
+//! spares the other. Here the ratio itself is the measurement ([`Ratio`]): criterion warms up, decides how many turns a
+//! sample has, tells the spread and the change since the last run; within a sample the sides take turns, and the least
+//! times of both are divided, as noise only ever adds.
+
+use criterion::measurement::{Measurement, ValueFormatter};
+use criterion::{Criterion, SamplingMode, Throughput};
+use std::time::{Duration, Instant};
+
+/// Criterion with the ratio of two times in place of a time.
+pub type Ratios = Criterion<Ratio>;
+
+/// A measurement whose value is a ratio.
+pub struct Ratio;
+
+impl Measurement for Ratio {
+    type Intermediate = ();
+    type Value = f64;
+
+    fn start(&self) {}
+    /// No ratio comes of one time: benches hand theirs over ([`by_turns`]).
+    fn end(&self, (): ()) -> f64 {
+        f64::NAN
+    }
+    fn add(&self, a: &f64, b: &f64) -> f64 {
+        a + b
+    }
+    fn zero(&self) -> f64 {
+        0.0
+    }
+    fn to_f64(&self, value: &f64) -> f64 {
+        *value
+    }
+    fn formatter(&self) -> &dyn ValueFormatter {
+        self
+    }
+}
+
+impl ValueFormatter for Ratio {
+    fn scale_values(&self, _typical: f64, _values: &mut [f64]) -> &'static str {
+        "x"
+    }
+    fn scale_throughputs(&self, _: f64, _: &Throughput, _: &mut [f64]) -> &'static str {
+        "x"
+    }
+    fn scale_for_machines(&self, _values: &mut [f64]) -> &'static str {
+        "x"
+    }
+}
+
+/// Criterion for ratios: ten samples, together as long as given where a turn is short.
+pub fn ratios(seconds: f64) -> Ratios {
+    Criterion::default()
+        .with_measurement(Ratio)
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(100))
+        .measurement_time(Duration::from_secs_f64(seconds))
+}
+
+/// Wall time of some work [s].
+pub fn seconds<T>(work: impl FnOnce() -> T) -> f64 {
+    let begin = Instant::now();
+    std::hint::black_box(work());
+    begin.elapsed().as_secs_f64()
+}
+
+/// The least times [s] of two sides, of which a turn gives both times; criterion tells their ratio `[0] / [1]`.
+pub fn by_turns(
+    criterion: &mut Ratios,
+    group: &str,
+    id: &str,
+    mut turn: impl FnMut() -> [f64; 2],
+) -> [f64; 2] {
+    let mut least = [f64::INFINITY; 2];
+    let mut group = criterion.benchmark_group(group);
+    group.sampling_mode(SamplingMode::Flat);
+    group.bench_function(id, |bencher| {
+        bencher.iter_custom(|turns| {
+            let mut sample = [f64::INFINITY; 2];
+            for _ in 0..turns {
+                let times = turn();
+                sample = [0, 1].map(|k| sample[k].min(times[k]));
+            }
+            least = [0, 1].map(|k| least[k].min(sample[k]));
+            // Criterion divides by the number of turns.
+            turns as f64 * sample[0] / sample[1]
+        });
+    });
+    group.finish();
+    least
+}
+
+/// The median of some times.
+pub fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}

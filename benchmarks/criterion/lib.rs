@@ -1,1 +1,0 @@
-//! Criterion benches of gearbench; see `benches/`.
