@@ -34,7 +34,7 @@ fn all_load_and_are_described() {
 fn all_scenes_of_the_repository_are_read() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut read = 0;
-    for folder in ["examples", "benches/support", "../tests/fingerprint"] {
+    for folder in ["examples", "../benches/support", "../tests/fingerprint"] {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             let text = match path.extension() {
