@@ -8,6 +8,7 @@
 //! | `any` | what follows for any gear from what it hands out |
 //! | [`parameters`] | parameters of models as structs that the models own |
 //! | [`properties`] | properties of a model that studies ask for before a gear is built |
+//! | `row` | a row of the table: what a model declares and is built from |
 //! | [`table`] | the table of gear models: a new model is one line there |
 //! | [`rigid`], [`movable_teeth`], [`elastic`] | the models of this crate |
 
@@ -22,6 +23,7 @@ pub mod movable_teeth;
 pub mod parameters;
 pub mod properties;
 pub mod rigid;
+mod row;
 pub mod table;
 
 pub use any::{add_response, condense_by, condensed, respond_by, work_on_hub};

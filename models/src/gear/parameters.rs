@@ -1,6 +1,6 @@
 //! Parameters of gear models: each model owns a struct of its own; scenes and tables carry them by key.
 
-use super::table::ParameterInfo;
+use super::row::ParameterInfo;
 use crate::error::BuildError;
 use crate::spec::{ModelSpec, Modelling, Parameters, Value};
 use serde::de::{DeserializeOwned, Visitor};

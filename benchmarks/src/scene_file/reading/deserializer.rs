@@ -208,9 +208,10 @@ impl<'d> Deserializer<'d> for Node<'d> {
         match self.value {
             DeValue::Array(members) if members.len() != len => self.refuse(
                 format!(
-                    "`{}` has {} members, expected {len}",
+                    "`{}` has {} member{}, expected {len}",
                     self.key,
-                    members.len()
+                    members.len(),
+                    if members.len() == 1 { "" } else { "s" }
                 ),
                 format!("expected {len}"),
                 self.help(),

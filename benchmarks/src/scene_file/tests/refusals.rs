@@ -124,9 +124,9 @@ const FILE: &str = r##"
 2: name = "test" => name = "A test"
     lower-case
 22: gears = ["pinion", "wheel"] => gears = ["pinion"]
-    `gears` has 1 members, expected 2 | for example
+    `gears` has 1 member, expected 2 | for example
 10: teeth = 20 => teeth = 20\nposition_m = [1.0]
-    has 1 members, expected 2
+    has 1 member, expected 2
 # missing keys
 8: teeth = 20\n =>
     `teeth` is missing in [gears.pinion] | number of teeth

@@ -6,7 +6,7 @@ use crate::error::BuildError;
 use crate::gear::hub_body::HubBody;
 use crate::gear::model::GearModel;
 use crate::gear::parameters::{ModelParameters, number};
-use crate::gear::table::{GearContext, ParameterInfo};
+use crate::gear::row::{GearContext, ParameterInfo};
 use crate::spec::Body;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
