@@ -76,7 +76,7 @@ impl FlightPath {
         });
     }
 
-    /// The swing added last moves a coordinate with a weight.
+    /// The oscillator added last moves a coordinate with a weight.
     pub fn moves(&mut self, coordinate: usize, weight: f64) {
         self.terms.push((coordinate as u32, weight));
         if let Some(oscillator) = self.oscillators.last_mut() {

@@ -241,13 +241,7 @@ impl Scene {
             if self.meshes[m].slots == 0 {
                 continue;
             }
-            let mut found = std::mem::take(&mut self.work.candidates);
-            found.clear();
-            let mesh = &self.meshes[m];
-            let (a, b) = parties(&self.gears, mesh, s.at());
-            let discrete = &s.discrete[mesh.search_discrete()];
-            mesh.search
-                .candidates(a, b, discrete, Wanted::Listed, &mut found);
+            let found = self.take_candidates(s, m, Wanted::Listed);
             for c in &found {
                 if only.is_some_and(|x| x != (m, c.slot)) {
                     continue;
@@ -275,14 +269,8 @@ impl Scene {
             if self.meshes[m].slots == 0 {
                 continue;
             }
-            let mut found = std::mem::take(&mut self.work.candidates);
-            found.clear();
-            let mesh = &self.meshes[m];
-            let (a, b) = parties(&self.gears, mesh, s.at());
-            let discrete = &s.discrete[mesh.search_discrete()];
-            mesh.search
-                .candidates(a, b, discrete, Wanted::Touching(0.0), &mut found);
-            for slot in 0..mesh.slots {
+            let found = self.take_candidates(s, m, Wanted::Touching(0.0));
+            for slot in 0..self.meshes[m].slots {
                 let touching = found.iter().find(|c| c.slot == slot && c.gap < 0.0);
                 let at = self.meshes[m].slot(slot);
                 match touching {
@@ -310,18 +298,24 @@ impl Scene {
         }
     }
 
-    fn find(&mut self, s: &State, m: usize, slot: usize) -> Option<Candidate> {
-        let mesh = &self.meshes[m];
-        let (a, b) = parties(&self.gears, mesh, s.at());
+    /// The candidates of a mesh, in the buffer for them, which is put back after use.
+    fn take_candidates(&mut self, s: &State, m: usize, wanted: Wanted<'_>) -> Vec<Candidate> {
         let mut found = std::mem::take(&mut self.work.candidates);
         found.clear();
+        let mesh = &self.meshes[m];
+        let (a, b) = parties(&self.gears, mesh, s.at());
+        let discrete = &s.discrete[mesh.search_discrete()];
+        mesh.search.candidates(a, b, discrete, wanted, &mut found);
+        found
+    }
+
+    fn find(&mut self, s: &State, m: usize, slot: usize) -> Option<Candidate> {
         let wanted = if s.discrete[0] != 0.0 {
             Wanted::Listed
         } else {
             Wanted::Touching(f64::INFINITY)
         };
-        let discrete = &s.discrete[mesh.search_discrete()];
-        mesh.search.candidates(a, b, discrete, wanted, &mut found);
+        let found = self.take_candidates(s, m, wanted);
         let c = found.iter().find(|c| c.slot == slot).copied();
         self.work.candidates = found;
         c
