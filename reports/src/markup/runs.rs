@@ -68,6 +68,7 @@ fn metrics(view: &View<'_>) -> Markup {
             }
         };
         identified(&rows)
+            .percents("Force L1", 3, get(|m| m.force_l1))
             .percents("Force L2", 3, get(|m| m.force_l2))
             .percents("aligned", 3, get(|m| m.force_l2_aligned))
             .numbers("Shift", "s", 3, get(|m| m.time_shift_s))

@@ -1,11 +1,11 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, modes_and_step};
+use super::{Cloud, Cost, LEVELS, Precision, Shown, family, is_ours, modes_and_step};
 use crate::markup::table::Table;
 use crate::markup::{note, runs as common, section};
 use crate::numbers::{count, percent, quantity, short};
-use crate::record::{Run, Status};
+use crate::record::{Run, SELF, Status};
 use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
@@ -246,6 +246,7 @@ pub fn runs(view: &View<'_>) -> Markup {
         .text("Step", |(r, ..)| resolution(r))
         .text("Status", |(r, ..)| r.status.to_string());
     for id in study.references.iter().map(String::as_str).chain([SELF]) {
+        let metric = study.headline_against(id);
         let heading = match id {
             SELF => "Integration error".into(),
             id => format!("Error, {id}"),
@@ -262,8 +263,9 @@ pub fn runs(view: &View<'_>) -> Markup {
         .written("Force evals", "", |(r, ..)| count(r.force_evaluations))
         .written("Factoris.", "", |(r, ..)| count(r.factorisations));
     let remark = format!(
-        "Errors: {}. precision.csv has every metric and the spread of the times.",
-        metric.words()
+        "Errors: {}; of the integration, {}. precision.csv has every metric and the spread of the times.",
+        metric.words(),
+        study.headline_against(SELF).words()
     );
     html! {
         (section("All runs", html! { (table) (note(remark)) }))

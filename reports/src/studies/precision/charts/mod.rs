@@ -12,13 +12,14 @@ use crate::drawing::labels::point_label;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::style::{Look, cross, marker};
 use crate::metrics::Metric;
+
 use crate::numbers::count;
-use crate::record::{Run, Status};
+use crate::record::{Run, SELF, Status};
 use crate::studies::precision::pareto::Point;
 use crate::studies::precision::{
-    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, modes_and_step,
+    Cloud, Cost, LEVELS, Precision, Shown, Standing, id_of, is_ours, modes_and_step,
 };
-use crate::view::{View, capital};
+use crate::view::{View, capital, metric_against};
 use families::families;
 use integration::integration;
 use marks::{Marks, legend, legend_height};
@@ -130,6 +131,7 @@ fn scatter(
     (against, metric, cost): (&str, Metric, Cost),
     file: String,
 ) -> Result<Option<Chart>, DrawError> {
+    let metric = metric_against(view.results, against, metric);
     let cloud = study.cloud(against, metric, cost);
     let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), cost) else {
         return Ok(None);
