@@ -2,6 +2,8 @@
 //! studies and tools.
 
 pub(crate) mod arguments;
+pub mod progress;
+pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
@@ -42,7 +44,9 @@ Exit codes:
   0  done
   1  a result fell short of what was asked
   2  bad input: file, line, what was expected, a way out
-  3  a run failed to finish";
+  3  a run failed to finish
+
+  130  interrupted: what was finished is reported, the same command goes on";
 
 /// Which gear-contact model and which integrator is just good enough for a scene, and what does it cost?
 ///

@@ -1,21 +1,16 @@
 //! What commands share: files of a study, lines on the terminal, refusals and exit codes.
 //!
 //! Exit codes: 0 done, 1 a result fell short (kept for regression checks), 2 bad input, 3 a run failed to
-//! finish. Nothing is written when the input is refused.
+//! finish, 130 interrupted. Nothing is written when the input is refused.
 
-use crate::experiment::conditions::Progress;
 use crate::experiment::error::StudyError;
 use crate::experiment::run::RunError;
 use crate::scene_file::{SceneError, SceneFile};
 use gearbench_reference::ExternalReference;
 use gearbench_reference::statics::StaticsError;
 use gearbench_reports::record::Results;
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::Report;
-use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// A result fell short of what was asked.
 pub const FELL_SHORT: u8 = 1;
@@ -23,6 +18,8 @@ pub const FELL_SHORT: u8 = 1;
 pub const BAD_INPUT: u8 = 2;
 /// A run failed to finish.
 pub const FAILED_RUN: u8 = 3;
+/// Interrupted; what was finished is reported.
+pub const INTERRUPTED: u8 = 130;
 
 /// Why a command ended without doing its work.
 #[derive(Debug)]
@@ -33,6 +30,8 @@ pub enum Refusal {
     Files(String),
     /// Something that was asked for could not be computed.
     Failed(String),
+    /// The user ended it before there was anything to report.
+    Interrupted,
 }
 
 impl From<SceneError> for Refusal {
@@ -57,6 +56,12 @@ pub fn end(result: Result<ExitCode, Refusal>) -> ExitCode {
             say_error(&format!("error: {message}"));
             ExitCode::from(FAILED_RUN)
         }
+        Err(Refusal::Interrupted) => {
+            say_error(
+                "interrupted before there was anything to report; the same command goes on with what is finished",
+            );
+            ExitCode::from(INTERRUPTED)
+        }
     }
 }
 
@@ -74,27 +79,6 @@ pub fn told(program: &str) -> String {
     };
     let arguments: Vec<String> = std::env::args().skip(1).map(quote).collect();
     format!("{program} {}", arguments.join(" "))
-}
-
-/// The folder of a study.
-pub fn folder(out: Option<&Path>, scene: &str, study: &str) -> PathBuf {
-    out.map_or_else(|| Path::new("out").join(scene).join(study), Path::to_owned)
-}
-
-/// Writes the folder of a study, prints its summary and where everything lies.
-pub fn write(
-    results: &Results,
-    (out, scene): (Option<&Path>, &str),
-    summarise: impl FnOnce(&Results),
-) -> Result<(), Refusal> {
-    let dir = folder(out, scene, results.study().as_str());
-    let page = gearbench_reports::write_results(&dir, results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(results);
-    say(&format!("record: {}", dir.join("results.json").display()));
-    let absolute = page.canonicalize().unwrap_or(page);
-    say(&format!("report: {}", absolute.display()));
-    Ok(())
 }
 
 /// Exit code of a study whose runs are to finish.
@@ -116,6 +100,9 @@ pub fn refuse_run(e: RunError) -> Refusal {
         )),
         e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
         RunError::Reference(e) => Refusal::Failed(e),
+        RunError::Refused(_) => Refusal::Failed(e.to_string()),
+        RunError::Interrupted => Refusal::Interrupted,
+        RunError::Journal(e) => Refusal::Files(e.to_string()),
     }
 }
 
@@ -125,34 +112,10 @@ pub fn say(text: &str) {
     println!("{text}");
 }
 
+/// A line on standard error.
 #[allow(clippy::print_stderr)]
-fn say_error(text: &str) {
+pub fn say_error(text: &str) {
     eprintln!("{text}");
-}
-
-/// A progress bar on a terminal, nothing otherwise.
-pub fn progress_bar(length: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(length as u64);
-    let style = ProgressStyle::with_template("{bar:30} {pos:>3}/{len} {elapsed:>4}  {wide_msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.set_style(style);
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
-}
-
-/// Does a study under a progress bar.
-pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) -> T {
-    let bar = progress_bar(length);
-    let done = study(&|done, total, what| {
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    done
 }
 
 /// The stored reference of a scene.

@@ -3,7 +3,11 @@
 use super::arguments::Identify;
 use super::summary::summarise;
 use super::{Identification, IdentifyError, identify};
-use crate::cli::terminal::{Refusal, progress_bar, say};
+use crate::cli::progress::Display;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, say};
+use crate::experiment::conditions::silent;
+use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::models::models;
 use crate::scene_file::calibration::Constants;
@@ -47,23 +51,29 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
             scene.name
         )));
     }
+    let mut folder = StudyFolder::open(&args.output, &scene.name, "identify")?;
+    let runner = folder.runner(&silent);
     let mut found: Vec<(String, Identification)> = Vec::new();
     for choice in fitted {
-        let bar = progress_bar(0);
+        let display = Display::new(0);
         let result = identify(
             &scene.spec_for(choice),
             &choice.modelling,
             models(),
             (time, force),
+            &runner,
             |n, error| {
-                bar.set_message(format!(
+                display.message(&format!(
                     "{}: {n} integrations, force error {:.3} %",
                     choice.label,
                     100.0 * error
                 ));
             },
         );
-        bar.finish_and_clear();
+        drop(display);
+        if interruption::requested() {
+            return Err(Refusal::Interrupted);
+        }
         let result = result.map_err(|e| match e {
             IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
             IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
@@ -72,6 +82,7 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
         summarise(&choice.label, id, &result);
         found.push((choice.label.clone(), result));
     }
+    folder.close();
     if args.write {
         write(&scene, &found, command)?;
     } else {

@@ -3,10 +3,12 @@
 use super::arguments::Precision;
 use super::summary::summarise;
 use super::{Plan, study};
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
+use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -45,13 +47,9 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
         },
         ..plan
     };
-    let results =
-        with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
-
-    write(
-        &results,
-        (args.output.out.as_deref(), &scene.name),
-        summarise,
-    )?;
-    Ok(ExitCode::SUCCESS)
+    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Precision.as_str())?;
+    let made = folder.run(plan.len(), |runner| study(&plan, runner));
+    folder.write(made.map_err(refuse_run)?, summarise)?;
+    // Resolutions that fail are what the study is about.
+    Ok(folder.close())
 }
