@@ -15,7 +15,9 @@ mod validate;
 use arguments::{Cli, Command};
 use campaign::{Plan, check};
 use clap::Parser;
-use gearbench::cli::terminal::{self, FELL_SHORT, Refusal, progress_bar, say, write};
+use gearbench::cli::answer::Answer;
+use gearbench::cli::exit::Exit;
+use gearbench::cli::terminal::{self, Refusal, progress_bar, put, say, write};
 use gearbench::experiment::machine;
 use gearbench_reference::reduction::cache::{self, Cache};
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
@@ -31,10 +33,12 @@ const ASKED: (f64, f64) = (0.95, 2.0);
 
 fn main() -> ExitCode {
     cache::choose(Cache::standard());
-    terminal::end(match Cli::parse().command {
+    let told = terminal::told("gearbench-validation");
+    let done = match Cli::parse().command {
         Command::Sample { scene } => print(&scene.0, scene.1),
-        Command::Run(args) => validate(&args, &terminal::told("gearbench-validation")),
-    })
+        Command::Run(args) => validate(&args, &told),
+    };
+    terminal::end(&told, done)
 }
 
 fn refuse_sample(e: SampleError) -> Refusal {
@@ -56,15 +60,15 @@ fn refuse(e: ValidationError) -> Refusal {
 }
 
 /// Prints a random scene as a scene file.
-fn print(set: &str, number: usize) -> Result<ExitCode, Refusal> {
+fn print(set: &str, number: usize) -> Result<Answer, Refusal> {
     let set = sampling::set(set).map_err(refuse_sample)?;
     let sample = sampling::sample(&set, number).map_err(refuse_sample)?;
-    say(sample.text.trim_end());
-    Ok(ExitCode::SUCCESS)
+    put(sample.text.trim_end());
+    Ok(Answer::done())
 }
 
 /// Validates choices on a set of random scenes and writes the folder.
-fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
+fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
     set.full_order = args.full_order.unwrap_or(set.full_order);
@@ -119,23 +123,23 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
         ],
         ..Results::default()
     };
-    write(&results, (Some(&out), name), summarise)?;
+    let answer = write(&results, (Some(&out), name), summarise)?;
     let path: PathBuf = out.join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     say(&format!("candidates: {}", path.display()));
-    Ok(exit_code(&results))
+    Ok(answer.ending(exit(&results)))
 }
 
-fn exit_code(results: &Results) -> ExitCode {
+fn exit(results: &Results) -> Exit {
     let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
     let s = share("all", &all);
     let met = s.met as f64 >= ASKED.0 * s.scenes as f64;
     let cheap = s.cost_ratio[1].is_none_or(|r| r <= ASKED.1);
     if met && cheap {
-        ExitCode::SUCCESS
+        Exit::Done
     } else {
-        ExitCode::from(FELL_SHORT)
+        Exit::FellShort
     }
 }
 

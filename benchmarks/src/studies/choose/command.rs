@@ -7,13 +7,14 @@ use super::requirement::Requirement;
 use super::run::{Choice, ChooseError, choose};
 use super::summary::summarise;
 use super::{chosen, record};
-use crate::cli::terminal::{FELL_SHORT, Refusal, folder, progress_bar, refuse_run, say, write};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::terminal::{Refusal, absolute, folder, progress_bar, refuse_run, say, write};
 use crate::scene_file;
 use gearbench_reports::Study;
-use std::process::ExitCode;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
     let problem = Problem::of(&scene);
@@ -38,14 +39,15 @@ pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
         let text = chosen::text(&scene, candidate, &remarks)?;
         std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
     }
-    write(&results, (out, &scene.name), |_| {
+    let answer = write(&results, (out, &scene.name), |_| {
         summarise(&choice, &requirement);
     })?;
     if choice.candidate.is_some() {
-        say(&format!("scene:  {}", dir.join("chosen.toml").display()));
-        Ok(ExitCode::SUCCESS)
+        let path = absolute(dir.join("chosen.toml"));
+        say(&format!("scene:  {}", path.display()));
+        Ok(answer.with("scene", path))
     } else {
-        Ok(ExitCode::from(FELL_SHORT))
+        Ok(answer.ending(Exit::FellShort))
     }
 }
 

@@ -3,18 +3,17 @@
 use super::arguments::Compare;
 use super::summary::summarise;
 use super::{Plan, compare};
-use crate::cli::terminal::{
-    Refusal, exit_code, refuse_run, stored_reference, with_progress, write,
-};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
 use gearbench_integrators::Scheme;
-use std::process::ExitCode;
 
 /// Runs the comparison and writes its folder.
-pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let reference = stored_reference(&scene)?;
@@ -41,6 +40,6 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     let results =
         with_progress(plan.len(), |progress| compare(&plan, progress)).map_err(refuse_run)?;
 
-    write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
-    Ok(exit_code(&results))
+    let answer = write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
+    Ok(answer.ending(Exit::of_every_run(&results)))
 }

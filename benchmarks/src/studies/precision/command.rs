@@ -3,19 +3,20 @@
 use super::arguments::Precision;
 use super::summary::summarise;
 use super::{Plan, study};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
 use gearbench_reports::numbers::short;
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// Short runs are timed until their repeats together take this long.
 const TIMED: Duration = Duration::from_millis(25);
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
     let refused = |reason: String| {
         Refusal::from(SceneError::plain(
             reason,
@@ -48,10 +49,10 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     let results =
         with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
 
-    write(
+    let answer = write(
         &results,
         (args.output.out.as_deref(), &scene.name),
         summarise,
     )?;
-    Ok(ExitCode::SUCCESS)
+    Ok(answer.ending(Exit::of_any_run(&results)))
 }

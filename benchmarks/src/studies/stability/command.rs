@@ -8,6 +8,7 @@ use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::run::{Means, Timings, study};
 use super::setup::{AxisError, Setup};
 use super::summary::summarise;
+use crate::cli::answer::Answer;
 use crate::cli::terminal::{Refusal, folder, refuse_run, refuse_study, say, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
@@ -28,7 +29,6 @@ use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
 const USUAL: [MethodSpec; 6] = [
@@ -49,7 +49,7 @@ const SAMPLES: usize = 500;
 const TIMINGS: &str = "timings.csv";
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
     let out = args.run.out();
@@ -73,9 +73,9 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
         study(&plan, means)
     });
     let (results, timings) = made.map_err(|e| refuse_study(&scene, e))?;
-    write(&results, (out, &scene.name), summarise)?;
+    let answer = write(&results, (out, &scene.name), summarise)?;
     write_timings(&folder, &timings)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(answer)
 }
 
 fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {

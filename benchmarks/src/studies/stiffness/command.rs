@@ -5,7 +5,8 @@ use super::csv::summary_csv;
 use super::plan::{Entry, formulas, includes};
 use super::run::{Row, solve};
 use super::summary::summarise;
-use crate::cli::terminal::{Refusal, folder, progress_bar, refuse_study, say};
+use crate::cli::answer::Answer;
+use crate::cli::terminal::{Refusal, absolute, folder, progress_bar, refuse_study, say};
 use crate::experiment::error::StudyError;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
@@ -13,10 +14,9 @@ use gearbench_models::spec::effective_radius;
 use gearbench_reference::statics::Load;
 use gearbench_reports::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
-pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let mut entries: Vec<Entry> = choices
@@ -66,8 +66,10 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
     let dir = folder(args.output.out.as_deref(), &scene.name, "stiffness");
     summarise(&scene.name, &load_text, &rows);
     write(&dir, &rows, &load_text)?;
+    let dir = absolute(dir);
     say(&format!("written: {}", dir.display()));
-    Ok(ExitCode::SUCCESS)
+    let table: Vec<_> = rows.iter().map(Row::told).collect();
+    Ok(Answer::done().with("folder", dir).with("rows", table))
 }
 
 /// The force along the line of action that the command line asks for.

@@ -4,15 +4,16 @@ use super::arguments::Truncation;
 use super::plan::{Plan, sides};
 use super::run::study;
 use super::summary::summarise;
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::external::external;
 use crate::experiment::settings::settings;
 use crate::scene_file;
-use std::process::ExitCode;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let (elastic, full) = sides(&scene, args)?;
     let reference = stored_reference(&scene)?;
@@ -30,6 +31,6 @@ pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
     };
     let results = with_progress(1, |progress| study(&plan, progress)).map_err(refuse_run)?;
 
-    write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
-    Ok(ExitCode::SUCCESS)
+    let answer = write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
+    Ok(answer.ending(Exit::of_any_run(&results)))
 }
