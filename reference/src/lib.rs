@@ -39,7 +39,7 @@ mod vector;
 
 pub use mesh_source::MeshParameters;
 pub use refusal::Refused;
-pub use stored::{ExternalReference, REFERENCES, reference};
+pub use stored::{ExternalReference, REFERENCES, StoredReference, reference};
 
 use gearbench_models::gear::table::Model;
 

@@ -1,17 +1,13 @@
-//! A set of scenes, gone through by several threads, with a journal: one line per scene as soon as it is validated, so that
-//! a check that was stopped goes on where it ended.
+//! A set of scenes, gone through by several threads: each is a piece of work that is kept as soon as it is validated, so
+//! that a check that was stopped goes on where it ended.
 
 use crate::sampling::{Set, full_order, sample};
 use crate::validate::{ValidationError, validate};
-use gearbench::experiment::conditions::silent;
-use gearbench::experiment::journal::{JOURNAL, Journal};
 use gearbench::experiment::key::Key;
-use gearbench::experiment::machine::COMMIT;
 use gearbench::experiment::parallel::{in_parallel, lock};
 use gearbench::experiment::runner::Runner;
 use gearbench_reports::choice_check::ValidatedChoice;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 /// What to check.
@@ -21,8 +17,6 @@ pub struct Plan {
     pub scenes: [usize; 2],
     /// Scenes that are validated at the same time.
     pub threads: usize,
-    pub folder: PathBuf,
-    pub fresh: bool,
 }
 
 impl Plan {
@@ -42,18 +36,17 @@ impl Plan {
 /// are rows.
 pub fn check(
     plan: &Plan,
+    runner: &Runner<'_>,
     progress: impl Fn(&ValidatedChoice, usize) + Sync,
 ) -> Result<Vec<ValidatedChoice>, ValidationError> {
     let [first, last] = plan.scenes;
     let full = full_order(&plan.set)?;
-    // A version with changes is not told by its commit.
-    let fresh = plan.fresh || COMMIT.ends_with('+');
-    let runner = Runner::new(Journal::open(&plan.folder.join(JOURNAL), fresh)?, &silent);
     let all: Vec<usize> = (first..=last).collect();
     let rows = Mutex::new(BTreeMap::new());
     in_parallel(plan.threads, &all, |number| {
         let row: ValidatedChoice = runner.piece(plan.key(*number), || {
-            validate(&sample(&plan.set, *number)?, full.contains(number))
+            let scene = sample(&plan.set, *number)?;
+            Ok::<_, ValidationError>(validate(&scene, full.contains(number)))
         })?;
         let mut rows = lock(&rows);
         progress(&row, rows.len() + 1);

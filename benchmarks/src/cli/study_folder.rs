@@ -1,17 +1,19 @@
 //! The folder of a study: tried before the first run, with the journal of what is finished, and at the end the record.
 
+use super::answer::Answer;
 use super::arguments::Output;
+use super::exit::Exit;
 use super::progress::with_progress;
-use super::terminal::{FAILED_RUN, INTERRUPTED, Refusal, say};
+use super::terminal::{Refusal, absolute, say};
 use crate::experiment::conditions::Progress;
 use crate::experiment::interruption;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError};
 use crate::experiment::runner::Runner;
 use gearbench_reference::limits;
+use gearbench_reports::RECORD;
 use gearbench_reports::record::{Results, Status};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// The setting that says that a study is not complete.
 const INTERRUPTED_STUDY: &str = "interrupted";
@@ -76,24 +78,26 @@ impl StudyFolder {
         Runner::new(journal, progress)
     }
 
-    /// Writes the record with its report, prints its summary and where everything lies. Runs that an interruption kept
-    /// from being made are left out, and the journal stays for the next start.
+    /// Writes the record with its report, prints its summary and where everything lies, and answers with it. Runs that an
+    /// interruption kept from being made are left out, and the journal stays for the next start.
     ///
     /// # Errors
     /// [`Refusal::Files`] when a file cannot be written, [`Refusal::Interrupted`] when there is nothing to report.
-    pub fn write(
+    pub fn finish(
         &self,
         mut results: Results,
+        exit: impl FnOnce(&Results) -> Exit,
         summarise: impl FnOnce(&Results),
-    ) -> Result<Results, Refusal> {
-        if interruption::requested() {
+    ) -> Result<Answer, Refusal> {
+        let stopped = interruption::requested();
+        if stopped {
             let planned = results.runs.len();
             (results.runs).retain(|r| r.status != Status::Interrupted);
-            if results.runs.is_empty() && results.maps().is_empty() {
+            let (made, maps) = (results.runs.len(), results.maps().len());
+            if made + maps == 0 {
                 return Err(Refusal::Interrupted);
             }
-            let made = results.runs.len();
-            let what = if results.maps().is_empty() {
+            let what = if maps == 0 {
                 format!("{made} of {planned} runs were made; the same command goes on")
             } else {
                 "cells that were not made say so; the same command goes on".into()
@@ -103,35 +107,27 @@ impl StudyFolder {
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
         summarise(&results);
-        if let Some((_, what)) = (results.settings.last()).filter(|(w, _)| w == INTERRUPTED_STUDY) {
+        if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
             say(&format!("interrupted: {what}"));
         }
-        say(&format!(
-            "record: {}",
-            self.path.join("results.json").display()
-        ));
+        let [record, page] = [self.path.join(RECORD), page].map(absolute);
+        say(&format!("record: {}", record.display()));
         say(&format!("report: {}", page.display()));
-        Ok(results)
+        self.close();
+        let answer = (Answer::of(&results).with("record", &record)).with("report", &page);
+        Ok(answer.ending(if stopped {
+            Exit::Interrupted
+        } else {
+            exit(&results)
+        }))
     }
 
     /// The end of a study: its journal has served, unless it was interrupted.
-    pub fn close(self) -> ExitCode {
-        if interruption::requested() {
-            return ExitCode::from(INTERRUPTED);
+    pub fn close(&self) {
+        if !interruption::requested() {
+            // A journal that cannot be removed is taken up by the next start, with the same results.
+            let _ = std::fs::remove_file(self.path.join(JOURNAL));
         }
-        // A journal that cannot be removed is taken up by the next start, with the same results.
-        let _ = std::fs::remove_file(self.path.join(JOURNAL));
-        ExitCode::SUCCESS
-    }
-
-    /// The end of a study whose runs are to finish.
-    pub fn close_after(self, results: &Results) -> ExitCode {
-        let failed = results.runs.iter().any(|r| r.status.is_failure());
-        if failed && !interruption::requested() {
-            self.close();
-            return ExitCode::from(FAILED_RUN);
-        }
-        self.close()
     }
 }
 

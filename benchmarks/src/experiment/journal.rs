@@ -34,12 +34,21 @@ impl Header {
         Header {
             journal: VERSION,
             program: format!(
-                "gearbench {} {}",
+                "gearbench {} {}{}",
                 env!("CARGO_PKG_VERSION"),
-                machine::COMMIT
+                machine::COMMIT,
+                build()
             ),
         }
     }
+}
+
+/// What tells builds of a tree with changes apart, which have one commit: when the program was built.
+fn build() -> String {
+    let changed = machine::COMMIT.ends_with('+');
+    let built = || std::env::current_exe()?.metadata()?.modified();
+    let time = changed.then(built).and_then(Result::ok);
+    time.map_or_else(String::new, |t| format!(" {t:?}"))
 }
 
 /// A finished piece of work; its result as text, which is read when it is asked for.

@@ -7,18 +7,19 @@ use super::requirement::Requirement;
 use super::run::{Choice, ChooseError, choose};
 use super::summary::summarise;
 use super::{chosen, record};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{FELL_SHORT, Refusal, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::scene_file;
 use gearbench_reports::Study;
-use std::process::ExitCode;
 use std::sync::Arc;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
     let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Choose.as_str())?;
@@ -45,13 +46,17 @@ pub fn run(args: &Choose, command: &str) -> Result<ExitCode, Refusal> {
         let text = chosen::text(&scene, candidate, &remarks)?;
         std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
     }
-    folder.write(results, |_| summarise(&choice, &requirement))?;
-    folder.close();
+    let exit = match choice.candidate {
+        Some(_) => Exit::Done,
+        None => Exit::FellShort,
+    };
+    let answer = folder.finish(results, |_| exit, |_| summarise(&choice, &requirement))?;
     if choice.candidate.is_some() {
-        say(&format!("scene:  {}", dir.join("chosen.toml").display()));
-        Ok(ExitCode::SUCCESS)
+        let path = absolute(dir.join("chosen.toml"));
+        say(&format!("scene:  {}", path.display()));
+        Ok(answer.with("scene", path))
     } else {
-        Ok(ExitCode::from(FELL_SHORT))
+        Ok(answer)
     }
 }
 

@@ -3,6 +3,8 @@
 use super::arguments::Compare;
 use super::summary::summarise;
 use super::{Plan, compare};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
@@ -11,10 +13,9 @@ use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
 use gearbench_integrators::Scheme;
 use gearbench_reports::Study;
-use std::process::ExitCode;
 
 /// Runs the comparison and writes its folder.
-pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let reference = stored_reference(&scene)?;
@@ -41,6 +42,5 @@ pub fn run(args: &Compare, command: &str) -> Result<ExitCode, Refusal> {
     let output = &args.run.bounded.output;
     let mut folder = StudyFolder::open(output, &scene.name, Study::Compare.as_str())?;
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
-    let results = folder.write(made.map_err(refuse_run)?, summarise)?;
-    Ok(folder.close_after(&results))
+    folder.finish(made.map_err(refuse_run)?, Exit::of_every_run, summarise)
 }

@@ -3,9 +3,10 @@
 use super::arguments::Identify;
 use super::summary::summarise;
 use super::{Identification, IdentifyError, identify};
+use crate::cli::answer::Answer;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, say};
+use crate::cli::terminal::{Refusal, absolute, say};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::experiment::machine;
@@ -13,13 +14,13 @@ use crate::models::models;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::{self, Calibration, SceneFile, Selection};
 use gearbench_models::gear::table::properties_of;
-use std::process::ExitCode;
+use std::path::PathBuf;
 
 /// Name of the calibration that an impact gives.
 const NAME: &str = "impact";
 
 /// Fits the models of a scene that have something to fit.
-pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     let scene =
         scene_file::load_uncalibrated(&args.scene, Selection::Labels(args.model.as_deref()))?;
     let Some(id) = scene.reference.as_deref() else {
@@ -83,12 +84,15 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
         found.push((choice.label.clone(), result));
     }
     folder.close();
+    let models: Vec<_> = found.iter().map(|(label, r)| r.told(label)).collect();
+    let answer = (Answer::done().with("reference", id)).with("models", models);
     if args.write {
-        write(&scene, &found, command)?;
-    } else {
-        say("nothing was written; `--write` stores the constants for `calibration = \"impact\"`");
+        let path = absolute(write(&scene, &found, command)?);
+        say(&format!("written: {}", path.display()));
+        return Ok(answer.with("written", path));
     }
-    Ok(ExitCode::SUCCESS)
+    say("nothing was written; `--write` stores the constants for `calibration = \"impact\"`");
+    Ok(answer)
 }
 
 fn calibrated(choice: &scene_file::ModelChoice) -> bool {
@@ -102,7 +106,7 @@ fn write(
     scene: &SceneFile,
     found: &[(String, Identification)],
     command: &str,
-) -> Result<(), Refusal> {
+) -> Result<PathBuf, Refusal> {
     let path = scene.calibration_path();
     let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
     // Calibrations of other names or labels stay as they are.
@@ -148,6 +152,5 @@ fn write(
     let staged = path.with_extension("toml.part");
     std::fs::write(&staged, calibration.to_toml()).map_err(|e| fail(&e))?;
     std::fs::rename(&staged, &path).map_err(|e| fail(&e))?;
-    say(&format!("written: {}", path.display()));
-    Ok(())
+    Ok(path)
 }

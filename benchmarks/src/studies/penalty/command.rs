@@ -4,6 +4,8 @@ use super::arguments::Penalty;
 use super::run::TAKE_POINTS;
 use super::summary::summarise;
 use super::{Plan, study};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
@@ -13,10 +15,9 @@ use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::{ContactSpec, mesh_layout};
 use gearbench_reports::Study;
-use std::process::ExitCode;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
     let soft = |c: &ContactSpec| c.points.is_some_and(|p| !p.hard);
@@ -85,6 +86,9 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
     };
     let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Penalty.as_str())?;
     let made = folder.run(plan.penalties.len(), |runner| study(&plan, runner));
-    let results = folder.write(made.map_err(|e| refuse_study(&scene, e))?, summarise)?;
-    Ok(folder.close_after(&results))
+    folder.finish(
+        made.map_err(|e| refuse_study(&scene, e))?,
+        Exit::of_every_run,
+        summarise,
+    )
 }

@@ -3,6 +3,8 @@
 use super::arguments::Precision;
 use super::summary::summarise;
 use super::{Plan, study};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
@@ -10,14 +12,13 @@ use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
 use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// Short runs are timed until their repeats together take this long.
 const TIMED: Duration = Duration::from_millis(25);
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
     let refused = |reason: String| {
         Refusal::from(SceneError::plain(
             reason,
@@ -49,7 +50,5 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
     };
     let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Precision.as_str())?;
     let made = folder.run(plan.len(), |runner| study(&plan, runner));
-    folder.write(made.map_err(refuse_run)?, summarise)?;
-    // Resolutions that fail are what the study is about.
-    Ok(folder.close())
+    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }

@@ -42,6 +42,7 @@ pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
         metric: own.map_or(DEFAULT_METRIC, |t| t.metric),
         limit: own.map_or(DEFAULT_LIMIT, |t| t.limit),
         against: "self".into(),
+        except: Vec::new(),
     }
 }
 

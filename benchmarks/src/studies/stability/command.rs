@@ -7,6 +7,8 @@ use super::plan::{MapPlan, Plan, PlannedAxis};
 use super::run::{Timings, study};
 use super::setup::{AxisError, Setup};
 use super::summary::summarise;
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
 use crate::experiment::conditions::Conditions;
@@ -27,7 +29,6 @@ use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use gearbench_reports::stability::Columns;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Integrators of a map when nobody says: explicit ones, the one that is exact for modes, implicit ones.
 const USUAL: [MethodSpec; 6] = [
@@ -48,7 +49,7 @@ const SAMPLES: usize = 500;
 const TIMINGS: &str = "timings.csv";
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
     let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Stability.as_str())?;
@@ -56,9 +57,9 @@ pub fn run(args: &Stability, command: &str) -> Result<ExitCode, Refusal> {
     let threads = args.threads.map_or(cores, |n| n as usize);
     let made = folder.run(plan.cells(), |runner| study(&plan, runner, threads));
     let (results, timings) = made.map_err(|e| refuse_study(&scene, e))?;
-    folder.write(results, summarise)?;
+    let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     write_timings(folder.path(), &timings)?;
-    Ok(folder.close())
+    Ok(answer)
 }
 
 fn write_timings(folder: &Path, timings: &Timings) -> Result<(), Refusal> {

@@ -5,9 +5,10 @@ use super::csv::summary_csv;
 use super::plan::{Entry, formulas, includes};
 use super::run::{Row, solve};
 use super::summary::summarise;
+use crate::cli::answer::Answer;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, refuse_study, say};
+use crate::cli::terminal::{Refusal, absolute, refuse_study, say};
 use crate::experiment::error::StudyError;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
@@ -15,10 +16,9 @@ use gearbench_models::spec::effective_radius;
 use gearbench_reference::statics::Load;
 use gearbench_reports::{StiffnessCurves, stiffness};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Loads the models of a scene over a mesh cycle and writes a folder.
-pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     let mut entries: Vec<Entry> = choices
@@ -66,8 +66,11 @@ pub fn run(args: &Stiffness) -> Result<ExitCode, Refusal> {
     let dir = folder.path();
     summarise(&scene.name, &load_text, &rows);
     write(dir, &rows, &load_text)?;
-    say(&format!("written: {}", dir.display()));
-    Ok(folder.close())
+    let written = absolute(dir.to_owned());
+    folder.close();
+    say(&format!("written: {}", written.display()));
+    let table: Vec<_> = rows.iter().map(Row::told).collect();
+    Ok(Answer::done().with("folder", written).with("rows", table))
 }
 
 /// The force along the line of action that the command line asks for.

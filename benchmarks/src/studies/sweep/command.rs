@@ -3,6 +3,8 @@
 use super::arguments::Sweep;
 use super::summary::summarise;
 use super::{Plan, mesh_resonance, sweep};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
@@ -13,13 +15,12 @@ use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::gear::table::properties_of;
 use gearbench_reports::Study;
-use std::process::ExitCode;
 
 /// Speeds around the mesh resonance when nobody says.
 const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.
-pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
@@ -75,6 +76,5 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
 
     let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Sweep.as_str())?;
     let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
-    let results = folder.write(made.map_err(refuse)?, summarise)?;
-    Ok(folder.close_after(&results))
+    folder.finish(made.map_err(refuse)?, Exit::of_every_run, summarise)
 }

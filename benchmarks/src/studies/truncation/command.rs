@@ -4,6 +4,8 @@ use super::arguments::Truncation;
 use super::plan::{Plan, sides};
 use super::run::study;
 use super::summary::summarise;
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
 use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
@@ -11,10 +13,9 @@ use crate::experiment::external::external;
 use crate::experiment::settings::settings;
 use crate::scene_file;
 use gearbench_reports::Study;
-use std::process::ExitCode;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let (elastic, full) = sides(&scene, args)?;
     let reference = stored_reference(&scene)?;
@@ -33,6 +34,5 @@ pub fn run(args: &Truncation, command: &str) -> Result<ExitCode, Refusal> {
     let output = &args.run.bounded.output;
     let mut folder = StudyFolder::open(output, &scene.name, Study::Truncation.as_str())?;
     let made = folder.run(1, |runner| study(&plan, runner));
-    folder.write(made.map_err(refuse_run)?, summarise)?;
-    Ok(folder.close())
+    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }
