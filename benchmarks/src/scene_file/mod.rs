@@ -29,6 +29,7 @@ mod model;
 mod profile;
 pub(crate) mod reading;
 pub mod shipped;
+pub mod source;
 mod stiffness;
 pub(crate) mod study_plan;
 #[cfg(test)]
