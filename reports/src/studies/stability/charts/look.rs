@@ -36,7 +36,7 @@ pub fn look(status: Status) -> Look {
     Look {
         ink,
         letter,
-        text: if dark { Ink::DARK } else { Ink::WHITE },
+        text: if dark { Ink::ON_CELL } else { Ink::WHITE },
     }
 }
 
