@@ -24,6 +24,7 @@ pub mod deck;
 mod element;
 pub mod full_order;
 pub mod hash;
+pub mod limits;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;
@@ -38,7 +39,7 @@ mod vector;
 
 pub use mesh_source::MeshParameters;
 pub use refusal::Refused;
-pub use stored::{ExternalReference, REFERENCES, reference};
+pub use stored::{ExternalReference, REFERENCES, StoredReference, reference};
 
 use gearbench_models::gear::table::Model;
 

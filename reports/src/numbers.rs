@@ -56,6 +56,29 @@ pub fn short(x: f64, digits: usize) -> String {
     }
 }
 
+/// The digits, at least `least`, that tell values apart that differ.
+pub fn digits_apart(values: &[f64], least: usize) -> usize {
+    let different = |texts: Vec<String>| {
+        let mut texts = texts;
+        texts.sort();
+        texts.dedup();
+        texts.len()
+    };
+    // Seventeen digits tell any two numbers apart.
+    let exact = |digits: usize| {
+        different(
+            values
+                .iter()
+                .map(|x| format!("{x:.*e}", digits - 1))
+                .collect(),
+        )
+    };
+    let all = exact(17);
+    (least.max(1)..17)
+        .find(|digits| exact(*digits) == all)
+        .unwrap_or(17)
+}
+
 /// What lies below this, as a ratio or in SI units, is rounding: no digit of it says anything.
 pub const ROUNDING: f64 = 1e-12;
 
@@ -209,6 +232,9 @@ mod tests {
         assert_eq!(short(100.0, 3), "100");
         assert_eq!(short(2.50e7, 3), "2.5e7");
         assert_eq!(percent(0.0486, 3), "4.86");
+        assert_eq!(digits_apart(&[1.5e-6, 1.49e-6, 1.5e-6], 1), 3);
+        assert_eq!(digits_apart(&[1e-6, 2e-6], 2), 2);
+        assert_eq!(digits_apart(&[], 3), 3);
         assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
     }
 

@@ -15,14 +15,20 @@ mod validate;
 use arguments::{Cli, Command};
 use campaign::{Plan, check};
 use clap::Parser;
-use gearbench::cli::terminal::{self, FELL_SHORT, Refusal, progress_bar, say, write};
+use gearbench::cli::answer::Answer;
+use gearbench::cli::arguments::Output;
+use gearbench::cli::exit::Exit;
+use gearbench::cli::progress::Display;
+use gearbench::cli::study_folder::StudyFolder;
+use gearbench::cli::terminal::{self, Refusal, put, say};
+use gearbench::experiment::conditions::silent;
 use gearbench::experiment::machine;
 use gearbench_reference::reduction::cache::{self, Cache};
+use gearbench_reports::Study;
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use validate::ValidationError;
 
@@ -31,10 +37,12 @@ const ASKED: (f64, f64) = (0.95, 2.0);
 
 fn main() -> ExitCode {
     cache::choose(Cache::standard());
-    terminal::end(match Cli::parse().command {
+    let told = terminal::told("gearbench-validation");
+    let done = match Cli::parse().command {
         Command::Sample { scene } => print(&scene.0, scene.1),
-        Command::Run(args) => validate(&args, &terminal::told("gearbench-validation")),
-    })
+        Command::Run(args) => validate(&args, &told),
+    };
+    terminal::end(&told, done)
 }
 
 fn refuse_sample(e: SampleError) -> Refusal {
@@ -56,15 +64,15 @@ fn refuse(e: ValidationError) -> Refusal {
 }
 
 /// Prints a random scene as a scene file.
-fn print(set: &str, number: usize) -> Result<ExitCode, Refusal> {
+fn print(set: &str, number: usize) -> Result<Answer, Refusal> {
     let set = sampling::set(set).map_err(refuse_sample)?;
     let sample = sampling::sample(&set, number).map_err(refuse_sample)?;
-    say(sample.text.trim_end());
-    Ok(ExitCode::SUCCESS)
+    put(sample.text.trim_end());
+    Ok(Answer::done())
 }
 
 /// Validates choices on a set of random scenes and writes the folder.
-fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
+fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
     let name = args.set.as_str();
     let mut set = sampling::set(name).map_err(refuse_sample)?;
     set.full_order = args.full_order.unwrap_or(set.full_order);
@@ -76,21 +84,24 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
             number: scenes[1],
         }));
     }
-    let out =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join("choice-check"));
+    let output = Output {
+        out: args.out.clone(),
+        fresh: args.fresh,
+        ..Output::default()
+    };
+    let mut folder = StudyFolder::open(&output, name, Study::ChoiceCheck.as_str())?;
+    let runner = folder.runner(&silent);
     let plan = Plan {
         set: set.clone(),
         scenes,
         threads: args.threads as usize,
-        folder: out.clone(),
-        fresh: args.fresh,
     };
-    let bar = progress_bar(scenes[1] - scenes[0] + 1);
-    let choices = check(&plan, |row, done| {
-        bar.set_position(done as u64);
-        bar.set_message(format!("{}: {}", row.scene, row.outcome));
+    let total = scenes[1] - scenes[0] + 1;
+    let display = Display::new(total);
+    let choices = check(&plan, &runner, |row, done| {
+        display.tell(done, total, &format!("{}: {}", row.scene, row.outcome));
     });
-    bar.finish_and_clear();
+    drop(display);
     let mut choices = choices.map_err(refuse)?;
     let candidates = candidates_csv(&choices);
     for row in &mut choices {
@@ -119,23 +130,23 @@ fn validate(args: &arguments::Run, command: &str) -> Result<ExitCode, Refusal> {
         ],
         ..Results::default()
     };
-    write(&results, (Some(&out), name), summarise)?;
-    let path: PathBuf = out.join("candidates.csv");
+    let answer = folder.finish(results, exit, summarise)?;
+    let path = folder.path().join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     say(&format!("candidates: {}", path.display()));
-    Ok(exit_code(&results))
+    Ok(answer)
 }
 
-fn exit_code(results: &Results) -> ExitCode {
+fn exit(results: &Results) -> Exit {
     let all: Vec<&ValidatedChoice> = results.choices().iter().collect();
     let s = share("all", &all);
     let met = s.met as f64 >= ASKED.0 * s.scenes as f64;
     let cheap = s.cost_ratio[1].is_none_or(|r| r <= ASKED.1);
     if met && cheap {
-        ExitCode::SUCCESS
+        Exit::Done
     } else {
-        ExitCode::from(FELL_SHORT)
+        Exit::FellShort
     }
 }
 

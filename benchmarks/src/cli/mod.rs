@@ -1,7 +1,12 @@
 //! The command line: the table of commands, messages, files and exit codes. What the commands do is the business of
 //! studies and tools.
 
-pub(crate) mod arguments;
+pub mod answer;
+pub mod arguments;
+pub mod exit;
+pub mod progress;
+mod refusal;
+pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 
@@ -17,10 +22,17 @@ use crate::studies::truncation::{self, arguments::Truncation};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::{list, report, report::Report};
+use answer::Answer;
 use clap::{Parser, Subcommand};
+use exit::Exit;
 use std::ffi::OsString;
 use std::process::ExitCode;
-use terminal::Refusal;
+use terminal::{Manner, Refusal};
+
+/// What stands at the end of `--help`.
+fn after_help() -> String {
+    format!("{EXAMPLES}\n\nExit codes:\n{}", Exit::table())
+}
 
 const EXAMPLES: &str = "\
 Examples:
@@ -36,13 +48,7 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
   *.csv         time series, SI units in the header
   *.svg         the charts
 
-Scene files are described in benchmarks/scenes/README.md.
-
-Exit codes:
-  0  done
-  1  a result fell short of what was asked
-  2  bad input: file, line, what was expected, a way out
-  3  a run failed to finish";
+Scene files are described in benchmarks/scenes/README.md.";
 
 /// Which gear-contact model and which integrator is just good enough for a scene, and what does it cost?
 ///
@@ -50,11 +56,17 @@ Exit codes:
 /// finite-element reference and against the model's own converged solution, times it, keeps an energy and
 /// an impulse ledger, and writes one report. Without a command it compares the scene spur_impact.
 #[derive(Clone, Debug, Parser)]
-#[command(name = "gearbench", version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "gearbench", version, after_help = after_help(), max_term_width = 100)]
 pub struct Cli {
     /// What to do; left out, `compare spur_impact`.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
+    /// Answer with one JSON object on standard output (a refusal: on standard error) in place of lines for people
+    #[arg(long, global = true, conflicts_with = "quiet")]
+    json: bool,
+    /// Print nothing but warnings and errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 /// The commands.
@@ -97,7 +109,7 @@ pub(crate) enum Command {
 
 impl Command {
     /// Does it; records say that it was `told` so.
-    fn run(self, told: &str) -> Result<ExitCode, Refusal> {
+    fn run(self, told: &str) -> Result<Answer, Refusal> {
         match self {
             Command::Compare(args) => compare::command::run(&args, told),
             Command::Precision(args) => precision::command::run(&args, told),
@@ -120,12 +132,45 @@ impl Command {
     }
 }
 
+/// Reads the command line, does what it says, and says how that ended.
+pub fn main() -> ExitCode {
+    match Cli::try_parse() {
+        Ok(cli) => run(cli),
+        Err(e) => refuse(&e),
+    }
+}
+
 /// Runs the command and says how it ended.
 pub fn run(cli: Cli) -> ExitCode {
-    terminal::end(match cli.command {
+    terminal::choose(match (cli.json, cli.quiet) {
+        (true, _) => Manner::Json,
+        (_, true) => Manner::Quiet,
+        _ => Manner::Lines,
+    });
+    let told = terminal::told("gearbench");
+    let done = match cli.command {
         None => Command::Compare(Compare::default()).run("gearbench"),
-        Some(command) => command.run(&terminal::told("gearbench")),
-    })
+        Some(command) => command.run(&told),
+    };
+    terminal::end(&told, done)
+}
+
+/// Shows the help that was asked for, or what is wrong with the arguments, in the form of all refusals.
+fn refuse(e: &clap::Error) -> ExitCode {
+    if !e.use_stderr() {
+        terminal::put(e.render().to_string().trim_end());
+        return terminal::end("", Ok(Answer::done()));
+    }
+    if std::env::args_os().any(|a| a == "--json") {
+        terminal::choose(Manner::Json);
+    }
+    let text = e.render().to_string();
+    let mut parts = text.split("\n\n").map(str::trim).filter(|p| !p.is_empty());
+    let message = parts.next().unwrap_or_default();
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    let help: Vec<&str> = parts.collect();
+    let report = miette::miette!(help = help.join("\n"), "{message}");
+    terminal::end(&terminal::told("gearbench"), Err(Refusal::Input(report)))
 }
 
 #[cfg(test)]

@@ -1,63 +1,123 @@
-//! What commands share: files of a study, lines on the terminal, refusals and exit codes.
+//! The terminal: the one writer to standard output and standard error, and what commands share of it.
 //!
-//! Exit codes: 0 done, 1 a result fell short (kept for regression checks), 2 bad input, 3 a run failed to
-//! finish. Nothing is written when the input is refused.
+//! Standard output has the answer: lines for people, or one JSON object (`--json`), or nothing (`--quiet`). Standard error
+//! has refusals, warnings and progress. A reader that goes away (`gearbench list | head -1`) ends the output and not the
+//! command, whose files and exit code are those of a whole one; a full disk behind standard output is an error.
 
-use crate::experiment::conditions::Progress;
-use crate::experiment::error::StudyError;
-use crate::experiment::run::RunError;
-use crate::scene_file::{SceneError, SceneFile};
+use super::answer::{self, Answer};
+use super::exit::Exit;
+pub use super::refusal::{Refusal, refuse_run, refuse_study};
+use crate::scene_file::SceneFile;
 use gearbench_reference::ExternalReference;
-use gearbench_reference::statics::StaticsError;
-use gearbench_reports::record::Results;
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::Report;
-use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::sync::{Mutex, OnceLock};
 
-/// A result fell short of what was asked.
-pub const FELL_SHORT: u8 = 1;
-/// Bad input.
-pub const BAD_INPUT: u8 = 2;
-/// A run failed to finish.
-pub const FAILED_RUN: u8 = 3;
-
-/// Why a command ended without doing its work.
-#[derive(Debug)]
-pub enum Refusal {
-    /// The input is wrong.
-    Input(Report),
-    /// Files could not be written or read.
-    Files(String),
-    /// Something that was asked for could not be computed.
-    Failed(String),
+/// For whom standard output is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Manner {
+    /// Lines for people.
+    #[default]
+    Lines,
+    /// Nothing: files, warnings and the exit code are enough.
+    Quiet,
+    /// One JSON object.
+    Json,
 }
 
-impl From<SceneError> for Refusal {
-    fn from(e: SceneError) -> Self {
-        Refusal::Input(e.into())
+/// Chosen once, before the first line.
+static MANNER: OnceLock<Manner> = OnceLock::new();
+/// The first write that failed: nothing is written after it.
+static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
+/// Warnings, for the JSON object.
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Chooses for whom standard output is; the first choice stands.
+pub fn choose(manner: Manner) {
+    let _ = MANNER.set(manner);
+}
+
+/// For whom standard output is.
+pub fn manner() -> Manner {
+    MANNER.get().copied().unwrap_or_default()
+}
+
+/// A line for people on standard output.
+pub fn say(text: &str) {
+    if manner() == Manner::Lines {
+        put(text);
     }
+}
+
+/// A text on standard output, whoever reads it: what a command is asked to print.
+pub fn put(text: &str) {
+    let Ok(mut failed) = FAILED.lock() else {
+        return;
+    };
+    if failed.is_none() {
+        let mut out = io::stdout().lock();
+        *failed = writeln!(out, "{text}").and_then(|()| out.flush()).err();
+    }
+}
+
+/// What is odd though not wrong, on standard error or among the warnings of the JSON object; once each.
+pub fn warn(text: &str) {
+    let Ok(mut warnings) = WARNINGS.lock() else {
+        return;
+    };
+    if warnings.iter().any(|w| w == text) {
+        return;
+    }
+    warnings.push(text.to_owned());
+    if manner() != Manner::Json {
+        say_error(&format!("warning: {text}"));
+    }
+}
+
+/// A line on standard error; where it cannot be written there is nobody to tell.
+pub fn say_error(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// Says how a command ended.
-pub fn end(result: Result<ExitCode, Refusal>) -> ExitCode {
-    match result {
-        Ok(code) => code,
-        Err(Refusal::Input(report)) => {
-            say_error(&format!("{report:?}"));
-            ExitCode::from(BAD_INPUT)
+pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
+    let warnings = WARNINGS.lock().map_or_else(|_| Vec::new(), |w| w.clone());
+    let exit = match result {
+        Ok(answer) => {
+            let exit = answer.exit;
+            if manner() == Manner::Json {
+                put(&answer.json(command, warnings).to_string());
+            }
+            exit
         }
-        Err(Refusal::Files(message)) => {
-            say_error(&format!("error: {message}"));
-            ExitCode::from(BAD_INPUT)
+        Err(refusal) => {
+            let (exit, report) = refusal.told();
+            complain(command, exit, &report, warnings);
+            exit
         }
-        Err(Refusal::Failed(message)) => {
-            say_error(&format!("error: {message}"));
-            ExitCode::from(FAILED_RUN)
+    };
+    let failed = FAILED.lock().ok().and_then(|mut f| f.take());
+    match failed.filter(|e| e.kind() != ErrorKind::BrokenPipe) {
+        None => exit.into(),
+        Some(e) => {
+            let report = miette::miette!(
+                help = "what was written to files is whole",
+                "standard output cannot be written: {e}"
+            );
+            complain(command, Exit::BadInput, &report, Vec::new());
+            Exit::BadInput.into()
         }
     }
+}
+
+/// Says on standard error why a command did not do its work.
+pub(super) fn complain(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) {
+    say_error(&match manner() {
+        Manner::Json => answer::refusal(command, exit, report, warnings).to_string(),
+        _ => format!("{report:?}"),
+    });
 }
 
 /// The command line as it was given, with the program's own name instead of its path.
@@ -76,83 +136,9 @@ pub fn told(program: &str) -> String {
     format!("{program} {}", arguments.join(" "))
 }
 
-/// The folder of a study.
-pub fn folder(out: Option<&Path>, scene: &str, study: &str) -> PathBuf {
-    out.map_or_else(|| Path::new("out").join(scene).join(study), Path::to_owned)
-}
-
-/// Writes the folder of a study, prints its summary and where everything lies.
-pub fn write(
-    results: &Results,
-    (out, scene): (Option<&Path>, &str),
-    summarise: impl FnOnce(&Results),
-) -> Result<(), Refusal> {
-    let dir = folder(out, scene, results.study().as_str());
-    let page = gearbench_reports::write_results(&dir, results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(results);
-    say(&format!("record: {}", dir.join("results.json").display()));
-    let absolute = page.canonicalize().unwrap_or(page);
-    say(&format!("report: {}", absolute.display()));
-    Ok(())
-}
-
-/// Exit code of a study whose runs are to finish.
-pub fn exit_code(results: &Results) -> ExitCode {
-    if results.runs.iter().any(|r| r.status.is_failure()) {
-        ExitCode::from(FAILED_RUN)
-    } else {
-        ExitCode::SUCCESS
-    }
-}
-
-/// Why a run could not start, for the user.
-pub fn refuse_run(e: RunError) -> Refusal {
-    match e {
-        RunError::Build(e) => Refusal::Failed(e.to_string()),
-        e @ (RunError::Method(_) | RunError::Unsupported(_)) => Refusal::Input(miette::miette!(
-            help = "`gearbench list` names the integrators; a step or tolerance follows an @, as in rk4@1us or dopri5@1e-6",
-            "{e}"
-        )),
-        e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
-        RunError::Reference(e) => Refusal::Failed(e),
-    }
-}
-
-/// A line on the terminal.
-#[allow(clippy::print_stdout)]
-pub fn say(text: &str) {
-    println!("{text}");
-}
-
-#[allow(clippy::print_stderr)]
-fn say_error(text: &str) {
-    eprintln!("{text}");
-}
-
-/// A progress bar on a terminal, nothing otherwise.
-pub fn progress_bar(length: usize) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(length as u64);
-    let style = ProgressStyle::with_template("{bar:30} {pos:>3}/{len} {elapsed:>4}  {wide_msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.set_style(style);
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
-}
-
-/// Does a study under a progress bar.
-pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) -> T {
-    let bar = progress_bar(length);
-    let done = study(&|done, total, what| {
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    done
+/// A path that holds wherever it is pasted.
+pub fn absolute(path: PathBuf) -> PathBuf {
+    path.canonicalize().unwrap_or(path)
 }
 
 /// The stored reference of a scene.
@@ -163,17 +149,4 @@ pub fn stored_reference(scene: &SceneFile) -> Result<Option<ExternalReference>, 
         .map(gearbench_reference::reference))
     .transpose()
     .map_err(|e| Refusal::Files(e.to_string()))
-}
-
-/// Why a study ended, for the user: an error of assembly at its line of the scene.
-pub fn refuse_study(scene: &SceneFile, e: StudyError) -> Refusal {
-    match e {
-        StudyError::Run(e) => refuse_run(e),
-        StudyError::Statics(label, StaticsError::Build(e)) if scene.model(&label).is_some() => {
-            Refusal::from(scene.locate_in(&label, &e))
-        }
-        StudyError::Statics(..) => Refusal::Failed(e.to_string()),
-        StudyError::Scene(why, help) => Refusal::from(SceneError::plain(why, help)),
-        StudyError::Journal(e) => Refusal::Files(e.to_string()),
-    }
 }

@@ -41,25 +41,14 @@ impl Configuration {
         }
     }
 
-    /// What sets it apart from others of its model: its label, without the model's id in front.
+    /// What sets it apart from others of its model.
     pub fn variant(&self) -> Option<String> {
-        (self.label != self.model).then(|| {
-            let rest = self
-                .label
-                .strip_prefix(&self.model)
-                .and_then(|r| r.strip_prefix('-'));
-            rest.unwrap_or(&self.label).to_string()
-        })
+        Run::called(&self.label, &self.model).variant
     }
 
     /// What reports call its runs.
     pub fn model_label(&self) -> String {
-        Run {
-            model: self.model.clone(),
-            variant: self.variant(),
-            ..Run::default()
-        }
-        .model_label()
+        Run::called(&self.label, &self.model).model_label()
     }
 
     /// Says in a row of the record what was run.

@@ -70,7 +70,7 @@ keys! {
         duration_s: Positive,
         /// id of a stored reference, for example "calculix/case-a-fine"
         reference: Option<ReferenceId>,
-        /// greatest error that is accurate enough, 0.05 or { metric, limit, against }
+        /// greatest error that is accurate enough, 0.05 or { metric, limit, against, except }
         tolerance: Option<study_plan::ToleranceChoice>,
         /// tables [gears.NAME]
         gears: InOrder<gear::ToothedKeys>,
@@ -216,7 +216,7 @@ impl SceneFile {
         let reference_model = study.reference_model.as_deref();
         let tolerance = keys.tolerance.map(|choice| {
             let at = root.key("tolerance");
-            study_plan::tolerance(&choice, reference.as_deref(), reference_model, &at)
+            study_plan::tolerance(choice, &models, reference.as_deref(), reference_model, &at)
         });
         let tolerance = tolerance.transpose()?;
         let gears = drafts.into_iter().map(|draft| GearSpec {

@@ -11,6 +11,7 @@ use super::study_plan::{IntegratorKeys, schemes};
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{ContactSpec, ModelSpec, Modelling, Parameters, Value};
+use gearbench_reports::record::Run;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -115,6 +116,11 @@ impl ModelChoice {
     pub fn gap(&self) -> Option<f64> {
         let calibrated = || self.calibration.as_ref()?.constants.as_ref()?.gap;
         self.own_gap.or_else(calibrated)
+    }
+
+    /// What records call its runs.
+    pub fn model_label(&self) -> String {
+        Run::called(&self.label, &self.model).model_label()
     }
 }
 

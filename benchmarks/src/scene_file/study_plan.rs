@@ -2,6 +2,7 @@
 //! in the room of that study.
 
 use super::error::SceneError;
+use super::model::ModelChoice;
 use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{
@@ -59,6 +60,8 @@ keys! {
         limit: Positive,
         /// "reference", "model" (the study's `reference_model`) or "self", the model's own converged solution
         against: Option<Against>,
+        /// labels of models that are shown for their error: beyond the limit they leave the exit code at 0
+        except: Option<Distinct<Label>>,
     }
 }
 
@@ -196,16 +199,17 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
 
 /// Checks `tolerance` against the references that there are: the scene's, and the study's model.
 pub(super) fn tolerance(
-    choice: &ToleranceChoice,
+    choice: ToleranceChoice,
+    models: &[ModelChoice],
     reference: Option<&str>,
     reference_model: Option<&str>,
     at: &Place<'_>,
 ) -> Result<Tolerance, SceneError> {
     // Records call a reference by its program.
     let external = reference.map(|id| id.split('/').next().unwrap_or(id));
-    let (metric, limit, against) = match choice {
-        ToleranceChoice::Limit(limit) => (None, limit, None),
-        ToleranceChoice::Full(keys) => (keys.metric, &keys.limit, keys.against),
+    let (metric, limit, against, except) = match choice {
+        ToleranceChoice::Limit(limit) => (None, limit, None, None),
+        ToleranceChoice::Full(keys) => (keys.metric, keys.limit, keys.against, keys.except),
     };
     let against = match (against, external, reference_model) {
         (None | Some(Against::Reference), Some(program), _) => program,
@@ -230,5 +234,9 @@ pub(super) fn tolerance(
         metric: metric.map_or_else(Metric::default, |m| m.0),
         limit: limit.0,
         against: against.to_owned(),
+        except: (models.iter())
+            .filter(|m| except.iter().any(|l| l.0.iter().any(|l| l.0 == m.label)))
+            .map(ModelChoice::model_label)
+            .collect(),
     })
 }

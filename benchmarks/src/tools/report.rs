@@ -1,9 +1,10 @@
 //! `gearbench report DIR`: the page of a results folder, written again.
 
-use crate::cli::terminal::{Refusal, say};
+use crate::cli::answer::Answer;
+use crate::cli::terminal::{Refusal, absolute, say};
 use clap::Args;
+use gearbench_reports::ReportError;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Arguments of `report`.
 #[derive(Args, Clone, Debug)]
@@ -13,10 +14,24 @@ pub struct Report {
     pub dir: PathBuf,
 }
 
+fn refuse(e: ReportError) -> Refusal {
+    match &e {
+        ReportError::Io { .. } => Refusal::Input(miette::miette!(
+            help = "name the folder that a study has written (its `--out`, by default out/SCENE/STUDY)",
+            "{e}"
+        )),
+        ReportError::Record { .. } => Refusal::Input(miette::miette!(
+            help = "a record is made again by the command that it names: `command` in results.json",
+            "{e}"
+        )),
+        ReportError::Draw(_) => Refusal::Failed(e.to_string()),
+    }
+}
+
 /// Writes the report.
-pub fn run(args: &Report) -> Result<ExitCode, Refusal> {
-    let page =
-        gearbench_reports::report_from(&args.dir).map_err(|e| Refusal::Files(e.to_string()))?;
+pub fn run(args: &Report) -> Result<Answer, Refusal> {
+    let page = gearbench_reports::report_from(&args.dir).map_err(refuse)?;
+    let page = absolute(page);
     say(&format!("report: {}", page.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(Answer::done().with("report", page))
 }

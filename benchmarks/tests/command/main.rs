@@ -7,6 +7,7 @@ mod precision;
 mod reduce;
 mod stability_kill;
 mod stiffness;
+mod terminal;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -100,7 +101,7 @@ fn stderr(o: &Output) -> String {
 #[test]
 fn help_and_list_teach() {
     let folder = Folder::new();
-    let words = "Examples: compare identify Exit results.json";
+    let words = "Examples: compare identify Exit results.json --json --quiet 130";
     has(
         &folder.says("--help"),
         &words.split(' ').collect::<Vec<_>>(),

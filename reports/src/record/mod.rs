@@ -130,6 +130,10 @@ pub struct Tolerance {
     pub limit: f64,
     /// Reference it refers to, an id in [`Metrics::against`].
     pub against: String,
+    /// Models by [`Run::model_label`] that are shown for their error: beyond the limit they are inaccurate as others
+    /// are, which is no failure of the study.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub except: Vec<String>,
 }
 
 /// Data from elsewhere that runs are compared with.

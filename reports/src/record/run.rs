@@ -31,6 +31,10 @@ words! {
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
+        /// The program itself failed in the run.
+        Aborted = "aborted",
+        /// The study was interrupted before the run was finished.
+        Interrupted = "interrupted",
     }
 }
 
@@ -142,6 +146,7 @@ pub struct Run {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
     /// One entry per reference the run is compared with.
+    #[serde(default)]
     pub metrics: Vec<Metrics>,
     /// Energy and impulse ledger.
     #[serde(default)]
@@ -155,6 +160,17 @@ pub struct Run {
 }
 
 impl Run {
+    /// A run, so far without anything but its name, of a model that goes by a label: the variant is the label without
+    /// the model's id in front.
+    pub fn called(label: &str, model: &str) -> Run {
+        let rest = (label.strip_prefix(model)).and_then(|rest| rest.strip_prefix('-'));
+        Run {
+            model: model.to_owned(),
+            variant: (label != model).then(|| rest.unwrap_or(label).to_owned()),
+            ..Run::default()
+        }
+    }
+
     /// The model with its variant: runs that share it differ by integrator only.
     pub fn model_label(&self) -> String {
         match &self.variant {

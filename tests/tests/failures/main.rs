@@ -187,6 +187,7 @@ fn drive() -> Vec<Driven> {
         metric: Metric::ForceL2,
         limit: 1e-3,
         against: "self".into(),
+        except: Vec::new(),
     };
     against_tolerance(&mut coarse, &tolerance);
 

@@ -24,6 +24,7 @@ use gearbench_integrators::observers::ledger::Ledger;
 use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State, StepError};
 use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
+use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
 pub use tunnelling::TunnellingDetector;
@@ -243,11 +244,15 @@ pub fn against_tolerance(run: &mut Run, tolerance: &Tolerance) {
         metric,
         against,
         limit,
+        ..
     } = tolerance;
+    let digits = |x: f64| digits_apart(&[x, *limit], 3);
     let message = match metrics.get(*metric) {
         Some(x) if x.abs() <= *limit => return,
         Some(x) => format!(
-            "{metric} against {against} is {x:.3}, beyond the scene's {limit:.3}; use a smaller step or tolerance, or a finer model"
+            "{metric} against {against} is {}, beyond the scene's {}; use a smaller step or tolerance, or a finer model",
+            short(x, digits(x.abs())),
+            short(*limit, digits(x.abs()))
         ),
         None => format!("{metric} against {against} cannot be told of this run"),
     };

@@ -48,6 +48,7 @@ pub fn results(
             metric: requirement.metric,
             limit: requirement.tolerance,
             against: "top".into(),
+            except: Vec::new(),
         }),
         ..Results::default()
     }

@@ -2,21 +2,26 @@
 
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
-use gearbench_reports::numbers::short;
+use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Results, Status};
 
 /// One line per run, failures with their reason.
 pub fn summarise(results: &Results) {
     let against = results.references.first().map_or("self", |r| r.id.as_str());
     say(&format!(
-        "{:<24} {:<30} {:>9} {:>9} {:>8}  force error against {against}",
+        "{:<24} {:<30} {:>10} {:>9} {:>8}  force error against {against}",
         "model", "integrator", "step/rtol", "wall", "steps"
     ));
+    // As many digits as tell the runs of the table apart.
+    let steps: Vec<f64> = results.runs.iter().filter_map(|r| r.step).collect();
+    let rtols: Vec<f64> = results.runs.iter().filter_map(|r| r.rtol).collect();
+    let [step_digits, rtol_digits] = [steps, rtols].map(|all| digits_apart(&all, 1));
     for r in &results.runs {
-        let resolution = r
-            .step
-            .or(r.rtol)
-            .map_or(String::new(), |x| format!("{x:.0e}"));
+        let resolution = match (r.step, r.rtol) {
+            (Some(h), _) => format!("{:.*e} s", step_digits - 1, h),
+            (_, Some(rtol)) => format!("{:.*e}", rtol_digits - 1, rtol),
+            _ => String::new(),
+        };
         let wall = if r.wall_s < 1e-3 {
             format!("{:.0} us", r.wall_s * 1e6)
         } else if r.wall_s < 1.0 {
@@ -24,19 +29,19 @@ pub fn summarise(results: &Results) {
         } else {
             format!("{:.2} s", r.wall_s)
         };
-        let outcome = match (
-            r.status,
-            r.against(against).and_then(|m| m.force_l2_aligned),
-        ) {
-            (Status::Converged, Some(e)) => format!("{} %", short(100.0 * e, 3)),
-            (Status::Converged, None) => "converged".into(),
+        let outcome = match (r.status, r.against(against)) {
+            (Status::Converged, Some(m)) => (m.force_l2_aligned)
+                .map_or("reached its end; no force to compare".into(), |e| {
+                    format!("{} %", short(100.0 * e, 3))
+                }),
+            (Status::Converged, None) => "reached its end; nothing to hold it against".into(),
             (status, _) => format!(
                 "{status}: {}",
                 r.message.as_deref().unwrap_or("no reason given")
             ),
         };
         say(&format!(
-            "{:<24} {:<30} {:>9} {:>9} {:>8}  {}",
+            "{:<24} {:<30} {:>10} {:>9} {:>8}  {}",
             r.model_label(),
             r.integrator,
             resolution,

@@ -3,19 +3,24 @@
 use super::arguments::Identify;
 use super::summary::summarise;
 use super::{Identification, IdentifyError, identify};
-use crate::cli::terminal::{Refusal, progress_bar, say};
+use crate::cli::answer::Answer;
+use crate::cli::progress::Display;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, absolute, say};
+use crate::experiment::conditions::silent;
+use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::models::models;
 use crate::scene_file::calibration::Constants;
 use crate::scene_file::{self, Calibration, SceneFile, Selection};
 use gearbench_models::gear::table::properties_of;
-use std::process::ExitCode;
+use std::path::PathBuf;
 
 /// Name of the calibration that an impact gives.
 const NAME: &str = "impact";
 
 /// Fits the models of a scene that have something to fit.
-pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
     let scene =
         scene_file::load_uncalibrated(&args.scene, Selection::Labels(args.model.as_deref()))?;
     let Some(id) = scene.reference.as_deref() else {
@@ -47,23 +52,29 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
             scene.name
         )));
     }
+    let mut folder = StudyFolder::open(&args.output, &scene.name, "identify")?;
+    let runner = folder.runner(&silent);
     let mut found: Vec<(String, Identification)> = Vec::new();
     for choice in fitted {
-        let bar = progress_bar(0);
+        let display = Display::new(0);
         let result = identify(
             &scene.spec_for(choice),
             &choice.modelling,
             models(),
             (time, force),
+            &runner,
             |n, error| {
-                bar.set_message(format!(
+                display.message(&format!(
                     "{}: {n} integrations, force error {:.3} %",
                     choice.label,
                     100.0 * error
                 ));
             },
         );
-        bar.finish_and_clear();
+        drop(display);
+        if interruption::requested() {
+            return Err(Refusal::Interrupted);
+        }
         let result = result.map_err(|e| match e {
             IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
             IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
@@ -72,12 +83,16 @@ pub fn run(args: &Identify, command: &str) -> Result<ExitCode, Refusal> {
         summarise(&choice.label, id, &result);
         found.push((choice.label.clone(), result));
     }
+    folder.close();
+    let models: Vec<_> = found.iter().map(|(label, r)| r.told(label)).collect();
+    let answer = (Answer::done().with("reference", id)).with("models", models);
     if args.write {
-        write(&scene, &found, command)?;
-    } else {
-        say("nothing was written; `--write` stores the constants for `calibration = \"impact\"`");
+        let path = absolute(write(&scene, &found, command)?);
+        say(&format!("written: {}", path.display()));
+        return Ok(answer.with("written", path));
     }
-    Ok(ExitCode::SUCCESS)
+    say("nothing was written; `--write` stores the constants for `calibration = \"impact\"`");
+    Ok(answer)
 }
 
 fn calibrated(choice: &scene_file::ModelChoice) -> bool {
@@ -91,7 +106,7 @@ fn write(
     scene: &SceneFile,
     found: &[(String, Identification)],
     command: &str,
-) -> Result<(), Refusal> {
+) -> Result<PathBuf, Refusal> {
     let path = scene.calibration_path();
     let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
     // Calibrations of other names or labels stay as they are.
@@ -137,6 +152,5 @@ fn write(
     let staged = path.with_extension("toml.part");
     std::fs::write(&staged, calibration.to_toml()).map_err(|e| fail(&e))?;
     std::fs::rename(&staged, &path).map_err(|e| fail(&e))?;
-    say(&format!("written: {}", path.display()));
-    Ok(())
+    Ok(path)
 }

@@ -3,6 +3,7 @@
 use crate::scene_file::calibration::Constants;
 use gearbench_models::error::BuildError;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use serde_json::{Value, json};
 
 /// An identified parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,21 @@ pub struct Identification {
     pub force_l2: f64,
     /// Integrations done.
     pub evaluations: u32,
+}
+
+impl Identification {
+    /// The same for programs.
+    pub fn told(&self, label: &str) -> Value {
+        let parameters: Vec<Value> = (self.parameters.iter())
+            .map(|p| json!({ "key": p.key, "value": p.value, "relative_95": p.relative_95 }))
+            .collect();
+        json!({
+            "model": label,
+            "force_l2": self.force_l2,
+            "evaluations": self.evaluations,
+            "parameters": parameters,
+        })
+    }
 }
 
 /// Why nothing could be identified.

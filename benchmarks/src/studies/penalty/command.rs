@@ -4,17 +4,20 @@ use super::arguments::Penalty;
 use super::run::TAKE_POINTS;
 use super::summary::summarise;
 use super::{Plan, study};
-use crate::cli::terminal::{Refusal, exit_code, refuse_study, with_progress, write};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::{ContactSpec, mesh_layout};
-use std::process::ExitCode;
+use gearbench_reports::Study;
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
     let soft = |c: &ContactSpec| c.points.is_some_and(|p| !p.hard);
@@ -81,8 +84,11 @@ pub fn run(args: &Penalty, command: &str) -> Result<ExitCode, Refusal> {
         load,
         positions: args.positions,
     };
-    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress))
-        .map_err(|e| refuse_study(&scene, e))?;
-    write(&results, (args.run.out(), &scene.name), summarise)?;
-    Ok(exit_code(&results))
+    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Penalty.as_str())?;
+    let made = folder.run(plan.penalties.len(), |runner| study(&plan, runner));
+    folder.finish(
+        made.map_err(|e| refuse_study(&scene, e))?,
+        Exit::of_every_run,
+        summarise,
+    )
 }

@@ -3,19 +3,22 @@
 use super::arguments::Precision;
 use super::summary::summarise;
 use super::{Plan, study};
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
+use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// Short runs are timed until their repeats together take this long.
 const TIMED: Duration = Duration::from_millis(25);
 
 /// Runs the study and writes its folder.
-pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
     let refused = |reason: String| {
         Refusal::from(SceneError::plain(
             reason,
@@ -45,13 +48,7 @@ pub fn run(args: &Precision, command: &str) -> Result<ExitCode, Refusal> {
         },
         ..plan
     };
-    let results =
-        with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
-
-    write(
-        &results,
-        (args.output.out.as_deref(), &scene.name),
-        summarise,
-    )?;
-    Ok(ExitCode::SUCCESS)
+    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Precision.as_str())?;
+    let made = folder.run(plan.len(), |runner| study(&plan, runner));
+    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }

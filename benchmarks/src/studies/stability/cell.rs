@@ -42,11 +42,12 @@ pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
         metric: own.map_or(DEFAULT_METRIC, |t| t.metric),
         limit: own.map_or(DEFAULT_LIMIT, |t| t.limit),
         against: "self".into(),
+        except: Vec::new(),
     }
 }
 
 /// A converged solution, or why there is none.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Reference {
     /// Histories; `None` where none is to be had.
     pub series: Option<TimeSeries>,

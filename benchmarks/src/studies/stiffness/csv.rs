@@ -1,8 +1,47 @@
-//! Tables of a study of stiffness, SI units in the header.
+//! Tables of a study of stiffness, SI units in the header, and the same rows for programs.
 
 use super::run::Row;
+use serde::Serialize;
+
+/// What is told of a model: a line of `stiffness.csv`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Told {
+    model: String,
+    single_stiffness_n_per_m2: f64,
+    at_pitch_point_n_per_m2: f64,
+    mesh_stiffness_n_per_m2: f64,
+    mesh_tangent_n_per_m2: f64,
+    transmission_error_mean_m: f64,
+    transmission_error_peak_to_peak_m: f64,
+    unknowns: usize,
+    equilibria: u64,
+    newton_iterations: u64,
+    setup_s: f64,
+    solve_s: f64,
+    includes: String,
+}
 
 impl Row {
+    /// The row for programs.
+    pub fn told(&self) -> Told {
+        let c = &self.cycle;
+        Told {
+            model: self.label.clone(),
+            single_stiffness_n_per_m2: c.single_stiffness(),
+            at_pitch_point_n_per_m2: c.at_pitch_point(),
+            mesh_stiffness_n_per_m2: c.mesh_stiffness(),
+            mesh_tangent_n_per_m2: c.mesh_tangent(),
+            transmission_error_mean_m: c.mean_error(),
+            transmission_error_peak_to_peak_m: c.peak_to_peak(),
+            unknowns: self.unknowns,
+            equilibria: self.work[0],
+            newton_iterations: self.work[1],
+            setup_s: self.wall[0],
+            solve_s: self.wall[1],
+            includes: self.includes.clone(),
+        }
+    }
+
     /// The cycle as a table, SI units in the header.
     pub fn csv(&self) -> String {
         let c = &self.cycle;

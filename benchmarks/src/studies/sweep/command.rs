@@ -3,7 +3,10 @@
 use super::arguments::Sweep;
 use super::summary::summarise;
 use super::{Plan, mesh_resonance, sweep};
-use crate::cli::terminal::{Refusal, exit_code, refuse_study, with_progress, write};
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
@@ -11,13 +14,13 @@ use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::gear::table::properties_of;
-use std::process::ExitCode;
+use gearbench_reports::Study;
 
 /// Speeds around the mesh resonance when nobody says.
 const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.
-pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
@@ -71,8 +74,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<ExitCode, Refusal> {
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();
 
-    let results =
-        with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
-    write(&results, (args.run.out(), &scene.name), summarise)?;
-    Ok(exit_code(&results))
+    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Sweep.as_str())?;
+    let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
+    folder.finish(made.map_err(refuse)?, Exit::of_every_run, summarise)
 }

@@ -2,7 +2,8 @@
 
 pub mod arguments;
 
-use crate::cli::terminal::{Refusal, say};
+use crate::cli::answer::Answer;
+use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file;
 use arguments::Mesh as Arguments;
 use gearbench_models::spec::Body;
@@ -12,9 +13,9 @@ use gearbench_reference::mesh::vtu::{self, Field, Values};
 use gearbench_reference::mesh::{
     self, ElementKind, FineTeeth, GearMesh, GearMeshParams, MeshError, Tooth,
 };
+use serde_json::{Value, json};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// A gear on its way to its files.
@@ -26,8 +27,27 @@ struct Meshed {
     seconds: f64,
 }
 
+impl Meshed {
+    /// What the table says, for programs.
+    fn told(&self) -> Value {
+        let (m, q) = (&self.mesh.mesh, mesh::quality(&self.mesh.mesh));
+        json!({
+            "gear": self.name,
+            "teeth": self.mesh.teeth,
+            "element": m.kind.name(),
+            "nodes": m.nodes.len(),
+            "elements": m.element_count(),
+            "unknowns": 3 * m.nodes.len(),
+            "least_scaled_jacobian": q.min_scaled_jacobian,
+            "mean_scaled_jacobian": q.mean_scaled_jacobian,
+            "greatest_aspect": q.max_aspect_ratio,
+            "seconds": self.seconds,
+        })
+    }
+}
+
 /// Meshes the gears, prints what came out and writes what was asked for.
-pub fn run(args: &Arguments, command: &str) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
     let gears = if is_deck(&args.input) {
         from_deck(args)?
     } else {
@@ -49,10 +69,12 @@ pub fn run(args: &Arguments, command: &str) -> Result<ExitCode, Refusal> {
     if files.0.is_empty() {
         say("nothing was written; `--out F.inp` writes a deck, `--vtu F.vtu` a file for ParaView");
     }
-    for path in files.keep()? {
+    let written: Vec<PathBuf> = files.keep()?.into_iter().map(absolute).collect();
+    for path in &written {
         say(&format!("written: {}", path.display()));
     }
-    Ok(ExitCode::SUCCESS)
+    let gears: Vec<Value> = gears.iter().map(Meshed::told).collect();
+    Ok(Answer::done().with("gears", gears).with("written", written))
 }
 
 pub(super) fn is_deck(input: &str) -> bool {

@@ -3,7 +3,9 @@
 pub mod arguments;
 mod report;
 
-use crate::cli::terminal::{Refusal, progress_bar, say};
+use crate::cli::answer::Answer;
+use crate::cli::progress::progress_bar;
+use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file;
 use crate::tools::mesh::{chosen, is_deck, named};
 use arguments::Reduce as Arguments;
@@ -20,9 +22,9 @@ use gearbench_reference::reduction::store::{self, Meta, Motion};
 use gearbench_reference::reduction::{
     Basis, ElasticParameters, Mounting, ReductionError, Request, Toothing, Wanted, cache, of_gear,
 };
+use serde_json::json;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -55,7 +57,7 @@ struct Done {
 }
 
 /// Reduces the gears, tells what came out and writes what was asked for.
-pub fn run(args: &Arguments) -> Result<ExitCode, Refusal> {
+pub fn run(args: &Arguments) -> Result<Answer, Refusal> {
     let mut jobs = Vec::new();
     for input in &args.inputs {
         match is_deck(input) {
@@ -65,20 +67,24 @@ pub fn run(args: &Arguments) -> Result<ExitCode, Refusal> {
     }
     let files = files(args, &jobs)?;
     let bar = progress_bar(jobs.len());
+    let mut gears = Vec::new();
     for (job, file) in jobs.iter().zip(&files) {
         let done = reduce(args, job, &bar).inspect_err(|_| bar.finish_and_clear())?;
         bar.suspend(|| report::tell(job, &done));
+        let mut gear = report::told(job, &done);
         if let Some(path) = file {
             let size = store::write(path, &done.basis, &done.meta)
                 .map_err(|e| Refusal::Files(e.to_string()))?;
             bar.suspend(|| say(&report::line("written", &report::file(path, size))));
+            gear["written"] = json!(absolute(path.clone()));
         }
+        gears.push(gear);
     }
     bar.finish_and_clear();
     if args.out.is_none() {
         say("nothing was written; `--out F.npz` writes the reduction");
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Answer::done().with("gears", gears))
 }
 
 fn refuse(message: &str, help: &str) -> Refusal {

@@ -6,6 +6,7 @@ use gearbench_models::gear::elastic::reduced::FlankCompliance;
 use gearbench_reference::mesh;
 use gearbench_reference::reduction::store::Motion;
 use gearbench_reference::reduction::{Basis, Toothing};
+use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -56,6 +57,30 @@ pub(super) fn tell(job: &Job, done: &Done) {
     }
     let from = if done.hit { ", from the cache" } else { "" };
     say(&line("time", &format!("{:.2} s{from}", done.seconds)));
+}
+
+/// The same for programs.
+pub(super) fn told(job: &Job, done: &Done) -> Value {
+    let (basis, meta) = (&*done.basis, &done.meta);
+    let shown = Toothing::of(basis, meta.motion, meta.teeth);
+    let hertz: Vec<f64> = basis.omega.iter().map(|w| w / TAU).collect();
+    json!({
+        "name": job.name,
+        "source": job.source,
+        "notes": job.notes,
+        "nodes": job.mesh.mesh.nodes.len(),
+        "elements": job.mesh.mesh.element_count(),
+        "element": job.mesh.mesh.kind.name(),
+        "teeth": meta.teeth,
+        "module_m": shown.module,
+        "face_width_m": shown.width,
+        "inertia": basis.inertia,
+        "unknowns": basis.unknowns,
+        "frequencies_hz": hertz,
+        "compliance_in_modes": compliance(basis).map(|(_, _, share)| share),
+        "from_cache": done.hit,
+        "seconds": done.seconds,
+    })
 }
 
 /// `1 flank`, `2 flanks`.
@@ -195,8 +220,8 @@ fn of_modes(basis: &Basis, asked: &str) -> String {
     )
 }
 
-/// The compliance in the middle of the first flank, and how much of it the modes have.
-fn of_compliance(basis: &Basis) -> Option<String> {
+/// Tooth of the first flank, compliance in the middle of that flank [m/N], and the share of it that the modes have.
+fn compliance(basis: &Basis) -> Option<(u32, f64, f64)> {
     let c = &basis.compliance;
     let g = basis.flanks.grids().first()?;
     let node = g.nodes[(g.rows / 2) * g.columns + g.columns / 2];
@@ -207,14 +232,21 @@ fn of_compliance(basis: &Basis) -> Option<String> {
         .iter()
         .zip(&basis.omega)
         .map(|(b, w)| (b / w).powi(2))
-        .sum();
+        // The empty sum is the negative zero.
+        .fold(0.0, |sum, x| sum + x);
+    Some((g.tooth, own, modal / own))
+}
+
+fn of_compliance(basis: &Basis) -> Option<String> {
+    let (tooth, own, modal) = compliance(basis)?;
+    let c = &basis.compliance;
     let layout = match c.flanks {
         FlankCompliance::Full(_) => "between all flank nodes",
         FlankCompliance::Cyclic { .. } => "of one tooth on all",
     };
     Some(format!(
         "{layout}; {own:.4e} m/N in the middle of a flank of tooth {}, {:.1} % of it in the modes",
-        g.tooth + 1,
-        100.0 * modal / own
+        tooth + 1,
+        100.0 * modal
     ))
 }

@@ -255,6 +255,7 @@ pub fn impact_results() -> Results {
             metric: Metric::ForceL2Aligned,
             limit: 0.05,
             against: "calculix".into(),
+            except: Vec::new(),
         }),
         references: vec![ReferenceSeries {
             id: "calculix".into(),

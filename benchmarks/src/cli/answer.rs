@@ -1,0 +1,110 @@
+//! What a command answers: how it ended, and the same for programs, one JSON object (`--json`).
+//!
+//! An object has `command`, `exit` (code and meaning), `warnings` and what the command found: a study the `results` of its
+//! record without histories, under the keys of `results.json`, and the paths of `record` and `report`; other commands
+//! keys of their own. One of bad input or a failed run stands on standard error, with `error` (message, file, line, help).
+
+use super::exit::Exit;
+use gearbench_reports::record::Results;
+use miette::{Diagnostic, Report};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+/// What of a record is not part of an answer: long, and in the record.
+const LONG: [&str; 2] = ["series", "contacts"];
+
+/// What a command answers.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// How it ended.
+    pub exit: Exit,
+    found: Map<String, Value>,
+}
+
+impl Answer {
+    /// All is well.
+    pub fn done() -> Self {
+        Answer {
+            exit: Exit::Done,
+            found: Map::new(),
+        }
+    }
+
+    /// What a study found.
+    pub fn of(results: &Results) -> Self {
+        let mut whole = value(results);
+        without_histories(&mut whole);
+        Answer::done().with("results", whole)
+    }
+
+    /// The same, ending otherwise.
+    #[must_use]
+    pub fn ending(self, exit: Exit) -> Self {
+        Answer { exit, ..self }
+    }
+
+    /// The same with something more that was found; a number that is not finite is `null`.
+    #[must_use]
+    pub fn with(mut self, key: &str, found: impl Serialize) -> Self {
+        self.found.insert(key.to_owned(), value(found));
+        self
+    }
+
+    /// The object for programs.
+    pub(super) fn json(self, command: &str, warnings: Vec<String>) -> Value {
+        let mut all = head(command, self.exit, warnings);
+        all.extend(self.found);
+        Value::Object(all)
+    }
+}
+
+/// The object for programs of a command that was refused or failed.
+pub(super) fn refusal(command: &str, exit: Exit, report: &Report, warnings: Vec<String>) -> Value {
+    let mut error = Map::new();
+    error.insert("message".into(), report.to_string().into());
+    if let Some((file, line)) = place(report.as_ref()) {
+        error.insert("file".into(), file.into());
+        error.insert("line".into(), line.into());
+    }
+    if let Some(help) = report.help() {
+        error.insert("help".into(), help.to_string().into());
+    }
+    let mut all = head(command, exit, warnings);
+    all.insert("error".into(), error.into());
+    Value::Object(all)
+}
+
+fn head(command: &str, exit: Exit, warnings: Vec<String>) -> Map<String, Value> {
+    let mut all = Map::new();
+    all.insert("command".into(), command.into());
+    let exit = json!({ "code": exit.code(), "meaning": exit.meaning() });
+    all.insert("exit".into(), exit);
+    all.insert("warnings".into(), warnings.into());
+    all
+}
+
+/// File and line, from 1, of the first label.
+fn place(of: &dyn Diagnostic) -> Option<(String, usize)> {
+    let label = of.labels()?.next()?;
+    let source = of.source_code()?.read_span(label.inner(), 0, 0).ok()?;
+    Some((source.name()?.to_owned(), source.line() + 1))
+}
+
+/// Data of the program as JSON: its types all have that form.
+fn value(of: impl Serialize) -> Value {
+    serde_json::to_value(of).unwrap_or(Value::Null)
+}
+
+/// Takes what is long out of an object and all that it holds.
+fn without_histories(value: &mut Value) {
+    match value {
+        Value::Object(map) => {
+            LONG.iter().for_each(|key| {
+                map.remove(*key);
+            });
+            map.values_mut().for_each(without_histories);
+        }
+        Value::Array(all) => all.iter_mut().for_each(without_histories),
+        _ => {}
+    }
+}

@@ -1,0 +1,147 @@
+//! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the README.
+
+use gearbench_reports::record::{Results, Run, Status};
+use std::process::ExitCode;
+
+/// How the command ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// What was asked for is there.
+    Done,
+    /// A result is there and falls short.
+    FellShort,
+    /// The input, an argument or a place to write to is wrong.
+    BadInput,
+    /// Something could not be computed.
+    FailedRun,
+    /// Stopped by a signal.
+    Interrupted,
+}
+
+impl Exit {
+    /// All, as in the table.
+    pub const ALL: [Exit; 5] = [
+        Exit::Done,
+        Exit::FellShort,
+        Exit::BadInput,
+        Exit::FailedRun,
+        Exit::Interrupted,
+    ];
+
+    /// The number that a shell sees.
+    pub fn code(self) -> u8 {
+        match self {
+            Exit::Done => 0,
+            Exit::FellShort => 1,
+            Exit::BadInput => 2,
+            Exit::FailedRun => 3,
+            Exit::Interrupted => 130,
+        }
+    }
+
+    /// What it means, in the words of the table.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Exit::Done => "done",
+            Exit::FellShort => {
+                "a run is inaccurate (beyond the scene's tolerance), or nothing is adequate"
+            }
+            Exit::BadInput => "bad input: file, line, what was expected, a way out",
+            Exit::FailedRun => "a run failed to finish, or a model could not be solved",
+            Exit::Interrupted => {
+                "interrupted (Ctrl-C, SIGTERM): what was finished is reported, the same command goes on"
+            }
+        }
+    }
+
+    /// The table, a line for each.
+    pub fn table() -> String {
+        let lines = Exit::ALL.map(|e| format!("  {:<5}{}", e.code(), e.meaning()));
+        lines.join("\n")
+    }
+
+    /// Of a study whose runs are all meant to hold: one that failed decides, then one beyond the tolerance, unless its
+    /// model is shown for its error (`except` of the scene's `tolerance`).
+    pub fn of_every_run(results: &Results) -> Exit {
+        let excepted = |r: &Run| {
+            (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&r.model_label()))
+        };
+        let mut runs = results.runs.iter();
+        if runs.clone().any(|r| r.status.is_failure()) {
+            Exit::FailedRun
+        } else if runs.any(|r| r.status == Status::Inaccurate && !excepted(r)) {
+            Exit::FellShort
+        } else {
+            Exit::Done
+        }
+    }
+
+    /// Of a study that goes on until methods fail (errors against cost, errors over modes): its failures are its
+    /// subject, and only one without any sound run has failed.
+    pub fn of_any_run(results: &Results) -> Exit {
+        let mut statuses = results.runs.iter().map(|r| r.status);
+        if results.runs.is_empty() || statuses.clone().any(|s| s == Status::Converged) {
+            Exit::Done
+        } else if statuses.any(|s| s == Status::Inaccurate) {
+            Exit::FellShort
+        } else {
+            Exit::FailedRun
+        }
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        ExitCode::from(exit.code())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gearbench_reports::record::Tolerance;
+
+    fn record(statuses: &[(&str, Status)]) -> Results {
+        let run = |(model, status): &(&str, Status)| Run {
+            model: (*model).into(),
+            status: *status,
+            ..Run::default()
+        };
+        Results {
+            tolerance: Some(Tolerance {
+                metric: Default::default(),
+                limit: 0.05,
+                against: "self".into(),
+                except: vec!["shown".into()],
+            }),
+            runs: statuses.iter().map(run).collect(),
+            ..Results::default()
+        }
+    }
+
+    #[test]
+    fn a_run_beyond_the_tolerance_gates_unless_its_model_is_shown_for_its_error() {
+        use Status::{Converged, Inaccurate, Timeout};
+        let holds = |statuses: &[(&str, Status)], every, any| {
+            let r = record(statuses);
+            let found = (Exit::of_every_run(&r), Exit::of_any_run(&r));
+            assert_eq!(found, (every, any), "{statuses:?}");
+        };
+        let (done, short, failed) = (Exit::Done, Exit::FellShort, Exit::FailedRun);
+        holds(&[("a", Converged), ("a", Converged)], done, done);
+        holds(&[("a", Converged), ("shown", Inaccurate)], done, done);
+        holds(&[("a", Converged), ("a", Inaccurate)], short, done);
+        holds(&[("shown", Inaccurate), ("a", Inaccurate)], short, short);
+        holds(&[("a", Inaccurate), ("a", Timeout)], failed, short);
+        holds(&[("a", Timeout), ("a", Timeout)], failed, failed);
+    }
+
+    #[test]
+    fn the_readme_has_the_table() {
+        let readme = include_str!("../../../README.md");
+        for e in Exit::ALL {
+            let row = format!("| {} | {} |", e.code(), e.meaning());
+            assert!(readme.contains(&row), "{row}");
+        }
+    }
+}
