@@ -6,7 +6,8 @@
 //! The work of fixed-step methods is pinned exactly. Adaptive methods may take a step more or less where
 //! sums are rounded otherwise (another processor, another compiler), so theirs is held to 3 %.
 
-use gearbench::experiment::conditions::{Conditions, silent};
+use gearbench::experiment::conditions::Conditions;
+use gearbench::experiment::runner::Runner;
 use gearbench::scene_file;
 use gearbench::studies::compare::{Plan, compare};
 use gearbench_reports::record::Run;
@@ -34,7 +35,7 @@ fn runs() -> Vec<Run> {
         tolerance: None,
         ..Plan::of(&scene, &choices, Some(&reference))
     };
-    compare(&plan, &silent).unwrap().runs
+    compare(&plan, &Runner::default()).unwrap().runs
 }
 
 fn row(r: &Run) -> String {

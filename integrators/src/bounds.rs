@@ -1,16 +1,46 @@
 //! The bounds of a run: number of steps, wall clock, cancellation from outside.
+//!
+//! The clock also tells the pace: a run that has gone on for a while and would, from what it has done of its time,
+//! take a multiple of its limit, is stopped there and then and says how long it would have taken.
 
-use crate::method::{StepError, TimePlan, Work};
+use crate::method::{Bound, StepError, TimePlan, Work};
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Steps between two looks at the clock; a look costs about as much as a step of two coordinates.
+/// Steps between two looks at the clock at most; a look costs about as much as a step of two coordinates.
 const CLOCK_STRIDE: u64 = 64;
+/// Steps that take longer [s] are each looked at.
+const LONG_STEPS: Duration = Duration::from_millis(1);
+/// Part of the limit, and time [s], after which the pace counts.
+const PACE_AFTER: (f64, f64) = (0.1, 1.0);
+/// So many times the limit a run may be estimated to take: the pace changes between flight and contact.
+const PACE_BEYOND: f64 = 2.0;
 
 /// Counts attempted steps against a plan.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Bounds {
     tries: u64,
+    /// The attempt at which the clock is looked at next, and the attempts between two looks.
+    next_look: u64,
+    stride: u64,
+    begin: Instant,
+    looked: Instant,
+    /// Time at the first look [s].
+    start: Option<f64>,
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        let now = Instant::now();
+        Bounds {
+            tries: 0,
+            next_look: 0,
+            stride: 1,
+            begin: now,
+            looked: now,
+            start: None,
+        }
+    }
 }
 
 impl Bounds {
@@ -25,17 +55,39 @@ impl Bounds {
         if plan.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
             return Err(StepError::Interrupted { t });
         }
-        let look = self.tries.is_multiple_of(CLOCK_STRIDE);
         self.tries += 1;
-        if self.tries > plan.max_steps
-            || (look && plan.deadline.is_some_and(|d| Instant::now() >= d))
+        let bound = if self.tries > plan.max_steps {
+            Some(Bound::Steps(plan.max_steps))
+        } else if let Some(limit) = plan.time_limit
+            && self.tries > self.next_look
         {
-            return Err(StepError::Timeout {
-                t,
-                steps: work.steps,
-            });
+            self.look(limit, plan.t_end, t)
+        } else {
+            None
+        };
+        let steps = work.steps;
+        bound.map_or(Ok(()), |bound| Err(StepError::Timeout { t, steps, bound }))
+    }
+
+    /// Looks at the clock.
+    #[cold]
+    fn look(&mut self, limit: Duration, t_end: f64, t: f64) -> Option<Bound> {
+        let now = Instant::now();
+        self.stride = if now - self.looked > LONG_STEPS {
+            1
+        } else {
+            (2 * self.stride).min(CLOCK_STRIDE)
+        };
+        self.looked = now;
+        self.next_look = self.tries + self.stride - 1;
+        let (spent, limit) = ((now - self.begin).as_secs_f64(), limit.as_secs_f64());
+        let start = *self.start.get_or_insert(t);
+        if spent >= limit {
+            return Some(Bound::Time(limit));
         }
-        Ok(())
+        let estimate = spent * (t_end - start) / (t - start);
+        let known = spent >= PACE_AFTER.1.max(PACE_AFTER.0 * limit);
+        (known && estimate > PACE_BEYOND * limit).then_some(Bound::Pace { limit, estimate })
     }
 
     /// Counts attempts that a library made on its own.

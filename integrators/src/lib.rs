@@ -117,8 +117,8 @@ pub mod table;
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use free_flight::FlightPath;
 pub use method::{
-    AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
-    Sink, StepError, Stepping, TimePlan, Work,
+    AcceptedStep, Bound, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter,
+    Resolution, Sink, StepError, Stepping, TimePlan, Work,
 };
 pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};

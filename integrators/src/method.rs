@@ -6,7 +6,7 @@
 
 use crate::system::{At, Coeffs, SecondOrderSystem, Singular, State};
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::Duration;
 
 /// Whether a method runs at fixed steps, under a tolerance, or both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,8 @@ pub struct MethodInfo {
     pub dissipative: bool,
     /// Runs systems with a [`SecondOrderSystem::modal`] split only, and is exact for their oscillators.
     pub linear_part: bool,
+    /// Keeps dense matrices of the first-order form, twice as large as the coordinates: memory grows with the square.
+    pub dense_matrices: bool,
     /// Parameters.
     pub parameters: &'static [Parameter],
     /// Where the method comes from.
@@ -96,8 +98,8 @@ pub struct TimePlan<'a> {
     pub events: bool,
     /// Largest number of steps, rejected ones included.
     pub max_steps: u64,
-    /// Wall-clock bound.
-    pub deadline: Option<Instant>,
+    /// Wall-clock bound of the run. A run whose pace would take it far beyond is stopped early.
+    pub time_limit: Option<Duration>,
     /// Set from outside to stop the run.
     pub cancel: Option<&'a AtomicBool>,
 }
@@ -110,8 +112,37 @@ impl TimePlan<'_> {
             resolution,
             events: true,
             max_steps: u64::MAX,
-            deadline: None,
+            time_limit: None,
             cancel: None,
+        }
+    }
+}
+
+/// A bound of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Number of attempted steps.
+    Steps(u64),
+    /// Wall clock [s].
+    Time(f64),
+    /// Wall clock [s], and the time that the whole run would have taken at its pace so far [s].
+    Pace {
+        /// The bound.
+        limit: f64,
+        /// The estimate.
+        estimate: f64,
+    },
+}
+
+impl std::fmt::Display for Bound {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Bound::Steps(n) => write!(f, "{n} attempted steps are the limit"),
+            Bound::Time(limit) => write!(f, "{limit:.3} s of wall time are the limit"),
+            Bound::Pace { limit, estimate } => write!(
+                f,
+                "at this pace the run would take {estimate:.2e} s, where {limit:.3} s of wall time are the limit"
+            ),
         }
     }
 }
@@ -204,13 +235,15 @@ pub enum StepError {
         /// Events seen there.
         events: u32,
     },
-    /// The wall-clock or step bound was reached.
-    #[error("stopped at t = {t:.6e} s: {steps} steps reached the bound of the run")]
+    /// A bound of the run was reached, or would have been.
+    #[error("stopped at t = {t:.6e} s after {steps} steps: {bound}")]
     Timeout {
         /// Time [s].
         t: f64,
         /// Steps done.
         steps: u64,
+        /// The bound.
+        bound: Bound,
     },
     /// Stopped from outside.
     #[error("interrupted at t = {t:.6e} s")]

@@ -24,6 +24,7 @@ pub mod deck;
 mod element;
 pub mod full_order;
 pub mod hash;
+pub mod limits;
 pub mod mesh;
 mod mesh_source;
 pub mod modes;

@@ -24,7 +24,7 @@ pub use record::{
     Results, Run, SCHEMA, Status, Study, StudyHeader, Tolerance, finite,
 };
 pub use series::{Column, TimeSeries, decimate};
-pub use store::{ReportError, load_results, report_from, write_results};
+pub use store::{RECORD, ReportError, load_results, report_from, write_results};
 pub use studies::choose::{ChoiceRecord, ChooseRecord, LevelRecord, TriedRecord};
 pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{

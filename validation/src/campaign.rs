@@ -1,15 +1,14 @@
-//! A set of scenes, gone through by several threads, with a journal: one line per scene as soon as it is validated, so that
-//! a check that was stopped goes on where it ended.
+//! A set of scenes, gone through by several threads: each is a piece of work that is kept as soon as it is validated, so
+//! that a check that was stopped goes on where it ended.
 
 use crate::sampling::{Set, full_order, sample};
 use crate::validate::{ValidationError, validate};
-use gearbench::experiment::journal::{Finished, JOURNAL, Journal};
-use gearbench::experiment::machine::COMMIT;
+use gearbench::experiment::key::Key;
 use gearbench::experiment::parallel::{in_parallel, lock};
+use gearbench::experiment::runner::Runner;
 use gearbench_reports::choice_check::ValidatedChoice;
-use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
-use std::sync::Mutex;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// What to check.
 #[derive(Clone, Debug)]
@@ -18,32 +17,15 @@ pub struct Plan {
     pub scenes: [usize; 2],
     /// Scenes that are validated at the same time.
     pub threads: usize,
-    pub folder: PathBuf,
-    pub fresh: bool,
-}
-
-/// A validated scene in the journal.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(transparent)]
-struct Validated(ValidatedChoice);
-
-impl Finished for Validated {
-    fn key(&self) -> String {
-        self.0.number.to_string()
-    }
 }
 
 impl Plan {
-    /// What scenes of a journal belong to: those of another set or of another version are not taken over.
-    fn echo(&self) -> Vec<(String, String)> {
-        [
-            ("set", self.set.name.clone()),
-            ("seed", self.set.seed.to_string()),
-            ("full order", self.set.full_order.to_string()),
-            ("commit", COMMIT.to_owned()),
-        ]
-        .map(|(what, value)| (what.to_owned(), value))
-        .into()
+    /// Name of a scene in the journal: those of another set are not taken over.
+    fn key(&self, number: usize) -> Key {
+        let set = &self.set;
+        Key::new("validated")
+            .and(&(&set.name, set.seed, set.full_order))
+            .and(&number)
     }
 }
 
@@ -54,30 +36,23 @@ impl Plan {
 /// are rows.
 pub fn check(
     plan: &Plan,
+    runner: &Runner<'_>,
     progress: impl Fn(&ValidatedChoice, usize) + Sync,
 ) -> Result<Vec<ValidatedChoice>, ValidationError> {
     let [first, last] = plan.scenes;
     let full = full_order(&plan.set)?;
-    // A version with changes is not told by its commit.
-    let fresh = plan.fresh || COMMIT.ends_with('+');
-    let journal = Journal::<Validated>::open(&plan.folder.join(JOURNAL), &plan.echo(), fresh)?;
     let all: Vec<usize> = (first..=last).collect();
-    let left: Vec<usize> = (all.iter().copied())
-        .filter(|n| journal.get(&n.to_string()).is_none())
-        .collect();
-    let journal = Mutex::new((journal, all.len() - left.len()));
-    in_parallel(plan.threads, &left, |number| {
-        let row = validate(&sample(&plan.set, *number)?, full.contains(number));
-        let (journal, done) = &mut *lock(&journal);
-        *done += 1;
-        progress(&row, *done);
-        journal.store(&Validated(row))?;
+    let rows = Mutex::new(BTreeMap::new());
+    in_parallel(plan.threads, &all, |number| {
+        let row: ValidatedChoice = runner.piece(plan.key(*number), || {
+            let scene = sample(&plan.set, *number)?;
+            Ok::<_, ValidationError>(validate(&scene, full.contains(number)))
+        })?;
+        let mut rows = lock(&rows);
+        progress(&row, rows.len() + 1);
+        rows.insert(*number, row);
         Ok::<(), ValidationError>(())
     })?;
-    let (journal, _) = &*lock(&journal);
-    Ok(all
-        .iter()
-        .filter_map(|n| journal.get(&n.to_string()))
-        .map(|validated| validated.0.clone())
-        .collect())
+    let rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(rows.into_values().collect())
 }

@@ -16,15 +16,19 @@ use arguments::{Cli, Command};
 use campaign::{Plan, check};
 use clap::Parser;
 use gearbench::cli::answer::Answer;
+use gearbench::cli::arguments::Output;
 use gearbench::cli::exit::Exit;
-use gearbench::cli::terminal::{self, Refusal, progress_bar, put, say, write};
+use gearbench::cli::progress::Display;
+use gearbench::cli::study_folder::StudyFolder;
+use gearbench::cli::terminal::{self, Refusal, put, say};
+use gearbench::experiment::conditions::silent;
 use gearbench::experiment::machine;
 use gearbench_reference::reduction::cache::{self, Cache};
+use gearbench_reports::Study;
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
 use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use validate::ValidationError;
 
@@ -80,21 +84,24 @@ fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
             number: scenes[1],
         }));
     }
-    let out =
-        (args.out.clone()).unwrap_or_else(|| Path::new("out").join(name).join("choice-check"));
+    let output = Output {
+        out: args.out.clone(),
+        fresh: args.fresh,
+        ..Output::default()
+    };
+    let mut folder = StudyFolder::open(&output, name, Study::ChoiceCheck.as_str())?;
+    let runner = folder.runner(&silent);
     let plan = Plan {
         set: set.clone(),
         scenes,
         threads: args.threads as usize,
-        folder: out.clone(),
-        fresh: args.fresh,
     };
-    let bar = progress_bar(scenes[1] - scenes[0] + 1);
-    let choices = check(&plan, |row, done| {
-        bar.set_position(done as u64);
-        bar.set_message(format!("{}: {}", row.scene, row.outcome));
+    let total = scenes[1] - scenes[0] + 1;
+    let display = Display::new(total);
+    let choices = check(&plan, &runner, |row, done| {
+        display.tell(done, total, &format!("{}: {}", row.scene, row.outcome));
     });
-    bar.finish_and_clear();
+    drop(display);
     let mut choices = choices.map_err(refuse)?;
     let candidates = candidates_csv(&choices);
     for row in &mut choices {
@@ -123,12 +130,12 @@ fn validate(args: &arguments::Run, command: &str) -> Result<Answer, Refusal> {
         ],
         ..Results::default()
     };
-    let answer = write(&results, (Some(&out), name), summarise)?;
-    let path: PathBuf = out.join("candidates.csv");
+    let answer = folder.finish(results, exit, summarise)?;
+    let path = folder.path().join("candidates.csv");
     std::fs::write(&path, candidates)
         .map_err(|e| Refusal::Files(format!("{}: {e}", path.display())))?;
     say(&format!("candidates: {}", path.display()));
-    Ok(answer.ending(exit(&results)))
+    Ok(answer)
 }
 
 fn exit(results: &Results) -> Exit {

@@ -1,16 +1,32 @@
 //! Arguments that several commands take.
 
-use super::values::{DEFAULT_REPEATS, DEFAULT_TIMEOUT, positive};
+use super::values::{DEFAULT_MEMORY, DEFAULT_REPEATS, DEFAULT_TIMEOUT, gigabytes, positive};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Where results go.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug)]
 pub struct Output {
     /// Folder to write to [default: out/SCENE/STUDY]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Start over: do not go on with runs that an interrupted start has finished
+    #[arg(long)]
+    pub fresh: bool,
+    /// Refuse what would take more memory than this [GB]
+    #[arg(long, value_name = "GB", default_value_t = DEFAULT_MEMORY, value_parser = gigabytes)]
+    pub memory: f64,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Output {
+            out: None,
+            fresh: false,
+            memory: DEFAULT_MEMORY,
+        }
+    }
 }
 
 /// Where results go, and how long a run may take.
@@ -19,17 +35,12 @@ pub struct Bounded {
     /// Where results go.
     #[command(flatten)]
     pub output: Output,
-    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    /// Wall-clock bound of one integration in seconds; a run that would take far longer at its pace ends at once
     #[arg(long, value_name = "S", default_value_t = DEFAULT_TIMEOUT, value_parser = positive)]
     pub timeout: f64,
 }
 
 impl Bounded {
-    /// The folder that was named.
-    pub fn out(&self) -> Option<&Path> {
-        self.output.out.as_deref()
-    }
-
     /// Bound of one integration.
     pub fn timeout(&self) -> Duration {
         Duration::from_secs_f64(self.timeout)

@@ -48,7 +48,9 @@ impl Exit {
             }
             Exit::BadInput => "bad input: file, line, what was expected, a way out",
             Exit::FailedRun => "a run failed to finish, or a model could not be solved",
-            Exit::Interrupted => "interrupted (Ctrl-C, SIGTERM)",
+            Exit::Interrupted => {
+                "interrupted (Ctrl-C, SIGTERM): what was finished is reported, the same command goes on"
+            }
         }
     }
 

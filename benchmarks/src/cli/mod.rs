@@ -2,9 +2,11 @@
 //! studies and tools.
 
 pub mod answer;
-pub(crate) mod arguments;
+pub mod arguments;
 pub mod exit;
+pub mod progress;
 mod refusal;
+pub mod study_folder;
 pub mod terminal;
 pub(crate) mod values;
 

@@ -16,6 +16,8 @@ pub enum Refusal {
     Files(String),
     /// Something that was asked for could not be computed.
     Failed(String),
+    /// The user ended it before there was anything to report.
+    Interrupted,
 }
 
 impl Refusal {
@@ -25,6 +27,13 @@ impl Refusal {
             Refusal::Input(report) => (Exit::BadInput, report),
             Refusal::Files(message) => (Exit::BadInput, Report::msg(message)),
             Refusal::Failed(message) => (Exit::FailedRun, Report::msg(message)),
+            Refusal::Interrupted => (
+                Exit::Interrupted,
+                miette::miette!(
+                    help = "the same command goes on with what is finished",
+                    "interrupted before there was anything to report"
+                ),
+            ),
         }
     }
 }
@@ -45,6 +54,9 @@ pub fn refuse_run(e: RunError) -> Refusal {
         )),
         e @ RunError::NoLinearPart(_) => Refusal::Input(miette::miette!("{e}")),
         RunError::Reference(e) => Refusal::Failed(e),
+        RunError::Refused(_) => Refusal::Failed(e.to_string()),
+        RunError::Interrupted => Refusal::Interrupted,
+        RunError::Journal(e) => Refusal::Files(e.to_string()),
     }
 }
 

@@ -7,17 +7,13 @@
 use super::answer::{self, Answer};
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
-use crate::experiment::conditions::Progress;
 use crate::scene_file::SceneFile;
 use gearbench_reference::ExternalReference;
-use gearbench_reports::record::Results;
-use indicatif::{ProgressBar, ProgressStyle};
 use miette::Report;
-use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, OnceLock};
-use std::time::Duration;
 
 /// For whom standard output is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -81,7 +77,7 @@ pub fn warn(text: &str) {
 }
 
 /// A line on standard error; where it cannot be written there is nobody to tell.
-fn say_error(text: &str) {
+pub fn say_error(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
@@ -140,57 +136,9 @@ pub fn told(program: &str) -> String {
     format!("{program} {}", arguments.join(" "))
 }
 
-/// The folder of a study.
-pub fn folder(out: Option<&Path>, scene: &str, study: &str) -> PathBuf {
-    out.map_or_else(|| Path::new("out").join(scene).join(study), Path::to_owned)
-}
-
-/// Writes the folder of a study, prints its summary and where everything lies, and answers with its record.
-pub fn write(
-    results: &Results,
-    (out, scene): (Option<&Path>, &str),
-    summarise: impl FnOnce(&Results),
-) -> Result<Answer, Refusal> {
-    let dir = folder(out, scene, results.study().as_str());
-    let page = gearbench_reports::write_results(&dir, results)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    summarise(results);
-    let [record, page] = [dir.join("results.json"), page].map(absolute);
-    say(&format!("record: {}", record.display()));
-    say(&format!("report: {}", page.display()));
-    Ok(Answer::of(results)
-        .with("record", &record)
-        .with("report", &page))
-}
-
 /// A path that holds wherever it is pasted.
 pub fn absolute(path: PathBuf) -> PathBuf {
     path.canonicalize().unwrap_or(path)
-}
-
-/// A progress bar on a terminal, nothing otherwise.
-pub fn progress_bar(length: usize) -> ProgressBar {
-    if manner() == Manner::Quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(length as u64);
-    let style = ProgressStyle::with_template("{bar:30} {pos:>3}/{len} {elapsed:>4}  {wide_msg}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.set_style(style);
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
-}
-
-/// Does a study under a progress bar.
-pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) -> T {
-    let bar = progress_bar(length);
-    let done = study(&|done, total, what| {
-        bar.set_length(total as u64);
-        bar.set_position(done as u64);
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
-    done
 }
 
 /// The stored reference of a scene.

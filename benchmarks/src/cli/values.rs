@@ -8,7 +8,9 @@ pub const DEFAULT_SCENE: &str = "spur_impact";
 pub const DEFAULT_REPEATS: u32 = 3;
 
 /// Wall-clock bound of one integration [s] when the command line does not say.
-pub const DEFAULT_TIMEOUT: f64 = 120.0;
+pub const DEFAULT_TIMEOUT: f64 = 30.0;
+/// Memory that a command may take [GB] when the command line does not say.
+pub const DEFAULT_MEMORY: f64 = 2.0;
 
 /// A number that something holds of.
 pub fn number(text: &str, holds: impl Fn(&f64) -> bool, expected: &str) -> Result<f64, String> {
@@ -20,6 +22,12 @@ pub fn number(text: &str, holds: impl Fn(&f64) -> bool, expected: &str) -> Resul
 pub fn positive(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
     number(text, holds, "expected a positive number of seconds")
+}
+
+/// A number of gigabytes.
+pub fn gigabytes(text: &str) -> Result<f64, String> {
+    let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
+    number(text, holds, "expected a positive number of gigabytes")
 }
 
 /// Load over the width [N/mm] when the command line does not say.

@@ -1,11 +1,15 @@
-//! The journal of a study: every finished run is a line of its own, on disk before the next is asked for.
+//! The journal of a study: every finished piece of work is a line of its own, on disk before the next is asked for.
 //!
-//! The first line says which plan the lines belong to. A program that is killed leaves at worst a last line without
-//! its end, which the next one cuts off; what stands in the journal is not computed again. A line is appended by one
-//! write and synced, so that neither a kill nor a loss of power takes more than the runs under way.
+//! The first line says which program the lines belong to: another one may compute otherwise, and starts over. A line has
+//! the name of a piece, which tells all that the piece depends on ([`Key`](super::key::Key)), and its result. A program
+//! that is killed leaves at worst a last line without its end, which the next one cuts off; what stands in the journal is
+//! not computed again. A line is appended by one write and synced, so that neither a kill nor a loss of power takes more
+//! than the runs under way.
 
+use super::machine;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
@@ -14,22 +18,44 @@ use std::path::{Path, PathBuf};
 /// Name of the journal in the folder of a study.
 pub const JOURNAL: &str = "journal.jsonl";
 /// Version of its format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// First line.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Header {
     /// Version of the format.
-    #[serde(alias = "stability_journal")]
     journal: u32,
-    /// What the plan consists of.
-    plan: Vec<(String, String)>,
+    /// The program that wrote it.
+    program: String,
 }
 
-/// A finished run, or whatever else a line holds.
-pub trait Finished: Serialize + DeserializeOwned {
-    /// Which run of the plan.
-    fn key(&self) -> String;
+impl Header {
+    fn own() -> Self {
+        Header {
+            journal: VERSION,
+            program: format!(
+                "gearbench {} {}{}",
+                env!("CARGO_PKG_VERSION"),
+                machine::COMMIT,
+                build()
+            ),
+        }
+    }
+}
+
+/// What tells builds of a tree with changes apart, which have one commit: when the program was built.
+fn build() -> String {
+    let changed = machine::COMMIT.ends_with('+');
+    let built = || std::env::current_exe()?.metadata()?.modified();
+    let time = changed.then(built).and_then(Result::ok);
+    time.map_or_else(String::new, |t| format!(" {t:?}"))
+}
+
+/// A finished piece of work; its result as text, which is read when it is asked for.
+#[derive(Debug, Serialize, Deserialize)]
+struct Line {
+    key: String,
+    result: Box<RawValue>,
 }
 
 /// Why a journal cannot be used.
@@ -42,17 +68,6 @@ pub enum JournalError {
         path: PathBuf,
         /// Reason.
         source: std::io::Error,
-    },
-    /// It belongs to another plan.
-    #[error(
-        "{}: the folder holds the journal of another plan: {what}; write to another folder with --out, or start over with --fresh",
-        path.display()
-    )]
-    OtherPlan {
-        /// The journal.
-        path: PathBuf,
-        /// The first difference.
-        what: String,
     },
     /// A line that is not the last cannot be read.
     #[error(
@@ -69,85 +84,88 @@ pub enum JournalError {
     },
 }
 
-/// An open journal.
-#[derive(Debug)]
-pub struct Journal<L> {
-    path: PathBuf,
-    file: File,
-    lines: HashMap<String, L>,
+impl From<JournalError> for String {
+    fn from(e: JournalError) -> String {
+        e.to_string()
+    }
 }
 
-impl<L: Finished> Journal<L> {
-    /// Opens the journal at a path for a plan, with what it holds already; `fresh` empties it first.
+/// An open journal.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Results by name, with the number of their line.
+    results: HashMap<String, (usize, Box<RawValue>)>,
+    lines: usize,
+}
+
+impl Journal {
+    /// Opens the journal at a path, with what it holds already; `fresh` empties it first, and so does another program.
     ///
     /// # Errors
-    /// [`JournalError`] when it belongs to another plan or is damaged before its last line.
-    pub fn open(path: &Path, plan: &[(String, String)], fresh: bool) -> Result<Self, JournalError> {
+    /// [`JournalError`] when the file refuses, or is damaged before its last line.
+    pub fn open(path: &Path, fresh: bool) -> Result<Self, JournalError> {
         let io = |source| JournalError::Io {
             path: path.to_owned(),
             source,
         };
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(io)?;
-        }
-        let mut file = OpenOptions::new()
-            .read(true)
-            .append(true)
-            .create(true)
+        let mut file = (OpenOptions::new().read(true).append(true).create(true))
             .open(path)
             .map_err(io)?;
-        if fresh {
-            file.set_len(0).map_err(io)?;
-        }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(io)?;
-        let whole = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
+        let ours = |line: &[u8]| {
+            serde_json::from_slice::<Header>(line).is_ok_and(|found| found == Header::own())
+        };
+        let first = bytes.iter().position(|b| *b == b'\n').unwrap_or(0);
+        let whole = if fresh || !ours(&bytes[..first]) {
+            0
+        } else {
+            bytes.iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1)
+        };
         if whole < bytes.len() {
             file.set_len(whole as u64).map_err(io)?;
         }
         let mut journal = Journal {
             path: path.to_owned(),
             file,
-            lines: HashMap::new(),
+            results: HashMap::new(),
+            lines: 1,
         };
         if whole == 0 {
-            journal.append(&Header {
-                journal: VERSION,
-                plan: plan.to_vec(),
-            })?;
-            return Ok(journal);
+            journal.append(&Header::own())?;
+        } else {
+            journal.read(&bytes[first + 1..whole])?;
         }
-        journal.read(&bytes[..whole], plan)?;
         Ok(journal)
     }
 
-    /// Takes the whole lines of a journal.
-    fn read(&mut self, bytes: &[u8], plan: &[(String, String)]) -> Result<(), JournalError> {
-        let damaged = |line: usize, reason: String| JournalError::Damaged {
+    fn damaged(&self, line: usize, reason: &dyn std::fmt::Display) -> JournalError {
+        JournalError::Damaged {
             path: self.path.clone(),
-            line: line + 1,
-            reason,
-        };
-        let text = std::str::from_utf8(bytes).map_err(|e| damaged(0, e.to_string()))?;
-        for (i, line) in text.lines().enumerate() {
-            if i == 0 {
-                let header: Header =
-                    serde_json::from_str(line).map_err(|e| damaged(0, e.to_string()))?;
-                if let Some(what) = difference(&header, plan) {
-                    return Err(JournalError::OtherPlan {
-                        path: self.path.clone(),
-                        what,
-                    });
-                }
-                continue;
-            }
-            let line: L = serde_json::from_str(line).map_err(|e| damaged(i, e.to_string()))?;
-            self.lines.entry(line.key()).or_insert(line);
+            line,
+            reason: reason.to_string(),
+        }
+    }
+
+    /// Takes the whole lines of a journal, the first one left out.
+    fn read(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
+        for line in bytes.split_inclusive(|b| *b == b'\n') {
+            let found: Line =
+                serde_json::from_slice(line).map_err(|e| self.damaged(self.lines + 1, &e))?;
+            self.keep(found);
         }
         Ok(())
     }
 
-    fn append(&mut self, line: &impl Serialize) -> Result<String, JournalError> {
+    fn keep(&mut self, line: Line) {
+        self.lines += 1;
+        let kept = (self.lines, line.result);
+        self.results.entry(line.key).or_insert(kept);
+    }
+
+    fn append(&mut self, line: &impl Serialize) -> Result<(), JournalError> {
         let io = |source| JournalError::Io {
             path: self.path.clone(),
             source,
@@ -155,66 +173,46 @@ impl<L: Finished> Journal<L> {
         let mut text = serde_json::to_string(line).map_err(|e| io(e.into()))?;
         text.push('\n');
         self.file.write_all(text.as_bytes()).map_err(io)?;
-        self.file.sync_data().map_err(io)?;
-        Ok(text)
+        self.file.sync_data().map_err(io)
     }
 
-    /// Stores a finished run. What is kept is what the file says, so that a map that was resumed holds the same
-    /// numbers to the last bit.
-    pub fn store(&mut self, line: &L) -> Result<(), JournalError> {
-        let text = self.append(line)?;
-        let kept: L = serde_json::from_str(&text).map_err(|e| JournalError::Damaged {
+    /// Stores the result of a piece of work.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`] when the file refuses.
+    pub fn store(&mut self, key: &str, result: &impl Serialize) -> Result<(), JournalError> {
+        let result = serde_json::value::to_raw_value(result).map_err(|e| JournalError::Io {
             path: self.path.clone(),
-            line: self.lines.len() + 2,
-            reason: e.to_string(),
+            source: e.into(),
         })?;
-        self.lines.entry(kept.key()).or_insert(kept);
+        let key = key.to_owned();
+        let line = Line { key, result };
+        self.append(&line)?;
+        self.keep(line);
         Ok(())
     }
 
-    /// A finished run by its name.
-    pub fn get(&self, key: &str) -> Option<&L> {
-        self.lines.get(key)
+    /// A result by its name.
+    ///
+    /// # Errors
+    /// [`JournalError::Damaged`] when it is none of this type.
+    pub fn get<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>, JournalError> {
+        let Some((line, text)) = self.results.get(key) else {
+            return Ok(None);
+        };
+        let read = serde_json::from_str(text.get()).map_err(|e| self.damaged(*line, &e))?;
+        Ok(Some(read))
     }
 
-    /// Number of finished runs.
+    /// Number of finished pieces.
     pub fn len(&self) -> usize {
-        self.lines.len()
+        self.results.len()
     }
 
     /// Whether nothing is finished.
     pub fn is_empty(&self) -> bool {
-        self.lines.is_empty()
+        self.results.is_empty()
     }
-}
-
-/// The first difference between the plan of a journal and another.
-fn difference(header: &Header, plan: &[(String, String)]) -> Option<String> {
-    if header.journal != VERSION {
-        return Some(format!(
-            "its format is {}, this program writes {VERSION}",
-            header.journal
-        ));
-    }
-    let short = |text: &str| match text.char_indices().nth(120) {
-        Some((at, _)) => format!("{} ...", &text[..at]),
-        None => text.to_owned(),
-    };
-    for (i, (name, value)) in plan.iter().enumerate() {
-        match header.plan.get(i) {
-            Some((n, v)) if n == name && v == value => {}
-            Some((n, v)) if n == name => {
-                return Some(format!(
-                    "{name} is `{}` there and `{}` here",
-                    short(v),
-                    short(value)
-                ));
-            }
-            Some((n, _)) => return Some(format!("it has `{n}` where this one has `{name}`")),
-            None => return Some(format!("it has no `{name}`")),
-        }
-    }
-    (header.plan.get(plan.len())).map(|(n, _)| format!("it has `{n}` as well"))
 }
 
 #[cfg(test)]
@@ -222,45 +220,20 @@ mod tests {
     use super::*;
     use tempfile::TempDir;
 
-    fn plan(step: &str) -> Vec<(String, String)> {
-        vec![
-            ("scene".into(), "test".into()),
-            ("steps".into(), step.into()),
-        ]
+    fn open(folder: &TempDir, fresh: bool) -> Result<Journal, JournalError> {
+        Journal::open(&folder.path().join(JOURNAL), fresh)
     }
 
-    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-    struct Line {
-        key: String,
-        x: f64,
-    }
-
-    impl Finished for Line {
-        fn key(&self) -> String {
-            self.key.clone()
-        }
-    }
-
-    fn line(key: &str) -> Line {
-        Line {
-            key: key.into(),
-            x: 0.1 + 0.2,
-        }
-    }
-
-    /// Opens the journal of a folder for the plan with some steps.
-    fn open(folder: &TempDir, step: &str, fresh: bool) -> Result<Journal<Line>, JournalError> {
-        Journal::open(&folder.path().join(JOURNAL), &plan(step), fresh)
-    }
+    /// A number that takes all its digits.
+    const X: f64 = 0.1 + 0.2;
 
     #[test]
     fn a_torn_last_line_is_cut_off() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join(JOURNAL);
-        let mut journal = open(&folder, "a", false).unwrap();
-        journal.store(&line("m0/c0")).unwrap();
-        let kept = journal.get("m0/c0").unwrap().clone();
-        journal.store(&line("m0/c1")).unwrap();
+        let mut journal = open(&folder, false).unwrap();
+        journal.store("a", &X).unwrap();
+        journal.store("b", &[X, 2.0]).unwrap();
         drop(journal);
         let whole = std::fs::read(&file).unwrap();
         let first = whole.iter().position(|b| *b == b'\n').unwrap() + 1;
@@ -268,50 +241,48 @@ mod tests {
         // Torn at every byte, also in the header.
         for end in (0..whole.len()).rev() {
             std::fs::write(&file, &whole[..end]).unwrap();
-            let journal = open(&folder, "a", false).unwrap();
+            let journal = open(&folder, false).unwrap();
             assert_eq!(journal.len(), usize::from(end >= second));
-            if end >= second {
-                assert_eq!(journal.get("m0/c0"), Some(&kept));
-            }
+            let kept = journal.get::<f64>("a").unwrap();
+            assert_eq!(kept, (end >= second).then_some(X));
             let left = std::fs::read(&file).unwrap();
             assert!(left.ends_with(b"\n") && whole.starts_with(&left));
         }
         // It goes on where it was cut.
-        let mut journal = open(&folder, "a", false).unwrap();
-        for key in ["m0/c0", "m0/c1"] {
-            journal.store(&line(key)).unwrap();
-        }
+        let mut journal = open(&folder, false).unwrap();
+        journal.store("a", &X).unwrap();
+        journal.store("b", &[X, 2.0]).unwrap();
         assert_eq!(std::fs::read(&file).unwrap(), whole);
     }
 
     #[test]
-    fn another_plan_is_refused_with_a_way_out() {
+    fn another_program_starts_over() {
         let folder = tempfile::tempdir().unwrap();
-        let mut journal = open(&folder, "1e-7", false).unwrap();
-        journal.store(&line("m0/c0")).unwrap();
-        drop(journal);
-        let text = open(&folder, "2e-7", false).unwrap_err().to_string();
-        for word in ["steps is `1e-7` there and `2e-7` here", "--fresh", "--out"] {
-            assert!(text.contains(word), "{text}");
-        }
-        let longer = [plan("1e-7"), plan("1e-7")].concat();
         let file = folder.path().join(JOURNAL);
-        assert!(Journal::<Line>::open(&file, &longer, false).is_err());
-        assert!(open(&folder, "2e-7", true).unwrap().is_empty());
-        assert!(open(&folder, "2e-7", false).is_ok());
+        open(&folder, false).unwrap().store("a", &X).unwrap();
+        assert_eq!(open(&folder, false).unwrap().len(), 1);
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replacen("gearbench ", "gearbench 0.", 1)).unwrap();
+        assert!(open(&folder, false).unwrap().is_empty());
+        open(&folder, false).unwrap().store("a", &X).unwrap();
+        assert!(open(&folder, true).unwrap().is_empty());
     }
 
     #[test]
     fn a_damaged_line_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join(JOURNAL);
-        let mut journal = open(&folder, "a", false).unwrap();
-        journal.store(&line("m0/c0")).unwrap();
-        journal.store(&line("m0/c1")).unwrap();
+        let mut journal = open(&folder, false).unwrap();
+        journal.store("a", &X).unwrap();
+        journal.store("b", &X).unwrap();
+        assert!(journal.get::<String>("b").is_err());
         drop(journal);
         let text = std::fs::read_to_string(&file).unwrap();
-        std::fs::write(&file, text.replacen("\"key\":\"m0/c0\"", "\"ke", 1)).unwrap();
-        let error = open(&folder, "a", false).unwrap_err();
-        assert!(error.to_string().contains(".jsonl:2:"), "{error}");
+        std::fs::write(&file, text.replacen("\"key\":\"a\"", "\"ke", 1)).unwrap();
+        let error = open(&folder, false).unwrap_err().to_string();
+        assert!(
+            error.contains(".jsonl:2:") && error.contains("--fresh"),
+            "{error}"
+        );
     }
 }

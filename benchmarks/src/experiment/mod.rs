@@ -8,12 +8,15 @@
 //! | [`error`] | why a study ends before its end |
 //! | `external` | stored references as records keep them |
 //! | `history` | channels of a run over time |
-//! | [`journal`] | finished runs on disk, so that a killed study goes on where it was |
+//! | [`interruption`] | Ctrl-C and SIGTERM |
+//! | [`journal`] | finished work on disk, so that a killed study goes on where it was |
+//! | [`key`] | names of pieces of work by all that they depend on |
 //! | [`machine`] | where and when a record was made |
 //! | [`parallel`] | pieces of work on several threads |
 //! | `record` | what a record keeps of a run |
 //! | [`run`] | one model under one integrator: a row of the record, failed or not |
 //! | `parameters` | parameters of a run for its record |
+//! | [`runner`] | how a study does its work: piece by piece, kept when finished |
 //! | `settings` | what a reader must know of a scene |
 //! | [`status`] | how a run ended: one label for every way a run can go wrong |
 //! | `thin` | histories as records keep them |
@@ -24,12 +27,15 @@ pub(crate) mod converged;
 pub mod error;
 pub(crate) mod external;
 pub(crate) mod history;
+pub mod interruption;
 pub mod journal;
+pub mod key;
 pub mod machine;
 pub mod parallel;
 pub(crate) mod parameters;
 pub(crate) mod record;
 pub mod run;
+pub mod runner;
 pub(crate) mod settings;
 pub mod status;
 pub(crate) mod thin;

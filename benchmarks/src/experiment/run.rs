@@ -1,6 +1,9 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
 use super::history::History;
+use super::interruption;
+use super::journal::JournalError;
+use super::key::Key;
 use super::parameters::parameters;
 use super::record::{ledger_record, momenta, reduction, snapshot, time_series};
 use super::status::RunMonitor;
@@ -13,6 +16,7 @@ use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::limits::{self, TooMuchMemory};
 use gearbench_reports::record::Run;
 use std::time::{Duration, Instant};
 
@@ -21,8 +25,11 @@ const LONG: f64 = 1.0;
 /// Timed repeats of a run at most, however short it is.
 const MOST_REPEATS: usize = 300;
 
+/// Dense matrices that such a method holds at a time: Jacobian, Newton matrix, its factors and what these are made of.
+const DENSE_COPIES: f64 = 4.0;
+
 /// The setting that names pairs of a model and an integrator that cannot run it.
-pub const LEFT_OUT: &str = "left out: needs a linear part";
+pub const LEFT_OUT: &str = "left out";
 
 /// No bound of wall-clock time: what ends such a run is its end, or the number of its steps.
 pub const NO_BOUND: Duration = Duration::from_secs(1_000_000_000);
@@ -57,16 +64,30 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
+    /// Name of what the result depends on, timings apart.
+    pub fn key(&self) -> Key {
+        Key::new("run")
+            .and_scene(self.scene, self.modelling)
+            .and(&(self.method, self.t_end, self.grid, self.also_steps))
+            .and(&(self.forces, self.events, self.repeats))
+            .and(&(self.timeout, self.max_steps))
+    }
+
     fn plan(&self) -> TimePlan<'_> {
         TimePlan {
             t_end: self.t_end,
             resolution: self.method.resolution,
             events: self.events,
             max_steps: self.max_steps,
-            deadline: Some(Instant::now() + self.timeout),
-            cancel: None,
+            time_limit: (self.timeout < NO_BOUND).then_some(self.timeout),
+            cancel: Some(interruption::flag()),
         }
     }
+}
+
+/// Memory of the matrices of a method that keeps dense ones of the first-order form, twice the coordinates [bytes].
+fn dense_bytes(coordinates: usize) -> f64 {
+    DENSE_COPIES * 8.0 * (2.0 * coordinates as f64).powi(2)
 }
 
 /// Why a run could not even start, or was stopped by the user.
@@ -89,6 +110,25 @@ pub enum RunError {
     /// A run that others are to be held against did not reach the end.
     #[error("{0}")]
     Reference(String),
+    /// It would take more memory than it may.
+    #[error(transparent)]
+    Refused(#[from] TooMuchMemory),
+    /// The user ended it.
+    #[error("interrupted")]
+    Interrupted,
+    /// Finished runs cannot be read or kept.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+}
+
+impl RunError {
+    /// Whether the method and the model do not go together, so that a study leaves the pair out and goes on.
+    pub fn leaves_out(&self) -> bool {
+        matches!(
+            self,
+            RunError::NoLinearPart(_) | RunError::Refused(_) | RunError::Unsupported(_)
+        )
+    }
 }
 
 /// Runs a job and fills a row; model names and metrics are the caller's.
@@ -121,6 +161,16 @@ fn timed_in(
     if info.linear_part && scene.modal().is_none() {
         return Err(RunError::NoLinearPart(info.id.into()));
     }
+    if info.dense_matrices {
+        let n = scene.layout().n;
+        let what = format!("{} for {n} coordinates", info.id);
+        let way_out =
+            "take a method that solves with the model's own matrices, for example hht or newmark";
+        limits::check(what, dense_bytes(n), way_out)?;
+    }
+    if interruption::requested() {
+        return Err(RunError::Interrupted);
+    }
 
     let mut monitor = RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
     let mut state = scene.initial();
@@ -129,8 +179,10 @@ fn timed_in(
     let begin = Instant::now();
     let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
     let observed = begin.elapsed().as_secs_f64();
-    if let Err(StepError::Unsupported { .. }) = outcome {
-        return Err(RunError::Unsupported(outcome.unwrap_err().to_string()));
+    match &outcome {
+        Err(e @ StepError::Unsupported { .. }) => return Err(RunError::Unsupported(e.to_string())),
+        Err(StepError::Interrupted { .. }) => return Err(RunError::Interrupted),
+        _ => {}
     }
 
     let (status, mut message) = monitor.status(scene, &state, &outcome);
@@ -223,6 +275,7 @@ pub fn force_on_grid(
     let end = grid.last().copied().unwrap_or(0.0);
     let plan = TimePlan {
         max_steps,
+        cancel: Some(interruption::flag()),
         ..TimePlan::new(end, resolution)
     };
     let sink: &mut dyn Sink = &mut history;

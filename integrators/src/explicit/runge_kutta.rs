@@ -20,6 +20,7 @@ pub static RK4: MethodInfo = MethodInfo {
     tolerance_slope: 0.0,
     dissipative: true,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[],
     citation: "Kutta, Z. Math. Phys. 46 (1901) 435",
 };
@@ -34,6 +35,7 @@ pub static DOPRI5: MethodInfo = MethodInfo {
     tolerance_slope: 1.0,
     dissipative: true,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[],
     citation: "Dormand, Prince, J. Comp. Appl. Math. 6 (1980) 19",
 };

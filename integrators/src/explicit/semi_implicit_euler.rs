@@ -16,6 +16,7 @@ pub static INFO: MethodInfo = MethodInfo {
     tolerance_slope: 0.0,
     dissipative: false,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[],
     citation: "Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), I.1.2",
 };

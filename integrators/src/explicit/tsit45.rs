@@ -14,6 +14,7 @@ pub static INFO: MethodInfo = MethodInfo {
     // It gains a little: the sixth-order term of its stability polynomial lies below 1/720.
     dissipative: false,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[],
     citation: "Tsitouras, Comput. Math. Appl. 62 (2011) 770; diffsol",
 };

@@ -18,6 +18,7 @@ pub static INFO: MethodInfo = MethodInfo {
     tolerance_slope: 0.0,
     dissipative: false,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[],
     citation: "Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637",
 };

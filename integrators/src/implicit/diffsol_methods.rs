@@ -16,6 +16,7 @@ pub static BDF: MethodInfo = MethodInfo {
     tolerance_slope: 0.8,
     dissipative: true,
     linear_part: false,
+    dense_matrices: true,
     parameters: &[],
     citation: "Shampine, Reichelt, SIAM J. Sci. Comput. 18 (1997) 1; diffsol",
 };
@@ -30,6 +31,7 @@ pub static TR_BDF2: MethodInfo = MethodInfo {
     tolerance_slope: 2.0 / 3.0,
     dissipative: true,
     linear_part: false,
+    dense_matrices: true,
     parameters: &[],
     citation: "Bank et al., IEEE Trans. CAD 4 (1985) 436; Hosea, Shampine, Appl. Numer. Math. 20 (1996) 21; diffsol",
 };
@@ -44,6 +46,7 @@ pub static ESDIRK34: MethodInfo = MethodInfo {
     tolerance_slope: 0.75,
     dissipative: true,
     linear_part: false,
+    dense_matrices: true,
     parameters: &[],
     citation: "Jorgensen, Kristensen, Thomsen, arXiv:1803.01613 (2018); diffsol",
 };

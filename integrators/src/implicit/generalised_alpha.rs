@@ -35,6 +35,7 @@ pub static NEWMARK: MethodInfo = MethodInfo {
     tolerance_slope: 0.0,
     dissipative: false,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[Parameter {
         name: "beta",
         default: 0.25,
@@ -54,6 +55,7 @@ pub static HHT: MethodInfo = MethodInfo {
     tolerance_slope: 0.0,
     dissipative: true,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[Parameter {
         name: "alpha",
         default: 0.05,
@@ -73,6 +75,7 @@ pub static GENERALISED_ALPHA: MethodInfo = MethodInfo {
     tolerance_slope: 0.0,
     dissipative: true,
     linear_part: false,
+    dense_matrices: false,
     parameters: &[Parameter {
         name: "rho_inf",
         default: 0.8,

@@ -48,6 +48,7 @@ pub static INFO: MethodInfo = MethodInfo {
     tolerance_slope: 1.0,
     dissipative: false,
     linear_part: true,
+    dense_matrices: false,
     parameters: &[Parameter {
         name: "filter",
         default: 1.0,

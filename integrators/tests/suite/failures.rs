@@ -7,14 +7,14 @@ use gearbench_integrators::explicit::runge_kutta::RungeKutta;
 use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
 use gearbench_integrators::implicit::generalised_alpha::GeneralisedAlpha;
-use gearbench_integrators::method::Tolerance;
+use gearbench_integrators::method::{Bound, Tolerance};
 use gearbench_integrators::modal::trigonometric::{Filter, Trigonometric};
 use gearbench_integrators::{
     At, Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,
     StepError, Stepping, TimePlan, Work,
 };
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::Duration;
 
 /// `x'' = f(t, x)` with a tangent of its own, right or wrong.
 struct Scalar {
@@ -149,18 +149,25 @@ fn bounds_of_a_run_are_kept() {
             ..plan_for(m, 50.0)
         };
         let (s, work, result) = run(m, &mut Duffing, Duffing::start(), &plan);
-        let Err(StepError::Timeout { t, steps }) = result else {
+        let Err(StepError::Timeout { t, steps, bound }) = result else {
             panic!("{}: {result:?}", m.info.id)
         };
-        assert_eq!((t, steps), (s.t, work.steps), "{}", m.info.id);
+        let found = (t, steps, bound);
+        assert_eq!(found, (s.t, work.steps, Bound::Steps(10)), "{}", m.info.id);
         assert!(work.steps + work.rejected <= 11 && s.t > 0.0, "{work:?}");
 
         let plan = TimePlan {
-            deadline: Some(Instant::now()),
+            time_limit: Some(Duration::ZERO),
             ..plan_for(m, 50.0)
         };
         let (_, work, result) = run(m, &mut Duffing, Duffing::start(), &plan);
-        assert_eq!(result, Err(StepError::Timeout { t: 0.0, steps: 0 }));
+        let bound = Bound::Time(0.0);
+        let stopped = StepError::Timeout {
+            t: 0.0,
+            steps: 0,
+            bound,
+        };
+        assert_eq!(result, Err(stopped));
         assert_eq!(work.steps, 0);
 
         let plan = TimePlan {

@@ -31,6 +31,10 @@ words! {
         AdhesiveForce = "adhesive force",
         /// The run was stopped for taking too long.
         Timeout = "timeout",
+        /// The program itself failed in the run.
+        Aborted = "aborted",
+        /// The study was interrupted before the run was finished.
+        Interrupted = "interrupted",
     }
 }
 
@@ -142,6 +146,7 @@ pub struct Run {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
     /// One entry per reference the run is compared with.
+    #[serde(default)]
     pub metrics: Vec<Metrics>,
     /// Energy and impulse ledger.
     #[serde(default)]

@@ -6,7 +6,8 @@
 #![allow(clippy::print_stdout)]
 
 use super::full_order::load;
-use gearbench::experiment::conditions::{Conditions, silent};
+use gearbench::experiment::conditions::Conditions;
+use gearbench::experiment::runner::Runner;
 use gearbench::models::models;
 use gearbench::scene_file::SceneFile;
 use gearbench::studies::compare::{Plan, compare};
@@ -55,7 +56,7 @@ fn run(
             resolution: Resolution::Step(step),
         }]);
     }
-    compare(&plan, &silent).unwrap().runs.remove(0)
+    compare(&plan, &Runner::default()).unwrap().runs.remove(0)
 }
 
 /// Errors of a run: force history, impulse, peak.

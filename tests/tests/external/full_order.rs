@@ -3,7 +3,8 @@
 //! Same elements, same penalty, faceted flanks on both sides; what is left is how contact is integrated over
 //! the faces and the scheme in time. Limits stand a little above what was found, far inside what is asked.
 
-use gearbench::experiment::conditions::{Conditions, silent};
+use gearbench::experiment::conditions::Conditions;
+use gearbench::experiment::runner::Runner;
 use gearbench::models::models;
 use gearbench::scene_file::{self, SceneFile};
 use gearbench::studies::compare::{Plan, compare};
@@ -44,7 +45,7 @@ fn run(
             points.rule = rule;
         }
     }
-    compare(&plan, &silent).unwrap().runs.remove(0)
+    compare(&plan, &Runner::default()).unwrap().runs.remove(0)
 }
 
 /// Case A on fine flanks with the usual points: made once.
@@ -271,7 +272,7 @@ fn explicit_and_implicit_agree_on_the_same_masses() {
     let plan = plan.with_methods(vec![
         gearbench_integrators::table::VELOCITY_VERLET.at_step(2.5e-8),
     ]);
-    let explicit = compare(&plan, &silent).unwrap().runs.remove(0);
+    let explicit = compare(&plan, &Runner::default()).unwrap().runs.remove(0);
     let (a, b) = (implicit.series.as_ref().unwrap(), explicit.series.unwrap());
     let (mut difference, mut size) = (0.0, 0.0);
     for (t, f) in b.time_s.iter().zip(&b.contact_force_n) {

@@ -5,7 +5,8 @@
 mod elastic;
 mod full_order;
 
-use gearbench::experiment::conditions::{Conditions, silent};
+use gearbench::experiment::conditions::Conditions;
+use gearbench::experiment::runner::Runner;
 use gearbench::scene_file;
 use gearbench::studies::compare::{Plan, compare};
 use gearbench::studies::identify::{apply, identify};
@@ -43,7 +44,7 @@ fn against_reference(name: &str) -> (Vec<(String, Metrics)>, ExternalReference) 
         ..Plan::of(&scene, &choices, Some(&external))
     }
     .with_methods(vec![DOPRI5.at_tolerance(1e-8)]);
-    let record = compare(&plan, &silent).unwrap();
+    let record = compare(&plan, &Runner::default()).unwrap();
     let found = record
         .runs
         .iter()
@@ -136,6 +137,7 @@ fn identification_finds_the_stored_rigid_calibration_again() {
         &choice.modelling,
         MODELS,
         (&external.history.time, &external.history.contact_force),
+        &Runner::default(),
         |_, _| {},
     )
     .unwrap();

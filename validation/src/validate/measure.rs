@@ -62,7 +62,7 @@ pub fn time(trial: &mut Trial<'_>, method: &Scheme, duration: f64, limit: Durati
     loop {
         let mut state = trial.scene.initial();
         let plan = TimePlan {
-            deadline: Some(Instant::now() + limit),
+            time_limit: Some(limit),
             ..TimePlan::new(duration, method.resolution)
         };
         let (one, start) = (Instant::now(), cpu_time());

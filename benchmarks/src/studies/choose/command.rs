@@ -9,45 +9,54 @@ use super::summary::summarise;
 use super::{chosen, record};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, absolute, folder, progress_bar, refuse_run, say, write};
+use crate::cli::progress::Display;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::experiment::conditions::silent;
+use crate::experiment::interruption;
 use crate::scene_file;
 use gearbench_reports::Study;
+use std::sync::Arc;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
-    let problem = Problem::of(&scene);
+    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Choose.as_str())?;
+    let problem = Problem {
+        runner: Arc::new(folder.runner(&silent)),
+        ..Problem::of(&scene)
+    };
     let requirement = Requirement {
         metric: args.metric,
         tolerance: args.tolerance,
     };
-    let bar = progress_bar(0);
-    let choice = choose(&problem, &requirement, |what| {
-        bar.set_message(what.to_string());
-    });
-    bar.finish_and_clear();
+    let display = Display::new(0);
+    let choice = choose(&problem, &requirement, |what| display.message(what));
+    drop(display);
+    if interruption::requested() {
+        return Err(Refusal::Interrupted);
+    }
     let choice = choice.map_err(refuse)?;
-
-    let out = args.output.out.as_deref();
     let results = record::results(&problem, (&scene.title, command), &requirement, &choice);
-    let dir = folder(out, &scene.name, Study::Choose.as_str());
+    let dir = folder.path().to_owned();
     let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", dir.display()));
-    std::fs::create_dir_all(&dir).map_err(io)?;
     if let Some(candidate) = &choice.candidate {
         let remarks = remarks(&choice, &requirement, command);
         let text = chosen::text(&scene, candidate, &remarks)?;
         std::fs::write(dir.join("chosen.toml"), text).map_err(io)?;
     }
-    let answer = write(&results, (out, &scene.name), |_| {
-        summarise(&choice, &requirement);
-    })?;
+    let exit = match choice.candidate {
+        Some(_) => Exit::Done,
+        None => Exit::FellShort,
+    };
+    let answer = folder.finish(results, |_| exit, |_| summarise(&choice, &requirement))?;
     if choice.candidate.is_some() {
         let path = absolute(dir.join("chosen.toml"));
         say(&format!("scene:  {}", path.display()));
         Ok(answer.with("scene", path))
     } else {
-        Ok(answer.ending(Exit::FellShort))
+        Ok(answer)
     }
 }
 

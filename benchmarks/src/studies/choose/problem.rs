@@ -16,6 +16,7 @@
 //! width `b` under the force `F`, on flanks of the relative radius `rho`, has the half width `a = (3 F rho / (2 p b))^(1/3)`
 //! and the stiffness `k_c = 2 a b p`.
 
+use crate::experiment::runner::Runner;
 use crate::models::models;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_models::gear::parameters::ModelParameters;
@@ -26,6 +27,7 @@ use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_reference::MeshParameters;
 use gearbench_reference::reduction::ElasticParameters;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Penalty of generated meshes [Pa/m].
 pub const PENALTY: f64 = 1e15;
@@ -62,6 +64,8 @@ pub struct Own {
 /// A scene to choose for.
 #[derive(Clone, Debug)]
 pub struct Problem {
+    /// Keeps what is finished.
+    pub runner: Arc<Runner<'static>>,
     /// Name.
     pub name: String,
     /// Gears and meshes, with the gap of the elastic model.
@@ -113,6 +117,7 @@ impl Problem {
             },
         );
         Problem {
+            runner: Arc::default(),
             name: file.name.clone(),
             scene: elastic.map_or_else(|| file.spec.clone(), |m| file.spec_for(m)),
             duration: file.duration,

@@ -158,7 +158,7 @@ impl Selector<'_, '_> {
                     // The cost of what does not do is for the picture only.
                     let repeats = if adequate { REPEATS } else { 1 };
                     let end = self.window.end;
-                    let on_window = trial.cost(&candidate.method, end, repeats);
+                    let on_window = trial.cost(&candidate.method, end, repeats)?;
                     cost = self.whole_cost(candidate, on_window);
                     self.learn(candidate, cost);
                 }

@@ -3,6 +3,7 @@
 use super::pilot::Window;
 use super::problem::Problem;
 use super::requirement;
+use crate::experiment::key::Key;
 use crate::experiment::machine::cpu_time;
 use crate::experiment::run::{Job, RunError, run_in};
 use gearbench_integrators::Scheme;
@@ -14,6 +15,7 @@ use gearbench_reports::Metric;
 use gearbench_reports::metrics::Finished;
 use gearbench_reports::record::{Ledger, Run};
 use gearbench_reports::series::TimeSeries;
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 /// Bound of one integration on the window: far beyond what an adequate one takes.
@@ -35,7 +37,7 @@ pub struct Trial<'a> {
 }
 
 /// What a run on the window gave.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// History.
     pub series: TimeSeries,
@@ -43,6 +45,8 @@ pub struct Outcome {
     pub ledger: Ledger,
     /// The row without its history.
     pub row: Run,
+    /// Time that it was to reach [s].
+    pub end_s: f64,
 }
 
 impl Outcome {
@@ -53,8 +57,7 @@ impl Outcome {
 
     /// Error against another run; infinite where there is none to be had.
     pub fn error(&self, metric: Metric, reference: &Outcome) -> f64 {
-        let reached = self.row.simulated_s;
-        let times = [reached, self.row.end_s.unwrap_or(reached)];
+        let times = [self.row.simulated_s, self.end_s];
         (self.usable().then_some(()))
             .and_then(|()| Finished::reached(&self.series, &self.ledger, times).ok())
             .and_then(|run| requirement::error(metric, run, (&reference.series, &reference.ledger)))
@@ -71,13 +74,16 @@ impl<'a> Trial<'a> {
     ) -> Result<Trial<'a>, RunError> {
         let begin = Instant::now();
         let scene = Scene::build(spec, modelling, problem.models)?;
+        let key = Key::new("set-up").and_scene(spec, modelling);
+        let setup_s =
+            (problem.runner).piece(key, || Ok::<_, RunError>(begin.elapsed().as_secs_f64()))?;
         Ok(Trial {
             spec,
             modelling,
             problem,
             rigid: (modelling.gears.iter()).all(|g| properties_of(problem.models, &g.id).rigid),
             scene,
-            setup: begin.elapsed(),
+            setup: Duration::from_secs_f64(setup_s),
         })
     }
 
@@ -112,18 +118,32 @@ impl<'a> Trial<'a> {
             timeout,
             max_steps: u64::MAX,
         };
-        let mut row = run_in(&job, &mut self.scene, self.setup)?;
-        row.contacts = None;
-        Ok(Outcome {
-            series: row.series.take().unwrap_or_default(),
-            ledger: row.ledger.clone(),
-            row,
+        self.problem.runner.piece(job.key(), || {
+            let mut row = run_in(&job, &mut self.scene, self.setup)?;
+            row.contacts = None;
+            Ok(Outcome {
+                series: row.series.take().unwrap_or_default(),
+                ledger: row.ledger.clone(),
+                row,
+                end_s: t_end,
+            })
         })
     }
 
     /// Time that a method takes to the end of a window without observers [s]: processor time over repeats where they
-    /// last long enough for its ticks, else the shortest of `repeats`.
-    pub fn cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> f64 {
+    /// last long enough for its ticks, else the shortest of `repeats`. What an earlier start has measured counts.
+    ///
+    /// # Errors
+    /// Those of the journal.
+    pub fn cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> Result<f64, RunError> {
+        let key = Key::new("cost")
+            .and_scene(self.spec, self.modelling)
+            .and(&(method, end, repeats));
+        let runner = &self.problem.runner;
+        runner.piece(key, || Ok(self.measure_cost(method, end, repeats)))
+    }
+
+    fn measure_cost(&mut self, method: &Scheme, end: f64, repeats: usize) -> f64 {
         let mut integrator = method.method.build();
         let mut shortest = f64::INFINITY;
         let (begin, start) = (Instant::now(), cpu_time());
@@ -133,7 +153,7 @@ impl<'a> Trial<'a> {
         {
             let mut state = self.scene.initial();
             let plan = TimePlan {
-                deadline: Some(Instant::now() + PATIENCE),
+                time_limit: Some(PATIENCE),
                 ..TimePlan::new(end, method.resolution)
             };
             let one = Instant::now();

@@ -5,12 +5,14 @@ use super::summary::summarise;
 use super::{Plan, compare};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, Selection};
 use gearbench_integrators::Scheme;
+use gearbench_reports::Study;
 
 /// Runs the comparison and writes its folder.
 pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
@@ -39,9 +41,8 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         }
         None => plan,
     };
-    let results =
-        with_progress(plan.len(), |progress| compare(&plan, progress)).map_err(refuse_run)?;
-
-    let answer = write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
-    Ok(answer.ending(Exit::of_every_run(&results)))
+    let output = &args.run.bounded.output;
+    let mut folder = StudyFolder::open(output, &scene.name, Study::Compare.as_str())?;
+    let made = folder.run(plan.len(), |runner| compare(&plan, runner));
+    folder.finish(made.map_err(refuse_run)?, Exit::of_every_run, summarise)
 }

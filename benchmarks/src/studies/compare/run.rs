@@ -1,24 +1,30 @@
 //! Runs of the comparison.
 
 use super::plan::Plan;
-use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::converged::{EXACT_MODES, exact_for_modes, of_model, tight};
+use crate::experiment::key::Key;
 use crate::experiment::run::{LEFT_OUT, RunError, run};
+use crate::experiment::runner::Runner;
 use crate::experiment::status::{against_contact, against_tolerance};
 use crate::experiment::thin::thin;
 use gearbench_reports::comparison::CompareRecord;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run};
 use gearbench_reports::series::TimeSeries;
+use std::fmt::Display;
 
-/// Runs the comparison. `progress` is told the number of runs done and the name of the next.
-pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
+/// Runs the comparison.
+///
+/// # Errors
+/// [`RunError`] when a model cannot be built, or nothing of what is asked for can run.
+pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.grid();
     let tight = tight();
     let exact_modes = EXACT_MODES.map(|(rtol, steps)| (exact_for_modes(rtol), steps));
     let mut runs = Vec::with_capacity(plan.len());
     let mut left_out = Vec::new();
+    let mut refused = None;
     let mut references: Vec<ReferenceSeries> = plan.reference.iter().cloned().collect();
     // The model that is a reference runs first, and keeps its place in the record.
     let is_reference =
@@ -37,34 +43,41 @@ pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunEr
         let mut own: Option<Option<TimeSeries>> = None;
         let mut pictured = false;
         for method in plan.methods_of(entry) {
-            progress(
-                done + runs.len(),
-                plan.len(),
-                &format!("{}, {}", entry.label, method.method),
-            );
-            let mut row = match run(&job(method)) {
+            let tell = |what: &dyn Display| {
+                let what = format!("{}, {what}", entry.label);
+                runner.tell(done + runs.len(), plan.len(), &what);
+            };
+            tell(&method.method);
+            let held = (&references, &plan.tolerance);
+            let mut make = || {
+                let mut row = run(&job(method))?;
+                entry.sign(&mut row);
+                row.published_s = entry.published;
+                // The first run says how large the model is.
+                let own = match &mut own {
+                    Some(own) => own,
+                    none => {
+                        tell(&"converged solution");
+                        let key = Key::new("converged solution").and(&job(&tight[0].0).key());
+                        let found =
+                            runner.piece(key, || of_model(&job, &row, &exact_modes, &tight));
+                        none.insert(found?)
+                    }
+                };
+                measure_against(&mut row, plan, &references, own.as_ref());
+                Ok::<_, RunError>(row)
+            };
+            let mut row = match runner.row(job(method).key().and(&held), method, &mut make) {
                 // Not every method is for every model; the record says which pairs it has not.
-                Err(RunError::NoLinearPart(id)) if plan.len() > 1 => {
-                    left_out.push((LEFT_OUT.into(), format!("{} under {id}", entry.label)));
+                Err(e) if e.leaves_out() => {
+                    let pair = format!("{} under {}: {e}", entry.label, method.method);
+                    left_out.push((LEFT_OUT.into(), pair));
+                    refused.get_or_insert(e);
                     continue;
                 }
                 other => other?,
             };
             entry.sign(&mut row);
-            row.published_s = entry.published;
-            // The first run says how large the model is.
-            let own = match &mut own {
-                Some(own) => own,
-                none => {
-                    progress(
-                        done + runs.len(),
-                        plan.len(),
-                        &format!("{}, converged solution", entry.label),
-                    );
-                    none.insert(of_model(&job, &row, &exact_modes, &tight)?)
-                }
-            };
-            measure_against(&mut row, plan, &references, own.as_ref());
             if is_reference(entry)
                 && runs.is_empty()
                 && !row.status.is_failure()
@@ -83,13 +96,10 @@ pub fn compare(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunEr
         }
     }
     runs.extend(by_entry.into_iter().flatten());
-    if runs.is_empty()
-        && let Some((_, pair)) = left_out.first()
-    {
-        let id = pair.rsplit(' ').next().unwrap_or(pair);
-        return Err(RunError::NoLinearPart(id.into()));
+    if let Some(e) = refused.filter(|_| runs.is_empty()) {
+        return Err(e);
     }
-    progress(runs.len(), plan.len(), "report");
+    runner.tell(runs.len(), plan.len(), "report");
     Ok(Results {
         settings: [plan.conditions.settings.clone(), left_out].concat(),
         tolerance: plan.tolerance.clone(),
@@ -139,7 +149,6 @@ fn measure_against(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::conditions::silent;
     use crate::studies::test_scene::coarse;
     use gearbench_integrators::table::{DOPRI5, TRIGONOMETRIC};
 
@@ -151,7 +160,7 @@ mod tests {
         let choices: Vec<_> = scene.models.iter().collect();
         let methods = vec![TRIGONOMETRIC.at_step(1e-6), DOPRI5.at_tolerance(1e-5)];
         let plan = Plan::of(&scene, &choices, None).with_methods(methods);
-        let results = compare(&plan, &silent).unwrap();
+        let results = compare(&plan, &Runner::default()).unwrap();
         assert_eq!(results.runs.len(), 1);
         let own = results.runs[0].against("self").and_then(|m| m.force_l2);
         assert!(own.is_some_and(|e| e < 0.01), "{own:?}");

@@ -1,5 +1,6 @@
 //! Arguments of `identify`.
 
+use crate::cli::arguments::Output;
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -24,4 +25,7 @@ pub struct Identify {
     /// Write the calibration file of the scene
     #[arg(long)]
     pub write: bool,
+    /// Where an interrupted start keeps what it has finished.
+    #[command(flatten)]
+    pub output: Output,
 }

@@ -4,7 +4,11 @@ use super::arguments::Identify;
 use super::summary::summarise;
 use super::{Identification, IdentifyError, identify};
 use crate::cli::answer::Answer;
-use crate::cli::terminal::{Refusal, absolute, progress_bar, say};
+use crate::cli::progress::Display;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, absolute, say};
+use crate::experiment::conditions::silent;
+use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::models::models;
 use crate::scene_file::calibration::Constants;
@@ -48,23 +52,29 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             scene.name
         )));
     }
+    let mut folder = StudyFolder::open(&args.output, &scene.name, "identify")?;
+    let runner = folder.runner(&silent);
     let mut found: Vec<(String, Identification)> = Vec::new();
     for choice in fitted {
-        let bar = progress_bar(0);
+        let display = Display::new(0);
         let result = identify(
             &scene.spec_for(choice),
             &choice.modelling,
             models(),
             (time, force),
+            &runner,
             |n, error| {
-                bar.set_message(format!(
+                display.message(&format!(
                     "{}: {n} integrations, force error {:.3} %",
                     choice.label,
                     100.0 * error
                 ));
             },
         );
-        bar.finish_and_clear();
+        drop(display);
+        if interruption::requested() {
+            return Err(Refusal::Interrupted);
+        }
         let result = result.map_err(|e| match e {
             IdentifyError::Build(e) => Refusal::from(scene.locate_in(&choice.label, &e)),
             IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
@@ -73,6 +83,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
         summarise(&choice.label, id, &result);
         found.push((choice.label.clone(), result));
     }
+    folder.close();
     let models: Vec<_> = found.iter().map(|(label, r)| r.told(label)).collect();
     let answer = (Answer::done().with("reference", id)).with("models", models);
     if args.write {

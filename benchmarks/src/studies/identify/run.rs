@@ -2,7 +2,9 @@
 
 use super::levenberg_marquardt::{Fit, fit};
 use super::plan::{Identification, Identified, IdentifyError, apply};
+use crate::experiment::key::Key;
 use crate::experiment::run::force_on_grid;
+use crate::experiment::runner::Runner;
 use crate::scene_file::calibration::{GAP, STIFFNESS};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::table::DOPRI5;
@@ -24,6 +26,7 @@ pub fn identify(
     modelling: &Modelling,
     models: &[Model],
     reference: (&[f64], &[f64]),
+    runner: &Runner<'_>,
     mut progress: impl FnMut(u32, f64),
 ) -> Result<Identification, IdentifyError> {
     let (time, force) = reference;
@@ -44,8 +47,11 @@ pub fn identify(
         let (mut spec, mut modelling) = (spec.clone(), modelling.clone());
         let values: Vec<(&str, f64)> = keys.iter().copied().zip(x.iter().copied()).collect();
         apply(&values, model, &mut spec, &mut modelling);
-        let built = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string());
-        let run = built.and_then(|mut scene| {
+        let key = Key::new("trial of a fit")
+            .and_scene(&spec, &modelling)
+            .and(&time);
+        let run = runner.piece(key, || {
+            let mut scene = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string())?;
             let mut dopri5 = DOPRI5.build();
             force_on_grid(
                 &mut scene,

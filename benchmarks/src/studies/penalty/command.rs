@@ -6,13 +6,15 @@ use super::summary::summarise;
 use super::{Plan, study};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, refuse_study, with_progress, write};
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, ModelChoice, SceneError};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::spec::{ContactSpec, mesh_layout};
+use gearbench_reports::Study;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
@@ -82,8 +84,11 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
         load,
         positions: args.positions,
     };
-    let results = with_progress(plan.penalties.len(), |progress| study(&plan, progress))
-        .map_err(|e| refuse_study(&scene, e))?;
-    let answer = write(&results, (args.run.out(), &scene.name), summarise)?;
-    Ok(answer.ending(Exit::of_every_run(&results)))
+    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Penalty.as_str())?;
+    let made = folder.run(plan.penalties.len(), |runner| study(&plan, runner));
+    folder.finish(
+        made.map_err(|e| refuse_study(&scene, e))?,
+        Exit::of_every_run,
+        summarise,
+    )
 }

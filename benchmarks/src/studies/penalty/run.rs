@@ -1,10 +1,10 @@
 //! Runs over the penalty.
 
 use super::plan::Plan;
-use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::run::run;
+use crate::experiment::runner::Runner;
 use crate::experiment::thin::thin;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::metrics::compare as measure;
@@ -43,26 +43,30 @@ fn static_error(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f64>, S
     Ok(Some(cycle.map_err(fail)?.mean_error()))
 }
 
-/// Runs the study. `progress` is told the runs done and the name of the next.
+/// Runs the study.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are rows.
-pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyError> {
+pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let grid = plan.conditions.grid();
     let total = plan.penalties.len() + usize::from(plan.hard.is_some());
     let one = |entry: &Configuration, done: usize, what: &str| -> Result<Run, StudyError> {
-        progress(done, total, what);
+        runner.tell(done, total, what);
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())
             .unwrap_or(&plan.method);
-        let mut row = run(&plan
-            .conditions
-            .job((&entry.scene, &entry.modelling), method, &grid))?;
+        let job = (plan.conditions).job((&entry.scene, &entry.modelling), method, &grid);
+        let key = job.key().and(&(plan.load, plan.positions));
+        let mut row = runner.row(key, method, || {
+            let mut row = run(&job)?;
+            row.static_error_m = static_error(plan, entry)?;
+            row.contacts = None;
+            Ok::<_, StudyError>(row)
+        })?;
+        row.end_s = Some(job.t_end);
         // One name for soft and hard contact: they are one model.
         row.model.clone_from(&plan.entry.model);
         row.variant = plan.entry.variant();
-        row.contacts = None;
-        row.static_error_m = static_error(plan, entry)?;
         Ok(row)
     };
     let mut references = Vec::new();
@@ -104,7 +108,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyEr
     for row in &mut runs {
         row.series = row.series.take().map(|s| thin(&s));
     }
-    progress(runs.len(), total, "report");
+    runner.tell(runs.len(), total, "report");
     Ok(Results {
         references,
         runs,

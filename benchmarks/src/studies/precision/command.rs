@@ -5,10 +5,12 @@ use super::summary::summarise;
 use super::{Plan, study};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::settings::settings;
 use crate::scene_file::{self, SceneError, Selection};
+use gearbench_reports::Study;
 use gearbench_reports::numbers::short;
 use std::time::Duration;
 
@@ -46,13 +48,7 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
         },
         ..plan
     };
-    let results =
-        with_progress(plan.len(), |progress| study(&plan, progress)).map_err(refuse_run)?;
-
-    let answer = write(
-        &results,
-        (args.output.out.as_deref(), &scene.name),
-        summarise,
-    )?;
-    Ok(answer.ending(Exit::of_any_run(&results)))
+    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Precision.as_str())?;
+    let made = folder.run(plan.len(), |runner| study(&plan, runner));
+    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }

@@ -1,9 +1,10 @@
 //! Runs of accuracy against cost.
 
 use super::plan::{Full, Plan, Variant};
-use crate::experiment::conditions::Progress;
 use crate::experiment::converged::{SMALL, converged, exact_for_modes, tight};
+use crate::experiment::key::Key;
 use crate::experiment::run::{Job, LEFT_OUT, RunError, run, run_timed};
+use crate::experiment::runner::Runner;
 use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::{MethodSpec, Scheme};
@@ -12,6 +13,7 @@ use gearbench_reports::metrics::{Finished, compare as measure};
 use gearbench_reports::precision::PrecisionRecord;
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, Status};
 use gearbench_reports::series::{Column, TimeSeries};
+use std::fmt::Display;
 
 #[cfg(test)]
 mod tests;
@@ -27,23 +29,24 @@ const PATIENCE: u32 = 10;
 /// The setting that says which resolutions were left out.
 const TOO_FINE: &str = "left out: finer than a run that took too long";
 
-/// Runs the study. `progress` is told the runs done and the name of the next.
+/// Runs the study.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, a reference does not reach the end, or the user interrupts.
-pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
+pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let study = Study {
         plan,
         grid: plan.conditions.grid_with(plan.external.as_ref()),
     };
     let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
     for full in &plan.fulls {
-        progress(
-            computed.len(),
-            plan.len(),
-            &format!("reference {}", full.id),
-        );
-        computed.push(study.reference(full)?);
+        let what = format!("reference {}", full.id);
+        runner.tell(computed.len(), plan.len(), &what);
+        let entry = &full.entry;
+        let key = Key::new("reference")
+            .and_scene(&entry.scene, &entry.modelling)
+            .and(&(&full.method, &study.grid, plan.conditions.timeout));
+        computed.push(runner.piece(key, || study.reference(full))?);
     }
     let mut references: Vec<(&str, Held)> = Vec::new();
     // A stored history has times of its own, and every run records those.
@@ -54,6 +57,7 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
     references
         .extend((computed.iter()).map(|(r, s)| (r.id.as_str(), Held::new(s.clone(), &study.grid))));
 
+    let full_names: Vec<String> = plan.fulls.iter().map(|f| format!("{f:?}")).collect();
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
     let mut notes: Vec<(String, String)> = Vec::new();
     let mut done = plan.fulls.len();
@@ -67,31 +71,37 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
                 continue;
             }
             let label = variant.label();
-            progress(done - 1, plan.len(), &format!("{label}, {}", method.method));
+            let tell = |what: &dyn Display| {
+                runner.tell(done - 1, plan.len(), &format!("{label}, {what}"));
+            };
+            tell(&method.method);
             let job = study.job((&variant.entry.scene, &variant.entry.modelling), method);
-            let mut row = match run_timed(&job, plan.timed) {
-                Err(RunError::NoLinearPart(id)) => {
-                    note(
-                        &mut notes,
-                        LEFT_OUT,
-                        format!("{} under {id}", variant.entry.label),
-                    );
+            let held = (&variant.against, &plan.external, &full_names, plan.timed);
+            let make = || {
+                let mut row = run_timed(&job, plan.timed)?;
+                let own = match &mut own {
+                    Some(own) => own,
+                    none => {
+                        tell(&"converged solution");
+                        let key = Key::new("converged solution")
+                            .and_scene(job.scene, job.modelling)
+                            .and(&(&study.grid, plan.conditions.timeout));
+                        let found =
+                            runner.piece(key, || study.own_solution(variant, &row, &references))?;
+                        none.insert(found.map(|s| Held::new(s, &study.grid)))
+                    }
+                };
+                measure_against(&mut row, variant, &references, own.as_ref());
+                Ok::<_, RunError>(row)
+            };
+            let mut row = match runner.row(job.key().and(&held), method, make) {
+                Err(e) if e.leaves_out() => {
+                    let pair = format!("{} under {}: {e}", variant.entry.label, method.method);
+                    note(&mut notes, LEFT_OUT, pair);
                     closed.push(method.method);
                     continue;
                 }
                 other => other?,
-            };
-            let own = match &mut own {
-                Some(own) => own,
-                none => {
-                    progress(
-                        done - 1,
-                        plan.len(),
-                        &format!("{label}, converged solution"),
-                    );
-                    let found = study.own_solution(variant, &row, &references)?;
-                    none.insert(found.map(|s| Held::new(s, &study.grid)))
-                }
             };
             let steps = method.resolution.step().is_some();
             if row.status == Status::Timeout && !finest(variant, method) {
@@ -104,11 +114,10 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
                 closed.push(method.method);
             }
             fill(&mut row, variant);
-            measure_against(&mut row, variant, &references, own.as_ref());
             runs.push(row);
         }
     }
-    progress(done, plan.len(), "report");
+    runner.tell(done, plan.len(), "report");
     let computed = computed.into_iter().map(|(r, _)| r);
     Ok(Results {
         settings: [plan.conditions.settings.clone(), notes].concat(),

@@ -21,13 +21,10 @@ closed in on to 2 %, and stands beside theory where there is one.
 Axes: contact-stiffness and speed (factors on the scene's), tooth-stiffness (N/m), damping (ratio), modes, rho-inf,
 hht-alpha. A second axis makes one panel per value. Without --axis the maps are those of [study] stability in the scene.
 
-A finished run is stored at once: a study that was killed goes on where it was when the same command is given again.
-
 Results (--out DIR, default out/SCENE/stability/), beside report and record:
   stability.csv         one line per run
   stability_limits.csv  the largest stable steps beside theory
-  timings.csv           wall time per run
-  journal.jsonl         finished runs";
+  timings.csv           wall time per run";
 
 /// Arguments of `stability`.
 #[derive(Args, Clone, Debug)]
@@ -65,9 +62,6 @@ pub struct Stability {
     /// Runs at a time [default: the cores there are]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
-    /// Do not go on with what an earlier start left in the folder
-    #[arg(long)]
-    pub fresh: bool,
     /// Where results go, and how long a run may take.
     #[command(flatten)]
     pub run: Bounded,

@@ -47,7 +47,7 @@ pub fn tolerance(scene: Option<&Tolerance>) -> Tolerance {
 }
 
 /// A converged solution, or why there is none.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Reference {
     /// Histories; `None` where none is to be had.
     pub series: Option<TimeSeries>,

@@ -3,16 +3,16 @@
 use super::arguments::Stability;
 use super::axis::{Axis, spaced};
 use super::cell::tolerance;
-use super::journal::Journal;
 use super::plan::{MapPlan, Plan, PlannedAxis};
-use super::run::{Means, Timings, study};
+use super::run::{Timings, study};
 use super::setup::{AxisError, Setup};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
-use crate::cli::terminal::{Refusal, folder, refuse_run, refuse_study, say, with_progress, write};
+use crate::cli::exit::Exit;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_run, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::journal::JOURNAL;
 use crate::experiment::run::RunError;
 use crate::experiment::settings::settings;
 use crate::models::models;
@@ -52,29 +52,13 @@ const TIMINGS: &str = "timings.csv";
 pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
-    let out = args.run.out();
-    let folder = folder(out, &scene.name, Study::Stability.as_str());
-    let journal = Journal::open(&folder.join(JOURNAL), &plan.echo(), args.fresh)
-        .map_err(|e| Refusal::Files(e.to_string()))?;
-    if !journal.is_empty() {
-        say(&format!(
-            "going on after {} runs that the journal holds",
-            journal.len()
-        ));
-    }
+    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Stability.as_str())?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or(cores, |n| n as usize);
-    let made = with_progress(plan.cells(), |progress| {
-        let means = Means {
-            journal,
-            threads,
-            progress,
-        };
-        study(&plan, means)
-    });
+    let made = folder.run(plan.cells(), |runner| study(&plan, runner, threads));
     let (results, timings) = made.map_err(|e| refuse_study(&scene, e))?;
-    let answer = write(&results, (out, &scene.name), summarise)?;
-    write_timings(&folder, &timings)?;
+    let answer = folder.finish(results, |_| Exit::Done, summarise)?;
+    write_timings(folder.path(), &timings)?;
     Ok(answer)
 }
 

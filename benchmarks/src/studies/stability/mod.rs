@@ -7,10 +7,9 @@
 //! | `axis` | the parameters: what they change, and which models have them |
 //! | `plan` | maps, their cells in order, the echo of a plan |
 //! | `cell` | one run and its label, the converged solution it is held against |
-//! | `journal` | finished runs on disk, so that a killed study goes on where it was |
 //! | `theory` | lines of theory over the rows of a map |
 //!
-//! The study runs on several threads in any order; the record is put together from the journal in the order of the
+//! The study runs on several threads in any order; the record is put together in the order of the
 //! plan, so that it does not depend on threads, kills and resumptions. A run ends by its number of steps; the wall
 //! clock is a backstop only.
 
@@ -18,7 +17,6 @@ pub(crate) mod arguments;
 pub(crate) mod axis;
 mod cell;
 pub(crate) mod command;
-mod journal;
 pub mod limits;
 mod plan;
 mod run;

@@ -1,14 +1,10 @@
-//! What a study of stability is to compute: maps with their axes, cells in order, and an echo that tells one plan from
-//! another.
+//! What a study of stability is to compute: maps with their axes, cells in order.
 
 use super::axis::Axis;
 use super::setup::{AxisError, Setup};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::machine;
 use gearbench_integrators::MethodSpec;
-use gearbench_models::spec::Value;
-use gearbench_reference::hash::Hash;
 use gearbench_reports::record::Tolerance;
 use gearbench_reports::stability::Columns;
 
@@ -98,16 +94,6 @@ impl MapPlan {
             })
             .collect()
     }
-
-    /// Name of the converged solution of a row: rows that differ in parameters of the integrator alone share it, and so
-    /// do all integrators of a model.
-    pub fn reference_key(&self, row: usize) -> String {
-        let values: Vec<String> = (self.values(row).iter())
-            .filter(|(a, _)| !a.is_of_method())
-            .map(|(a, x)| format!("{}={x:e}", a.id()))
-            .collect();
-        format!("r{}/{}/{}", self.set, self.entry, values.join(","))
-    }
 }
 
 /// What to study.
@@ -147,77 +133,6 @@ impl Plan<'_> {
     pub fn cells(&self) -> usize {
         self.maps.iter().map(MapPlan::len).sum()
     }
-
-    /// What a plan consists of, by name: two plans are one when all of it is equal. Long parts are told by their
-    /// fingerprint.
-    pub fn echo(&self) -> Vec<(String, String)> {
-        let mut all = vec![
-            (
-                "program".to_owned(),
-                format!(
-                    "gearbench {} {}",
-                    env!("CARGO_PKG_VERSION"),
-                    machine::COMMIT
-                ),
-            ),
-            ("scene".to_owned(), self.conditions.name.clone()),
-            (
-                "judged by".to_owned(),
-                format!(
-                    "{} {:e}, {} samples, events {}, closing in {}",
-                    self.tolerance.metric,
-                    self.tolerance.limit,
-                    self.conditions.samples,
-                    self.conditions.events,
-                    self.refine
-                ),
-            ),
-        ];
-        for entry in &self.entries {
-            let text = format!("{:?} {:?}", entry.scene, entry.modelling);
-            let mut print = Hash::START;
-            print.bytes(text.as_bytes());
-            for path in files(entry) {
-                if let Ok(bytes) = std::fs::read(path) {
-                    print.bytes(&bytes);
-                }
-            }
-            all.push((format!("model {}", entry.label), print.to_string()));
-        }
-        for (i, map) in self.maps.iter().enumerate() {
-            let axes: Vec<String> = (map.axes.iter())
-                .map(|a| format!("{} {:?} own {}", a.axis.id(), a.values, a.own))
-                .collect();
-            all.push((
-                format!(
-                    "map {}, {} under {}",
-                    i + 1,
-                    self.entries[map.entry].label,
-                    map.method
-                ),
-                format!(
-                    "{} {:?}; {}; {:e} s; at most {} steps; set {}",
-                    map.columns.as_str(),
-                    map.at,
-                    axes.join("; "),
-                    map.duration,
-                    map.max_steps,
-                    map.set
-                ),
-            ));
-        }
-        all
-    }
-}
-
-/// Files that a model reads.
-fn files(entry: &Configuration) -> impl Iterator<Item = &str> {
-    (entry.modelling.gears.iter())
-        .flat_map(|g| g.parameters.values())
-        .filter_map(|v| match v {
-            Value::Text(text) if std::path::Path::new(text).is_file() => Some(text.as_str()),
-            _ => None,
-        })
 }
 
 #[cfg(test)]
@@ -225,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_and_references() {
+    fn rows_and_their_values() {
         let axis = |axis, values: &[f64], own| PlannedAxis {
             axis,
             values: values.to_vec(),
@@ -247,7 +162,5 @@ mod tests {
         };
         assert_eq!((map.rows(), map.len(), map.own_row()), (6, 12, 4));
         assert_eq!(map.values(4), [(Axis::RhoInf, 0.5), (Axis::Speed, 2.0)]);
-        assert_eq!(map.reference_key(3), map.reference_key(5));
-        assert_ne!(map.reference_key(0), map.reference_key(3));
     }
 }

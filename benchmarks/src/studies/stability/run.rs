@@ -1,20 +1,21 @@
-//! Runs of the maps on several threads, and the record put together from their journal.
+//! Runs of the maps on several threads, and the record put together from them.
 
 use super::cell::Reference;
-use super::journal::{Journal, Line, Outcome};
 use super::plan::{MapPlan, Plan};
 use super::setup::Setup;
-use crate::experiment::conditions::Progress;
 use crate::experiment::error::StudyError;
+use crate::experiment::interruption;
+use crate::experiment::key::Key;
 use crate::experiment::parallel::{in_parallel, lock};
 use crate::experiment::run::RunError;
+use crate::experiment::runner::Runner;
 use gearbench_models::scene::Scene;
-use gearbench_reports::record::{Part, Results};
-use gearbench_reports::stability::{Columns, Map, MapAxis, MapLine, StabilityRecord};
+use gearbench_reports::record::{Part, Results, Status};
+use gearbench_reports::stability::{Cell, Columns, Map, MapAxis, MapLine, StabilityRecord};
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 #[cfg(test)]
 mod tests;
@@ -22,16 +23,15 @@ mod tests;
 /// Runs that close in on the largest stable step of one map, at most.
 const MOST_REFINED: usize = 24;
 
-/// Wall time of a run by its name in the journal [s].
+/// Wall time of a run by its name [s].
 pub type Timings = Vec<(String, f64)>;
 
-/// What a study needs beside its plan.
-pub struct Means<'a> {
-    /// Finished runs, with those of an earlier start.
-    pub journal: Journal,
-    pub threads: usize,
-    /// Told the runs done, all that are known of, and the name of the last.
-    pub progress: Progress<'a>,
+/// A finished run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Done {
+    cell: Cell,
+    /// Wall time [s]: the only part that differs when the run is made again.
+    wall_s: f64,
 }
 
 /// A converged solution that at most one thread computes.
@@ -39,59 +39,68 @@ type Slot = Arc<Mutex<Option<Arc<Reference>>>>;
 
 struct Work<'a> {
     plan: &'a Plan<'a>,
-    journal: Mutex<Journal>,
-    references: Mutex<HashMap<String, Slot>>,
+    runner: &'a Runner<'a>,
+    /// Finished runs by name.
+    done: Mutex<HashMap<String, Done>>,
+    references: Mutex<HashMap<Key, Slot>>,
     total: AtomicUsize,
-    done: AtomicUsize,
-    progress: Progress<'a>,
 }
 
-/// Name of a cell in the journal.
-fn cell_key(map: usize, cell: usize) -> String {
+/// Name of a cell.
+fn cell_name(map: usize, cell: usize) -> String {
     format!("m{map}/c{cell}")
 }
 
 /// Name of a run that closes in on a limit.
-fn refined_key(map: usize, step: f64) -> String {
+fn refined_name(map: usize, step: f64) -> String {
     format!("m{map}/h{step:e}")
 }
 
-/// Runs the study.
+/// Runs the study on some threads.
 ///
 /// # Errors
 /// [`StudyError`]; runs that fail are cells.
-pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), StudyError> {
-    let Means {
-        journal,
-        threads,
-        progress,
-    } = means;
-    let pending: Vec<(usize, usize)> = (plan.maps.iter().enumerate())
-        .flat_map(|(m, map)| (0..map.len()).map(move |c| (m, c)))
-        .filter(|(m, c)| journal.cell(&cell_key(*m, *c)).is_none())
-        .collect();
+pub fn study(
+    plan: &Plan<'_>,
+    runner: &Runner<'_>,
+    threads: usize,
+) -> Result<(Results, Timings), StudyError> {
     let work = Work {
         plan,
+        runner,
+        done: Mutex::default(),
+        references: Mutex::default(),
         total: AtomicUsize::new(plan.cells()),
-        done: AtomicUsize::new(plan.cells() - pending.len()),
-        journal: Mutex::new(journal),
-        references: Mutex::new(HashMap::new()),
-        progress,
     };
+    let mut pending: Vec<(usize, usize)> = Vec::new();
+    for (m, map) in plan.maps.iter().enumerate() {
+        for c in 0..map.len() {
+            let (row, at) = (c / map.at.len(), map.at[c % map.at.len()]);
+            let setup = setup(plan, map, row)?;
+            match runner.finished(run_key(plan, map, &setup, at))? {
+                Some(done) => work.keep(cell_name(m, c), done),
+                None => pending.push((m, c)),
+            }
+        }
+    }
     work.tell("");
     reduce_once(plan)?;
     // Converged solutions first, each once: threads that share one would wait for each other.
-    let mut needed: Vec<(usize, usize)> = Vec::new();
+    let mut needed: Vec<(Key, usize, usize)> = Vec::new();
     for (m, c) in &pending {
-        let at = (*m, c / plan.maps[*m].at.len());
-        let key = |(m, row): (usize, usize)| plan.maps[m].reference_key(row);
-        if !needed.iter().any(|other| key(*other) == key(at)) {
-            needed.push(at);
+        let (map, row) = (&plan.maps[*m], c / plan.maps[*m].at.len());
+        let key = reference_key(plan, map, &setup(plan, map, row)?);
+        if !needed.iter().any(|(other, ..)| *other == key) {
+            needed.push((key, *m, row));
         }
     }
-    in_parallel(threads, &needed, |(m, row)| {
+    in_parallel(threads, &needed, |(_, m, row)| {
+        if interruption::requested() {
+            return Ok(());
+        }
         work.reference(*m, *row).map(|_| ())
-    })?;
+    })
+    .or_else(unless_interrupted)?;
     in_parallel(threads, &pending, |(m, c)| work.cell(*m, *c))?;
     if plan.refine {
         let all: Vec<usize> = (0..plan.maps.len()).collect();
@@ -104,18 +113,18 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
         Ok::<(), StudyError>(())
     })?;
     let mut lines = lines.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let journal = work
-        .journal
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
     let mut timings = Timings::new();
-    let maps = (0..plan.maps.len())
-        .map(|m| {
-            let mut map = assemble(plan, m, &journal, &mut timings);
-            map.lines = lines.remove(&m).unwrap_or_default();
-            map
-        })
-        .collect();
+    let mut maps = Vec::new();
+    for m in 0..plan.maps.len() {
+        let mut map = work.assemble(m, &mut timings);
+        map.lines = lines.remove(&m).unwrap_or_default();
+        for row in 0..plan.maps[m].rows() {
+            let setup = setup(plan, &plan.maps[m], row)?;
+            let key = reference_key(plan, &plan.maps[m], &setup);
+            map.references.push(work.told(key)?);
+        }
+        maps.push(map);
+    }
     Ok((
         Results {
             tolerance: Some(plan.tolerance.clone()),
@@ -125,6 +134,35 @@ pub fn study(plan: &Plan<'_>, means: Means<'_>) -> Result<(Results, Timings), St
         },
         timings,
     ))
+}
+
+/// What stops work after an interruption is no error: its runs are cells that were not made.
+fn unless_interrupted(e: StudyError) -> Result<(), StudyError> {
+    if interruption::requested() {
+        Ok(())
+    } else {
+        Err(e)
+    }
+}
+
+/// Name of what a run and its converged solution depend on.
+fn key(kind: &str, plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
+    let conditions = &plan.conditions;
+    Key::new(kind)
+        .and_scene(&setup.scene, &setup.modelling)
+        .and(&(map.duration, map.max_steps, conditions.timeout))
+        .and(&(conditions.samples, conditions.events, &plan.tolerance))
+}
+
+/// Name of a converged solution: rows that differ in parameters of the integrator alone share it, and so do all
+/// integrators of a model.
+fn reference_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup) -> Key {
+    key("converged solution", plan, map, setup)
+}
+
+/// Name of a run at a step or tolerance.
+fn run_key(plan: &Plan<'_>, map: &MapPlan, setup: &Setup, at: f64) -> Key {
+    key("cell", plan, map, setup).and(&(setup.method.to_string(), map.columns, at))
 }
 
 /// Builds the gears that keep most modes first: reductions are kept in the process by what was asked for, and one with
@@ -156,54 +194,68 @@ fn setup(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Result<Setup, StudyError
 
 impl Work<'_> {
     fn tell(&self, what: &str) {
-        (self.progress)(
-            self.done.load(Ordering::Relaxed),
-            self.total.load(Ordering::Relaxed),
-            what,
-        );
+        let done = lock(&self.done).len();
+        (self.runner).tell(done, self.total.load(Ordering::Relaxed), what);
     }
 
-    fn store(&self, key: String, outcome: Outcome, wall_s: f64) -> Result<(), StudyError> {
-        let line = Line {
-            key,
-            outcome,
-            wall_s,
-        };
-        Ok(lock(&self.journal).store(&line)?)
+    fn keep(&self, name: String, done: Done) {
+        lock(&self.done).insert(name, done);
     }
 
     /// The converged solution of a row, computed by the first who asks.
     fn reference(&self, m: usize, row: usize) -> Result<Arc<Reference>, StudyError> {
         let map = &self.plan.maps[m];
-        let key = map.reference_key(row);
-        let slot = lock(&self.references)
-            .entry(key.clone())
-            .or_default()
-            .clone();
+        let setup = setup(self.plan, map, row)?;
+        let key = reference_key(self.plan, map, &setup);
+        let slot = lock(&self.references).entry(key).or_default().clone();
         let mut slot = lock(&slot);
         if let Some(found) = &*slot {
             return Ok(found.clone());
         }
         let label = &self.plan.entries[map.entry].label;
         self.tell(&format!("{label}, converged solution"));
-        let setup = setup(self.plan, map, row)?;
-        let begin = Instant::now();
-        let found = Arc::new(super::cell::reference(self.plan, map, &setup)?);
-        *slot = Some(found.clone());
-        if lock(&self.journal).get(&key).is_none() {
-            let told = Outcome::Reference(found.told.clone());
-            self.store(key, told, begin.elapsed().as_secs_f64())?;
-        }
-        Ok(found)
+        let found: Reference = (self.runner).piece(key, || {
+            super::cell::reference(self.plan, map, &setup).map_err(StudyError::from)
+        })?;
+        Ok(slot.insert(Arc::new(found)).clone())
     }
 
-    fn run(&self, m: usize, row: usize, at: f64, key: String) -> Result<(), StudyError> {
+    /// What is told of a converged solution: nothing where an interruption kept it from being computed.
+    fn told(&self, key: Key) -> Result<gearbench_reports::stability::SelfReference, StudyError> {
+        let slot = lock(&self.references).get(&key).cloned();
+        if let Some(found) = slot.and_then(|slot| lock(&slot).clone()) {
+            return Ok(found.told.clone());
+        }
+        let kept: Option<Reference> = self.runner.finished(key)?;
+        Ok(kept.map(|r| r.told).unwrap_or_default())
+    }
+
+    fn run(&self, m: usize, row: usize, at: f64, name: String) -> Result<(), StudyError> {
         let map = &self.plan.maps[m];
         let setup = setup(self.plan, map, row)?;
-        let reference = self.reference(m, row)?;
-        let (cell, wall) = super::cell::cell(self.plan, map, &setup, at, &reference)?;
-        self.store(key, Outcome::Cell(cell), wall.as_secs_f64())?;
-        self.done.fetch_add(1, Ordering::Relaxed);
+        let made = if interruption::requested() {
+            Err(StudyError::Run(RunError::Interrupted))
+        } else {
+            (self.runner).piece(run_key(self.plan, map, &setup, at), || {
+                let reference = self.reference(m, row)?;
+                let (cell, wall) = super::cell::cell(self.plan, map, &setup, at, &reference)?;
+                let wall_s = wall.as_secs_f64();
+                Ok(Done { cell, wall_s })
+            })
+        };
+        let done = match made {
+            Err(_) if interruption::requested() => Done {
+                cell: Cell {
+                    at,
+                    status: Status::Interrupted,
+                    message: Some("not made: the study was interrupted".into()),
+                    ..Cell::default()
+                },
+                wall_s: 0.0,
+            },
+            made => made?,
+        };
+        self.keep(name, done);
         let label = &self.plan.entries[map.entry].label;
         self.tell(&format!("{label}, {}", map.method));
         Ok(())
@@ -212,73 +264,67 @@ impl Work<'_> {
     fn cell(&self, m: usize, c: usize) -> Result<(), StudyError> {
         let map = &self.plan.maps[m];
         let (row, column) = (c / map.at.len(), c % map.at.len());
-        self.run(m, row, map.at[column], cell_key(m, c))
+        self.run(m, row, map.at[column], cell_name(m, c))
     }
 
     /// Halves the distance, over the decades, between the largest stable step and the next that failed.
     fn refine(&self, m: usize) -> Result<(), StudyError> {
         for _ in 0..MOST_REFINED {
-            let map = assemble(self.plan, m, &lock(&self.journal), &mut Timings::new());
-            let Some(step) = map.limit().and_then(|l| l.next()) else {
+            let map = self.assemble(m, &mut Timings::new());
+            let next = map.limit().and_then(|l| l.next());
+            let Some(step) = next.filter(|_| !interruption::requested()) else {
                 break;
             };
-            let key = refined_key(m, step);
-            if lock(&self.journal).cell(&key).is_none() {
-                self.total.fetch_add(1, Ordering::Relaxed);
-                self.run(m, self.plan.maps[m].own_row(), step, key)?;
-            }
+            self.total.fetch_add(1, Ordering::Relaxed);
+            let own = self.plan.maps[m].own_row();
+            self.run(m, own, step, refined_name(m, step))?;
         }
         Ok(())
     }
-}
 
-/// A map as the journal has it, with the names and wall times of its runs in order.
-fn assemble(plan: &Plan<'_>, m: usize, journal: &Journal, timings: &mut Timings) -> Map {
-    let map = &plan.maps[m];
-    let entry = &plan.entries[map.entry];
-    let mut take = |key: String| {
-        let cell = journal.cell(&key)?.clone();
-        timings.push((key.clone(), journal.get(&key)?.wall_s));
-        Some(cell)
-    };
-    let mut found = Map {
-        set: map.set,
-        model: entry.model.clone(),
-        variant: entry.variant(),
-        integrator: map.method.to_string(),
-        implicit: map.implicit,
-        duration_s: map.duration,
-        columns: map.columns,
-        at: map.at.clone(),
-        axes: (map.axes.iter())
-            .map(|a| MapAxis {
-                id: a.axis.id().into(),
-                name: a.axis.name().into(),
-                unit: a.axis.unit().into(),
-                values: a.values.clone(),
-                own: a.own,
-            })
-            .collect(),
-        cells: (0..map.len())
-            .filter_map(|c| take(cell_key(m, c)))
-            .collect(),
-        ..Map::default()
-    };
-    // The runs that closed in follow from each other: the first from the cells, each next from all before it.
-    while map.columns == Columns::Step && found.cells.len() == map.len() {
-        let Some(step) = found.limit().and_then(|l| l.next()) else {
-            break;
+    /// A map of the finished runs, with their names and wall times in order; without its converged solutions.
+    fn assemble(&self, m: usize, timings: &mut Timings) -> Map {
+        let map = &self.plan.maps[m];
+        let entry = &self.plan.entries[map.entry];
+        let done = lock(&self.done);
+        let mut take = |name: String| {
+            let Done { cell, wall_s } = done.get(&name)?.clone();
+            timings.push((name, wall_s));
+            Some(cell)
         };
-        let Some(cell) = take(refined_key(m, step)) else {
-            break;
+        let mut found = Map {
+            set: map.set,
+            model: entry.model.clone(),
+            variant: entry.variant(),
+            integrator: map.method.to_string(),
+            implicit: map.implicit,
+            duration_s: map.duration,
+            columns: map.columns,
+            at: map.at.clone(),
+            axes: (map.axes.iter())
+                .map(|a| MapAxis {
+                    id: a.axis.id().into(),
+                    name: a.axis.name().into(),
+                    unit: a.axis.unit().into(),
+                    values: a.values.clone(),
+                    own: a.own,
+                })
+                .collect(),
+            cells: (0..map.len())
+                .filter_map(|c| take(cell_name(m, c)))
+                .collect(),
+            ..Map::default()
         };
-        found.refined.push(cell);
+        // The runs that closed in follow from each other: the first from the cells, each next from all before it.
+        while map.columns == Columns::Step && found.cells.len() == map.len() {
+            let Some(step) = found.limit().and_then(|l| l.next()) else {
+                break;
+            };
+            let Some(cell) = take(refined_name(m, step)) else {
+                break;
+            };
+            found.refined.push(cell);
+        }
+        found
     }
-    found.references = (0..map.rows())
-        .map(|row| {
-            let key = map.reference_key(row);
-            journal.reference(&key).cloned().unwrap_or_default()
-        })
-        .collect();
-    found
 }

@@ -2,7 +2,9 @@
 //!
 //! A scene is linearised once per model and row; all integrators of the model take their lines from there.
 
-use super::plan::{MapPlan, Plan};
+use super::plan::Plan;
+use super::setup::Setup;
+use crate::experiment::key::Key;
 use crate::studies::stability::limits::{Linearised, StepLine};
 use gearbench_reports::record::finite;
 use gearbench_reports::stability::{Columns, MapLine};
@@ -11,23 +13,25 @@ use gearbench_reports::stability::{Columns, MapLine};
 /// place in the plan. A row that cannot be linearised has no lines.
 pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     let mut all: Vec<(usize, Vec<MapLine>)> = maps.iter().map(|m| (*m, Vec::new())).collect();
-    let mut linearised: Vec<(String, Option<Linearised>)> = Vec::new();
+    let mut linearised: Vec<(Key, Option<Linearised>)> = Vec::new();
     for (m, lines) in &mut all {
         let map = &plan.maps[*m];
         if map.columns != Columns::Step {
             continue;
         }
         for row in 0..map.rows() {
-            let key = map.reference_key(row);
+            let Ok(setup) = plan.setup(map, row) else {
+                continue;
+            };
+            let key = Key::new("linearised").and_scene(&setup.scene, &setup.modelling);
             let at = match linearised.iter().position(|f| f.0 == key) {
                 Some(at) => at,
                 None => {
-                    linearised.push((key, linearise(plan, map, row)));
+                    linearised.push((key, linearise(plan, &setup)));
                     linearised.len() - 1
                 }
             };
             if let Some(scene) = &mut linearised[at].1
-                && let Ok(setup) = plan.setup(map, row)
                 && let Ok(found) = scene.lines(setup.method)
             {
                 for line in found {
@@ -39,8 +43,7 @@ pub fn lines(plan: &Plan<'_>, maps: &[usize]) -> Vec<(usize, Vec<MapLine>)> {
     all
 }
 
-fn linearise(plan: &Plan<'_>, map: &MapPlan, row: usize) -> Option<Linearised> {
-    let setup = plan.setup(map, row).ok()?;
+fn linearise(plan: &Plan<'_>, setup: &Setup) -> Option<Linearised> {
     Linearised::new(&setup.scene, &setup.modelling, plan.conditions.models).ok()
 }
 

@@ -6,7 +6,9 @@ use super::plan::{Entry, formulas, includes};
 use super::run::{Row, solve};
 use super::summary::summarise;
 use crate::cli::answer::Answer;
-use crate::cli::terminal::{Refusal, absolute, folder, progress_bar, refuse_study, say};
+use crate::cli::progress::Display;
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, absolute, refuse_study, say};
 use crate::experiment::error::StudyError;
 use crate::models::models;
 use crate::scene_file::{self, Selection};
@@ -40,20 +42,19 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     }
     entries.extend(formulas(&first.spec, &first.modelling));
 
-    let bar = progress_bar(args.positions * entries.len());
+    let folder = StudyFolder::open(&args.output, &scene.name, "stiffness")?;
+    let total = args.positions * entries.len();
+    let display = Display::new(total);
     let mut rows: Vec<Row> = Vec::new();
     let mut load_text = String::new();
     for (i, entry) in entries.iter().enumerate() {
-        bar.set_message(entry.label.clone());
         let force = force_of(args, entry)?;
         let done = args.positions * i;
         let row = solve(entry, models(), Load::Force(force), args.positions, |n| {
-            bar.set_position((done + n) as u64);
+            display.tell(done + n, total, &entry.label);
         });
-        let row = row.map_err(|e| {
-            bar.finish_and_clear();
-            refuse_study(&scene, StudyError::Statics(entry.label.clone(), e))
-        })?;
+        let fail = |e| refuse_study(&scene, StudyError::Statics(entry.label.clone(), e));
+        let row = row.map_err(fail)?;
         load_text = format!(
             "{:.4} N along the line of action, {:.4} N/mm",
             force,
@@ -61,15 +62,15 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
         );
         rows.push(row);
     }
-    bar.finish_and_clear();
-
-    let dir = folder(args.output.out.as_deref(), &scene.name, "stiffness");
+    drop(display);
+    let dir = folder.path();
     summarise(&scene.name, &load_text, &rows);
-    write(&dir, &rows, &load_text)?;
-    let dir = absolute(dir);
-    say(&format!("written: {}", dir.display()));
+    write(dir, &rows, &load_text)?;
+    let written = absolute(dir.to_owned());
+    folder.close();
+    say(&format!("written: {}", written.display()));
     let table: Vec<_> = rows.iter().map(Row::told).collect();
-    Ok(Answer::done().with("folder", dir).with("rows", table))
+    Ok(Answer::done().with("folder", written).with("rows", table))
 }
 
 /// The force along the line of action that the command line asks for.

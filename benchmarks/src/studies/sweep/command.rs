@@ -5,7 +5,8 @@ use super::summary::summarise;
 use super::{Plan, mesh_resonance, sweep};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, refuse_study, with_progress, write};
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_study};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::settings::settings;
@@ -13,6 +14,7 @@ use crate::models::models;
 use crate::scene_file::{self, ModelChoice, Selection};
 use gearbench_integrators::table::VELOCITY_VERLET;
 use gearbench_models::gear::table::properties_of;
+use gearbench_reports::Study;
 
 /// Speeds around the mesh resonance when nobody says.
 const AROUND: [f64; 2] = [0.06, 1.5];
@@ -72,8 +74,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();
 
-    let results =
-        with_progress(plan.frequencies.len(), |progress| sweep(&plan, progress)).map_err(refuse)?;
-    let answer = write(&results, (args.run.out(), &scene.name), summarise)?;
-    Ok(answer.ending(Exit::of_every_run(&results)))
+    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Sweep.as_str())?;
+    let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
+    folder.finish(made.map_err(refuse)?, Exit::of_every_run, summarise)
 }

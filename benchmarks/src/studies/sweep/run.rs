@@ -2,10 +2,11 @@
 
 use super::plan::Plan;
 use super::steady::{Histories, measure};
-use crate::experiment::conditions::Progress;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
+use crate::experiment::key::Key;
 use crate::experiment::run::{Job, run};
+use crate::experiment::runner::Runner;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
@@ -248,17 +249,20 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
     Ok(standing(plan, entry)?.resonance_hz)
 }
 
-/// Runs the sweep. `progress` is told the runs done and the name of the next.
+/// Runs the sweep.
 ///
 /// # Errors
 /// [`StudyError`] when the scene is no loaded pair, a model cannot be built, or the user interrupts. Runs that fail
 /// are rows.
-pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyError> {
+pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let mut statics = Vec::new();
     let total = plan.frequencies.len() * plan.entries.len();
     for entry in plan.entries.iter().chain(&plan.standing) {
-        progress(0, total, &format!("{}, at rest", entry.label));
-        statics.push(standing(plan, entry)?);
+        runner.tell(0, total, &format!("{}, at rest", entry.label));
+        let key = Key::new("static cycle")
+            .and_scene(&entry.scene, &entry.modelling)
+            .and(&plan.positions);
+        statics.push(runner.piece(key, || standing(plan, entry))?);
     }
     let mut runs = Vec::new();
     for entry in &plan.entries {
@@ -268,11 +272,11 @@ pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyEr
             .unwrap_or(&plan.method);
         for &frequency in &plan.frequencies {
             let what = format!("{}, mesh frequency {frequency:.0} Hz", entry.label);
-            progress(runs.len(), total, &what);
-            runs.push(one(plan, entry, &pair, method, frequency)?);
+            runner.tell(runs.len(), total, &what);
+            runs.push(one(plan, runner, entry, &pair, method, frequency)?);
         }
     }
-    progress(runs.len(), total, "report");
+    runner.tell(runs.len(), total, "report");
     Ok(Results {
         runs,
         ..plan.conditions.record(Part::Sweep(SweepRecord { statics }))
@@ -281,6 +285,7 @@ pub fn sweep(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, StudyEr
 
 fn one(
     plan: &Plan<'_>,
+    runner: &Runner<'_>,
     entry: &Configuration,
     pair: &Pair,
     method: &Scheme,
@@ -295,15 +300,31 @@ fn one(
     let grid: Vec<f64> = (0..=count as usize)
         .map(|i| settle + (t_end - settle) * i as f64 / count)
         .collect();
-    let mut row = run(&Job {
+    let job = Job {
         t_end,
         also_steps: false,
         forces: true,
         ..plan
             .conditions
             .job((&scene, &entry.modelling), method, &grid)
+    };
+    let mut row = runner.row(job.key().and(&plan.cycles), method, || {
+        let row = run(&job)?;
+        Ok::<_, StudyError>(settled(plan, entry, pair, frequency, settle, row))
     })?;
     entry.sign(&mut row);
+    Ok(row)
+}
+
+/// The row of a run with what it settled to in place of its histories.
+fn settled(
+    plan: &Plan<'_>,
+    entry: &Configuration,
+    pair: &Pair,
+    frequency: f64,
+    settle: f64,
+    mut row: Run,
+) -> Run {
     row.contacts = None;
     // Rigid gears hand the contact force on; others have inertia of their own vibration.
     let gears = [0, 1].map(|i| {
@@ -335,5 +356,5 @@ fn one(
             });
         }
     }
-    Ok(row)
+    row
 }

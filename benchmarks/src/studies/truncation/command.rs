@@ -6,11 +6,13 @@ use super::run::study;
 use super::summary::summarise;
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
-use crate::cli::terminal::{Refusal, refuse_run, stored_reference, with_progress, write};
+use crate::cli::study_folder::StudyFolder;
+use crate::cli::terminal::{Refusal, refuse_run, stored_reference};
 use crate::experiment::conditions::Conditions;
 use crate::experiment::external::external;
 use crate::experiment::settings::settings;
 use crate::scene_file;
+use gearbench_reports::Study;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
@@ -29,8 +31,8 @@ pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
         external: reference.as_ref().map(external),
         ..Plan::of(&scene, (elastic, full), args, conditions)?
     };
-    let results = with_progress(1, |progress| study(&plan, progress)).map_err(refuse_run)?;
-
-    let answer = write(&results, (args.run.bounded.out(), &scene.name), summarise)?;
-    Ok(answer.ending(Exit::of_any_run(&results)))
+    let output = &args.run.bounded.output;
+    let mut folder = StudyFolder::open(output, &scene.name, Study::Truncation.as_str())?;
+    let made = folder.run(1, |runner| study(&plan, runner));
+    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }

@@ -1,8 +1,8 @@
 //! Runs over the number of modes.
 
 use super::plan::{Case, FULL, Kept, Plan, WAYS};
-use crate::experiment::conditions::Progress;
 use crate::experiment::run::{Job, RunError, run};
+use crate::experiment::runner::Runner;
 use crate::experiment::thin::thin;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
@@ -11,21 +11,23 @@ use gearbench_reports::truncation::{LIMITS, ways};
 /// So many times longer than others the full model may take.
 const PATIENCE: u32 = 10;
 
-/// Runs the study. `progress` is told the runs done, all that are known of, and the name of the next.
+/// Runs the study.
 ///
 /// # Errors
 /// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.
-pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunError> {
+pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let grid = plan.conditions.grid_with(plan.external.as_ref());
     let cases = plan.cases();
     let mut total = 1 + cases.len();
-    progress(0, total, "full finite elements");
+    runner.tell(0, total, "full finite elements");
     let full = &plan.full;
-    let mut reference = run(&Job {
+    let job = Job {
         repeats: 0,
         timeout: PATIENCE * plan.conditions.timeout,
         ..(plan.conditions).job((&full.scene, &full.modelling), &plan.full_method, &grid)
-    })?;
+    };
+    let mut reference: Run = runner.piece(job.key(), || run(&job))?;
+    reference.end_s = Some(job.t_end);
     reference.model = FULL.into();
     let Some(series) = reference
         .series
@@ -59,13 +61,23 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
         runs: vec![reference],
         ..plan.conditions.record(Part::Truncation)
     };
+    let held = (job.key(), &plan.external);
     let one = |case: &Case, results: &mut Results, total: usize| -> Result<(), RunError> {
         let what = format!("{}, {}", case.modes, case.way.label);
-        progress(results.runs.len(), total, &what);
+        runner.tell(results.runs.len(), total, &what);
         let modelling = plan.modelling(case);
         let method = plan.method(case);
         let job = (plan.conditions).job((&plan.elastic.scene, &modelling), &method, &grid);
-        let mut row = run(&job)?;
+        let mut row = runner.row(job.key().and(&held), &method, || {
+            let mut row = run(&job)?;
+            for r in &results.references {
+                let metrics = row.finished().map(|run| measure(run, &r.series, &r.id));
+                row.metrics.extend(metrics);
+            }
+            row.contacts = None;
+            row.series = row.series.map(|s| thin(&s));
+            Ok::<_, RunError>(row)
+        })?;
         row.model.clone_from(&plan.elastic.model);
         row.variant = Some(case.way.label.into());
         row.choose = Some(case.way.choose.id().into());
@@ -73,12 +85,6 @@ pub fn study(plan: &Plan<'_>, progress: Progress<'_>) -> Result<Results, RunErro
         // The modes that were kept, as the model says; a model without any keeps none.
         row.modes = Some(row.modes.unwrap_or(0));
         row.mark = case.mark.map(Into::into);
-        for r in &results.references {
-            let metrics = row.finished().map(|run| measure(run, &r.series, &r.id));
-            row.metrics.extend(metrics);
-        }
-        row.contacts = None;
-        row.series = row.series.map(|s| thin(&s));
         results.runs.push(row);
         Ok(())
     };

@@ -4,7 +4,8 @@ pub mod arguments;
 mod report;
 
 use crate::cli::answer::Answer;
-use crate::cli::terminal::{Refusal, absolute, progress_bar, say};
+use crate::cli::progress::progress_bar;
+use crate::cli::terminal::{Refusal, absolute, say};
 use crate::scene_file;
 use crate::tools::mesh::{chosen, is_deck, named};
 use arguments::Reduce as Arguments;

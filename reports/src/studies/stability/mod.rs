@@ -197,7 +197,7 @@ impl Map {
     }
 
     /// Number of cells of each status, in the order of [`Status::ALL`].
-    pub fn counts(&self) -> [usize; 10] {
+    pub fn counts(&self) -> [usize; Status::ALL.len()] {
         Status::ALL.map(|s| self.cells.iter().filter(|c| c.status == s).count())
     }
 

@@ -1,7 +1,8 @@
 //! The study on small scenes.
 
 use super::*;
-use crate::experiment::conditions::silent;
+use crate::experiment::journal::{JOURNAL, Journal};
+use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
 use crate::studies::precision::arguments::Asked;
 use crate::studies::precision::plan::COUNTS;
@@ -22,10 +23,12 @@ fn small(asked: &Asked) -> Results {
     let plan = plan("spur_impact", "rigid,rigid-iso6336", true, asked).unwrap();
     let total = plan.len();
     let last = AtomicUsize::new(0);
-    let results = study(&plan, &|done, all, _| {
+    let progress = |done, all, _: &str| {
         assert!(done >= last.swap(done, Ordering::Relaxed) && done <= total && all == total);
-    })
-    .unwrap();
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let journal = Journal::open(&folder.path().join(JOURNAL), true).unwrap();
+    let results = study(&plan, &Runner::new(journal, &progress)).unwrap();
     assert_eq!(last.into_inner(), total);
     results
 }
@@ -99,7 +102,7 @@ fn short_runs_are_repeated_until_their_times_count() {
     plan.conditions.repeats = 2;
     // Far more than the most repeats take.
     plan.timed = std::time::Duration::from_secs(1);
-    let results = study(&plan, &silent).unwrap();
+    let results = study(&plan, &Runner::default()).unwrap();
     let run = &results.runs[0];
     assert!(run.repeats > 2, "{}", run.repeats);
     assert!(f64::from(run.repeats) * run.wall_spread_s.unwrap()[1] >= 0.8 || run.repeats == 300);
@@ -114,7 +117,7 @@ fn a_series_ends_where_a_run_takes_too_long() {
     };
     let mut plan = plan("spur_impact", "rigid", false, &asked).unwrap();
     plan.conditions.max_steps = 1000;
-    let results = study(&plan, &silent).unwrap();
+    let results = study(&plan, &Runner::default()).unwrap();
     let statuses: Vec<Status> = results.runs.iter().map(|r| r.status).collect();
     assert_eq!(statuses, [Status::Converged, Status::Timeout]);
     let said = results.settings.iter().find(|(w, _)| w == TOO_FINE);

@@ -1,13 +1,14 @@
 //! The study as a whole, on rigid gears: labels, threads, limits.
 
-use super::{Means, study};
+use super::study;
 use crate::experiment::conditions::Conditions;
+use crate::experiment::conditions::silent;
 use crate::experiment::configuration::Configuration;
-use crate::experiment::journal::JOURNAL;
+use crate::experiment::journal::{JOURNAL, Journal};
+use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
 use crate::studies::stability::axis::Axis;
 use crate::studies::stability::cell::tolerance;
-use crate::studies::stability::journal::Journal;
 use crate::studies::stability::plan::{MapPlan, Plan, PlannedAxis};
 use crate::studies::stability::setup::Setup;
 use gearbench_integrators::MethodSpec;
@@ -61,14 +62,7 @@ fn plan(methods: &[MethodSpec]) -> Plan<'static> {
 }
 
 fn run(plan: &Plan<'_>, threads: usize) -> Results {
-    let folder = tempfile::tempdir().unwrap();
-    let journal = Journal::open(&folder.path().join(JOURNAL), &plan.echo(), true).unwrap();
-    let means = Means {
-        journal,
-        threads,
-        progress: &|_, _, _| {},
-    };
-    let (results, timings) = study(plan, means).unwrap();
+    let (results, timings) = study(plan, &Runner::default(), threads).unwrap();
     let runs: usize = (results.maps().iter())
         .map(|m| m.cells.len() + m.refined.len())
         .sum();
@@ -139,16 +133,42 @@ fn the_limit_goes_with_the_root_of_the_stiffness() {
     }
 }
 
+/// A start that was cut off after any line goes on to the same maps and the same wall times of what it had; another
+/// plan takes what it has in common.
 #[test]
-fn another_plan_has_another_echo() {
+fn a_study_that_was_cut_off_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(JOURNAL);
+    let go = |plan: &Plan<'_>| {
+        let journal = Journal::open(&path, false).unwrap();
+        let before = journal.len();
+        let made = study(plan, &Runner::new(journal, &silent), 2).unwrap();
+        (made, before, Journal::open(&path, false).unwrap().len())
+    };
     let first = plan(&[VELOCITY_VERLET]);
-    assert_eq!(first.echo(), plan(&[VELOCITY_VERLET]).echo());
+    let ((whole, times), none, all) = go(&first);
+    assert_eq!(
+        (none, all),
+        (0, 3 + times.len()),
+        "three converged solutions"
+    );
+    let text = std::fs::read_to_string(&path).unwrap();
+    for cut in [1, 4, all / 2, all] {
+        let lines: String = text.split_inclusive('\n').take(1 + cut).collect();
+        std::fs::write(&path, lines).unwrap();
+        let ((resumed, again), before, after) = go(&first);
+        assert_eq!((before, after), (cut, all));
+        assert_eq!(resumed.maps(), whole.maps());
+        let same = times.iter().zip(&again).filter(|(a, b)| a == b).count();
+        assert!(same + 3 >= cut, "{same} of {cut} times are those of before");
+    }
+    let (_, before, after) = go(&plan(&[VELOCITY_VERLET, NEWMARK]));
+    assert_eq!(before, all);
+    assert!(after >= all + 24 && after < 2 * all, "{after}");
     let mut other = plan(&[VELOCITY_VERLET]);
     other.maps[0].at[3] *= 1.0 + 1e-15;
-    assert_ne!(first.echo(), other.echo());
-    let mut other = plan(&[VELOCITY_VERLET]);
-    other.entries[0].scene.gears[0].speed += 1e-9;
-    assert_ne!(first.echo(), other.echo());
+    let (_, before, more) = go(&other);
+    assert!(before == after && more > before, "one column is another");
 }
 
 /// A stored reduction keeps all its modes unless it is asked for fewer: its own value is that number, and the cell of

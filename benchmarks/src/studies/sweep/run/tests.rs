@@ -1,7 +1,8 @@
 //! Sweeps with known answers.
 
 use super::*;
-use crate::experiment::conditions::{Conditions, silent};
+use crate::experiment::conditions::Conditions;
+use crate::experiment::runner::Runner;
 use crate::scene_file::{Origin, SceneFile};
 
 /// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
@@ -78,7 +79,7 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
     let deflection = pair.force / 1e8;
     let orders = [0.25, 0.8, 1.0, 1.25];
     let plan = plan(&scene, orders.map(|r| r * fn_hz).to_vec(), 4, 8e-3);
-    let results = sweep(&plan, &silent).unwrap();
+    let results = sweep(&plan, &Runner::default()).unwrap();
     for (run, r) in results.runs.iter().zip(orders) {
         assert!(!run.status.is_failure(), "{:?}", run.message);
         let s = run.steady.as_ref().unwrap();
@@ -110,7 +111,7 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
 fn slow_running_comes_to_the_static_limit() {
     let scene = scene(0.2, 0.7, 15.0);
     let plan = plan(&scene, vec![60.0], 1, 1e-3);
-    let results = sweep(&plan, &silent).unwrap();
+    let results = sweep(&plan, &Runner::default()).unwrap();
     let s = results.runs[0].steady.as_ref().unwrap();
     let still = &results.statics()[0];
     assert!((s.error_peak_to_peak_m / still.error_peak_to_peak_m - 1.0).abs() < 0.02);

@@ -32,6 +32,8 @@ pub fn look(status: Status) -> Look {
         Status::Tunnelling => (Ink(0xcc, 0x79, 0xa7, 1.0), "T", true),
         Status::AdhesiveForce => (Ink(0x56, 0xb4, 0xe9, 1.0), "A", true),
         Status::Timeout => (Ink(0xd9, 0xdd, 0xe1, 1.0), "t", true),
+        Status::Aborted => (Ink(0x1d, 0x23, 0x29, 1.0), "!", false),
+        Status::Interrupted => (Ink(0xff, 0xff, 0xff, 1.0), "-", true),
     };
     Look {
         ink,

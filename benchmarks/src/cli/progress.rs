@@ -1,0 +1,178 @@
+//! How far a study is: a bar on a terminal, else a line a minute.
+
+use crate::experiment::conditions::Progress;
+use crate::experiment::parallel::lock;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Time between two lines where nobody sees a bar.
+const EVERY: Duration = Duration::from_secs(60);
+
+/// What is known of a study under way.
+#[derive(Debug, Default)]
+struct Known {
+    done: usize,
+    total: usize,
+    what: String,
+    /// Pieces that were finished before it began: they took no time.
+    before: Option<usize>,
+}
+
+impl Known {
+    /// Estimated time to the end, from the pieces that were made.
+    fn left(&self, spent: Duration) -> Option<Duration> {
+        let made = self.done.checked_sub(self.before?).filter(|n| *n > 0)?;
+        let rest = self.total.saturating_sub(self.done);
+        Some(spent.mul_f64(rest as f64 / made as f64))
+    }
+
+    fn line(&self, spent: Duration) -> String {
+        let left = self.left(spent).map_or(String::new(), |left| {
+            format!(", about {} left", minutes(left))
+        });
+        let part = if self.total > 0 {
+            format!("{} of {}, ", self.done, self.total)
+        } else {
+            String::new()
+        };
+        format!("{part}{}{left}: {}", minutes(spent), self.what)
+    }
+}
+
+/// A time as people say it.
+fn minutes(time: Duration) -> String {
+    match time.as_secs() {
+        s @ 0..60 => format!("{s} s"),
+        s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
+        s => format!("{} h {} min", s / 3600, s / 60 % 60),
+    }
+}
+
+/// Shows how far something is until it is dropped.
+pub struct Display {
+    known: Arc<Mutex<Known>>,
+    bar: ProgressBar,
+    begin: Instant,
+    ticker: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Display {
+    /// Begins; a length of 0 is one that nobody knows.
+    pub fn new(length: usize) -> Display {
+        let terminal = std::io::stderr().is_terminal();
+        let known = Arc::new(Mutex::new(Known {
+            total: length,
+            ..Known::default()
+        }));
+        let begin = Instant::now();
+        Display {
+            bar: progress_bar(length),
+            ticker: (!terminal).then(|| ticker(&known, begin)),
+            known,
+            begin,
+        }
+    }
+
+    /// Takes note of the pieces done, all that are known of, and the name of the next.
+    pub fn tell(&self, done: usize, total: usize, what: &str) {
+        let mut known = lock(&self.known);
+        known.before.get_or_insert(done);
+        (known.done, known.total) = (done, total);
+        what.clone_into(&mut known.what);
+        self.bar.set_length(total as u64);
+        self.bar.set_position(done as u64);
+        let left = known.left(self.begin.elapsed());
+        self.bar.set_message(match left {
+            Some(left) => format!("about {} left  {what}", minutes(left)),
+            None => what.to_owned(),
+        });
+    }
+
+    /// What is being done.
+    pub fn message(&self, what: &str) {
+        let (done, total) = {
+            let known = lock(&self.known);
+            (known.done, known.total)
+        };
+        self.tell(done, total, what);
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+        if let Some((stop, thread)) = self.ticker.take() {
+            drop(stop);
+            // A thread that printed lines has nothing to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A bar on a terminal, nothing otherwise.
+pub fn progress_bar(length: usize) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(length as u64);
+    let template = if length > 0 {
+        "{bar:30} {pos:>3}/{len} {elapsed:>4}  {wide_msg}"
+    } else {
+        "{spinner} {elapsed:>4}  {wide_msg}"
+    };
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// A thread that prints a line now and then, until the sender is dropped.
+fn ticker(known: &Arc<Mutex<Known>>, begin: Instant) -> (Sender<()>, JoinHandle<()>) {
+    let (stop, stopped) = channel::<()>();
+    let known = known.clone();
+    let thread = std::thread::spawn(move || {
+        while stopped.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
+            super::terminal::say_error(&lock(&known).line(begin.elapsed()));
+        }
+    });
+    (stop, thread)
+}
+
+/// Does something under a display of how far it is.
+pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) -> T {
+    let display = Display::new(length);
+    study(&|done, total, what| display.tell(done, total, what))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_is_estimated_from_what_was_made() {
+        let known = Known {
+            done: 30,
+            total: 50,
+            what: "rigid, rk4".into(),
+            before: Some(20),
+        };
+        let spent = Duration::from_secs(60);
+        assert_eq!(known.left(spent), Some(Duration::from_secs(120)));
+        let line = known.line(spent);
+        assert_eq!(
+            line,
+            "30 of 50, 1 min 0 s, about 2 min 0 s left: rigid, rk4"
+        );
+        let nothing = Known {
+            before: Some(30),
+            ..known
+        };
+        assert_eq!(nothing.left(spent), None);
+        assert_eq!(minutes(Duration::from_secs(3725)), "1 h 2 min");
+    }
+}

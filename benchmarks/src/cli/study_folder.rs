@@ -1,0 +1,150 @@
+//! The folder of a study: tried before the first run, with the journal of what is finished, and at the end the record.
+
+use super::answer::Answer;
+use super::arguments::Output;
+use super::exit::Exit;
+use super::progress::with_progress;
+use super::terminal::{Refusal, absolute, say};
+use crate::experiment::conditions::Progress;
+use crate::experiment::interruption;
+use crate::experiment::journal::{JOURNAL, Journal, JournalError};
+use crate::experiment::runner::Runner;
+use gearbench_reference::limits;
+use gearbench_reports::RECORD;
+use gearbench_reports::record::{Results, Status};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The setting that says that a study is not complete.
+const INTERRUPTED_STUDY: &str = "interrupted";
+
+/// The folder of a study.
+pub struct StudyFolder {
+    path: PathBuf,
+    journal: Option<Journal>,
+    /// The outermost folder that was made for it.
+    made: Option<PathBuf>,
+}
+
+impl From<JournalError> for Refusal {
+    fn from(e: JournalError) -> Self {
+        Refusal::Files(e.to_string())
+    }
+}
+
+impl StudyFolder {
+    /// Makes sure that the folder can be written to, takes up what an interrupted start has left in it, and catches
+    /// signals from here on.
+    ///
+    /// # Errors
+    /// [`Refusal::Files`] when the folder, or the journal in it, cannot be written.
+    pub fn open(output: &Output, scene: &str, study: &str) -> Result<Self, Refusal> {
+        limits::set_memory(output.memory * 1e9);
+        let path = (output.out.clone()).unwrap_or_else(|| Path::new("out").join(scene).join(study));
+        let fail = |e: io::Error| Refusal::Files(format!("{}: {e}", path.display()));
+        let made = path.ancestors().take_while(|p| !p.exists()).last();
+        let made = made.map(Path::to_owned);
+        std::fs::create_dir_all(&path).map_err(fail)?;
+        let folder = StudyFolder {
+            journal: Some(Journal::open(&path.join(JOURNAL), output.fresh)?),
+            path: path.clone(),
+            made,
+        };
+        interruption::catch().map_err(fail)?;
+        Ok(folder)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Does a study of some known number of runs.
+    pub fn run<T>(&mut self, length: usize, study: impl FnOnce(&Runner<'_>) -> T) -> T {
+        with_progress(length, |progress| study(&self.runner(progress)))
+    }
+
+    /// What does the pieces of the study, once: it has the journal.
+    pub fn runner<'a>(&mut self, progress: Progress<'a>) -> Runner<'a> {
+        let Some(journal) = self.journal.take() else {
+            return Runner::default();
+        };
+        if !journal.is_empty() {
+            say(&format!(
+                "going on after {} finished pieces of an interrupted start (--fresh starts over)",
+                journal.len()
+            ));
+        }
+        Runner::new(journal, progress)
+    }
+
+    /// Writes the record with its report, prints its summary and where everything lies, and answers with it. Runs that an
+    /// interruption kept from being made are left out, and the journal stays for the next start.
+    ///
+    /// # Errors
+    /// [`Refusal::Files`] when a file cannot be written, [`Refusal::Interrupted`] when there is nothing to report.
+    pub fn finish(
+        &self,
+        mut results: Results,
+        exit: impl FnOnce(&Results) -> Exit,
+        summarise: impl FnOnce(&Results),
+    ) -> Result<Answer, Refusal> {
+        let stopped = interruption::requested();
+        if stopped {
+            let planned = results.runs.len();
+            (results.runs).retain(|r| r.status != Status::Interrupted);
+            let (made, maps) = (results.runs.len(), results.maps().len());
+            if made + maps == 0 {
+                return Err(Refusal::Interrupted);
+            }
+            let what = if maps == 0 {
+                format!("{made} of {planned} runs were made; the same command goes on")
+            } else {
+                "cells that were not made say so; the same command goes on".into()
+            };
+            results.settings.push((INTERRUPTED_STUDY.into(), what));
+        }
+        let page = gearbench_reports::write_results(&self.path, &results)
+            .map_err(|e| Refusal::Files(e.to_string()))?;
+        summarise(&results);
+        if let Some((_, what)) = results.settings.last().filter(|_| stopped) {
+            say(&format!("interrupted: {what}"));
+        }
+        let [record, page] = [self.path.join(RECORD), page].map(absolute);
+        say(&format!("record: {}", record.display()));
+        say(&format!("report: {}", page.display()));
+        self.close();
+        let answer = (Answer::of(&results).with("record", &record)).with("report", &page);
+        Ok(answer.ending(if stopped {
+            Exit::Interrupted
+        } else {
+            exit(&results)
+        }))
+    }
+
+    /// The end of a study: its journal has served, unless it was interrupted.
+    pub fn close(&self) {
+        if !interruption::requested() {
+            // A journal that cannot be removed is taken up by the next start, with the same results.
+            let _ = std::fs::remove_file(self.path.join(JOURNAL));
+        }
+    }
+}
+
+impl Drop for StudyFolder {
+    /// A study that came to nothing leaves nothing behind.
+    fn drop(&mut self) {
+        let journal = self.path.join(JOURNAL);
+        let empty = |j: &Path| Journal::open(j, false).is_ok_and(|j| j.is_empty());
+        if journal.exists() && empty(&journal) {
+            let _ = std::fs::remove_file(journal);
+        }
+        let Some(made) = &self.made else { return };
+        for folder in self.path.ancestors() {
+            // A folder that is not empty stays.
+            if std::fs::remove_dir(folder).is_err() || folder == made {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Names of pieces of work by all that they depend on: a finished piece is taken up again only where its result would
+//! be the same.
+
+use gearbench_models::spec::{Modelling, SceneSpec, Value};
+use gearbench_reference::hash::Hash;
+use std::fmt;
+
+/// The name of a piece of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key(Hash);
+
+impl Key {
+    /// A piece of a kind.
+    pub fn new(kind: &str) -> Key {
+        let mut hash = Hash::START;
+        hash.text(kind);
+        Key(hash)
+    }
+
+    /// Goes on with something that the piece depends on: its debug text has all digits of all numbers.
+    #[must_use]
+    pub fn and(mut self, part: &impl fmt::Debug) -> Key {
+        self.0.text(&format!("{part:?}"));
+        self
+    }
+
+    /// Goes on with a scene and its models, and with the contents of the files that these read.
+    #[must_use]
+    pub fn and_scene(self, scene: &SceneSpec, modelling: &Modelling) -> Key {
+        let mut key = self.and(scene).and(modelling);
+        for path in files(modelling) {
+            // A file that cannot be read is the affair of the model that reads it.
+            if let Ok(bytes) = std::fs::read(path) {
+                key.0.bytes(&bytes);
+            }
+        }
+        key
+    }
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Files that models read: texts among their parameters that are paths of files.
+pub fn files(modelling: &Modelling) -> impl Iterator<Item = &str> {
+    (modelling.gears.iter())
+        .flat_map(|g| g.parameters.values())
+        .filter_map(|v| match v {
+            Value::Text(text) if std::path::Path::new(text).is_file() => Some(text.as_str()),
+            _ => None,
+        })
+}

@@ -1,0 +1,141 @@
+//! How a study does its work: piece by piece, each finished one kept on disk, none begun after an interruption.
+//!
+//! A study is written as if it computed everything. What an earlier start has finished is taken from the journal, and a
+//! study that was interrupted comes to its end with rows that were not made, which the record then leaves out.
+
+use super::conditions::{Progress, silent};
+use super::interruption;
+use super::journal::{Journal, JournalError};
+use super::key::Key;
+use super::parallel::lock;
+use gearbench_integrators::Scheme;
+use gearbench_reports::record::{Run, Status};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::any::Any;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+
+/// Does the pieces of a study.
+pub struct Runner<'a> {
+    journal: Option<Mutex<Journal>>,
+    progress: Progress<'a>,
+}
+
+impl fmt::Debug for Runner<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Runner");
+        debug
+            .field("journal", &self.journal)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for Runner<'_> {
+    /// One that keeps nothing and tells nobody.
+    fn default() -> Self {
+        Runner {
+            journal: None,
+            progress: &silent,
+        }
+    }
+}
+
+impl<'a> Runner<'a> {
+    /// One that keeps what is finished in a journal.
+    pub fn new(journal: Journal, progress: Progress<'a>) -> Self {
+        Runner {
+            journal: Some(Mutex::new(journal)),
+            progress,
+        }
+    }
+
+    /// Tells the runs done, all that are known of, and the name of the next.
+    pub fn tell(&self, done: usize, total: usize, what: &str) {
+        (self.progress)(done, total, what);
+    }
+
+    /// The result of a piece of work, if it is finished.
+    ///
+    /// # Errors
+    /// [`JournalError`] when the journal holds something else.
+    pub fn finished<T: DeserializeOwned>(&self, key: Key) -> Result<Option<T>, JournalError> {
+        match &self.journal {
+            Some(journal) => lock(journal).get(&key.to_string()),
+            None => Ok(None),
+        }
+    }
+
+    /// The result of a piece of work, made now unless it is finished.
+    ///
+    /// # Errors
+    /// Those of the work, and [`JournalError`].
+    pub fn piece<T, E>(&self, key: Key, make: impl FnOnce() -> Result<T, E>) -> Result<T, E>
+    where
+        T: Serialize + DeserializeOwned,
+        E: From<JournalError>,
+    {
+        match self.finished(key)? {
+            Some(found) => Ok(found),
+            None => Ok(self.keep(key, make()?)?),
+        }
+    }
+
+    fn keep<T: Serialize>(&self, key: Key, made: T) -> Result<T, JournalError> {
+        if let Some(journal) = &self.journal {
+            lock(journal).store(&key.to_string(), &made)?;
+        }
+        Ok(made)
+    }
+
+    /// The row of a run under a method, made now unless it is finished. After an interruption it is a row that was not
+    /// made, and so is one in which the program itself fails: no run takes others with it.
+    ///
+    /// # Errors
+    /// Those of the work, and [`JournalError`].
+    pub fn row<E: From<JournalError>>(
+        &self,
+        key: Key,
+        method: &Scheme,
+        make: impl FnOnce() -> Result<Run, E>,
+    ) -> Result<Run, E> {
+        let not_made = |status, message: String| Run {
+            integrator: method.method.to_string(),
+            implicit: method.method.info().implicit,
+            step: method.resolution.step(),
+            rtol: method.resolution.tolerance(),
+            status,
+            message: Some(message),
+            wall_s: f64::NAN,
+            setup_s: f64::NAN,
+            simulated_s: f64::NAN,
+            ..Run::default()
+        };
+        let interrupted = || {
+            let why = "not made: the study was interrupted";
+            Ok(not_made(Status::Interrupted, why.into()))
+        };
+        if let Some(found) = self.finished(key)? {
+            return Ok(found);
+        }
+        if interruption::requested() {
+            return interrupted();
+        }
+        match catch_unwind(AssertUnwindSafe(make)) {
+            Ok(Err(_)) if interruption::requested() => interrupted(),
+            Ok(row) => Ok(self.keep(key, row?)?),
+            Err(panic) => Ok(not_made(Status::Aborted, failure(&*panic))),
+        }
+    }
+}
+
+/// What a panic says.
+fn failure(panic: &(dyn Any + Send)) -> String {
+    let text = (panic.downcast_ref::<&str>().map(|s| (*s).to_owned()))
+        .or_else(|| panic.downcast_ref::<String>().cloned());
+    format!(
+        "the program itself failed in this run ({}); please report it with the scene",
+        text.as_deref().unwrap_or("no reason given")
+    )
+}
