@@ -70,6 +70,9 @@ pub fn settings(
         })
         .collect();
     row("integrators of the scene", steps.join("; "));
+    for odd in &scene.odd {
+        row("odd", odd.told());
+    }
     rows
 }
 

@@ -4,6 +4,7 @@ use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
 use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
+use crate::cli::terminal::warn;
 use std::path::Path;
 
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
@@ -42,12 +43,15 @@ fn load_with(
     calibrated: bool,
 ) -> Result<SceneFile, SceneError> {
     let file = read(path_or_name, calibrated)?;
-    match selection {
-        Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
-        Selection::None => {}
-        Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
-        Selection::Precision(labels) => file.check(&file.select_precision(labels)?, calibrated)?,
-    }
+    let chosen = match selection {
+        Selection::All => file.models.iter().collect(),
+        Selection::None => Vec::new(),
+        Selection::Labels(labels) => file.select(labels)?,
+        Selection::Precision(labels) => file.select_precision(labels)?,
+    };
+    let built = file.check(&chosen, calibrated)?;
+    let odd = file.odd.iter().chain(&built);
+    odd.for_each(|odd| warn(&odd.told()));
     Ok(file)
 }
 
@@ -69,7 +73,9 @@ pub fn load_uncalibrated(
 /// # Errors
 /// [`SceneError`] with file, line and a way out.
 pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    read(path_or_name, false)
+    let file = read(path_or_name, false)?;
+    file.odd.iter().for_each(|odd| warn(&odd.told()));
+    Ok(file)
 }
 
 fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {

@@ -32,11 +32,13 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     };
     let plan = match &args.integrators {
         // What the command line asks for goes for all models.
-        Some(text) => plan.with_methods(
-            Scheme::list(text, &scene.study.integrators)
+        Some(text) => {
+            let methods = Scheme::list(text, &scene.study.integrators)
                 .map_err(RunError::from)
-                .map_err(refuse_run)?,
-        ),
+                .map_err(refuse_run)?;
+            scene.check_steps(&methods)?;
+            plan.with_methods(methods)
+        }
         None => plan,
     };
     let output = &args.run.bounded.output;
