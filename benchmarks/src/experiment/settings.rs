@@ -56,10 +56,7 @@ pub fn settings(
                 .into()
         },
     );
-    row(
-        "converged solution (self)",
-        "dopri5, rtol 1e-10 (1e-8 where that takes too long); a tolerance multiplies the scene's typical deflection and speed".into(),
-    );
+    row("converged solution (self)", super::converged::described());
     let steps: Vec<String> = scene
         .study
         .integrators

@@ -17,7 +17,7 @@ use gearbench_integrators::{METHODS, MethodSpec, Resolution, Scheme, Stepping};
 use gearbench_models::gear::table::properties_of;
 use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reports::Metric;
-use gearbench_reports::record::Tolerance;
+use gearbench_reports::record::{SELF, Tolerance};
 use serde::Deserialize;
 
 keys! {
@@ -58,7 +58,7 @@ keys! {
     }
 
     pub(super) struct ToleranceKeys {
-        /// metric that is limited, default "force_l2_aligned"
+        /// metric that is limited, default "force_l2_aligned", against "self" "force_l1"
         metric: Option<MetricKey>,
         /// greatest magnitude that is accurate enough, for example 0.05
         limit: Positive,
@@ -230,6 +230,14 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
     Ok(Scheme { method, resolution })
 }
 
+/// What is limited where the scene does not say: the integrator's error against the model's own converged solution.
+fn metric_against(id: &str) -> Metric {
+    match Metric::default() {
+        metric if id == SELF => metric.of_integration(),
+        metric => metric,
+    }
+}
+
 /// Checks `tolerance` against the references that there are: the scene's, and the study's model.
 pub(super) fn tolerance(
     choice: ToleranceChoice,
@@ -246,7 +254,7 @@ pub(super) fn tolerance(
     };
     let against = match (against, external, reference_model) {
         (None | Some(Against::Reference), Some(program), _) => program,
-        (None | Some(Against::Itself), ..) => "self",
+        (None | Some(Against::Itself), ..) => SELF,
         (Some(Against::Model), _, Some(label)) => label,
         (Some(Against::Reference), None, _) => {
             return at.key("against").refuse(
@@ -264,7 +272,7 @@ pub(super) fn tolerance(
         }
     };
     Ok(Tolerance {
-        metric: metric.map_or_else(Metric::default, |m| m.0),
+        metric: metric.map_or_else(|| metric_against(against), |m| m.0),
         limit: limit.0,
         against: against.to_owned(),
         except: (models.iter())

@@ -22,6 +22,9 @@ pub use source::Source;
 /// The schema this crate writes, and the newest it reads.
 pub const SCHEMA: u32 = 1;
 
+/// Id of a model's own converged solution in [`Metrics::against`].
+pub const SELF: &str = "self";
+
 /// `Some(x)` for a finite number, `None` otherwise.
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
@@ -183,6 +186,9 @@ pub(crate) fn slug(text: &str) -> String {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Metrics {
+    /// Relative L1 error of the force history [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub force_l1: Option<f64>,
     /// Relative L2 error of the force history [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2: Option<f64>,
@@ -230,6 +236,7 @@ impl Metrics {
     /// The value of a metric.
     pub fn get(&self, metric: Metric) -> Option<f64> {
         match metric {
+            Metric::ForceL1 => self.force_l1,
             Metric::ForceL2 => self.force_l2,
             Metric::ForceL2Aligned => self.force_l2_aligned,
             Metric::TimeShift => self.time_shift_s,
