@@ -1,11 +1,14 @@
 //! What charts and page both ask of a record: models in order, their best runs, the reference.
 
 use crate::metrics::Metric;
-use crate::numbers::{percent, quantity};
+use crate::numbers::{per_cent, quantity, round_quantity};
 use crate::record::{ReferenceSeries, Results, Run, SELF, Status, Study};
 
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
+
+/// What an error against a model's own converged solution is.
+pub const INTEGRATION: &str = "integration";
 
 /// The runs of one model variant.
 pub struct Group<'a> {
@@ -102,11 +105,24 @@ impl<'a> View<'a> {
             .map(f64::abs)
     }
 
+    /// Whether the constants of a run were fitted to the very history that errors refer to.
+    pub fn is_fitted(&self, run: &Run) -> bool {
+        run.fitted_to.is_some() && run.fitted_to == self.against
+    }
+
+    /// What an error of a run that was not fitted is.
+    pub fn kind_of_error(&self) -> &'static str {
+        match self.against.as_deref() {
+            Some("self") => INTEGRATION,
+            _ => "prediction",
+        }
+    }
+
     /// An error in the metric of the view, with its unit.
     pub fn error_text(&self, error: f64) -> String {
         match self.metric.unit() {
             "" if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
-            "" => format!("{}\u{a0}%", percent(error, 3)),
+            "" => per_cent(error, 3),
             unit => quantity(error, unit, 3),
         }
     }
@@ -182,8 +198,8 @@ pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
 /// Step or tolerance of a run, for labels.
 pub fn resolution(run: &Run) -> String {
     match (run.step, run.rtol) {
-        (Some(h), _) => format!("h = {}", crate::numbers::quantity(h, "s", 3)).replace(".00", ""),
-        (None, Some(r)) => format!("rtol {}", crate::numbers::short(r, 3)),
+        (Some(h), _) => format!("h\u{a0}=\u{a0}{}", round_quantity(h, "s", 3)),
+        (None, Some(r)) => format!("rtol\u{a0}{}", crate::numbers::short(r, 3)),
         (None, None) => String::new(),
     }
 }

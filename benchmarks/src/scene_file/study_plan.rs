@@ -8,10 +8,14 @@ use super::reading::keys::keys;
 use super::reading::values::{
     Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share,
 };
+use crate::models::models;
 use crate::studies::precision::scene::{Precision, PrecisionKeys};
 use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
 use crate::studies::sweep::scene::Sweep;
+use gearbench_integrators::table::{HHT_ALPHA, NEWMARK, TRIGONOMETRIC};
 use gearbench_integrators::{METHODS, MethodSpec, Resolution, Scheme, Stepping};
+use gearbench_models::gear::table::properties_of;
+use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reports::Metric;
 use gearbench_reports::record::{SELF, Tolerance};
 use serde::Deserialize;
@@ -21,8 +25,8 @@ keys! {
     pub(super) struct StudyKeys {
         /// labels to compare, default all models of the scene
         models: Option<Distinct<Label>>,
-        /// list such as [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }]
-        integrators: Option<Vec<IntegratorKeys>>,
+        /// list such as [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }], default those of the model
+        pub(super) integrators: Option<Vec<IntegratorKeys>>,
         /// locate contact events, default true
         events: Option<bool>,
         /// samples of the histories over the duration, default 2000, which are enough for a chart
@@ -88,6 +92,11 @@ const DEFAULT_SAMPLES: usize = 2000;
 /// Tolerance of the adaptive methods that are compared when a scene names none.
 const DEFAULT_RTOL: f64 = 1e-6;
 
+/// Tolerance of the method that is exact for modes, likewise.
+const EXACT_RTOL: f64 = 1e-3;
+/// Step of full finite elements, likewise, in times in which a wave crosses a module.
+const CROSSING: f64 = 0.5;
+
 /// What a study of a scene does when the command line does not say otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
@@ -150,6 +159,30 @@ fn default_integrators() -> Vec<Scheme> {
         .filter(|m| m.info.stepping != Stepping::Fixed && !m.info.linear_part)
         .map(|m| MethodSpec::of(m).at_tolerance(DEFAULT_RTOL))
         .collect()
+}
+
+/// Integrators of a model in a scene whose study names none: gears with modes take the method that is exact for these,
+/// full finite elements those that solve with their sparse matrices, all others those of the study.
+pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>> {
+    let properties = properties_of(models(), model);
+    if properties.full_order {
+        let step = gears
+            .iter()
+            .map(|g| crossing(g))
+            .fold(f64::INFINITY, f64::min);
+        let step = format!("{:.0e}", CROSSING * step).parse().unwrap_or(step);
+        return Some(vec![HHT_ALPHA.at_step(step), NEWMARK.at_step(step)]);
+    }
+    (properties.modes).then(|| vec![TRIGONOMETRIC.at_tolerance(EXACT_RTOL)])
+}
+
+/// Time in which a wave of compression crosses a module [s].
+fn crossing(gear: &GearSpec) -> f64 {
+    let module = match &gear.body {
+        Body::Gear(g) => g.params().module,
+        Body::Rack(r) => r.params().module,
+    };
+    module * (gear.material.density / gear.material.young).sqrt()
 }
 
 /// Integrators with their steps or tolerances.

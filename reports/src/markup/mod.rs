@@ -6,6 +6,8 @@
 pub mod runs;
 pub mod table;
 
+use crate::drawing::style::night;
+use crate::metrics::Metric;
 use crate::numbers::{count, quantity};
 use crate::record::Results;
 use crate::studies::StudyReport;
@@ -30,16 +32,35 @@ pub fn note(text: impl Render) -> Markup {
 }
 
 /// Sentences one after another.
-pub fn sentences(all: impl IntoIterator<Item = Markup>) -> Markup {
-    let all: Vec<String> = all.into_iter().map(|m| m.0).collect();
+fn sentences(all: &[Markup]) -> Markup {
+    let all: Vec<&str> = all.iter().map(|m| m.0.as_str()).collect();
     PreEscaped(all.join(" "))
 }
 
-/// How many runs of a record failed.
-pub fn failed_of(results: &Results) -> Option<String> {
+/// Text of a record in plain words: metrics by their names, other names of the format as code.
+pub fn prose(text: &str) -> Markup {
+    // A key that is a word of its own, quoted or not, is a metric.
+    let mut text = text.to_owned();
+    let mut metrics = Metric::ALL;
+    metrics.sort_by_key(|m| std::cmp::Reverse(m.key().len()));
+    for m in metrics.into_iter().filter(|m| m.key().contains('_')) {
+        text = text.replace(&format!("`{}`", m.key()), m.words());
+        text = text.replace(m.key(), m.words());
+    }
+    let parts = text.split('`').enumerate();
+    html! { @for (i, part) in parts { @if i % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
+/// How many runs of a record failed, for the end of a sentence.
+pub fn failed_of(results: &Results) -> String {
     let failed = results.runs.iter().filter(|r| r.status.is_failure());
-    let (n, all) = (failed.count(), results.runs.len());
-    (n > 0).then(|| format!("{n} of {all} runs failed and are shown as failures."))
+    match (failed.count(), results.runs.len()) {
+        (0, 1) => "the run did not fail".into(),
+        (0, all) => format!("none of the {all} runs failed"),
+        (1, 1) => "the run failed and is shown as a failure".into(),
+        (1, all) => format!("1 of {all} runs failed and is shown as a failure"),
+        (n, all) => format!("{n} of {all} runs failed and are shown as failures"),
+    }
 }
 
 /// The page of a record with what its study says.
@@ -64,7 +85,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content="gearbench";
                 title { (name) ": " (results.study().as_str()) " - gearbench" }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) "@media screen and (prefers-color-scheme: dark){" (PreEscaped(night())) "}" }
             }
             body {
                 main {
@@ -77,15 +98,15 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                     }
                     section.finding {
                         h2 { "Finding" }
-                        @for paragraph in &report.finding { p { (paragraph) } }
+                        p { (sentences(&report.finding)) }
                     }
                     (report.tables)
                     @for (i, chart) in report.charts.iter().enumerate() {
                         section.chart {
                             h2 { (chart.title) }
                             figure {
-                                (PreEscaped(&chart.svg))
-                                figcaption { b { "Figure " (i + 1) "." } " " (chart.caption) }
+                                div.pan { (PreEscaped(&chart.svg)) }
+                                figcaption { b { "Figure " (i + 1) "." } " " (prose(&chart.caption)) }
                             }
                         }
                     }
@@ -110,7 +131,7 @@ fn setting(view: &View<'_>) -> Markup {
     let r = view.results;
     let list = |pairs: &[(&str, &str)]| {
         html! {
-            dl { @for (k, v) in pairs.iter().filter(|p| !p.1.is_empty()) { dt { (k) } dd { (v) } } }
+            dl { @for (k, v) in pairs.iter().filter(|p| !p.1.is_empty()) { dt { (k) } dd { (prose(v)) } } }
         }
     };
     let m = &r.header.machine;

@@ -94,6 +94,17 @@ impl Metric {
         self.facts().0
     }
 
+    /// In the head of a column: what the error is of.
+    pub fn short(self) -> String {
+        let words = self.words();
+        let (before, last) = words.split_once("force-").unwrap_or((words, ""));
+        let what = match last {
+            "" => words.replace("transmission-error", "transmission error"),
+            last => format!("{before}force {last}"),
+        };
+        what.trim_end_matches(" error").to_owned()
+    }
+
     /// SI unit; empty for ratios, which pages show in per cent.
     pub fn unit(self) -> &'static str {
         self.facts().1

@@ -8,6 +8,7 @@
 mod checks;
 mod picture;
 mod run;
+mod source;
 
 use crate::metrics::Metric;
 use crate::series::TimeSeries;
@@ -16,6 +17,7 @@ pub use crate::studies::{Part, Study};
 pub use picture::{ContactPoint, ContactSnapshot, Outline};
 pub use run::{Run, Status};
 use serde::{Deserialize, Serialize};
+pub use source::Source;
 
 /// The schema this crate writes, and the newest it reads.
 pub const SCHEMA: u32 = 1;
@@ -58,6 +60,9 @@ pub struct StudyHeader {
     pub commit: String,
     /// Time of the study (RFC 3339), as given by the caller.
     pub created: String,
+    /// What it was made of; `None` in records of versions that did not keep it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<Source>,
 }
 
 impl Default for StudyHeader {
@@ -70,6 +75,7 @@ impl Default for StudyHeader {
             machine: Machine::default(),
             commit: String::new(),
             created: String::new(),
+            source: None,
         }
     }
 }

@@ -147,7 +147,6 @@ fn fill(row: &mut Run, variant: &Variant) {
     let entry = &variant.entry;
     entry.sign(row);
     row.published_s = entry.published;
-    row.fitted_to.clone_from(&variant.fitted_to);
     // The modes that were kept, as the model says.
     row.modes = row.modes.or(variant.modes);
     row.contacts = None;

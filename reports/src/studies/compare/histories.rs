@@ -6,10 +6,10 @@ use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::{model_stroke, reference_stroke};
-use crate::numbers::{Prefix, percent, quantity};
+use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
 use crate::series::{TimeSeries, resample};
-use crate::view::{View, resolution};
+use crate::view::View;
 
 /// A run that a history chart shows.
 struct Drawn<'a> {
@@ -22,6 +22,8 @@ struct History<'a> {
     label: String,
     series: &'a TimeSeries,
     stroke: Stroke,
+    /// Place of its model; none of a reference.
+    style: Option<usize>,
 }
 
 /// What both history charts share.
@@ -43,6 +45,7 @@ impl<'a> Histories<'a> {
                 label: view.reference_name(&r.id),
                 series: &r.series,
                 stroke: reference_stroke(),
+                style: None,
             })
             .collect();
         // Further references: thin, beside the one that runs are held against.
@@ -53,6 +56,7 @@ impl<'a> Histories<'a> {
             label: view.reference_name(&r.id),
             series: &r.series,
             stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
+            style: None,
         }));
         let further = curves.len() - plain;
         let mut runs = Vec::new();
@@ -81,6 +85,7 @@ impl<'a> Histories<'a> {
                 label,
                 series,
                 stroke: model_stroke(group.style),
+                style: Some(group.style),
             });
         }
         let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
@@ -96,7 +101,7 @@ impl<'a> Histories<'a> {
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let entry = |c: &History<'_>| Entry::line(&c.label, c.stroke);
+        let entry = |c: &History<'_>| Entry::history(&c.label, c.stroke, c.style);
         self.curves.iter().map(entry).collect()
     }
 
@@ -118,7 +123,8 @@ impl<'a> Histories<'a> {
                 false => c.stroke,
             };
             let x = scaled(&c.series.time_s, time.factor);
-            Curve::history(stroke, &time.axis, &x, &scaled(column(c.series), factor))
+            let y = scaled(column(c.series), factor);
+            Curve::history(stroke, &time.axis, &x, &y).along(c.style.filter(|_| !overview))
         };
         self.curves.iter().map(line).collect()
     }
@@ -222,8 +228,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     match &h.zoom {
         None => panels.push(panel(&h.time, 240.0)),
         Some(zoom) => {
-            // Head room for the name of the curve.
-            let top = Axis::from_zero(1.3 * h.peak() * unit.factor);
+            let top = Axis::from_zero(h.peak() * unit.factor);
             let lines = h.lines(|s| &s.contact_force_n, unit.factor, &h.time);
             let last = h.curves.len() - 1;
             for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {
@@ -259,17 +264,15 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 let m = d.run.against(&reference.id)?;
                 let (e, shift) = (m.force_l2_aligned?, m.time_shift_s.unwrap_or(0.0));
                 Some(format!(
-                    "{} under {} ({}): error {} % after a shift of {}",
+                    "{}, {} after a shift of {}",
                     d.run.model_label(),
-                    d.run.integrator,
-                    resolution(d.run),
-                    percent(e, 3),
+                    per_cent(e, 3),
                     quantity(shift, "s", 2),
                 ))
             })
             .collect();
         if !shifts.is_empty() {
-            caption.push_str(&format!(" Here {}.", shifts.join("; ")));
+            caption.push_str(&format!(" Errors: {}.", shifts.join("; ")));
         }
     }
     let title = "Contact force over time";
@@ -298,7 +301,8 @@ fn residual(
         let y: Vec<f64> = (buffer.iter().zip(&reference.series.contact_force_n))
             .map(|(f, r)| (f - r) * unit.factor)
             .collect();
-        Curve::history(curve.stroke, &time.axis, &scaled(t, time.factor), &y)
+        let x = scaled(t, time.factor);
+        Curve::history(curve.stroke, &time.axis, &x, &y).along(curve.style)
     });
     let name = format!("model \u{2212} ref. [{}N]", unit.symbol);
     Panel {
