@@ -120,6 +120,8 @@ pub enum Subject {
     },
     /// A parameter of a gear model.
     Parameter {
+        /// Name of the gear that takes the model, where it is known.
+        gear: Option<String>,
         /// Id of the model.
         model: String,
         /// Its key.
@@ -135,7 +137,12 @@ impl fmt::Display for Subject {
             Subject::Scene => f.write_str("scene"),
             Subject::Gear { name, .. } => write!(f, "gear `{name}`"),
             Subject::Mesh { gears: [a, b], .. } => write!(f, "mesh of `{a}` and `{b}`"),
-            Subject::Parameter { model, key, .. } => {
+            Subject::Parameter {
+                gear, model, key, ..
+            } => {
+                if let Some(gear) = gear {
+                    write!(f, "gear `{gear}`, ")?;
+                }
                 write!(f, "model `{model}`, parameter `{key}`")
             }
         }
@@ -180,6 +187,15 @@ impl BuildError {
         Self::of_parameter(model, key, true, ("is missing", help))
     }
 
+    /// The same, of a parameter that a gear takes.
+    #[must_use]
+    pub fn of_gear(mut self, name: &str) -> Self {
+        if let Subject::Parameter { gear, .. } = &mut *self.subject {
+            *gear = Some(name.to_owned());
+        }
+        self
+    }
+
     /// Something is not given that has to be.
     pub fn is_missing(&self) -> bool {
         matches!(*self.subject, Subject::Parameter { missing: true, .. })
@@ -188,6 +204,7 @@ impl BuildError {
     fn of_parameter(model: &str, key: &str, missing: bool, why: impl Into<Reason>) -> Self {
         let (model, key) = (model.into(), key.into());
         let subject = Subject::Parameter {
+            gear: None,
             model,
             key,
             missing,

@@ -2,7 +2,7 @@
 
 use crate::metrics::Metric;
 use crate::numbers::{per_cent, quantity, round_quantity};
-use crate::record::{ReferenceSeries, Results, Run, Status, Study};
+use crate::record::{ReferenceSeries, Results, Run, SELF, Status, Study};
 
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
@@ -61,7 +61,11 @@ impl<'a> View<'a> {
             None if [Study::Truncation, Study::Penalty].contains(&results.study()) => {
                 Metric::ForceL2
             }
-            None => Metric::ForceL2Aligned,
+            None => metric_against(
+                results,
+                against.as_deref().unwrap_or_default(),
+                Metric::default(),
+            ),
         };
         Self {
             results,
@@ -83,7 +87,7 @@ impl<'a> View<'a> {
 
     /// Name of a reference for prose and legends.
     pub fn reference_name(&self, id: &str) -> String {
-        if id == "self" {
+        if id == SELF {
             return "the model's own converged solution".into();
         }
         match self.results.references.iter().find(|r| r.id == id) {
@@ -176,6 +180,18 @@ impl<'a> View<'a> {
                 .then(b.1.simulated_s.total_cmp(&a.1.simulated_s))
         });
         candidates.first().copied()
+    }
+}
+
+/// The metric that errors against a reference are told in where `metric` is the study's: that of the integrator against
+/// the model's own converged solution, where the record has it.
+pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
+    let own = metric.of_integration();
+    let known = |r: &Run| r.against(id).is_some_and(|m| m.get(own).is_some());
+    if id == SELF && results.runs.iter().any(known) {
+        own
+    } else {
+        metric
     }
 }
 

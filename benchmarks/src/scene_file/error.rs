@@ -39,6 +39,19 @@ impl SceneError {
         self.help.as_deref()
     }
 
+    /// In one line, with its place: file and line, what, and the way out.
+    pub fn told(&self) -> String {
+        let place = match (&self.source_code, self.line()) {
+            (Some(source), Some(line)) => format!("{}:{line}: ", source.name()),
+            _ => String::new(),
+        };
+        let help = self
+            .help
+            .as_deref()
+            .map_or(String::new(), |h| format!("; {h}"));
+        format!("{place}{}{help}", self.message)
+    }
+
     /// Line (from 1) of the first label, if the error has a place.
     pub fn line(&self) -> Option<usize> {
         let text = self.source_code.as_ref()?.inner();

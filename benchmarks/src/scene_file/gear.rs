@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::geometry::geometry;
+use super::plausible::pressure_angle;
 use super::profile::{GearLoad, GearMount, RackLoad, RackMount};
 use super::reading::Place;
 use super::reading::keys::keys;
@@ -110,7 +111,7 @@ keys! {
         position_m: Option<[f64; 2]>,
         /// direction from the body to the teeth in degrees; left out, towards the gear
         facing_deg: Option<Degrees>,
-        /// initial speed in m/s, counter-clockwise positive as seen from the gear, default 0
+        /// initial speed in m/s, positive as the pitch line of a gear in front of its teeth that turns counter-clockwise, default 0
         speed_m_s: Option<f64>,
         /// list of loads, for example [{ force_n = 10.0 }]
         loads: Option<Vec<RackLoad>>,
@@ -170,6 +171,13 @@ struct Hub {
 
 /// Checks and builds one gear or rack.
 pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<GearDraft, SceneError> {
+    let angle = match &keys {
+        ToothedKeys::Gear(keys) => keys.pressure_angle_deg,
+        ToothedKeys::Rack(keys) => keys.pressure_angle_deg,
+    };
+    if let Some(angle) = angle {
+        pressure_angle(angle.0, at)?;
+    }
     let body = match &keys {
         ToothedKeys::Gear(keys) => Gear::new(keys.params()).map(Body::Gear),
         ToothedKeys::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),

@@ -2,7 +2,9 @@
 
 use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
+use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
+use crate::cli::terminal::warn;
 use std::path::Path;
 
 /// Loads a shipped scene by name, or a file by path (ends in `.toml` or has a folder).
@@ -41,12 +43,15 @@ fn load_with(
     calibrated: bool,
 ) -> Result<SceneFile, SceneError> {
     let file = read(path_or_name, calibrated)?;
-    match selection {
-        Selection::All => file.check(&file.models.iter().collect::<Vec<_>>(), calibrated)?,
-        Selection::None => {}
-        Selection::Labels(labels) => file.check(&file.select(labels)?, calibrated)?,
-        Selection::Precision(labels) => file.check(&file.select_precision(labels)?, calibrated)?,
-    }
+    let chosen = match selection {
+        Selection::All => file.models.iter().collect(),
+        Selection::None => Vec::new(),
+        Selection::Labels(labels) => file.select(labels)?,
+        Selection::Precision(labels) => file.select_precision(labels)?,
+    };
+    let built = file.check(&chosen, calibrated)?;
+    let odd = file.odd.iter().chain(&built);
+    odd.for_each(|odd| warn(&odd.told()));
     Ok(file)
 }
 
@@ -68,14 +73,16 @@ pub fn load_uncalibrated(
 /// # Errors
 /// [`SceneError`] with file, line and a way out.
 pub fn load_unbuilt(path_or_name: &str) -> Result<SceneFile, SceneError> {
-    read(path_or_name, false)
+    let file = read(path_or_name, false)?;
+    file.odd.iter().for_each(|odd| warn(&odd.told()));
+    Ok(file)
 }
 
 fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     if let Some(s) = shipped::shipped(path_or_name) {
         return SceneFile::unbuilt(
             &format!("{}.toml", s.name),
-            s.text,
+            recorded(s.name).unwrap_or(s.text),
             Origin::Shipped,
             calibrated,
         );
@@ -93,7 +100,11 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
             ),
         ));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| {
+    let read = || match recorded(path_or_name) {
+        Some(text) => Ok(text.to_owned()),
+        None => std::fs::read_to_string(path),
+    };
+    let text = read().map_err(|e| {
         SceneError::plain(
             format!("{path_or_name}: {e}"),
             "expected a readable TOML file in UTF-8; `gearbench list` names the shipped scenes",
@@ -113,6 +124,9 @@ pub(super) fn find_calibration(
     own: &str,
     origin: &Origin,
 ) -> Result<Option<Calibration>, SceneError> {
+    if let Some(text) = recorded_calibration(scene) {
+        return Calibration::parse("the record", text).map(Some);
+    }
     if let (Origin::File(path), true) = (origin, scene == own) {
         let beside = path.with_extension("calibration.toml");
         if let Ok(text) = std::fs::read_to_string(&beside) {

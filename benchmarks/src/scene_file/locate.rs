@@ -1,8 +1,9 @@
 //! The line of a scene file that an error of the assembly is about.
 
 use super::reading::Place;
-use super::{SceneError, SceneFile};
+use super::{ModelChoice, SceneError, SceneFile};
 use gearbench_models::error::{BuildError, GearPart, MeshPart, Subject};
+use gearbench_models::scene::Scene;
 
 impl SceneFile {
     /// The place in the file that an error met while building the model with a label is about.
@@ -25,19 +26,11 @@ impl SceneFile {
     fn place_of<'d>(&'d self, model: &Place<'d>, subject: &Subject) -> Place<'d> {
         match subject {
             Subject::Scene => model.clone(),
-            Subject::Parameter { key, .. } => {
-                let own = model.key("parameters").key(key);
-                let gears = self
-                    .spec
-                    .gears
-                    .iter()
-                    .map(|g| model.key("gears").key(&g.name));
-                let mut of_gears = gears.map(|gear| gear.key("parameters").key(key));
-                match own.exists() {
-                    true => own,
-                    false => (of_gears.find(Place::exists))
-                        .unwrap_or_else(|| model.first(&["parameters", "model"])),
-                }
+            Subject::Parameter { gear, key, .. } => {
+                // A gear's own table of parameters stands before that of all gears.
+                let own = (gear.iter()).map(|g| model.key("gears").key(g).key("parameters"));
+                let mut all = own.chain([model.key("parameters")]).map(|p| p.key(key));
+                (all.find(Place::exists)).unwrap_or_else(|| model.first(&["parameters", "model"]))
             }
             Subject::Gear { name, part } => {
                 let gear = self.document.at("gears").key(name);
@@ -96,6 +89,42 @@ impl SceneFile {
             true => own.first(&[key]),
             false if contact.exists() => contact.first(&[key]),
             false => model.clone(),
+        }
+    }
+}
+
+impl SceneFile {
+    /// Keys of flank points in a model none of whose gears has flanks to touch with: hard contact, which would then be
+    /// none, is refused, a penalty is odd.
+    pub(super) fn without_effect(
+        &self,
+        choice: &ModelChoice,
+        built: &Scene,
+    ) -> Result<Option<SceneError>, SceneError> {
+        let flanks = built.gears().iter().any(|g| g.model.surface().is_some());
+        let points = choice.modelling.contacts.iter().find_map(|c| c.points);
+        let Some(points) = points.filter(|_| !flanks) else {
+            return Ok(None);
+        };
+        let index = self.models.iter().position(|m| m.label == choice.label);
+        let model = self.document.at("models").member(index.unwrap_or_default());
+        let contact = model.key("contact");
+        let place = (contact.member(0)).first(&["law", "penalty_pa_per_m", "penalty_n_per_m"]);
+        let place = match place.exists() {
+            true => place,
+            false => contact.first(&["law", "penalty_pa_per_m", "penalty_n_per_m"]),
+        };
+        let error = place.error(
+            format!(
+                "model `{}`: its gears touch along lines of action, a contact of flank points has no effect",
+                choice.label
+            ),
+            "no flanks to touch with",
+            "give the stiffness of a tooth pair, such as stiffness = \"iso6336\", or another gear model",
+        );
+        match points.hard {
+            true => Err(error),
+            false => Ok(Some(error)),
         }
     }
 }

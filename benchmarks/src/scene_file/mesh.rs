@@ -128,11 +128,19 @@ fn put(
     if placed[a] && placed[b] {
         let places = ["centre_distance_m", "backlash_m", "direction_deg"];
         if let Some(key) = places.into_iter().find(|key| at.has(key)) {
-            let name = &gears[b].spec.name;
+            let all = at.root().key("gears");
+            let own = [b, a].map(|i| &gears[i].spec.name);
+            let own = own.into_iter().find(|name| all.key(name).has("position_m"));
             return at.key(key).refuse(
                 format!("`{key}` is given, but both gears have a position already"),
                 "too much",
-                format!("remove it, or remove `position_m` of `{name}`"),
+                match own {
+                    Some(name) => format!("remove it, or remove `position_m` of `{name}`"),
+                    None => {
+                        "remove it: earlier meshes place both gears, and this one closes a loop"
+                            .into()
+                    }
+                },
             );
         }
         let (pa, pb) = (

@@ -9,6 +9,7 @@
 //! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
 //! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
+//! | `plausible` | what no solid can be, and what is only odd |
 //! | `locate` | the line that an error of the assembly is about |
 //! | [`shipped`] | the scenes in the program |
 //!
@@ -26,9 +27,11 @@ mod load;
 mod locate;
 mod mesh;
 mod model;
+mod plausible;
 mod profile;
 pub(crate) mod reading;
 pub mod shipped;
+pub mod source;
 mod stiffness;
 pub(crate) mod study_plan;
 #[cfg(test)]
@@ -43,6 +46,7 @@ pub use shipped::SHIPPED;
 pub use study_plan::Study;
 
 use crate::models::models as model_table;
+use gearbench_integrators::Scheme;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reference::REFERENCES;
@@ -154,6 +158,8 @@ pub struct SceneFile {
     pub study: Study,
     /// Where it came from.
     pub origin: Origin,
+    /// What is odd about it, though not wrong.
+    pub odd: Vec<SceneError>,
     document: Document,
 }
 
@@ -209,7 +215,13 @@ impl SceneFile {
             },
             calibrations: if calibrated { Some(&find) } else { None },
         };
-        let models = model::models(keys.models, &context, &root.key("models"))?;
+        let mut models = model::models(keys.models, &context, &root.key("models"))?;
+        if keys.study.integrators.is_none() {
+            let gears: Vec<&GearSpec> = drafts.iter().map(|d| &d.spec).collect();
+            for m in models.iter_mut().filter(|m| m.integrators.is_none()) {
+                m.integrators = study_plan::default_of(&m.model, &gears);
+            }
+        }
         let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
         let study = study_plan::study(keys.study, &labels, &root.key("study"))?;
         let reference = keys.reference.map(|r| r.0);
@@ -223,7 +235,7 @@ impl SceneFile {
             position: draft.position.unwrap_or_default(),
             ..draft.spec
         });
-        Ok(SceneFile {
+        let mut file = SceneFile {
             name,
             title: keys.title.trim().to_owned(),
             description: keys.description.trim().to_owned(),
@@ -237,21 +249,44 @@ impl SceneFile {
             models,
             study,
             origin,
+            odd: Vec::new(),
             document,
-        })
+        };
+        file.odd = plausible::check(&file)?;
+        Ok(file)
     }
 
-    /// Builds every model once. Without calibrations a model that asks for one may lack its constants.
-    fn check(&self, choices: &[&ModelChoice], calibrated: bool) -> Result<(), SceneError> {
+    /// Refuses steps from the command line that are longer than the simulated time.
+    ///
+    /// # Errors
+    /// [`SceneError`] with both.
+    pub fn check_steps(&self, schemes: &[Scheme]) -> Result<(), SceneError> {
+        match schemes
+            .iter()
+            .find_map(|s| plausible::too_long(s, self.duration))
+        {
+            Some(why) => Err(SceneError::plain(why, "give a smaller step, as in rk4@1us")),
+            None => Ok(()),
+        }
+    }
+
+    /// Builds every model once, and returns what is odd about those. Without calibrations a model that asks for one may
+    /// lack its constants.
+    fn check(
+        &self,
+        choices: &[&ModelChoice],
+        calibrated: bool,
+    ) -> Result<Vec<SceneError>, SceneError> {
+        let mut odd = Vec::new();
         for choice in choices {
             let incomplete = choice.calibration.is_some() && !calibrated;
-            if let Err(e) = Scene::build(&self.spec_for(choice), &choice.modelling, model_table())
-                && !(incomplete && e.is_missing())
-            {
-                return Err(self.locate_in(&choice.label, &e));
+            match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
+                Ok(scene) => odd.extend(self.without_effect(choice, &scene)?),
+                Err(e) if incomplete && e.is_missing() => {}
+                Err(e) => return Err(self.locate_in(&choice.label, &e)),
             }
         }
-        Ok(())
+        Ok(odd)
     }
 
     /// The text that it was read from.

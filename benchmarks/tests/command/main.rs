@@ -2,10 +2,10 @@
 
 mod choose;
 mod compare;
+mod kill;
 mod mesh;
 mod precision;
 mod reduce;
-mod stability_kill;
 mod stiffness;
 mod terminal;
 

@@ -79,6 +79,29 @@ pub enum GeometryError {
     ContactRatio { value: f64 },
 }
 
+/// Largest profile shift and number of teeth that are worth a proposal.
+const SENSIBLE: (f64, u64) = (1.5, 200);
+
+/// The ways out of undercut that a gear could take.
+fn undercut_help(min_profile_shift: f64, min_teeth: u64) -> String {
+    let mut ways = Vec::new();
+    if min_profile_shift <= SENSIBLE.0 {
+        ways.push(format!(
+            "a profile shift of at least {min_profile_shift:.4}"
+        ));
+    }
+    if min_teeth <= SENSIBLE.1 {
+        ways.push(format!("at least {min_teeth} teeth"));
+    }
+    if ways.is_empty() {
+        return "pressure angle, addendum and dedendum do not go together: 20 degrees, 1 and 1.25 \
+                are usual"
+            .to_owned();
+    }
+    ways.push("a larger tip radius factor".to_owned());
+    format!("use {}", ways.join(", or "))
+}
+
 impl GeometryError {
     /// Cause and way out.
     pub fn reason(&self) -> Reason {
@@ -106,10 +129,7 @@ impl GeometryError {
                     "undercut: {teeth} teeth with profile shift {profile_shift:.4} let the \
                      tool cut into the involute"
                 ),
-                format!(
-                    "use a profile shift of at least {min_profile_shift:.4}, at least \
-                     {min_teeth} teeth, or a larger tip radius factor"
-                ),
+                undercut_help(*min_profile_shift, *min_teeth),
             ),
             Self::PointedTooth {
                 r_pointed,
@@ -120,10 +140,16 @@ impl GeometryError {
                     "pointed tooth: both flanks meet at radius {r_pointed:.6} m, below the \
                      tip radius {r_tip:.6} m"
                 ),
-                format!(
-                    "reduce the addendum factor below {max_addendum:.4}, the profile shift or \
-                     the thinning"
-                ),
+                if *max_addendum > 0.0 {
+                    format!(
+                        "reduce the addendum factor below {max_addendum:.4}, the profile shift \
+                         or the thinning"
+                    )
+                } else {
+                    "no addendum is short enough: reduce the profile shift, the thinning or the \
+                     pressure angle"
+                        .to_owned()
+                },
             ),
             Self::NoToothLeft {
                 thinning,

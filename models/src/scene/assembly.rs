@@ -101,7 +101,7 @@ impl Scene {
             gears.push(SceneGear {
                 name: g.name.clone(),
                 id: model.id.clone(),
-                model: row.build(&context)?,
+                model: row.build(&context).map_err(|e| e.of_gear(&g.name))?,
                 loads: g.loads.clone(),
                 offset: 0,
                 n: 0,

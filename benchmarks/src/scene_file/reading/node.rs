@@ -176,8 +176,13 @@ impl<'d> Node<'d> {
 
     pub(super) fn whole(&self) -> Result<u32, Flaw> {
         match self.value {
-            DeValue::Integer(i) => u32::from_str_radix(i.as_str(), i.radix())
-                .or_else(|_| self.expected("a whole number, zero or more")),
+            DeValue::Integer(i) => u32::from_str_radix(i.as_str(), i.radix()).or_else(|_| {
+                let negative = i.as_str().starts_with('-');
+                self.expected(match negative {
+                    true => "a whole number, zero or more",
+                    false => "a whole number up to 4294967295",
+                })
+            }),
             _ => self.expected("a whole number"),
         }
     }

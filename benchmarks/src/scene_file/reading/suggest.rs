@@ -37,6 +37,64 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("nm_per_rad_s", "nms_per_rad", 1.0),
 ];
 
+/// What gearbench does not do: beginnings of the keys that ask for it, and what to know. docs/limits.md says more.
+const NOT_DONE: &[(&[&str], &str)] = &[
+    (
+        &["internal", "ring", "planet", "carrier", "sun", "annulus"],
+        "there are no internal gears and no planetary stages",
+    ),
+    (
+        &["shaft", "bearing", "housing", "support"],
+        "shafts and bearings are rigid, each gear has a shaft of its own",
+    ),
+    (
+        &["misalign", "parallelism", "deviation_of_axes", "tilt"],
+        "axes are parallel",
+    ),
+    (
+        &["pitch_err", "pitch_dev", "eccentric", "runout", "run_out"],
+        "all teeth of a gear are alike and where they should be",
+    ),
+    (
+        &[
+            "oil",
+            "lubric",
+            "viscosity",
+            "temperature",
+            "thermal",
+            "wear",
+            "roughness",
+        ],
+        "flanks are dry and cold",
+    ),
+    (
+        &["bevel", "cone", "hypoid", "worm", "crossed"],
+        "gears are cylindrical, with parallel axes",
+    ),
+    (
+        &["yield", "plastic", "fatigue", "s_n"],
+        "materials are linear elastic",
+    ),
+    (
+        &[
+            "stress",
+            "field",
+            "output",
+            "vtu",
+            "mode_shape",
+            "animation",
+        ],
+        "fields over bodies are not written",
+    ),
+];
+
+/// What is not done, where a key asks for it.
+fn not_done(unknown: &str) -> Option<&'static str> {
+    let asked = unknown.to_lowercase();
+    let asks = |words: &&(&[&str], &str)| words.0.iter().any(|w| asked.starts_with(w));
+    NOT_DONE.iter().find(asks).map(|(_, why)| *why)
+}
+
 /// Known key for an unknown one that differs in its unit only, with the factor to the known unit.
 fn other_unit<'k>(unknown: &str, known: &[&'k str]) -> Option<(&'k str, f64)> {
     for &key in known {
@@ -127,6 +185,8 @@ pub(in super::super) fn help_for(
             "the format takes SI units and degrees; write `{name}{written}`: {}",
             meaning(name)
         )
+    } else if let Some(why) = not_done(unknown) {
+        format!("{why}: docs/limits.md says what gearbench does not do")
     } else if let Some(name) = without_unit(unknown, known) {
         format!("keys carry their unit; write `{name}`: {}", meaning(name))
     } else if let Some(name) = nearest(unknown, known) {
@@ -141,6 +201,21 @@ pub(in super::super) fn help_for(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What refusals point to is there, with all that they name.
+    #[test]
+    fn the_page_of_limits_has_what_is_refused() {
+        let page = include_str!("../../../../docs/limits.md").to_lowercase();
+        let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+        for (words, why) in NOT_DONE {
+            assert!(page.contains(why), "{why}");
+            let help = help_for(words[0], None, &["teeth"], &|_| "");
+            assert_eq!(
+                help,
+                format!("{why}: docs/limits.md says what gearbench does not do")
+            );
+        }
+    }
 
     #[test]
     fn suggestions() {

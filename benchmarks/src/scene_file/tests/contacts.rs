@@ -1,6 +1,7 @@
 //! Values of contacts: stiffness, laws, flank points.
 
-use super::read;
+use super::super::{Origin, SceneFile};
+use super::{changed, render};
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{ContactSpec, Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::stiffness::{
@@ -8,9 +9,12 @@ use gearbench_models::stiffness::{
     ToothModel,
 };
 
-/// The contact of a model of the base scene with a piece replaced.
+/// The contact of a model of the base scene with a piece replaced; the model need not have flanks to touch with.
 fn contact(model: usize, from: &str, to: &str) -> ContactSpec {
-    read(from, to).models[model].modelling.contacts[0].clone()
+    let text = changed(from, to);
+    let scene = SceneFile::unbuilt("test.toml", &text, Origin::Shipped, true);
+    let scene = scene.unwrap_or_else(|e| panic!("{}", render(&e)));
+    scene.models[model].modelling.contacts[0].clone()
 }
 
 #[test]

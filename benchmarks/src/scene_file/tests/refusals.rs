@@ -49,6 +49,16 @@ fn gears_and_meshes() {
 }
 
 #[test]
+fn what_cannot_be() {
+    refused(BASE, IMPOSSIBLE);
+}
+
+#[test]
+fn what_is_not_done() {
+    refused(BASE, NOT_DONE);
+}
+
+#[test]
 fn scenes_that_are_not_there() {
     let shown = render(&load("spur_inpact").unwrap_err());
     assert!(
@@ -107,6 +117,8 @@ const FILE: &str = r##"
     `teeth` is the number 20.5, expected a whole number
 9: teeth = 20 => teeth = -20
     expected a whole number, zero or more
+9: teeth = 20 => teeth = 1000000000000
+    expected a whole number up to 4294967295
 10: module_m = 0.004 => module_m = nan
     expected a finite number
 10: module_m = 0.004 => module_m = inf
@@ -252,4 +264,44 @@ const GEARS: &str = r##"
     `mount` is "revolute" | `prismatic`
 16: teeth = 30 => kind = "rak"\nteeth = 30
     did you mean `rack`
+"##;
+
+const IMPOSSIBLE: &str = r##"
+10: teeth = 20 => teeth = 20\npressure_angle_deg = 0.349
+    pressure angle of 0.349 degrees | at least 5 degrees | in radians, write pressure_angle_deg = 19.99
+12: speed_rad_s = 20.0 => speed_rad_s = 1e12
+    the teeth of `pinion` move at | beyond the speed of sound in their material, 5172 m/s
+19: mount = "revolute" => mount = { driven = { ramp = { from_rad_s = 0, to_rad_s = -1e6, start_s = 0, end_s = 1 } } }
+    the teeth of `wheel` move at | speed of sound
+13: torque_nm = 10.0 => torque_nm = 1e15
+    on the teeth of `pinion` | of its Young's modulus
+13: [{ torque_nm = 10.0 }] => [{ viscous_nms_per_rad = 1.0 }, { table = { time_s = [0.0, 1.0], torque_nm = [0.0, -1e9] } }]
+    no solid carries this
+13: teeth = 20 => teeth = 20\nmaterial = { young_pa = 210, poisson = 0.3, density_kg_m3 = 7850 }
+    speed of sound in their material | here 210 Pa | pascal
+36: step_s = 1e-6 => step_s = 1
+    a step of 1e0 s of `rk4` is longer than the 1e-4 s
+28: contact = { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } } => integrators = [{ method = "rk4", step_s = 1e-3 }]\ncontact = { stiffness = "iso6336" } && [study] => \n[study]
+    longer than the 1e-4 s
+28: { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } } => { law = "hard", points = "nodes" }
+    a contact of flank points has no effect | no flanks to touch with
+# in each other's place
+32: [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\ndirection_deg = 180\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]
+    `pinion` and `third` do not mesh and overlap | 0 m apart, their tip circles need 0.088 m
+# closed loops
+37: [[models]] => [[meshes]]\ngears = ["third", "pinion"]\nbacklash_m = 1e-4\n\n[[models]] && [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]
+    both gears have a position already | earlier meshes place both gears
+"##;
+
+const NOT_DONE: &str = r##"
+10: teeth = 20 => teeth = 20\nbearing = "ball"
+    unknown key `bearing` | shafts and bearings are rigid | docs/limits.md
+10: teeth = 20 => teeth = 20\ninternal = true
+    there are no internal gears | docs/limits.md
+10: teeth = 20 => teeth = 20\npitch_error_um = 3
+    all teeth of a gear are alike | docs/limits.md
+10: teeth = 20 => teeth = 20\neccentricity_m = 1e-5
+    docs/limits.md
+24: start =  => misalignment_deg = 0.1\nstart = 
+    axes are parallel | docs/limits.md
 "##;

@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
-    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Choose.as_str())?;
+    let mut folder = StudyFolder::of(&args.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent)),
         ..Problem::of(&scene)

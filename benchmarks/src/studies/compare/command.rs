@@ -32,15 +32,17 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     };
     let plan = match &args.integrators {
         // What the command line asks for goes for all models.
-        Some(text) => plan.with_methods(
-            Scheme::list(text, &scene.study.integrators)
+        Some(text) => {
+            let methods = Scheme::list(text, &scene.study.integrators)
                 .map_err(RunError::from)
-                .map_err(refuse_run)?,
-        ),
+                .map_err(refuse_run)?;
+            scene.check_steps(&methods)?;
+            plan.with_methods(methods)
+        }
         None => plan,
     };
     let output = &args.run.bounded.output;
-    let mut folder = StudyFolder::open(output, &scene.name, Study::Compare.as_str())?;
+    let mut folder = StudyFolder::of(output, &scene, Study::Compare.as_str())?;
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
     folder.finish(made.map_err(refuse_run)?, Exit::of_every_run, summarise)
 }

@@ -14,16 +14,13 @@ use crate::numbers::{quantity, round_quantity, short};
 use crate::record::{Results, Run, Status};
 use crate::studies::precision::pareto::{Point, front, lead};
 use crate::studies::{Part, StudyReport};
-use crate::view::View;
-use crate::view::{NOTHING, resolution};
+use crate::view::{NOTHING, View, metric_against, resolution};
 use serde::{Deserialize, Serialize};
 
 /// Limits of the error at which families are compared.
 pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 /// A point of a front is news when its error is less than this times that of the last that was.
 const NEWS: f64 = 0.95;
-/// Reference of integration errors.
-pub const SELF: &str = "self";
 
 /// What the record of this study has of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -152,6 +149,11 @@ impl<'a> Precision<'a> {
     /// The metric above all.
     pub fn headline(&self) -> Metric {
         self.metrics.first().copied().unwrap_or_default()
+    }
+
+    /// The same against a reference: integration errors have a metric of their own.
+    pub fn headline_against(&self, id: &str) -> Metric {
+        metric_against(self.results, id, self.headline())
     }
 
     fn style(&self, run: &Run) -> usize {

@@ -1,11 +1,11 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, modes_and_step};
+use super::{Cloud, Cost, LEVELS, Precision, Shown, family, modes_and_step};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, note, runs as common, section};
 use crate::numbers::{self, count, counted, per_cent, quantity};
-use crate::record::{Run, Status};
+use crate::record::{Run, SELF, Status};
 use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
@@ -238,6 +238,7 @@ pub fn runs(view: &View<'_>) -> Markup {
         .key()
         .text("Status", |(r, ..)| r.status.to_string());
     for id in study.references.iter().map(String::as_str).chain([SELF]) {
+        let metric = study.headline_against(id);
         let heading = match id {
             SELF => "Integration error".into(),
             id => format!("Error against {}", view.reference_name(id)),
@@ -260,8 +261,9 @@ pub fn runs(view: &View<'_>) -> Markup {
         })
         .written("Factorisations", "", |(r, ..)| count(r.factorisations));
     let remark = format!(
-        "Errors: {}. precision.csv has every metric and the spread of the times.",
-        metric.words()
+        "Errors: {}; of the integration, {}. precision.csv has every metric and the spread of the times.",
+        metric.words(),
+        study.headline_against(SELF).words()
     );
     html! {
         (section("All runs", html! { (table) (note(remark)) }))

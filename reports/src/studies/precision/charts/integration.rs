@@ -10,15 +10,17 @@ use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
 use crate::drawing::scatter::{self, Numbers};
 use crate::drawing::style::{look, marker};
 use crate::metrics::Metric;
+use crate::record::SELF;
 use crate::studies::precision::pareto::{Point, front};
-use crate::studies::precision::{Cost, Precision, SELF, Shown};
-use crate::view::capital;
+use crate::studies::precision::{Cost, Precision, Shown};
+use crate::view::{capital, metric_against};
 
 /// Work-precision diagrams, one per model: what its integrators lose.
 pub(super) fn integration(
     study: &Precision<'_>,
     metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
+    let metric = metric_against(study.results, SELF, metric);
     let cloud = study.cloud(SELF, metric, Cost::Wall);
     let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
     for style in 0..study.models.len() {

@@ -12,11 +12,12 @@ use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter;
 use crate::drawing::style::{Look, cross, look, marker};
 use crate::metrics::Metric;
+
 use crate::numbers::count;
-use crate::record::{Run, Status};
+use crate::record::{Run, SELF, Status};
 use crate::studies::precision::pareto::Point;
-use crate::studies::precision::{Cloud, Cost, Precision, SELF, Shown, id_of, modes_and_step};
-use crate::view::{View, capital};
+use crate::studies::precision::{Cloud, Cost, Precision, Shown, id_of, modes_and_step};
+use crate::view::{View, capital, metric_against};
 use families::families;
 use integration::integration;
 
@@ -137,6 +138,7 @@ fn all_runs(
     (against, metric, cost): (&str, Metric, Cost),
     file: String,
 ) -> Result<Option<Chart>, DrawError> {
+    let metric = metric_against(view.results, against, metric);
     let cloud = study.cloud(against, metric, cost);
     let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), cost) else {
         return Ok(None);

@@ -1,0 +1,416 @@
+//! What no solid can be is refused; what is only odd is said. Both at the line, with the unit that is probably meant.
+//!
+//! Bounds of the possible:
+//! - a rim that turns with the surface speed `v` carries the hoop stress `rho v^2`, beyond Young's modulus `E` where `v`
+//!   passes the speed of sound `sqrt(E / rho)` (Timoshenko, Strength of Materials II, thin rotating ring);
+//! - a load `F` at the base circle means a nominal stress `F / (b m)` of a tooth of module `m` and width `b`, which no
+//!   solid carries beyond `E`;
+//! - a fixed step is at most as long as what is simulated.
+//!
+//! Bounds of the usual are wide: beyond them stand hardly any gears, but many a slip of units.
+
+use super::error::SceneError;
+use super::reading::Place;
+use super::{ModelChoice, SceneFile};
+use gearbench_integrators::{Resolution, Scheme};
+use gearbench_models::law::Damping;
+use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, Profile, effective_radius};
+use gearbench_models::stiffness::{Material, PairStiffness};
+use gearbench_reports::numbers::short;
+
+/// A quantity, its unit, where its values lie, and units that it is often given in by mistake with their factors.
+struct Usual {
+    unit: &'static str,
+    range: [f64; 2],
+    slips: &'static [(f64, &'static str)],
+}
+
+const MODULE: Usual = Usual {
+    unit: "m",
+    range: [5e-5, 0.1],
+    slips: &[(1e-3, "millimetres")],
+};
+const FACE_WIDTH: Usual = Usual {
+    unit: "m",
+    range: [1e-4, 3.0],
+    slips: &[(1e-3, "millimetres")],
+};
+const YOUNG: Usual = Usual {
+    unit: "Pa",
+    range: [1e7, 1.3e12],
+    slips: &[(1e9, "GPa"), (1e6, "MPa")],
+};
+const DENSITY: Usual = Usual {
+    unit: "kg/m^3",
+    range: [100.0, 25e3],
+    slips: &[(1e3, "g/cm^3"), (1e12, "t/mm^3")],
+};
+const FRICTION: Usual = Usual {
+    unit: "",
+    range: [0.0, 1.5],
+    slips: &[(0.01, "per cent")],
+};
+const DAMPING_RATIO: Usual = Usual {
+    unit: "",
+    range: [0.0, 1.0],
+    slips: &[(0.01, "per cent")],
+};
+const STIFFNESS: Usual = Usual {
+    unit: "N/m^2",
+    range: [1e7, 1e13],
+    slips: &[(1e9, "N/(mm um)")],
+};
+const PENALTY: Usual = Usual {
+    unit: "Pa/m",
+    range: [1e10, 1e20],
+    slips: &[(1e9, "MPa/mm")],
+};
+const DURATION: Usual = Usual {
+    unit: "s",
+    range: [1e-8, 1e4],
+    slips: &[(1e-3, "milliseconds"), (1e-6, "microseconds")],
+};
+const PRESSURE_ANGLE: Usual = Usual {
+    unit: "degrees",
+    range: [10.0, 35.0],
+    slips: &[(180.0 / std::f64::consts::PI, "radians")],
+};
+const HELIX_ANGLE: Usual = Usual {
+    unit: "degrees",
+    range: [1.0, 60.0],
+    slips: &[(180.0 / std::f64::consts::PI, "radians")],
+};
+/// Inertia over that of the toothing.
+const INERTIA: Usual = Usual {
+    unit: "times that of the toothing",
+    range: [1e-2, 1e5],
+    slips: &[],
+};
+
+/// Smallest pressure angle that a tool has [degrees].
+const LEAST_PRESSURE_ANGLE: f64 = 5.0;
+/// Surface speed above which hardly any gear runs [m/s].
+const FAST: f64 = 400.0;
+/// Nominal stress of a tooth over Young's modulus that hardly any steel carries.
+const HEAVY: f64 = 0.01;
+
+impl Usual {
+    /// What is odd about a value, if anything is, and the value in the unit that is probably meant.
+    fn odd(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
+        let [least, most] = self.range;
+        if (least..=most).contains(&value) {
+            return None;
+        }
+        let unit = self.unit;
+        let meant = self
+            .slips
+            .iter()
+            .find(|(factor, _)| (least..=most).contains(&(value * factor)));
+        let help = match meant {
+            Some((factor, slip)) => {
+                let right = suggest_number(value * factor);
+                format!("if {value} is in {slip}, write {key} = {right}")
+            }
+            None => format!("usual are {least:e} to {most:e} {unit}")
+                .trim_end()
+                .to_owned(),
+        };
+        let message = format!(
+            "`{key}` = {} {unit} is far from what gears have",
+            plain(value)
+        );
+        Some(place.error(message.replace("  ", " "), "odd", help))
+    }
+}
+
+/// A number as one would write it.
+fn plain(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
+        format!("{x}")
+    } else {
+        format!("{x:e}")
+    }
+}
+
+/// A product of a number and a unit, without the digits of rounding.
+fn suggest_number(x: f64) -> String {
+    let digits: f64 = format!("{x:.11e}").parse().unwrap_or(x);
+    plain(digits)
+}
+
+/// A pressure angle that no tool has [rad]: most often one in radians.
+///
+/// # Errors
+/// [`SceneError`] with the angle in degrees.
+pub(super) fn pressure_angle(angle: f64, gear: &Place<'_>) -> Result<(), SceneError> {
+    let degrees = angle.to_degrees();
+    if !(0.0..LEAST_PRESSURE_ANGLE).contains(&degrees) {
+        return Ok(());
+    }
+    let place = gear.key("pressure_angle_deg");
+    let help = match PRESSURE_ANGLE.odd(&place, "pressure_angle_deg", degrees) {
+        Some(odd) => odd.help_text().unwrap_or_default().to_owned(),
+        None => String::new(),
+    };
+    place.refuse(
+        format!(
+            "a pressure angle of {} degrees: no tool cuts such teeth",
+            short(degrees, 4)
+        ),
+        format!("expected at least {LEAST_PRESSURE_ANGLE} degrees"),
+        help,
+    )
+}
+
+/// Checks a scene that has been read.
+///
+/// # Errors
+/// [`SceneError`] of what cannot be; what is odd is returned.
+pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
+    let root = scene.document.at("");
+    let mut odd = Vec::new();
+    odd.extend(DURATION.odd(&root.key("duration_s"), "duration_s", scene.duration));
+    for gear in &scene.spec.gears {
+        let at = root.key("gears").key(&gear.name);
+        toothing(gear, &at, &mut odd);
+        material(&gear.material, &at.key("material"), &mut odd);
+        speed(gear, &at, &mut odd)?;
+        loads(gear, &at, &mut odd)?;
+    }
+    overlap(scene)?;
+    steps(
+        &scene.study.integrators,
+        scene,
+        &root.key("study").key("integrators"),
+    )?;
+    for (i, model) in scene.models.iter().enumerate() {
+        let at = root.key("models").member(i);
+        contacts(model, &at.key("contact"), &mut odd);
+        let own = model.integrators.as_deref().unwrap_or_default();
+        steps(own, scene, &at.key("integrators"))?;
+    }
+    Ok(odd)
+}
+
+fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {
+    let (module, width, pressure, helix) = match &gear.body {
+        Body::Gear(g) => {
+            let p = g.params();
+            (p.module, p.face_width, p.pressure_angle, p.helix_angle)
+        }
+        Body::Rack(r) => {
+            let p = r.params();
+            (p.module, p.face_width, p.pressure_angle, p.helix_angle)
+        }
+    };
+    let mut look = |usual: &Usual, key: &str, value: f64| {
+        odd.extend(
+            at.has(key)
+                .then(|| usual.odd(&at.key(key), key, value))
+                .flatten(),
+        );
+    };
+    look(&MODULE, "module_m", module);
+    look(&FACE_WIDTH, "face_width_m", width);
+    look(&PRESSURE_ANGLE, "pressure_angle_deg", pressure.to_degrees());
+    if helix != 0.0 {
+        look(&HELIX_ANGLE, "helix_angle_deg", helix.to_degrees().abs());
+    }
+    if let Some(inertia) = gear.inertia {
+        let (key, own) = match &gear.body {
+            Body::Gear(g) => ("inertia_kgm2", g.mass_properties(gear.material.density).izz),
+            Body::Rack(r) => ("mass_kg", r.mass(gear.material.density)),
+        };
+        look(&INERTIA, key, inertia / own);
+    }
+}
+
+fn material(material: &Material, at: &Place<'_>, odd: &mut Vec<SceneError>) {
+    odd.extend(YOUNG.odd(&at.key("young_pa"), "young_pa", material.young));
+    odd.extend(DENSITY.odd(&at.key("density_kg_m3"), "density_kg_m3", material.density));
+}
+
+/// Surface speed against the speed of sound.
+fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
+    let driven = match &gear.mount {
+        Mount::Driven(motion) => Some(greatest(motion)),
+        _ => None,
+    };
+    let place = match driven {
+        Some(_) => at.key("mount"),
+        None => at.first(&["speed_rad_s", "speed_m_s"]),
+    };
+    let fastest = driven.unwrap_or(gear.speed.abs());
+    let surface = match &gear.body {
+        Body::Gear(g) => g.r_tip() * fastest,
+        Body::Rack(_) => fastest,
+    };
+    let sound = (gear.material.young / gear.material.density).sqrt();
+    let what = format!(
+        "the teeth of `{}` move at {} m/s",
+        gear.name,
+        short(surface, 4)
+    );
+    if surface >= sound {
+        let young = short(gear.material.young, 4);
+        return place.refuse(
+            format!("{what}, beyond the speed of sound in their material, {} m/s", short(sound, 4)),
+            "no solid holds together at this speed",
+            format!("speeds are in rad/s (of a rack in m/s), and Young's modulus, here {young} Pa, is in pascal"),
+        );
+    }
+    if surface > FAST {
+        let help =
+            format!("gears run at up to some {FAST} m/s; speeds are in rad/s, of a rack in m/s");
+        odd.push(place.error(what, "odd", help));
+    }
+    Ok(())
+}
+
+/// Nominal stress of the teeth under each load against Young's modulus.
+fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
+    let (module, width) = match &gear.body {
+        Body::Gear(g) => (g.params().module, g.params().face_width),
+        Body::Rack(r) => (r.params().module, r.params().face_width),
+    };
+    for (i, load) in gear.loads.iter().enumerate() {
+        let Load::Applied(profile) = load else {
+            continue;
+        };
+        let force = greatest(profile) / effective_radius(&gear.body);
+        let stress = force / (module * width);
+        let place = at.key("loads").member(i);
+        let what = format!(
+            "the load means {} N on the teeth of `{}`, {} of its Young's modulus over module and face width",
+            short(force, 3),
+            gear.name,
+            short(stress / gear.material.young, 3)
+        );
+        if stress >= gear.material.young {
+            return place.refuse(
+                what,
+                "no solid carries this",
+                "torques are in N m, forces in N, lengths in metres, Young's modulus in pascal",
+            );
+        }
+        if stress > HEAVY * gear.material.young {
+            odd.push(place.error(what, "odd", "hardly any steel carries a hundredth of it"));
+        }
+    }
+    Ok(())
+}
+
+/// Greatest magnitude of a profile.
+fn greatest(profile: &Profile) -> f64 {
+    match profile {
+        Profile::Constant(x) => x.abs(),
+        Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
+        Profile::Table { value, .. } => value.iter().fold(0.0, |a, x| x.abs().max(a)),
+    }
+}
+
+/// Gears lie in one plane: those that do not mesh must have room beside each other.
+fn overlap(scene: &SceneFile) -> Result<(), SceneError> {
+    let gears = &scene.spec.gears;
+    let mesh = |a: usize, b: usize| {
+        (scene.spec.meshes.iter()).any(|m| m.gears == [a, b] || m.gears == [b, a])
+    };
+    for (b, second) in gears.iter().enumerate() {
+        for (a, first) in gears[..b].iter().enumerate() {
+            let (Body::Gear(ga), Body::Gear(gb)) = (&first.body, &second.body) else {
+                continue;
+            };
+            let [dx, dy] = [0, 1].map(|k| second.position[k] - first.position[k]);
+            let (distance, room) = (dx.hypot(dy), ga.r_tip() + gb.r_tip());
+            if distance >= room || mesh(a, b) {
+                continue;
+            }
+            let root = scene.document.at("");
+            let placed = (scene.spec.meshes.iter()).position(|m| m.gears.contains(&b));
+            let gear = root.key("gears").key(&second.name);
+            let place = match placed.map(|i| root.key("meshes").member(i)) {
+                _ if gear.has("position_m") => gear.key("position_m"),
+                Some(mesh) => mesh.first(&["direction_deg", "gears"]),
+                None => gear,
+            };
+            return place.refuse(
+                format!(
+                    "`{}` and `{}` do not mesh and overlap: their axes are {} m apart, their tip circles need {} m",
+                    first.name,
+                    second.name,
+                    short((distance / room * 1e9).round() * 1e-9 * room, 4),
+                    short(room, 4)
+                ),
+                format!("puts `{}` there", second.name),
+                "give this mesh another `direction_deg`, or the gear another `position_m`",
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Fixed steps against the simulated time.
+fn steps(schemes: &[Scheme], scene: &SceneFile, at: &Place<'_>) -> Result<(), SceneError> {
+    for (i, scheme) in schemes.iter().enumerate() {
+        if let Some(why) = too_long(scheme, scene.duration) {
+            let place = at.member(i);
+            let help = "give a smaller step; contact wants some microseconds or less";
+            return place.first(&["step_s"]).refuse(why, "too long", help);
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with a step that is longer than the simulated time [s].
+pub(super) fn too_long(scheme: &Scheme, duration: f64) -> Option<String> {
+    match scheme.resolution {
+        Resolution::Step(h) if h > duration => Some(format!(
+            "a step of {h:e} s of `{}` is longer than the {duration:e} s that are simulated",
+            scheme.method
+        )),
+        _ => None,
+    }
+}
+
+fn contacts(model: &ModelChoice, at: &Place<'_>, odd: &mut Vec<SceneError>) {
+    let own = |i: usize| Some(at.member(i)).filter(Place::exists);
+    for (i, contact) in model.modelling.contacts.iter().enumerate() {
+        let at = match own(i) {
+            Some(own) => own,
+            // One contact of all meshes is looked at once.
+            None if i > 0 => return,
+            None => at.clone(),
+        };
+        odd.extend(contact_of(contact, &at));
+    }
+}
+
+fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
+    let look = |usual: &Usual, keys: [&str; 2], value: f64| {
+        let place = at.key(keys[0]).key(keys[1]);
+        place
+            .exists()
+            .then(|| usual.odd(&place, keys[1], value))
+            .flatten()
+    };
+    let friction = contact
+        .friction
+        .map(|f| look(&FRICTION, ["friction", "mu"], f.mu()));
+    let damping = match contact.damping {
+        Damping::KelvinVoigtRatio { ratio } => look(&DAMPING_RATIO, ["damping", "ratio"], ratio),
+        _ => None,
+    };
+    let stiffness = match &contact.stiffness {
+        PairStiffness::Constant { per_width, .. } => {
+            look(&STIFFNESS, ["stiffness", "stiffness_n_per_m2"], *per_width)
+        }
+        _ => None,
+    };
+    let key = "penalty_pa_per_m";
+    let penalty = (contact.points.filter(|_| at.has(key)))
+        .and_then(|p| PENALTY.odd(&at.key(key), key, p.penalty));
+    [friction.flatten(), damping, stiffness, penalty]
+        .into_iter()
+        .flatten()
+        .collect()
+}
