@@ -19,6 +19,7 @@ use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
 use crate::studies::truncation::{self, arguments::Truncation};
+use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::{init, init::Init, list, report, report::Report};
@@ -108,6 +109,8 @@ pub(crate) enum Command {
     List,
     /// Write the report of a results folder again
     Report(Report),
+    /// Print a script that completes commands and options in a shell
+    Completions(Completions),
 }
 
 impl Command {
@@ -132,6 +135,7 @@ impl Command {
             Command::Reduce(args) => reduce::run(&args),
             Command::List => list::run(),
             Command::Report(args) => report::run(&args),
+            Command::Completions(args) => completions::run(&args),
         }
     }
 }

@@ -2,6 +2,8 @@
 
 mod choose;
 mod compare;
+mod init;
+mod malformed;
 mod mesh;
 mod precision;
 mod reduce;
