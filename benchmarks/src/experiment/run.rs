@@ -175,7 +175,8 @@ fn timed_in(
         return Err(RunError::Interrupted);
     }
 
-    let mut monitor = RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
+    let mut monitor =
+        RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps).under(&job.plan());
     if job.histories {
         monitor.history.contacts = Some(ContactLog::new(job.scene, scene));
     }
@@ -186,6 +187,10 @@ fn timed_in(
     let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
     let observed = begin.elapsed().as_secs_f64();
     match &outcome {
+        Err(StepError::Unsupported { .. }) if scene.layout().n == 0 => {
+            let why = "every gear is fixed or driven, nothing is left to integrate; free one of them, or take a method of fixed steps";
+            return Err(RunError::Unsupported(why.into()));
+        }
         Err(e @ StepError::Unsupported { .. }) => return Err(RunError::Unsupported(e.to_string())),
         Err(StepError::Interrupted { .. }) => return Err(RunError::Interrupted),
         _ => {}
