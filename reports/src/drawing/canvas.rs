@@ -128,7 +128,7 @@ pub fn draw(
          Neue, Helvetica, Arial, Liberation Sans, sans-serif\">\n{}\n",
         size.0,
         size.1,
-        html! { title { (title) } }.0
+        html! { title { (printable(title)) } }.0
     );
     let mut body = raw.split_once('\n').map_or("", |(_, body)| body).to_owned();
     // What the backend writes though it is the default, or has no effect.
@@ -156,6 +156,12 @@ fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
         out.push_str(part);
     }
     out
+}
+
+/// Text without control characters and the quotes of names.
+fn printable(text: &str) -> String {
+    let kept = text.chars().filter(|c| !c.is_control() && *c != '`');
+    kept.collect()
 }
 
 fn unit(x: f64) -> i32 {
@@ -264,7 +270,7 @@ impl Canvas<'_> {
 
     /// Text; control characters and the quotes of names are dropped.
     pub fn text(&mut self, text: &str, at: (f64, f64), kind: Type) {
-        let text: String = (text.chars().filter(|c| !c.is_control() && *c != '`')).collect();
+        let text = printable(text);
         if text.is_empty() || !(at.0.is_finite() && at.1.is_finite()) {
             return;
         }

@@ -3,15 +3,16 @@
 //! No script, no font, no request: style and charts are in the page. Every text that came from data is escaped by
 //! `maud`; only the charts, which are SVG already, go in as they are.
 
+mod column;
 pub mod runs;
 pub mod table;
 
-use crate::drawing::style::night;
+use crate::drawing::style::{mark, night};
 use crate::metrics::Metric;
 use crate::numbers::{count, quantity};
 use crate::record::Results;
 use crate::studies::StudyReport;
-use crate::view::View;
+use crate::view::{Group, View};
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
@@ -101,6 +102,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                         p { (sentences(&report.finding)) }
                     }
                     (report.tables)
+                    (models(&View::new(results)))
                     @for (i, chart) in report.charts.iter().enumerate() {
                         section.chart {
                             h2 { (chart.title) }
@@ -126,6 +128,31 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
         .collect()
 }
 
+/// The setting that says what a model is: its key has the model's label as scenes write it.
+fn setting_of<'r>(results: &'r Results, label: &str) -> Option<(&'r String, &'r String)> {
+    let key = format!("model {}", label.replace(", ", "-"));
+    let found = results.settings.iter().find(|(k, _)| *k == key);
+    found.map(|(k, v)| (k, v))
+}
+
+/// What the models of the tables and charts are.
+fn models(view: &View<'_>) -> Markup {
+    let known = |g: &Group<'_>| setting_of(view.results, &g.label).is_some();
+    let groups: Vec<&Group<'_>> = view.groups.iter().filter(|g| known(g)).collect();
+    if groups.is_empty() {
+        return Markup::default();
+    }
+    let list = html! {
+        dl.models {
+            @for g in groups {
+                dt { (mark(g.style)) (g.label) }
+                dd { @if let Some((_, text)) = setting_of(view.results, &g.label) { (prose(text)) } }
+            }
+        }
+    };
+    section("What the models are", list)
+}
+
 /// Settings, references, machine, version, and how to make the report again.
 fn setting(view: &View<'_>) -> Markup {
     let r = view.results;
@@ -144,7 +171,11 @@ fn setting(view: &View<'_>) -> Markup {
         .collect();
     let record = format!("results.json, schema {}", r.header.schema);
     let or_none = |x: &'_ Option<String>| x.clone().unwrap_or_default();
+    let shown: Vec<&String> = (view.groups.iter())
+        .filter_map(|g| Some(setting_of(r, &g.label)?.0))
+        .collect();
     let settings: Vec<(&str, &str)> = (r.settings.iter())
+        .filter(|(k, _)| !shown.contains(&k))
         .map(|(k, v)| (k.as_str(), v.as_str()))
         .collect();
     html! {

@@ -4,8 +4,8 @@
 //! ([`Rank::Result`]) are always in the table at a glance. The others follow there as far as they fit the page; what is
 //! left stands below, under the same keys. On a narrow screen every row is a card with the headings beside its numbers.
 
+use super::column::{Column, PAGE, Rank, width};
 use super::prose;
-use crate::drawing::canvas::text_width;
 use crate::drawing::style::mark;
 use crate::numbers::{ABSENT, Prefix, ROUNDING, count, deviation, percent, power, significant};
 use maud::{Markup, Render, html};
@@ -19,37 +19,10 @@ pub struct Table<'r, R> {
     classes: Vec<&'static str>,
 }
 
-/// Width of the text of a page on a screen, and of a table in print at its smaller type \[px\].
-pub const PAGE: f64 = 918.0;
-/// Size of the type of tables, and what stands between columns \[px\].
-const SIZE: f64 = 12.5;
-const BETWEEN: f64 = 12.0;
-/// Text wraps beyond this \[px\].
-const WRAP: f64 = 150.0;
 /// Rows from which on a table opens on demand: the page is to be read, the CSV holds the data.
 const LONG: usize = 60;
 /// Part of the largest magnitude of a column below which a number of it is rounding.
 const NOTHING: f64 = 1e-9;
-
-/// What a column is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Rank {
-    /// Says which row it is.
-    Key,
-    /// Answers the question of the table.
-    Result,
-    /// All else.
-    Detail,
-}
-
-/// A column: its heading, unit, and one cell per row.
-struct Column {
-    rank: Rank,
-    heading: String,
-    unit: String,
-    cells: Vec<Option<String>>,
-    text: bool,
-}
 
 impl<'r, R> Table<'r, R> {
     /// A table of some rows without columns.
@@ -234,30 +207,6 @@ fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
         "N" => Prefix::of(typical, 20.0),
         _ => Prefix::of(typical, 1.0),
     }
-}
-
-impl Column {
-    /// Whether its text is too long for a line.
-    fn wraps(&self) -> bool {
-        let long = |t: &String| text_width(t, SIZE) > WRAP;
-        self.text && self.cells.iter().flatten().any(long)
-    }
-
-    /// Width on the page; text wraps, and headings at their spaces \[px\].
-    fn width(&self) -> f64 {
-        let cells = self.cells.iter().flatten();
-        let widest = cells.map(|t| text_width(t, SIZE)).fold(0.0, f64::max);
-        let widest = if self.wraps() { WRAP } else { widest };
-        let words = self.heading.split(' ').chain([self.unit.as_str()]);
-        let head = words
-            .map(|w| 1.08 * text_width(w, SIZE))
-            .fold(0.0, f64::max);
-        BETWEEN + widest.max(head)
-    }
-}
-
-fn width(columns: &[&Column]) -> f64 {
-    columns.iter().map(|c| c.width()).sum()
 }
 
 impl<R> Table<'_, R> {

@@ -204,10 +204,11 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let numbers = Numbers::of(good.iter().map(|p| p.1.integrator.as_str()));
     let top = 6.0 + scatter::key_height(&models) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 330.0);
-    let title = "Error against wall time";
+    let reference = view.reference_name(against);
+    let title = format!("Error against {reference}, over wall time");
     let unit = if relative { "%" } else { view.metric.unit() };
     let below = area.y1 + 46.0;
-    let svg = draw(WIDTH, below + numbers.height(), title, |c| {
+    let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
         scatter::key(c, &models, true);
         scatter::failures(c, &failed, top, "the table of failures");
         let frame = Frame { area, x, y };
@@ -235,13 +236,13 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     })?;
     Ok(Some(Chart {
         file: "accuracy.svg".into(),
-        title: title.into(),
+        title,
         caption: format!(
             "{} against {} over wall time; lower left is better. Numbers name the integrators below. Points on one level \
              share the error of the model: a finer step no longer helps. Failed runs stand on their own edge, whatever \
              their time.",
             capital(view.metric.words()),
-            view.reference_name(against),
+            reference,
         ),
         svg,
     }))

@@ -112,21 +112,23 @@ impl<'a> Histories<'a> {
     /// All curves of a column. Busy overviews take thin full lines: dashes would be lost in them.
     fn lines(
         &self,
-        column: fn(&TimeSeries) -> &Vec<f64>,
+        column: impl Fn(&TimeSeries) -> Option<&[f64]>,
         factor: f64,
         time: &TimeAxis,
     ) -> Vec<Curve> {
         let overview = self.zoom.is_some() && *time == self.time;
         let line = |c: &History<'_>| {
+            let values = column(c.series)?;
             let stroke = match overview {
                 true => Stroke::new(c.stroke.ink, 0.9),
                 false => c.stroke,
             };
             let x = scaled(&c.series.time_s, time.factor);
-            let y = scaled(column(c.series), factor);
-            Curve::history(stroke, &time.axis, &x, &y).along(c.style.filter(|_| !overview))
+            let y = scaled(values, factor);
+            let curve = Curve::history(stroke, &time.axis, &x, &y);
+            Some(curve.along(c.style.filter(|_| !overview)))
         };
-        self.curves.iter().map(line).collect()
+        self.curves.iter().filter_map(line).collect()
     }
 }
 
@@ -219,7 +221,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let panel = |time: &TimeAxis, height: f64| Panel {
         x_name: Some(time.name.clone()),
         ..Panel::new(height, &time.axis, &y_name)
-            .curves(h.lines(|s| &s.contact_force_n, unit.factor, time))
+            .curves(h.lines(|s| Some(&s.contact_force_n), unit.factor, time))
             .close()
     };
     let mut caption =
@@ -229,7 +231,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         None => panels.push(panel(&h.time, 240.0)),
         Some(zoom) => {
             let top = Axis::from_zero(h.peak() * unit.factor);
-            let lines = h.lines(|s| &s.contact_force_n, unit.factor, &h.time);
+            let lines = h.lines(|s| Some(&s.contact_force_n), unit.factor, &h.time);
             let last = h.curves.len() - 1;
             for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {
                 let name = format!("force [{}N]", unit.symbol);
@@ -314,37 +316,70 @@ fn residual(
     }
 }
 
-/// Angular velocities of both gears over time.
+/// What names of further columns with the speed of a gear end in.
+const SPEED: &str = "_rad_s";
+
+/// The speed of a gear by the name of its column, without the unit.
+fn speed<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
+    let mut columns = series.named_columns();
+    columns.find_map(|(n, values)| (n.strip_suffix(SPEED)? == name).then_some(values))
+}
+
+/// Speeds of all gears over time.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    type Column = fn(&TimeSeries) -> &Vec<f64>;
-    let columns: [(&str, Column); 2] = [
-        ("\u{3c9}1 [rad/s]", |s| &s.omega1_rad_s),
-        ("\u{3c9}2 [rad/s]", |s| &s.omega2_rad_s),
-    ];
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in h.curves.iter().flat_map(|c| c.series.named_columns()) {
+        if let Some(name) = name.strip_suffix(SPEED)
+            && !names.contains(&name)
+        {
+            names.push(name);
+        }
+    }
+    // The picture of the teeth knows what the gears are called, in their order.
+    let gears: Vec<&str> = (view.results.runs.iter())
+        .find_map(|r| r.contacts.as_ref())
+        .map_or(Vec::new(), |s| {
+            s.outlines.iter().map(|o| o.gear.as_str()).collect()
+        });
+    let label = |i: usize, name: &str| {
+        let symbol = name.replacen("omega", "\u{3c9}", 1).replace('_', " ");
+        match gears
+            .get(i)
+            .filter(|g| g.len() <= 10 && !symbol.ends_with(*g))
+        {
+            Some(gear) => format!("{symbol} {gear} [rad/s]"),
+            None => format!("{symbol} [rad/s]"),
+        }
+    };
     let size = if h.zoom.is_some() { 130.0 } else { 160.0 };
     let mut panels = Vec::new();
     for time in std::iter::once(&h.time).chain(&h.zoom) {
-        for (i, (y_name, column)) in columns.into_iter().enumerate() {
+        for (i, name) in names.iter().enumerate() {
             panels.push(Panel {
-                x_name: (i == 1).then(|| time.name.clone()),
-                ..Panel::new(size, &time.axis, y_name)
-                    .curves(h.lines(column, 1.0, time))
+                x_name: (i + 1 == names.len()).then(|| time.name.clone()),
+                ..Panel::new(size, &time.axis, &label(i, name))
+                    .curves(h.lines(|s| speed(s, name), 1.0, time))
                     .close()
             });
         }
     }
     let zoomed = if h.zoom.is_some() {
-        " The lower pair shows the time around the highest peak of the force."
+        " The lower panels show the time around the highest peak of the force."
     } else {
         ""
     };
-    let title = "Angular velocities of both gears";
+    let of = match gears.get(..names.len()) {
+        Some(gears) => gears.join(", "),
+        None => "the gears".into(),
+    };
+    let title = "Angular velocities of the gears";
     let caption = format!(
-        "Angular velocity of gear 1 (\u{3c9}1) and gear 2 (\u{3c9}2), counter-clockwise positive. Elastic bodies are \
-         shown by their momentum mean, angular momentum over inertia, which is what a rigid body has.{zoomed}"
+        "Angular velocities of {of}, counter-clockwise positive. Elastic bodies are shown by their momentum mean, angular \
+         momentum over inertia, which is what a rigid body has; a rack by its speed over the pitch radius of its \
+         mate.{zoomed}"
     );
     chart("speeds.svg", title, caption, &h.legend(), &panels).map(Some)
 }
