@@ -5,6 +5,7 @@
 //! This crate knows neither models nor integrators; its tables iterate the records.
 
 mod csv_table;
+pub mod dictionary;
 mod drawing;
 pub mod force;
 pub mod histories;

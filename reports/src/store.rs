@@ -176,7 +176,10 @@ fn histories<'a>(results: &'a Results) -> Vec<File<'a>> {
         files.push((name, Content::Table(table)));
     };
     for (i, r) in results.references.iter().enumerate() {
-        add(reference_name(i, r), Box::new(|| series_table(&r.series)));
+        add(
+            reference_name(i, r),
+            Box::new(|| series_table(&r.series.finite_prefix())),
+        );
     }
     for (i, r) in results.runs.iter().enumerate() {
         let stem = r.file_stem(i);
@@ -188,7 +191,10 @@ fn histories<'a>(results: &'a Results) -> Vec<File<'a>> {
                 }
             }
             (None, Some(series)) => {
-                add(format!("{stem}.csv"), Box::new(|| series_table(series)));
+                add(
+                    format!("{stem}.csv"),
+                    Box::new(|| series_table(&series.finite_prefix())),
+                );
             }
             (None, None) => {}
         }

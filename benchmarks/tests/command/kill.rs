@@ -84,6 +84,7 @@ fn finish(folder: &Folder, study: &str) -> [Value; 2] {
         !folder.at("here").join(JOURNAL).exists(),
         "{study}: the journal has served"
     );
+    super::as_documented(&folder.at("here"));
     [answer, record].map(without_clock)
 }
 
