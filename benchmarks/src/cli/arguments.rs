@@ -75,3 +75,11 @@ impl Default for Timed {
         }
     }
 }
+
+/// Whether a reference of other gears will do.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Insist {
+    /// Take the scene's reference though it is of other gears, speeds or loads; the report says so
+    #[arg(long)]
+    pub any_reference: bool,
+}

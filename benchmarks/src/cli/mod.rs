@@ -22,7 +22,7 @@ use crate::studies::truncation::{self, arguments::Truncation};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::rerun::{self, Rerun};
-use crate::tools::{list, report, report::Report};
+use crate::tools::{init, init::Init, list, report, report::Report};
 use answer::Answer;
 use clap::{Parser, Subcommand};
 use exit::Exit;
@@ -41,6 +41,7 @@ Examples:
   gearbench compare spur_impact
   gearbench compare hammer --models rigid      one model of a shipped scene
   gearbench compare my_scene.toml --out out/a  a scene of your own
+  gearbench init                               a commented scene to start from
   gearbench list                               scenes, models, integrators, references
 
 Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
@@ -49,7 +50,7 @@ Results (--out DIR, default out/SCENE/STUDY/, printed at the end):
   *.csv         time series, SI units in the header
   *.svg         the charts
 
-Scene files are described in benchmarks/scenes/README.md.";
+Scene files are described in benchmarks/scenes/README.md, what gearbench does not do in docs/limits.md.";
 
 /// Which gear-contact model and which integrator is just good enough for a scene, and what does it cost?
 ///
@@ -73,6 +74,8 @@ pub struct Cli {
 /// The commands.
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Write a commented scene to start from: a pair, a rack, a train, or a shipped one
+    Init(Init),
     /// Compare the models and integrators of a scene, against its reference
     Compare(Compare),
     /// Error against cost of every model, integrator and resolution of a scene, with its Pareto front
@@ -114,6 +117,7 @@ impl Command {
     /// Does it; records say that it was `told` so.
     fn run(self, told: &str) -> Result<Answer, Refusal> {
         match self {
+            Command::Init(args) => init::run(&args),
             Command::Compare(args) => compare::command::run(&args, told),
             Command::Precision(args) => precision::command::run(&args, told),
             Command::Stability(args) => stability::command::run(&args, told),

@@ -5,6 +5,7 @@
 //! command, whose files and exit code are those of a whole one; a full disk behind standard output is an error.
 
 use super::answer::{self, Answer};
+use super::arguments::Insist;
 use super::exit::Exit;
 pub use super::refusal::{Refusal, refuse_run, refuse_study};
 use crate::scene_file::SceneFile;
@@ -141,12 +142,13 @@ pub fn absolute(path: PathBuf) -> PathBuf {
     path.canonicalize().unwrap_or(path)
 }
 
-/// The stored reference of a scene.
-pub fn stored_reference(scene: &SceneFile) -> Result<Option<ExternalReference>, Refusal> {
-    (scene
-        .reference
-        .as_deref()
-        .map(gearbench_reference::reference))
-    .transpose()
-    .map_err(|e| Refusal::Files(e.to_string()))
+/// The stored reference of a scene, which has to be of its gears unless the user insists.
+pub fn stored_reference(
+    scene: &mut SceneFile,
+    insist: &Insist,
+) -> Result<Option<ExternalReference>, Refusal> {
+    let known = scene.odd.len();
+    let reference = scene.held_reference(insist.any_reference)?;
+    (scene.odd[known..].iter()).for_each(|odd| warn(&odd.told()));
+    Ok(reference)
 }

@@ -127,7 +127,9 @@ impl ForceRecorder {
         self.interval = 1;
         let short = h <= 0.2 * rule.full * time;
         let was_silent = goes_on && self.group.last().is_some_and(|s| s[1] == 0.0);
-        if (goes_on && short) || (was_silent && silent(sys, t1) && silent(sys, t0 + 0.5 * h)) {
+        // A piece that is cut short must not be left with two nodes.
+        let begun_well = goes_on && self.group.len() >= rule.nodes.len();
+        if (begun_well && short) || (was_silent && silent(sys, t1) && silent(sys, t0 + 0.5 * h)) {
             times.push(t1);
             self.left = 1;
             return;

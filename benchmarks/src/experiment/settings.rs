@@ -1,13 +1,11 @@
 //! What a reader must know of a scene, beside the results of a study.
 
-use crate::scene_file::{ModelChoice, SceneFile};
+use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
-use gearbench_models::geometry::Pair;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, Load, ModelSpec, Mount, PointRule, Profile, SceneSpec,
-    SurfaceKind, Value, mesh_layout,
+    Body, ContactSpec, GearSpec, Load, ModelSpec, Mount, PointRule, Profile, SurfaceKind, Value,
+    mesh_layout,
 };
-use gearbench_models::stiffness::build_with_warnings;
 use gearbench_reports::numbers::short;
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
@@ -183,7 +181,8 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
             short(mesh.start.gap * 1e6, 4)
         ));
         if contact.points.is_none() {
-            parts.extend(warnings(&spec, mesh.gears, contact));
+            let limits = formula_limits(&spec, mesh.gears, contact);
+            parts.extend(limits.into_iter().map(|w| format!("note: {w}")));
         }
     }
     if let Some(first) = choice.modelling.gears.first() {
@@ -250,21 +249,4 @@ fn parameters(model: &ModelSpec) -> Vec<String> {
             Value::List(x) => format!("{key}: {} values", x.len()),
         })
         .collect()
-}
-
-/// Limits of the stiffness formulas that the scene does not keep.
-fn warnings(spec: &SceneSpec, gears: [usize; 2], contact: &ContactSpec) -> Vec<String> {
-    let [a, b] = gears.map(|i| &spec.gears[i]);
-    let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
-        return Vec::new();
-    };
-    let materials = [a.material, b.material];
-    let pair = Pair::new(ga, &b.body, l.distance).ok();
-    let built = pair.and_then(|pair| {
-        let stiffness = &contact.stiffness;
-        build_with_warnings(stiffness, ga, &b.body, &pair, materials, l.face_width).ok()
-    });
-    built.map_or_else(Vec::new, |b| {
-        b.warnings.iter().map(|w| format!("note: {w}")).collect()
-    })
 }

@@ -15,7 +15,8 @@
 //! it beside itself, as `NAME.calibration.toml`.
 
 use super::error::SceneError;
-use super::reading::{Document, suggest};
+use super::reading::values::InOrder;
+use super::reading::{Document, Place, suggest};
 use gearbench_models::spec::{Modelling, Value};
 use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
@@ -86,27 +87,38 @@ pub struct Calibration {
     pub sets: BTreeMap<String, BTreeMap<String, Constants>>,
 }
 
+/// Tables of constants by name of the calibration and label of the model.
+type Sets = InOrder<InOrder<InOrder<f64>>>;
+
 impl Calibration {
     /// Reads a calibration file.
     ///
     /// # Errors
     /// [`SceneError`] for anything but tables of positive numbers (a gap may have any sign).
     pub fn parse(name: &str, text: &str) -> Result<Self, SceneError> {
-        type Sets = BTreeMap<String, BTreeMap<String, BTreeMap<String, f64>>>;
         let (document, sets): (_, Sets) = Document::read(name, text, |_| Vec::new())?;
+        Self::of(sets, &document.at(""))
+    }
+
+    /// Reads its tables, which stand at a place.
+    ///
+    /// # Errors
+    /// [`SceneError`] at a name that is none, or a constant that is not positive.
+    pub(super) fn of(sets: Sets, at: &Place<'_>) -> Result<Self, SceneError> {
         let mut calibration = Calibration::default();
-        for (set, labels) in sets {
+        for (set, labels) in sets.0 {
             if !NAMES.contains(&set.as_str()) {
-                return document.at(&set).refuse(
+                return at.key(&set).refuse(
                     format!("unknown calibration `{set}`"),
                     "not known here",
                     suggest::there_are(&set, &NAMES),
                 );
             }
             let mut constants = BTreeMap::new();
-            for (label, values) in labels {
-                let at = document.at("").key(&set).key(&label);
-                if let Some((key, x)) = values.iter().find(|(key, x)| *key != GAP && **x <= 0.0) {
+            for (label, values) in labels.0 {
+                let at = at.key(&set).key(&label);
+                let values = values.0;
+                if let Some((key, x)) = values.iter().find(|(key, x)| *key != GAP && *x <= 0.0) {
                     return at.key(key).refuse(
                         format!("`{key}` is {x}"),
                         "expected more than zero",

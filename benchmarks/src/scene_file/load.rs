@@ -118,20 +118,23 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     )
 }
 
-/// Calibrations of a scene: of this file beside itself, else those that are embedded under the name.
+/// Calibrations of a scene: of this file beside itself, else in it, else those that are embedded under the name.
 pub(super) fn find_calibration(
     scene: &str,
-    own: &str,
+    (name, own): (&str, &Calibration),
     origin: &Origin,
 ) -> Result<Option<Calibration>, SceneError> {
     if let Some(text) = recorded_calibration(scene) {
         return Calibration::parse("the record", text).map(Some);
     }
-    if let (Origin::File(path), true) = (origin, scene == own) {
+    if let (Origin::File(path), true) = (origin, scene == name) {
         let beside = path.with_extension("calibration.toml");
         if let Ok(text) = std::fs::read_to_string(&beside) {
             return Calibration::parse(&beside.to_string_lossy(), &text).map(Some);
         }
+    }
+    if scene == name && !own.sets.is_empty() {
+        return Ok(Some(own.clone()));
     }
     match shipped::shipped(scene) {
         Some(s) => {

@@ -10,6 +10,9 @@
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
 //! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
 //! | `plausible` | what no solid can be, and what is only odd |
+//! | `solid` | solid gears as elastic bodies need them |
+//! | `formulas` | where a scene leaves the range of a stiffness formula |
+//! | `referenced` | a stored reference against the gears of the scene |
 //! | `locate` | the line that an error of the assembly is about |
 //! | [`shipped`] | the scenes in the program |
 //!
@@ -21,6 +24,7 @@ pub mod calibration;
 mod contact;
 mod contact_points;
 mod error;
+mod formulas;
 mod gear;
 mod geometry;
 mod load;
@@ -30,7 +34,9 @@ mod model;
 mod plausible;
 mod profile;
 pub(crate) mod reading;
+mod referenced;
 pub mod shipped;
+mod solid;
 pub mod source;
 mod stiffness;
 pub(crate) mod study_plan;
@@ -40,9 +46,11 @@ mod tests;
 pub use calibrated::CalibrationUse;
 pub use calibration::Calibration;
 pub use error::SceneError;
+pub(crate) use formulas::formula_limits;
 pub use load::{Selection, load, load_for, load_unbuilt, load_uncalibrated};
 pub use model::ModelChoice;
-pub use shipped::SHIPPED;
+pub(crate) use reading::suggest::did_you_mean;
+pub use shipped::{SHIPPED, Shipped};
 pub use study_plan::Study;
 
 use crate::models::models as model_table;
@@ -82,6 +90,9 @@ keys! {
         meshes: Vec<mesh::MeshKeys>,
         /// tables [[models]], the configurations to compare
         models: Vec<model::ModelKeys>,
+        /// tables [calibration.NAME.LABEL] of fitted constants, as `gearbench identify` writes them beside the scene
+        #[serde(default)]
+        calibration: InOrder<InOrder<InOrder<f64>>>,
         /// table [study]
         #[serde(default)]
         study: study_plan::StudyKeys,
@@ -203,7 +214,8 @@ impl SceneFile {
             return Err(root.missing("gears", &SceneKeys::TABLE));
         }
         let meshes = mesh::meshes(&keys.meshes, &mut drafts, &root)?;
-        let find = |scene: &str| load::find_calibration(scene, &name, &origin);
+        let own = Calibration::of(keys.calibration, &root.key("calibration"))?;
+        let find = |scene: &str| load::find_calibration(scene, (&name, &own), &origin);
         let context = model::Context {
             scene: &name,
             gears: &drafts,
@@ -281,7 +293,10 @@ impl SceneFile {
         for choice in choices {
             let incomplete = choice.calibration.is_some() && !calibrated;
             match Scene::build(&self.spec_for(choice), &choice.modelling, model_table()) {
-                Ok(scene) => odd.extend(self.without_effect(choice, &scene)?),
+                Ok(scene) => {
+                    odd.extend(self.without_effect(choice, &scene)?);
+                    odd.extend(self.outside_formulas(choice));
+                }
                 Err(e) if incomplete && e.is_missing() => {}
                 Err(e) => return Err(self.locate_in(&choice.label, &e)),
             }

@@ -103,6 +103,41 @@ fn a_refusal_for_programs_has_file_line_and_help() {
     has(all["error"]["message"].as_str().unwrap(), &["nowhere"]);
 }
 
+/// Who insists on a reference of other gears finds that said in the report.
+#[test]
+fn a_reference_of_other_gears_is_refused_unless_the_user_insists() {
+    let folder = Folder::new();
+    let faster = include_str!("../../scenes/spur_impact.toml").replacen(
+        "speed_rad_s = 20.0",
+        "speed_rad_s = 22.0",
+        1,
+    );
+    folder.write("mine.toml", &faster);
+    folder.write(
+        "mine.calibration.toml",
+        include_str!("../../calibrations/spur_impact.toml"),
+    );
+    let words = [
+        "mine.toml:10",
+        "initial speed of `pinion` 22 rad/s (reference: 20)",
+    ];
+    folder.refuses("compare mine.toml --models rigid --integrators rk4", &words);
+    folder.refuses(
+        "precision mine.toml --models rigid --integrators rk4",
+        &words,
+    );
+    folder.refuses("identify mine.toml --model rigid", &words);
+    assert!(!folder.at("out").exists());
+    let run =
+        "compare mine.toml --models rigid --integrators rk4 --repeats 1 --out here --any-reference";
+    let out = folder.command(run).output().unwrap();
+    has(&stderr(&out), &["warning:", "initial speed of `pinion`"]);
+    has(
+        &folder.read("here/results.json"),
+        &["initial speed of `pinion` 22 rad/s (reference: 20)"],
+    );
+}
+
 #[test]
 fn a_quiet_command_says_nothing() {
     let folder = Folder::new();

@@ -178,7 +178,8 @@ const FITS: [Fit; 4] = [
     },
 ];
 
-/// Greatest ratio of root to bore radius of the fit; the body of a solid gear hardly differs.
+/// Greatest ratio of root to bore radius of the fit, held beyond it with a warning: towards this end the fit grows soft,
+/// a solid gear is about half as stiff with it as with a bore of half its root radius.
 const GREATEST_RATIO: f64 = 7.0;
 
 /// Factors `[L*, M*, P*, Q*]` of the Sainsot-Velex fit for the half angle `theta_f` (rad) and the

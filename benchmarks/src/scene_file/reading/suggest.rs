@@ -141,7 +141,7 @@ fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
 }
 
 /// "did you mean" with the nearest known word, if any is near.
-pub(in super::super) fn did_you_mean(unknown: &str, known: &[&str]) -> String {
+pub(crate) fn did_you_mean(unknown: &str, known: &[&str]) -> String {
     nearest(unknown, known).map_or(String::new(), |n| format!("did you mean `{n}`? "))
 }
 

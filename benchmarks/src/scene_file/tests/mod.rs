@@ -3,6 +3,7 @@
 mod contacts;
 mod plausible;
 mod precision;
+mod referenced;
 mod refusals;
 mod refused_models;
 mod robustness;

@@ -13,7 +13,7 @@ fn said(from: &str, to: &str) -> Vec<String> {
 #[test]
 fn odd_values_are_said_with_the_unit_that_is_meant() {
     let material =
-        "teeth = 20\nmaterial = { young_pa = 210e6, poisson = 0.3, density_kg_m3 = 7.85 }";
+        "teeth = 20\nmaterial = { young_pa = 210e9, poisson = 0.3, density_kg_m3 = 30000 }";
     let friction = "{ stiffness = \"iso6336\", friction = { mu = 50, v_ref_m_s = 0.01 }, \
                     damping = { law = \"kelvin-voigt-ratio\", ratio = 100.0 } }";
     let cases = [
@@ -24,7 +24,7 @@ fn odd_values_are_said_with_the_unit_that_is_meant() {
         (
             ("teeth = 20", material),
             vec![
-                "`density_kg_m3` = 7.85 kg/m^3 is far from what gears have; if 7.85 is in g/cm^3, write density_kg_m3 = 7850",
+                "`density_kg_m3` = 30000 kg/m^3 is far from what gears have; usual are 1e2 to 2.5e4 kg/m^3",
             ],
         ),
         (

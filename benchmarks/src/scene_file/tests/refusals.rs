@@ -286,7 +286,7 @@ const IMPOSSIBLE: &str = r##"
 28: { stiffness = { kind = "constant", stiffness_n_per_m2 = 1.4e10 }, damping = { law = "flores", e = 0.9 } } => { law = "hard", points = "nodes" }
     a contact of flank points has no effect | no flanks to touch with
 # in each other's place
-32: [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\ndirection_deg = 180\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]
+34: [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\ndirection_deg = 180\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]
     `pinion` and `third` do not mesh and overlap | 0 m apart, their tip circles need 0.088 m
 # closed loops
 37: [[models]] => [[meshes]]\ngears = ["third", "pinion"]\nbacklash_m = 1e-4\n\n[[models]] && [[models]] => [[meshes]]\ngears = ["wheel", "third"]\ncentre_distance_m = 0.1001\n\n[[models]] && [[meshes]] => [gears.third]\nteeth = 20\nmodule_m = 0.004\nface_width_m = 0.01\n\n[[meshes]]

@@ -11,10 +11,11 @@ use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say, warn};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
-use crate::scene_file;
+use crate::experiment::run::RunError;
+use crate::scene_file::{self, SceneFile};
 use gearbench_reports::Study;
 use std::sync::Arc;
 
@@ -22,6 +23,12 @@ use std::sync::Arc;
 pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
+    // Meshes of the scene's own elastic model are what they are; those that are generated need a bore.
+    let (scene, bores) = match Problem::of(&scene).flexible.label {
+        None => scene.with_bores()?,
+        Some(_) => (scene, Vec::new()),
+    };
+    bores.iter().for_each(|said| warn(said));
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent)),
@@ -37,8 +44,9 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     if interruption::requested() {
         return Err(Refusal::Interrupted);
     }
-    let choice = choice.map_err(refuse)?;
-    let results = record::results(&problem, (&scene.title, command), &requirement, &choice);
+    let choice = choice.map_err(|e| refuse(&scene, &problem, e))?;
+    let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
+    (results.settings).extend(bores.into_iter().map(|said| ("assumed".into(), said)));
     let dir = folder.path().to_owned();
     let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", dir.display()));
     if let Some(candidate) = &choice.candidate {
@@ -60,11 +68,17 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     }
 }
 
-fn refuse(e: ChooseError) -> Refusal {
-    match e {
-        ChooseError::Run(e) => refuse_run(e),
-        ChooseError::NoContact { .. } => Refusal::Input(miette::miette!("{e}")),
-        ChooseError::Build(_) | ChooseError::Hierarchy(_) => Refusal::Failed(e.to_string()),
+/// An error of assembly at its line, where it is about a model of the scene.
+fn refuse(scene: &SceneFile, problem: &Problem, e: ChooseError) -> Refusal {
+    match (e, &problem.flexible.label) {
+        (ChooseError::Build(e) | ChooseError::Run(RunError::Build(e)), Some(label)) => {
+            scene.locate_in(label, &e).into()
+        }
+        (ChooseError::Run(e), _) => refuse_run(e),
+        (e @ (ChooseError::NoContact { .. } | ChooseError::Build(_)), _) => {
+            Refusal::Input(miette::miette!("{e}"))
+        }
+        (e @ ChooseError::Hierarchy(_), _) => Refusal::Failed(e.to_string()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Arguments of `compare`.
 
-use crate::cli::arguments::Timed;
+use crate::cli::arguments::{Insist, Timed};
 use crate::cli::values::DEFAULT_SCENE;
 use clap::Args;
 
@@ -38,6 +38,9 @@ pub struct Compare {
     /// Do not locate contact events: shows what a method loses when steps run across them
     #[arg(long)]
     pub no_events: bool,
+    /// Whether a reference of other gears will do.
+    #[command(flatten)]
+    pub insist: Insist,
 }
 
 impl Default for Compare {
@@ -49,6 +52,7 @@ impl Default for Compare {
             integrators: None,
             run: Timed::default(),
             no_events: false,
+            insist: Insist::default(),
         }
     }
 }

@@ -16,9 +16,9 @@ use gearbench_reports::Study;
 
 /// Runs the comparison and writes its folder.
 pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
-    let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+    let mut scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
+    let reference = stored_reference(&mut scene, &args.insist)?;
     let choices = scene.select(args.models.as_deref())?;
-    let reference = stored_reference(&scene)?;
     let plan = Plan {
         conditions: Conditions {
             command: command.to_string(),

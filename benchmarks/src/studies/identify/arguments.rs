@@ -1,6 +1,6 @@
 //! Arguments of `identify`.
 
-use crate::cli::arguments::Output;
+use crate::cli::arguments::{Insist, Output};
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -28,4 +28,7 @@ pub struct Identify {
     /// Where an interrupted start keeps what it has finished.
     #[command(flatten)]
     pub output: Output,
+    /// Whether a reference of other gears will do.
+    #[command(flatten)]
+    pub insist: Insist,
 }

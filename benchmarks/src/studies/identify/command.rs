@@ -6,7 +6,7 @@ use super::{Identification, IdentifyError, identify};
 use crate::cli::answer::Answer;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, say};
+use crate::cli::terminal::{Refusal, absolute, say, stored_reference};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::experiment::machine;
@@ -21,17 +21,22 @@ const NAME: &str = "impact";
 
 /// Fits the models of a scene that have something to fit.
 pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
-    let scene =
-        scene_file::load_uncalibrated(&args.scene, Selection::Labels(args.model.as_deref()))?;
-    let Some(id) = scene.reference.as_deref() else {
+    // What is identified is built by its fits.
+    let mut scene = scene_file::load_uncalibrated(&args.scene, Selection::None)?;
+    let Some(reference) = stored_reference(&mut scene, &args.insist)? else {
+        let way_out = match scene.fitting() {
+            Some(fitting) => format!("give it a line `{fitting}`"),
+            None => {
+                "no stored reference is of these gears, speeds and loads: `gearbench list`".into()
+            }
+        };
         return Err(Refusal::Input(miette::miette!(
-            help = "give the scene a line such as reference = \"calculix/case-a-fine\"",
+            help = way_out,
             "the scene `{}` has no reference to identify against",
             scene.name
         )));
     };
-    let reference =
-        gearbench_reference::reference(id).map_err(|e| Refusal::Files(e.to_string()))?;
+    let id = reference.id;
     let history = &reference.history;
     // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
     let n = history.time.partition_point(|&t| t <= scene.duration);

@@ -1,6 +1,6 @@
 //! Arguments of `precision`.
 
-use crate::cli::arguments::Output;
+use crate::cli::arguments::{Insist, Output};
 use crate::cli::values::{DEFAULT_REPEATS, metric, number, positive};
 use clap::Args;
 use gearbench_integrators::scheme::seconds;
@@ -50,6 +50,9 @@ pub struct Precision {
     /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
     pub timeout: f64,
+    /// Whether a reference of other gears will do.
+    #[command(flatten)]
+    pub insist: Insist,
 }
 
 /// What the command line asks for; what it leaves out is the scene's.

@@ -25,9 +25,10 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
             "`gearbench precision --help` shows what can be asked for",
         ))
     };
-    let scene = scene_file::load_for(&args.scene, Selection::Precision(args.models.as_deref()))?;
+    let mut scene =
+        scene_file::load_for(&args.scene, Selection::Precision(args.models.as_deref()))?;
+    let reference = stored_reference(&mut scene, &args.insist)?;
     let choices = scene.select_precision(args.models.as_deref())?;
-    let reference = stored_reference(&scene)?;
     let plan = Plan::of(&scene, &choices, reference.as_ref(), &args.asked).map_err(refused)?;
     // What was simulated stands first, then what it was held against.
     let mut told = settings(&scene, &choices, false);

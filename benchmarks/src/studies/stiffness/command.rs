@@ -101,8 +101,15 @@ fn file_name(label: &str) -> String {
 fn write(dir: &Path, rows: &[Row], load: &str) -> Result<(), Refusal> {
     let c = &rows[0].cycle;
     let relative = |s: f64| (s - c.pitch_point) / c.base_pitch;
+    let limits: String = (rows.iter())
+        .flat_map(|r| {
+            r.limits
+                .iter()
+                .map(|l| format!(" Out of range: {}: {l}.", r.label))
+        })
+        .collect();
     let chart = stiffness(&StiffnessCurves {
-        remark: format!("{load}."),
+        remark: format!("{load}.{limits}"),
         path: c.path.map(relative),
         curves: rows.iter().map(Row::curve).collect(),
     })

@@ -19,6 +19,7 @@ pub struct Told {
     setup_s: f64,
     solve_s: f64,
     includes: String,
+    limits: Vec<String>,
 }
 
 impl Row {
@@ -39,6 +40,7 @@ impl Row {
             setup_s: self.wall[0],
             solve_s: self.wall[1],
             includes: self.includes.clone(),
+            limits: self.limits.clone(),
         }
     }
 
@@ -76,12 +78,12 @@ impl Row {
 /// One line per row, SI units in the header.
 pub fn summary_csv(rows: &[Row]) -> String {
     let mut text = String::from(
-        "model,single_stiffness_n_per_m2,at_pitch_point_n_per_m2,mesh_stiffness_n_per_m2,mesh_tangent_n_per_m2,transmission_error_mean_m,transmission_error_peak_to_peak_m,unknowns,equilibria,newton_iterations,setup_s,solve_s,includes\n",
+        "model,single_stiffness_n_per_m2,at_pitch_point_n_per_m2,mesh_stiffness_n_per_m2,mesh_tangent_n_per_m2,transmission_error_mean_m,transmission_error_peak_to_peak_m,unknowns,equilibria,newton_iterations,setup_s,solve_s,includes,limits\n",
     );
     for r in rows {
         let c = &r.cycle;
         text.push_str(&format!(
-            "{},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{},{},{},{:.3},{:.3},\"{}\"\n",
+            "{},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{},{},{},{:.3},{:.3},\"{}\",\"{}\"\n",
             r.label,
             c.single_stiffness(),
             c.at_pitch_point(),
@@ -94,7 +96,8 @@ pub fn summary_csv(rows: &[Row]) -> String {
             r.work[1],
             r.wall[0],
             r.wall[1],
-            r.includes.replace('"', "'")
+            r.includes.replace('"', "'"),
+            r.limits.join("; ").replace('"', "'")
         ));
     }
     text

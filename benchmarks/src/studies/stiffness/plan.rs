@@ -1,5 +1,6 @@
 //! What is loaded: models of a scene, and rigid gears with the stiffness of formulas.
 
+use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{Modelling, SceneSpec};
@@ -14,6 +15,16 @@ pub struct Entry {
     pub includes: String,
     pub spec: SceneSpec,
     pub modelling: Modelling,
+}
+
+impl Entry {
+    /// Formulas of its contacts that have left their range, in words; flank points have none.
+    pub fn limits(&self) -> Vec<String> {
+        let contacts = self.spec.meshes.iter().zip(&self.modelling.contacts);
+        (contacts.filter(|(_, contact)| contact.points.is_none()))
+            .flat_map(|(mesh, contact)| formula_limits(&self.spec, mesh.gears, contact))
+            .collect()
+    }
 }
 
 /// Rigid gears with the stiffness of the norm, and with the analytic compliance of teeth, bodies and contact, in

@@ -13,6 +13,8 @@ pub struct Row {
     pub label: String,
     /// What its stiffness includes.
     pub includes: String,
+    /// Formulas in it that have left their range: its numbers are no better than they are there.
+    pub limits: Vec<String>,
     pub cycle: MeshCycle,
     /// Coordinates that were solved for.
     pub unknowns: usize,
@@ -36,6 +38,7 @@ pub fn solve(
     Ok(Row {
         label: entry.label.clone(),
         includes: entry.includes.clone(),
+        limits: entry.limits(),
         cycle,
         unknowns: pair.unknowns(),
         work: pair.work(),

@@ -39,6 +39,11 @@ pub fn summarise(scene: &str, load: &str, rows: &[Row]) {
             r.includes
         ));
     }
+    for r in rows {
+        for limit in &r.limits {
+            say(&format!("out of range: {}: {limit}", r.label));
+        }
+    }
     for r in rows.iter().filter(|r| r.unknowns > 0) {
         say(&format!(
             "{}: {} unknowns, set up in {:.2} s, {} equilibria with {} Newton iterations in {:.2} s",

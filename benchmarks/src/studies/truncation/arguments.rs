@@ -1,6 +1,6 @@
 //! Arguments of `truncation`.
 
-use crate::cli::arguments::Timed;
+use crate::cli::arguments::{Insist, Timed};
 use crate::cli::values::DEFAULT_SCENE;
 use clap::Args;
 
@@ -39,4 +39,7 @@ pub struct Truncation {
     /// Where results go, how long a run may take, how often it is timed.
     #[command(flatten)]
     pub run: Timed,
+    /// Whether a reference of other gears will do.
+    #[command(flatten)]
+    pub insist: Insist,
 }

@@ -16,9 +16,9 @@ use gearbench_reports::Study;
 
 /// Runs the study and writes its folder.
 pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
-    let scene = scene_file::load(&args.scene)?;
+    let mut scene = scene_file::load(&args.scene)?;
+    let reference = stored_reference(&mut scene, &args.insist)?;
     let (elastic, full) = sides(&scene, args)?;
-    let reference = stored_reference(&scene)?;
     let conditions = Conditions {
         command: command.to_string(),
         settings: settings(&scene, &[elastic, full], false),

@@ -1,0 +1,66 @@
+//! Ranges of the stiffness formulas, and where a scene leaves them.
+
+use super::{ModelChoice, SceneError, SceneFile};
+use gearbench_models::geometry::Pair;
+use gearbench_models::spec::{Body, ContactSpec, SceneSpec, mesh_layout};
+use gearbench_models::stiffness::build_with_warnings;
+
+/// Limits of the stiffness formulas of a contact that the gears of its mesh do not keep, in words.
+pub(crate) fn formula_limits(
+    spec: &SceneSpec,
+    gears: [usize; 2],
+    contact: &ContactSpec,
+) -> Vec<String> {
+    let [a, b] = gears.map(|i| &spec.gears[i]);
+    let (Body::Gear(ga), Ok(l)) = (&a.body, mesh_layout(a, b)) else {
+        return Vec::new();
+    };
+    let materials = [a.material, b.material];
+    let pair = Pair::new(ga, &b.body, l.distance).ok();
+    let built = pair.and_then(|pair| {
+        let stiffness = &contact.stiffness;
+        build_with_warnings(stiffness, ga, &b.body, &pair, materials, l.face_width).ok()
+    });
+    built.map_or_else(Vec::new, |b| {
+        b.warnings.iter().map(ToString::to_string).collect()
+    })
+}
+
+impl SceneFile {
+    /// The same of all meshes of a model, each at the line of its contact. Flank points have no formula.
+    pub(super) fn outside_formulas(&self, choice: &ModelChoice) -> Vec<SceneError> {
+        let spec = self.spec_for(choice);
+        let index = self.models.iter().position(|m| m.label == choice.label);
+        let contact = self
+            .document
+            .at("models")
+            .member(index.unwrap_or_default())
+            .key("contact");
+        let mut all: Vec<SceneError> = Vec::new();
+        for (i, (mesh, own)) in spec
+            .meshes
+            .iter()
+            .zip(&choice.modelling.contacts)
+            .enumerate()
+        {
+            if own.points.is_some() {
+                continue;
+            }
+            let place = contact.member(i);
+            let place = if place.exists() {
+                place
+            } else {
+                contact.clone()
+            };
+            for limit in formula_limits(&spec, mesh.gears, own) {
+                let message = format!("model `{}`: {limit}", choice.label);
+                all.push(
+                    place
+                        .first(&["stiffness"])
+                        .error(message, "out of its range", ""),
+                );
+            }
+        }
+        all
+    }
+}

@@ -1,0 +1,176 @@
+//! A stored reference against the gears of a scene: errors against a run of other gears, speeds or loads say nothing
+//! of a model.
+
+use super::{SceneError, SceneFile};
+use gearbench_models::spec::{Body, GearSpec, Mount, mesh_layout};
+use gearbench_reference::stored::{GearData, ImpactParameters};
+use gearbench_reference::{ExternalReference, REFERENCES, reference};
+use gearbench_reports::numbers::{digits_apart, short};
+
+/// Relative deviation of a length, angle or speed that is still the same one.
+const SAME: f64 = 1e-4;
+/// Relative deviation of an inertia: of the exact outline from that of a faceted mesh.
+const SAME_INERTIA: f64 = 0.03;
+
+/// A quantity that differs: its name, the scene's value and the reference's in a unit.
+struct Differs(Vec<String>);
+
+impl Differs {
+    fn look(&mut self, what: &str, (scene, reference): (f64, f64), unit: &str, same: f64) {
+        let scale = scene.abs().max(reference.abs());
+        if (scene - reference).abs() > same * scale {
+            let digits = digits_apart(&[scene, reference], 4);
+            let [a, b] = [scene, reference].map(|x| short(x, digits));
+            self.say(what, &a, &b, unit);
+        }
+    }
+
+    fn say(&mut self, what: &str, scene: &str, reference: &str, unit: &str) {
+        let text = format!("{what} {scene} {unit}");
+        self.0
+            .push(format!("{} (reference: {reference})", text.trim_end()));
+    }
+}
+
+impl SceneFile {
+    /// The stored reference of the scene. One of other gears is refused, unless the user insists (`any`); then the
+    /// difference is among what is odd about the scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] at the line of `reference`, with both values of all that differs.
+    pub fn held_reference(&mut self, any: bool) -> Result<Option<ExternalReference>, SceneError> {
+        let Some(id) = self.reference.clone() else {
+            return Ok(None);
+        };
+        let place = self.document.at("").key("reference");
+        // Ids that are not known are refused when the scene is read.
+        let found = reference(&id).map_err(|e| {
+            place.error(
+                e.to_string(),
+                "cannot be read",
+                "`gearbench list` names the references",
+            )
+        })?;
+        let differs = self.differs_from(&found.parameters);
+        if differs.is_empty() {
+            return Ok(Some(found));
+        }
+        let error = place.error(
+            format!("the reference is of another run than the scene: {}", differs.join(", ")),
+            "not of these gears",
+            match self.fitting() {
+                Some(fitting) => format!("write `{fitting}`; --any-reference insists"),
+                None => "no stored reference is of these gears, speeds and loads: leave it out; --any-reference insists".into(),
+            },
+        );
+        if !any {
+            return Err(error);
+        }
+        self.odd.push(error);
+        Ok(Some(found))
+    }
+
+    /// The lines of a scene with each reference that is of its gears, speeds and loads; `None` where none is.
+    pub fn fitting(&self) -> Option<String> {
+        let fits =
+            |id: &&str| reference(id).is_ok_and(|r| self.differs_from(&r.parameters).is_empty());
+        let ids = REFERENCES.iter().map(|r| r.id).filter(fits);
+        let lines: Vec<String> = ids.map(|id| format!("reference = \"{id}\"")).collect();
+        (!lines.is_empty()).then(|| lines.join("` or `"))
+    }
+
+    /// All in which the scene differs from what a reference was computed from.
+    fn differs_from(&self, of: &ImpactParameters) -> Vec<String> {
+        let mut differs = Differs(Vec::new());
+        let ([a, b], [mesh]) = (self.spec.gears.as_slice(), self.spec.meshes.as_slice()) else {
+            let count = format!("{} gears", self.spec.gears.len());
+            differs.say("a scene of", &count, "one mesh of two", "");
+            return differs.0;
+        };
+        let [a, b] = if mesh.gears == [0, 1] { [a, b] } else { [b, a] };
+        gear(a, of.gears.first(), of, &mut differs);
+        match (&b.body, &of.rack) {
+            (Body::Rack(_), Some(_)) => {
+                common(b, of, &mut differs);
+                if !matches!(b.mount, Mount::Fixed) {
+                    differs.say(&format!("mount of `{}`", b.name), "free", "held", "");
+                }
+            }
+            (Body::Rack(_), None) => {
+                differs.say(&format!("`{}` is", b.name), "a rack", "a gear", "")
+            }
+            (Body::Gear(_), Some(_)) => {
+                differs.say(&format!("`{}` is", b.name), "a gear", "a rack", "")
+            }
+            (Body::Gear(_), None) => gear(b, of.gears.get(1), of, &mut differs),
+        }
+        if let Ok(layout) = mesh_layout(a, b) {
+            let distances = (1e3 * layout.distance, 1e3 * of.centre_distance);
+            differs.look("distance", distances, "mm", SAME);
+        }
+        differs.0
+    }
+}
+
+fn gear(g: &GearSpec, of: Option<&GearData>, whole: &ImpactParameters, differs: &mut Differs) {
+    let (Body::Gear(own), Some(of)) = (&g.body, of) else {
+        differs.say(&format!("`{}` is", g.name), "a rack", "a gear", "");
+        return;
+    };
+    let p = own.params();
+    let name = |what: &str| format!("{what} of `{}`", g.name);
+    differs.look(&name("teeth"), (p.teeth.into(), of.teeth.into()), "", 0.0);
+    common(g, whole, differs);
+    if (p.profile_shift - of.profile_shift).abs() > SAME {
+        let [a, b] = [p.profile_shift, of.profile_shift].map(|x| short(x, 4));
+        differs.say(&name("profile shift"), &a, &b, "");
+    }
+    let inertia = own.mass_properties(g.material.density).izz;
+    let inertia = g.inertia.unwrap_or(inertia) + g.added_inertia;
+    differs.look(
+        &name("inertia"),
+        (inertia, of.inertia),
+        "kg m^2",
+        SAME_INERTIA,
+    );
+    match &g.mount {
+        Mount::Revolute => differs.look(&name("initial speed"), (g.speed, of.speed), "rad/s", SAME),
+        Mount::Driven(_) => differs.say(&name("mount"), "driven", "free", ""),
+        _ => differs.say(&name("mount"), "fixed", "free", ""),
+    }
+}
+
+/// What gears and racks have in common.
+fn common(g: &GearSpec, of: &ImpactParameters, differs: &mut Differs) {
+    let (module, width, pressure, helix) = match &g.body {
+        Body::Gear(x) => {
+            let p = x.params();
+            (p.module, p.face_width, p.pressure_angle, p.helix_angle)
+        }
+        Body::Rack(x) => {
+            let p = x.params();
+            (p.module, p.face_width, p.pressure_angle, p.helix_angle)
+        }
+    };
+    let name = |what: &str| format!("{what} of `{}`", g.name);
+    differs.look(&name("module"), (1e3 * module, 1e3 * of.module), "mm", SAME);
+    differs.look(
+        &name("face width"),
+        (1e3 * width, 1e3 * of.face_width),
+        "mm",
+        SAME,
+    );
+    let angles = (pressure.to_degrees(), of.pressure_angle.to_degrees());
+    differs.look(&name("pressure angle"), angles, "degrees", SAME);
+    differs.look(
+        &name("helix angle"),
+        (helix.to_degrees(), 0.0),
+        "degrees",
+        SAME,
+    );
+    let young = (1e-9 * g.material.young, 1e-9 * of.young);
+    differs.look(&name("Young's modulus"), young, "GPa", 0.01);
+    if !g.loads.is_empty() {
+        differs.say(&name("loads"), &g.loads.len().to_string(), "none", "");
+    }
+}

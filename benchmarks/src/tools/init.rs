@@ -1,0 +1,149 @@
+//! `gearbench init`: a scene file to start from.
+
+use crate::cli::answer::Answer;
+use crate::cli::terminal::{Refusal, absolute, say};
+use crate::scene_file::{SHIPPED, SceneError, Shipped, did_you_mean};
+use clap::Args;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench init                                two gears under load, pair.toml
+  gearbench init train --out gearbox.toml       three gears
+  gearbench init spur_impact                    a shipped scene as it is, with its fitted constants";
+
+/// Scenes to start from beside the shipped ones.
+const TEMPLATES: [(&str, &str); 3] = [
+    ("pair", include_str!("../../templates/pair.toml")),
+    ("rack", include_str!("../../templates/rack.toml")),
+    ("train", include_str!("../../templates/train.toml")),
+];
+
+/// Arguments of `init`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Init {
+    /// pair, rack, train, or the name of a shipped scene
+    #[arg(value_name = "WHAT", default_value = TEMPLATES[0].0)]
+    pub what: String,
+    /// File to write [default: WHAT.toml]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Write over a file that is there
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Writes the scene.
+pub fn run(args: &Init) -> Result<Answer, Refusal> {
+    let text = text(&args.what)?;
+    let path = (args.out.clone()).unwrap_or_else(|| format!("{}.toml", args.what).into());
+    let mut options = std::fs::File::options();
+    match args.force {
+        true => options.write(true).create(true).truncate(true),
+        false => options.write(true).create_new(true),
+    };
+    let written = (options.open(&path)).and_then(|mut f| f.write_all(text.as_bytes()));
+    written.map_err(|e| match e.kind() {
+        ErrorKind::AlreadyExists => Refusal::Input(miette::miette!(
+            help = "name another with --out, or write over it with --force",
+            "{}: the file is there already",
+            path.display()
+        )),
+        _ => Refusal::Files(format!("{}: {e}", path.display())),
+    })?;
+    let path = absolute(path);
+    say(&format!("written: {}", path.display()));
+    say(&format!("run it: gearbench compare {}", path.display()));
+    Ok(Answer::done().with("written", path))
+}
+
+/// A template, or a shipped scene.
+fn text(what: &str) -> Result<String, SceneError> {
+    if let Some((_, text)) = TEMPLATES.iter().find(|(name, _)| *name == what) {
+        return Ok((*text).to_owned());
+    }
+    match SHIPPED.iter().find(|s| s.name == what) {
+        Some(shipped) => Ok(alone(shipped)),
+        None => {
+            let names = (TEMPLATES.iter().map(|(name, _)| *name))
+                .chain(SHIPPED.iter().map(|s| s.name))
+                .collect::<Vec<_>>();
+            Err(SceneError::plain(
+                format!("there is no scene `{what}` to start from"),
+                format!(
+                    "{}there are {}",
+                    did_you_mean(what, &names),
+                    names.join(", ")
+                ),
+            ))
+        }
+    }
+}
+
+/// The scene with its fitted constants in tables `[calibration.NAME.LABEL]` of its own.
+fn alone(shipped: &Shipped) -> String {
+    let constants: Vec<String> = (shipped.calibration.lines())
+        .map(|line| match line.strip_prefix('[') {
+            Some(rest) => format!("[calibration.{rest}"),
+            None => line.to_owned(),
+        })
+        .collect();
+    match constants.is_empty() {
+        true => shipped.text.to_owned(),
+        false => format!(
+            "{}\n\n# Fitted constants; `gearbench identify FILE --write` writes others beside this file, which then count.\n{}\n",
+            shipped.text.trim_end(),
+            constants.join("\n")
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{Origin, SceneFile};
+
+    /// What is written is read, whatever its place, and has the constants of the shipped one.
+    #[test]
+    fn scenes_to_start_from_stand_alone() {
+        let names = TEMPLATES
+            .iter()
+            .map(|t| t.0)
+            .chain(SHIPPED.iter().map(|s| s.name));
+        for name in names {
+            // Under another name nothing that is embedded is found.
+            let own = format!("name = \"{name}\"");
+            let text = text(name).unwrap();
+            assert!(text.contains(&own), "{name}");
+            let text = text.replacen(&own, "name = \"mine\"", 1);
+            let origin = Origin::File("nowhere/mine.toml".into());
+            let scene = SceneFile::unbuilt("mine.toml", &text, origin, true);
+            let scene = scene.unwrap_or_else(|e| panic!("{name}: {}", e.told()));
+            assert!(scene.odd.is_empty(), "{name}");
+            let Ok(shipped) = crate::scene_file::load_for(name, crate::scene_file::Selection::None)
+            else {
+                continue;
+            };
+            for (a, b) in scene.models.iter().zip(&shipped.models) {
+                assert_eq!(
+                    format!("{:?}", a.modelling),
+                    format!("{:?}", b.modelling),
+                    "{name}"
+                );
+                assert_eq!(a.gap(), b.gap(), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_there_is_not_is_refused_with_what_there_is() {
+        let e = text("pear").unwrap_err();
+        assert!(
+            e.help_text().unwrap().contains("did you mean `pair`"),
+            "{}",
+            e.told()
+        );
+    }
+}
