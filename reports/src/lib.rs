@@ -7,6 +7,7 @@
 mod csv_table;
 mod drawing;
 pub mod force;
+pub mod histories;
 mod markup;
 pub mod metrics;
 pub mod numbers;
@@ -20,6 +21,7 @@ mod words;
 pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
 pub use force::ForceHistory;
+pub use histories::{ContactEvent, Histories, PairSample};
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, Part, ReferenceSeries,

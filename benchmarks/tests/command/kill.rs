@@ -201,7 +201,7 @@ fn the_folder_is_tried_before_the_first_run() {
     folder.write("file", "");
     // A run of hours, were it begun.
     let study =
-        "compare spur_impact --models rigid --integrators rk4@1ps --timeout 100000 --out file/here";
+        "compare spur_impact --models rigid --integrators rk4@1e-12 --timeout 100000 --out file/here";
     folder.refuses(study, &["file/here"]);
     assert_eq!(folder.files(), 1);
 }
