@@ -200,8 +200,7 @@ fn the_folder_is_tried_before_the_first_run() {
     let folder = Folder::new();
     folder.write("file", "");
     // A run of hours, were it begun.
-    let study =
-        "compare spur_impact --models rigid --integrators rk4@1e-12 --timeout 100000 --out file/here";
+    let study = "compare spur_impact --models rigid --integrators rk4@1e-12 --timeout 100000 --out file/here";
     folder.refuses(study, &["file/here"]);
     assert_eq!(folder.files(), 1);
 }
