@@ -184,7 +184,8 @@ fn timed_in(
     let mut work = Work::default();
     let begin = Instant::now();
     let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
-    let observed = begin.elapsed().as_secs_f64();
+    // What watching costs is no cost of the method.
+    let observed = begin.elapsed().saturating_sub(monitor.spent).as_secs_f64();
     match &outcome {
         Err(e @ StepError::Unsupported { .. }) => return Err(RunError::Unsupported(e.to_string())),
         Err(StepError::Interrupted { .. }) => return Err(RunError::Interrupted),

@@ -27,6 +27,7 @@ use gearbench_models::spec::SceneSpec;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
+use std::time::{Duration, Instant};
 pub use tunnelling::TunnellingDetector;
 
 /// Energy that the integration may make up, over the largest energy, before a run counts as growth.
@@ -102,6 +103,8 @@ pub struct RunMonitor {
     /// Since when more than [`ENERGY_GROWTH`] of the energy is made up [s].
     growth: Option<f64>,
     stopped: Option<(f64, f64)>,
+    /// Wall time of watching.
+    pub spent: Duration,
 }
 
 impl RunMonitor {
@@ -114,6 +117,7 @@ impl RunMonitor {
             forces: scene.channels_of_meshes(OfMesh::Force),
             growth: None,
             stopped: None,
+            spent: Duration::ZERO,
         }
     }
 
@@ -223,10 +227,13 @@ impl RunMonitor {
 
 impl Sink for RunMonitor {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let begin = Instant::now();
         self.history.accepted(sys, step);
         self.ledger.accepted(sys, step);
         self.tunnelling.accepted(sys, step);
-        self.look(step.to.t)
+        let control = self.look(step.to.t);
+        self.spent += begin.elapsed();
+        control
     }
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
