@@ -35,3 +35,4 @@ pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
     StudyReport, choice_check, compare as comparison, precision, stability, sweep, truncation,
 };
+pub use view::metric_against;

@@ -56,26 +56,24 @@ pub fn short(x: f64, digits: usize) -> String {
     }
 }
 
-/// The digits, at least `least`, that tell values apart that differ.
+/// The digits, at least `least`, that tell values apart that differ, and keep each to a two-thousandth.
 pub fn digits_apart(values: &[f64], least: usize) -> usize {
-    let different = |texts: Vec<String>| {
-        let mut texts = texts;
+    let texts = |digits: usize| -> Vec<String> {
+        (values.iter().map(|x| format!("{x:.*e}", digits - 1))).collect()
+    };
+    let different = |mut texts: Vec<String>| {
         texts.sort();
         texts.dedup();
         texts.len()
     };
-    // Seventeen digits tell any two numbers apart.
-    let exact = |digits: usize| {
-        different(
-            values
-                .iter()
-                .map(|x| format!("{x:.*e}", digits - 1))
-                .collect(),
-        )
+    let kept = |digits: usize| {
+        let back = |text: &String| text.parse().unwrap_or(f64::NAN);
+        (texts(digits).iter().zip(values)).all(|(t, x)| (back(t) - x).abs() <= 5e-4 * x.abs())
     };
-    let all = exact(17);
+    // Seventeen digits tell any two numbers apart.
+    let all = different(texts(17));
     (least.max(1)..17)
-        .find(|digits| exact(*digits) == all)
+        .find(|&digits| different(texts(digits)) == all && kept(digits))
         .unwrap_or(17)
 }
 
@@ -233,6 +231,8 @@ mod tests {
         assert_eq!(short(2.50e7, 3), "2.5e7");
         assert_eq!(percent(0.0486, 3), "4.86");
         assert_eq!(digits_apart(&[1.5e-6, 1.49e-6, 1.5e-6], 1), 3);
+        assert_eq!(digits_apart(&[1.5e-6], 1), 2);
+        assert_eq!(digits_apart(&[1.0 / 3.0], 1), 4);
         assert_eq!(digits_apart(&[1e-6, 2e-6], 2), 2);
         assert_eq!(digits_apart(&[], 3), 3);
         assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");

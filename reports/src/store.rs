@@ -116,6 +116,7 @@ pub fn load_results(path: &Path) -> Result<Results, ReportError> {
 
 fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
     #[derive(serde::Deserialize)]
+    #[serde(expecting = "a record with `schema`")]
     struct Version {
         schema: u32,
         #[serde(default)]
@@ -126,7 +127,12 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
         reason,
     };
     // The schema first: a record of another one may not parse at all.
-    let version: Version = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+    let broken = |e: serde_json::Error| {
+        refuse(format!(
+            "no record of gearbench, or one that was cut off: {e}"
+        ))
+    };
+    let version: Version = serde_json::from_str(text).map_err(broken)?;
     if version.schema != SCHEMA {
         return Err(refuse(format!(
             "the record has schema {}, this version reads schema {SCHEMA}",

@@ -19,6 +19,7 @@ use crate::studies::stability::{self, arguments::Stability};
 use crate::studies::stiffness::{self, arguments::Stiffness};
 use crate::studies::sweep::{self, arguments::Sweep};
 use crate::studies::truncation::{self, arguments::Truncation};
+use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
 use crate::tools::rerun::{self, Rerun};
@@ -111,6 +112,8 @@ pub(crate) enum Command {
     Report(Report),
     /// Make a study again from its record, and hold it against that
     Rerun(Rerun),
+    /// Print a script that completes commands and options in a shell
+    Completions(Completions),
 }
 
 impl Command {
@@ -136,6 +139,7 @@ impl Command {
             Command::List => list::run(),
             Command::Report(args) => report::run(&args),
             Command::Rerun(args) => again(&args),
+            Command::Completions(args) => completions::run(&args),
         }
     }
 }

@@ -84,6 +84,11 @@ pub fn say_error(text: &str) {
 
 /// Says how a command ended.
 pub fn end(command: &str, result: Result<Answer, Refusal>) -> ExitCode {
+    if let Some(why) = gearbench_reference::reduction::cache::trouble() {
+        warn(&format!(
+            "what was reduced is not kept for the next time: {why}; GEARBENCH_CACHE names another folder, or `off`"
+        ));
+    }
     let warnings = WARNINGS.lock().map_or_else(|_| Vec::new(), |w| w.clone());
     let exit = match result {
         Ok(answer) => {

@@ -21,7 +21,11 @@ pub fn number(text: &str, holds: impl Fn(&f64) -> bool, expected: &str) -> Resul
 /// A positive number of seconds.
 pub fn positive(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e6;
-    number(text, holds, "expected a positive number of seconds")
+    number(
+        text,
+        holds,
+        "expected a number of seconds above 0, at most 1e6",
+    )
 }
 
 /// A number of gigabytes.
@@ -38,7 +42,7 @@ pub const DEFAULT_POSITIONS: usize = 24;
 /// A positive number.
 pub fn positive_load(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e9;
-    number(text, holds, "expected a positive number")
+    number(text, holds, "expected a number above 0, at most 1e9")
 }
 
 /// Positions over a base pitch.

@@ -177,7 +177,8 @@ fn timed_in(
         return Err(RunError::Interrupted);
     }
 
-    let mut monitor = RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps);
+    let mut monitor =
+        RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps).under(&job.plan());
     // Whoever looks at the components of forces looks at them on the grid.
     if job.forces {
         monitor.history.pieces = None;
@@ -193,6 +194,10 @@ fn timed_in(
     // What watching costs is no cost of the method.
     let observed = begin.elapsed().saturating_sub(monitor.spent).as_secs_f64();
     match &outcome {
+        Err(StepError::Unsupported { .. }) if scene.layout().n == 0 => {
+            let why = "every gear is fixed or driven, nothing is left to integrate; free one of them, or take a method of fixed steps";
+            return Err(RunError::Unsupported(why.into()));
+        }
         Err(e @ StepError::Unsupported { .. }) => return Err(RunError::Unsupported(e.to_string())),
         Err(StepError::Interrupted { .. }) => return Err(RunError::Interrupted),
         _ => {}

@@ -67,6 +67,11 @@ pub(super) fn calibration(
                 .into_iter()
                 .flat_map(|l| l.keys())
                 .collect();
+            // A scene of one's own is known by its file.
+            let from = match scene == context.scene && !context.shipped {
+                true => at.file(),
+                false => &scene,
+            };
             let there = match labels.is_empty() {
                 true => String::new(),
                 false => format!("; there is one for {}", suggest::words(&labels)),
@@ -74,7 +79,7 @@ pub(super) fn calibration(
             return at.refuse(
                 format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
                 "not there",
-                format!("fit it with `gearbench identify {scene} --model {label} --write`{there}"),
+                format!("fit it with `gearbench identify {from} --model {label} --write`{there}"),
             );
         };
         let mut found = found.clone();

@@ -218,6 +218,7 @@ impl SceneFile {
         let find = |scene: &str| load::find_calibration(scene, (&name, &own), &origin);
         let context = model::Context {
             scene: &name,
+            shipped: origin == Origin::Shipped,
             gears: &drafts,
             meshes: meshes.len(),
             models: model_table(),
@@ -334,8 +335,14 @@ impl SceneFile {
                 format!("`{}` has {}", self.name, known.join(", ")),
             ));
         }
-        wanted
-            .iter()
+        // A label that stands twice is run once.
+        let mut once: Vec<&str> = Vec::new();
+        for label in wanted {
+            if !once.contains(&label) {
+                once.push(label);
+            }
+        }
+        once.iter()
             .map(|label| {
                 self.model(label).ok_or_else(|| {
                     let near = suggest::did_you_mean(label, &known);

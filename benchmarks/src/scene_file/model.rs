@@ -127,6 +127,8 @@ impl ModelChoice {
 /// What models are read against.
 pub(super) struct Context<'a> {
     pub(super) scene: &'a str,
+    /// It is one that comes with the program.
+    pub(super) shipped: bool,
     pub(super) gears: &'a [GearDraft],
     pub(super) meshes: usize,
     pub(super) models: &'a [Model],

@@ -139,9 +139,9 @@ mod tests {
 
     #[test]
     fn what_there_is_not_is_refused_with_what_there_is() {
-        let e = text("pear").unwrap_err();
+        let e = text("traim").unwrap_err();
         assert!(
-            e.help_text().unwrap().contains("did you mean `pair`"),
+            e.help_text().unwrap().contains("did you mean `train`"),
             "{}",
             e.told()
         );

@@ -1,5 +1,6 @@
 //! What the command does beside studies: scenes to start from, meshes, reductions, lists, reports.
 
+pub mod completions;
 pub mod init;
 pub mod list;
 pub mod mesh;

@@ -2,7 +2,9 @@
 
 mod choose;
 mod compare;
+mod init;
 mod kill;
+mod malformed;
 mod mesh;
 mod precision;
 mod reduce;

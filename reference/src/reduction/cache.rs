@@ -23,6 +23,14 @@ pub const LIMIT: u64 = 2 << 30;
 /// The variable of the environment that names the folder, or `off`.
 pub const VARIABLE: &str = "GEARBENCH_CACHE";
 
+/// The first reason why something could not be kept.
+static TROUBLE: OnceLock<String> = OnceLock::new();
+
+/// Why something that was computed could not be kept for the next time, if so.
+pub fn trouble() -> Option<&'static str> {
+    TROUBLE.get().map(String::as_str)
+}
+
 /// Age at which what a broken run left half written goes.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
@@ -99,8 +107,14 @@ impl Cache {
             });
         }
         let basis = Arc::new(compute()?);
-        if fs::create_dir_all(folder).is_ok() && store::write(&path, &basis, &meta).is_ok() {
-            self.tidy(folder, &path);
+        let kept = (fs::create_dir_all(folder).map_err(|e| e.to_string()))
+            .and_then(|()| store::write(&path, &basis, &meta).map_err(|e| e.to_string()));
+        match kept {
+            Ok(_) => self.tidy(folder, &path),
+            // A cache that cannot be written costs the same time again; who runs the program is told at its end.
+            Err(e) => {
+                let _ = TROUBLE.set(format!("{}: {e}", folder.display()));
+            }
         }
         Ok(Cached { basis, hit: false })
     }

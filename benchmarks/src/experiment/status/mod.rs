@@ -21,7 +21,9 @@ mod tunnelling;
 
 use super::history::History;
 use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::{AcceptedStep, Control, SecondOrderSystem, Sink, State, StepError};
+use gearbench_integrators::{
+    AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, StepError, TimePlan,
+};
 use gearbench_models::scene::{OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
 use gearbench_reports::numbers::{digits_apart, short};
@@ -56,14 +58,19 @@ pub fn status_of(e: &StepError) -> Status {
     }
 }
 
-/// What an integrator says of itself, with a way out.
-pub fn message_of(e: &StepError) -> String {
+/// What an integrator says of itself, with a way out; one with a `fixed` step has no tolerance to loosen.
+pub fn message_of(e: &StepError, fixed: bool) -> String {
     match e {
         StepError::NewtonDiverged { t, h, residual, .. } if !residual.is_finite() => format!(
             "Newton's method failed at t = {t:.6e} s down to a step of {h:.3e} s; use a smaller tolerance, or an explicit method"
         ),
         StepError::SingularTangent { .. } => {
             format!("{e}; use another step, or an explicit method")
+        }
+        StepError::StepTooSmall { t, h } if fixed => {
+            format!(
+                "a step of {h:.3e} s at t = {t:.6e} s does not move the time on; use a larger one"
+            )
         }
         StepError::StepTooSmall { .. } => {
             format!("{e}; loosen it, locate events, or use a fixed step")
@@ -105,6 +112,10 @@ pub struct RunMonitor {
     stopped: Option<(f64, f64)>,
     /// Wall time of watching.
     pub spent: Duration,
+    /// The method keeps its step.
+    fixed: bool,
+    /// Events are located.
+    located: bool,
 }
 
 impl RunMonitor {
@@ -118,6 +129,19 @@ impl RunMonitor {
             growth: None,
             stopped: None,
             spent: Duration::ZERO,
+            fixed: false,
+            located: true,
+        }
+    }
+
+    /// The same for a method with a fixed step or not, with events located or not: what is said of a failure is a way
+    /// out only of the plan that failed.
+    #[must_use]
+    pub fn under(self, plan: &TimePlan<'_>) -> Self {
+        RunMonitor {
+            fixed: matches!(plan.resolution, Resolution::Step(_)),
+            located: plan.events,
+            ..self
         }
     }
 
@@ -158,7 +182,7 @@ impl RunMonitor {
             (Err(e), Some(f)) if f.status == Status::Tunnelling => {
                 (f.status, Some(format!("{}; then: {e}", f.message)))
             }
-            (Err(e), _) => (status_of(e), Some(message_of(e))),
+            (Err(e), _) => (status_of(e), Some(message_of(e, self.fixed))),
             (Ok(()), Some(f)) => (f.status, Some(f.message)),
             (Ok(()), None) => (Status::Converged, None),
         }
@@ -171,7 +195,7 @@ impl RunMonitor {
             found.push(self.energy(time, end));
         }
         let rows = self.history.time.iter().zip(&self.history.rows);
-        let overlap = self.tunnelling.finding(rows, &self.forces);
+        let overlap = self.tunnelling.finding(rows, &self.forces, self.located);
         found.extend(overlap);
         if self.history.least_normal < -ADHESION * self.history.peak {
             found.push(Finding {
@@ -297,7 +321,7 @@ pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
     if first_touch(series).is_none() && at <= run.simulated_s {
         run.status = Status::Tunnelling;
         run.message = Some(format!(
-            "no contact at all, where the teeth touch at t = {at:.4e} s: the steps went over it; use smaller ones, or locate events"
+            "no contact at all, where the teeth touch at t = {at:.4e} s: the steps went over it; use smaller ones"
         ));
         return;
     }

@@ -63,6 +63,8 @@ impl Pair {
 /// Follows the meshes of a run.
 pub struct TunnellingDetector {
     pairs: Vec<(usize, Pair)>,
+    /// Names of the gears of each mesh.
+    names: Vec<[String; 2]>,
     deflection: f64,
     /// Mesh, time, overlap.
     passed: Option<(usize, f64, f64)>,
@@ -102,6 +104,9 @@ impl TunnellingDetector {
         };
         TunnellingDetector {
             pairs: (0..spec.meshes.len()).filter_map(pair).collect(),
+            names: (spec.meshes.iter())
+                .map(|m| m.gears.map(|i| spec.gears[i].name.clone()))
+                .collect(),
             deflection: scene.magnitudes().deflection,
             passed: None,
             grazed: None,
@@ -158,6 +163,7 @@ impl TunnellingDetector {
         &self,
         rows: impl Iterator<Item = (&'a f64, &'a Vec<f64>)>,
         forces: &[usize],
+        located: bool,
     ) -> Option<Finding> {
         let mut passed = self.passed;
         let mut unseen = None;
@@ -180,8 +186,14 @@ impl TunnellingDetector {
             time,
             status: Status::Tunnelling,
             message: format!(
-                "the teeth of mesh {m} {what} by {:.3e} m at t = {time:.4e} s: a contact was missed; use a smaller step, or locate events",
-                depth
+                "the teeth of `{}` and `{}` {what} by {depth:.3e} m at t = {time:.4e} s: a contact was missed; use a smaller step{}",
+                self.names[m][0],
+                self.names[m][1],
+                if located {
+                    " or tolerance"
+                } else {
+                    ", or locate events"
+                }
             ),
         };
         [

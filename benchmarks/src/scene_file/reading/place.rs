@@ -121,6 +121,11 @@ impl<'d> Place<'d> {
         self.document.at(format!("{}[{index}]", self.path))
     }
 
+    /// Name of the file.
+    pub(crate) fn file(&self) -> &'d str {
+        self.document.source.name()
+    }
+
     /// As a header of the file, such as `[gears.pinion]`.
     pub(crate) fn header(&self) -> String {
         format!("[{}]", self.path)

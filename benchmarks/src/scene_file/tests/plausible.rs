@@ -41,7 +41,7 @@ fn odd_values_are_said_with_the_unit_that_is_meant() {
         (
             ("torque_nm = 10.0", "torque_nm = 5000.0"),
             vec![
-                "test.toml:13: the load means 1.33e5 N on the teeth of `pinion`, 0.0158 of its Young's modulus",
+                "test.toml:13: the load means 133000 N on the teeth of `pinion`, 0.0158 of its Young's modulus",
             ],
         ),
         (("torque_nm = 10.0", "torque_nm = 11.0"), vec![]),

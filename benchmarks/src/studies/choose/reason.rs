@@ -4,7 +4,7 @@ use super::level::Level;
 use super::refinement::Refinement;
 use super::requirement::Requirement;
 use super::run::Choice;
-use gearbench_reports::numbers::percent;
+use gearbench_reports::numbers::{percent, short};
 
 /// A ratio in per cent, with the unit.
 pub fn per_cent(x: f64) -> String {
@@ -14,9 +14,9 @@ pub fn per_cent(x: f64) -> String {
 /// Seconds with a fitting unit.
 pub fn seconds(s: f64) -> String {
     match s {
-        s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
-        s if s < 1.0 => format!("{:.3} ms", 1e3 * s),
-        s => format!("{s:.3} s"),
+        s if s < 1e-3 => format!("{} us", short(1e6 * s, 2)),
+        s if s < 1.0 => format!("{} ms", short(1e3 * s, 2)),
+        s => format!("{} s", short(s, 2)),
     }
 }
 
@@ -62,7 +62,7 @@ pub fn reason(choice: &Choice, requirement: &Requirement, refinement: &Refinemen
         ));
     }
     said.push(format!(
-        "{} with {} is estimated to be {} off: {} of it from the model, {} from the integration.",
+        "{} with {} is estimated to be {} off: {} from the model and {} from the integration on the window, which add as they do in the metric, with what the top of the hierarchy is off itself, over the whole scene.",
         capital(&candidate.level.name()),
         candidate.method.method,
         per_cent(choice.predicted_error),

@@ -26,6 +26,10 @@ pub(super) fn summarise(choice: &Choice, requirement: &Requirement) {
     for sentence in &choice.reason {
         say(&format!("  {sentence}"));
     }
+    // One number for a level with its best method, another for the choice.
+    say(
+        "  (`error` in the table is a level's under its most accurate method; the choice adds that of its own)",
+    );
     for sentence in &choice.outside {
         say(&format!(
             "warning: not checked on scenes like this: {sentence}"

@@ -52,6 +52,24 @@ pub fn summarise(results: &Results) {
             }
         }
     }
+    if told.references.is_empty() {
+        // Without a reference there is the integrators' own error.
+        say(&format!(
+            "error against each model's own converged solution, {}",
+            told.headline()
+        ));
+        let sound = results.runs.iter().filter(|r| !r.status.is_failure());
+        for r in sound {
+            let own = r.against("self").and_then(|m| m.get(told.headline()));
+            say(&format!(
+                "  {:>10}  {:>9}  {} ({})",
+                own.map_or("unknown".into(), |e| format!("{} %", percent(e, 3))),
+                quantity(r.wall_s, "s", 3),
+                family(r),
+                modes_and_step(r)
+            ));
+        }
+    }
     let failed = (results.runs.iter())
         .filter(|r| r.status.is_failure())
         .count();

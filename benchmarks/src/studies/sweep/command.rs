@@ -21,6 +21,14 @@ const AROUND: [f64; 2] = [0.06, 1.5];
 
 /// Runs the sweep and writes its folder.
 pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
+    if let (Some(from), Some(to)) = (args.from, args.to)
+        && from >= to
+    {
+        return Err(Refusal::Input(miette::miette!(
+            help = "give the lower mesh frequency with --from",
+            "the sweep from {from} to {to} Hz goes nowhere"
+        )));
+    }
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.
@@ -54,13 +62,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
     };
     let refuse = |e| refuse_study(&scene, e);
     let range = match (args.from, args.to, told.range()) {
-        (Some(from), Some(to), _) if from < to => [from, to],
-        (Some(from), Some(to), _) => {
-            return Err(Refusal::Input(miette::miette!(
-                help = "give the lower mesh frequency with --from",
-                "the sweep from {from} to {to} Hz goes nowhere"
-            )));
-        }
+        (Some(from), Some(to), _) => [from, to],
         (_, _, Some(range)) => range,
         _ => {
             let first = plan.entries.first().or(plan.standing.first());
@@ -76,5 +78,9 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
 
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Sweep.as_str())?;
     let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
-    folder.finish(made.map_err(refuse)?, Exit::of_every_run, summarise)
+    folder.finish(
+        made.map_err(|e| folder.refuse(refuse(e)))?,
+        Exit::of_every_run,
+        summarise,
+    )
 }

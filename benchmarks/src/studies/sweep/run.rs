@@ -15,6 +15,7 @@ use gearbench_models::spec::{
 };
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
+use gearbench_reports::numbers::short;
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
 use gearbench_reports::series::TimeSeries;
 use gearbench_reports::sweep::SweepRecord;
@@ -86,12 +87,22 @@ impl Pair {
             [false, false] => {
                 let off = (forces[0] - forces[1]).abs();
                 if off > BALANCE * forces[0].abs().max(forces[1].abs()) {
+                    let brake = [a, b]
+                        .iter()
+                        .any(|g| g.loads.iter().any(|l| matches!(l, Load::Viscous(_))));
                     return Err(format!(
-                        "the torques {:.6} and {:.6} N m do not balance, the speed would drift; {:.6} N m on the first gear needs {:.6} N m on the second",
-                        loads[0],
-                        loads[1],
-                        loads[0],
-                        loads[0] * effective_radii[1] / effective_radii[0]
+                        "the constant torques {} and {} N m do not balance, the speed would drift; {} N m on `{}` needs {} N m on `{}`{}",
+                        short(loads[0], 5),
+                        short(loads[1], 5),
+                        short(loads[0], 5),
+                        a.name,
+                        short(loads[0] * effective_radii[1] / effective_radii[0], 8),
+                        b.name,
+                        if brake {
+                            ". Viscous loads do not count: their torque changes with the speed that is swept"
+                        } else {
+                            ""
+                        }
                     ));
                 }
                 forces[0]
@@ -117,8 +128,7 @@ impl Pair {
         Pair::of(&entry.scene).map_err(|why| {
             let name = &plan.conditions.name;
             let why = format!("the scene `{name}` cannot be swept: {why}");
-            let help =
-                "`gearbench sweep loaded_mesh` is a scene that can be swept; its file shows how";
+            let help = "`gearbench init pair` writes a scene that can be swept, with comments";
             StudyError::Scene(why, help)
         })
     }

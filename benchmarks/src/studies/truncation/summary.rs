@@ -9,7 +9,14 @@ use gearbench_reports::truncation::{LIMITS, Way, counts, ways};
 /// The table of errors and the fewest modes.
 pub fn summarise(results: &Results) {
     let all = ways(results);
-    let heads: Vec<String> = all.iter().map(|w| format!("{:>31}", w.label)).collect();
+    let wide = all
+        .iter()
+        .map(|w| w.label.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(8)
+        + 2;
+    let heads: Vec<String> = all.iter().map(|w| format!("{:>wide$}", w.label)).collect();
     say("force-history error against full finite elements [%]");
     say(&format!("{:>6}{}", "modes", heads.join("")));
     for n in counts(&all) {
@@ -22,7 +29,7 @@ pub fn summarise(results: &Results) {
                     None => String::new(),
                 }
             });
-            format!("{text:>31}")
+            format!("{text:>wide$}")
         };
         let cells: Vec<String> = all.iter().map(cell).collect();
         say(&format!("{n:>6}{}", cells.join("")));

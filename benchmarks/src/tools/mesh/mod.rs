@@ -48,6 +48,9 @@ impl Meshed {
 
 /// Meshes the gears, prints what came out and writes what was asked for.
 pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
+    for (option, path, ending) in [("--out", &args.out, "inp"), ("--vtu", &args.vtu, "vtu")] {
+        ends_in(option, path.as_deref(), ending)?;
+    }
     let gears = if is_deck(&args.input) {
         from_deck(args)?
     } else {
@@ -75,6 +78,22 @@ pub fn run(args: &Arguments, command: &str) -> Result<Answer, Refusal> {
     }
     let gears: Vec<Value> = gears.iter().map(Meshed::told).collect();
     Ok(Answer::done().with("gears", gears).with("written", written))
+}
+
+/// Other programs know a file by its ending.
+fn ends_in(option: &str, path: Option<&Path>, ending: &str) -> Result<(), Refusal> {
+    let fits = |p: &Path| {
+        p.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+    };
+    match path.filter(|p| !fits(p)) {
+        None => Ok(()),
+        Some(path) => Err(Refusal::Input(miette::miette!(
+            help = format!("write {option} {}", path.with_extension(ending).display()),
+            "{option} {}: the name of the file has to end in .{ending}",
+            path.display()
+        ))),
+    }
 }
 
 pub(super) fn is_deck(input: &str) -> bool {

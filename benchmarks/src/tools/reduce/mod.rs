@@ -328,7 +328,10 @@ fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<D
                 even_over_width: Toothing::of(&basis, meta.motion, meta.teeth).straight,
             },
         );
-        meta.asked = format!("at most {count} by {} of {}", args.choose, meta.asked);
+        meta.asked = format!(
+            "{count} at most, chosen by {} among {}",
+            args.choose, meta.asked
+        );
         meta.key.text(&meta.asked);
         basis = Arc::new(basis.with_modes(&kept));
     }

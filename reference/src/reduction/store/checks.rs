@@ -141,6 +141,14 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
             return Some(value(array, "finite numbers", x.to_string()));
         }
     }
+    let own = |node: u32| b.compliance.flanks.between(node, node, nodes);
+    if let Some(c) = (0..nodes as u32).map(own).find(|c| *c <= 0.0) {
+        return Some(value(
+            COMPLIANCE,
+            "a positive compliance of every node at itself",
+            c.to_string(),
+        ));
+    }
     let far = |x: &Vec3| !x.iter().all(|x| x.is_finite());
     if b.flanks.grids().iter().any(|g| g.positions.iter().any(far)) {
         return Some(value(NODES, "finite numbers", "others"));

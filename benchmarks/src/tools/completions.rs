@@ -1,0 +1,28 @@
+//! `gearbench completions SHELL`: a script that completes commands and options.
+
+use crate::cli::Cli;
+use crate::cli::answer::Answer;
+use crate::cli::terminal::{Refusal, put};
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench completions bash > ~/.local/share/bash-completion/completions/gearbench
+  gearbench completions fish > ~/.config/fish/completions/gearbench.fish";
+
+/// Arguments of `completions`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Completions {
+    /// The shell
+    pub shell: Shell,
+}
+
+/// Prints the script.
+pub fn run(args: &Completions) -> Result<Answer, Refusal> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "gearbench", &mut script);
+    put(String::from_utf8_lossy(&script).trim_end());
+    Ok(Answer::done())
+}

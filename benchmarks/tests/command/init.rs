@@ -1,0 +1,81 @@
+//! `gearbench init`: scenes to start from, in the commands that take such a scene.
+
+use super::{Folder, has};
+
+#[test]
+fn scenes_to_start_from_run_in_every_command() {
+    let folder = Folder::new();
+    for what in ["pair", "rack", "train"] {
+        let said = folder.says(&format!("init {what}"));
+        has(&said, &["written:", &format!("{what}.toml")]);
+        // Nothing is written over.
+        folder.refuses(&format!("init {what}"), &["is there already", "--force"]);
+        folder.says(&format!("init {what} --force"));
+        let scene = format!("{what}.toml");
+        let rigid = "--models rigid --integrators dopri5 --repeats 1";
+        folder.ends(&format!("compare {scene} {rigid}"), 0);
+        folder.ends(&format!("compare {scene} --models elastic --repeats 1"), 0);
+        folder.says(&format!(
+            "precision {scene} --models rigid --integrators dopri5 --rtols 1e-4 --repeats 1"
+        ));
+        folder.says(&format!(
+            "stability {scene} --models rigid --integrators rk4 --grid 2x2 --duration 1e-4 --axis contact-stiffness=1:2 --no-refine"
+        ));
+        folder.says(&format!("mesh {scene} --flank 4 --width 1"));
+        folder.says(&format!("choose {scene} --tolerance 0.2 --metric impulse"));
+    }
+    folder.says("stiffness pair.toml --positions 4");
+    folder.says("sweep pair.toml --models rigid --points 2 --cycles 1 --positions 4");
+    folder.says("penalty pair.toml --model elastic --points 2 --positions 2");
+    folder.says("reduce pair.toml --modes 4 --gear pinion");
+    folder.says("init spur_impact --out own.toml");
+    folder.says("identify own.toml --model rigid");
+}
+
+/// The smallest scene of the page about scenes, whose gears have no bore.
+#[test]
+fn the_smallest_scene_works() {
+    let folder = Folder::new();
+    let page = include_str!("../../scenes/README.md");
+    let example = page.split("```toml\n").nth(1).unwrap();
+    folder.write("s.toml", example.split("```").next().unwrap());
+    let out = folder.ends("choose s.toml --tolerance 0.2", 0);
+    has(
+        &super::stderr(&out),
+        &["`pinion` is solid", "bore of 17.5 mm"],
+    );
+    has(
+        &folder.read("out/my_scene/choose/chosen.toml"),
+        &["bore_radius_m = 0.0175"],
+    );
+    folder.says("compare s.toml --repeats 1");
+    folder.says("compare out/my_scene/choose/chosen.toml --repeats 1");
+
+    // A formula out of its range is said on the terminal, in the answer and beside the chart.
+    let said = folder.says("stiffness s.toml --positions 4");
+    has(
+        &said,
+        &[
+            "out of range: analytic: Sainsot-Velex foundation of gear 1",
+            "7 is used",
+        ],
+    );
+    has(
+        &folder.says("stiffness s.toml --positions 4 --json"),
+        &["\"limits\":[\"Sainsot-Velex"],
+    );
+    has(
+        &folder.read("out/my_scene/stiffness/stiffness.csv"),
+        &["lies beyond the fit"],
+    );
+
+    // Elastic gears of its own without a bore are refused by name and line.
+    let text = folder.read("s.toml");
+    folder.write(
+        "e.toml",
+        &text
+            .replace("\"rigid\"", "\"elastic\"")
+            .replace("{ stiffness = \"iso6336\" }", "{ penalty_pa_per_m = 1e15 }"),
+    );
+    folder.refuses("choose e.toml", &["e.toml:", "gear `pinion`", "solid"]);
+}
