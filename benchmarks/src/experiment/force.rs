@@ -82,10 +82,20 @@ pub struct ForceRecorder {
     interval: usize,
     left: usize,
     rule: Option<Rule>,
+    /// Jumps that no event tells of are looked for within steps.
+    finely: bool,
     nodes: Vec<(f64, f64)>,
 }
 
 impl ForceRecorder {
+    /// One that looks within steps for jumps that no event tells of, or not.
+    pub fn new(finely: bool) -> Self {
+        Self {
+            finely,
+            ..Self::default()
+        }
+    }
+
     /// The times of a step at which the force is to be looked at, ascending, its end among them; its start where this
     /// is not the end of the step before. `silent` tells whether there is no force at a time of the step: in one that
     /// is silent throughout its end is enough.
@@ -108,8 +118,8 @@ impl ForceRecorder {
                 .rule
                 .get_or_insert_with(|| match (is_located(step.from, sys), sys.has_jumps()) {
                     (true, _) => SMOOTH,
-                    (false, false) => CONTINUOUS,
-                    (false, true) => UNSEEN,
+                    (false, true) if self.finely => UNSEEN,
+                    (false, _) => CONTINUOUS,
                 });
         let goes_on = !self.group.is_empty() && self.end == *step.from;
         self.end.copy_from(step.to);

@@ -68,7 +68,7 @@ impl History {
     pub fn whole(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         History {
             also_steps,
-            pieces: Some(ForceRecorder::default()),
+            pieces: Some(ForceRecorder::new(also_steps)),
             ..Self::new(scene, grid)
         }
     }

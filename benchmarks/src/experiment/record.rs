@@ -194,11 +194,21 @@ pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
         .collect()
 }
 
+/// Impulse of the transverse force by the samples of a series [N s].
+pub fn sampled_impulse(spec: &SceneSpec, series: &TimeSeries) -> f64 {
+    let name = Channel::Mesh(0, OfMesh::Transverse).column(spec);
+    let transverse = series.columns.iter().find(|c| c.name == name);
+    let transverse = transverse.map_or(&[][..], |c| &c.values);
+    (series.time_s.windows(2).zip(transverse.windows(2)))
+        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
+        .sum()
+}
+
 /// The books of a run; the impulse is that of the force in the transverse plane, where the lines of action lie.
 pub fn ledger_record(
     job: &Job<'_>,
     ledger: &Ledger,
-    impulse: Option<f64>,
+    impulse: f64,
     momenta: Option<[Vec<f64>; 2]>,
 ) -> record::Ledger {
     // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
@@ -239,7 +249,7 @@ pub fn ledger_record(
         parametric_work_j: finite(ledger.parametric),
         residual_j: finite(ledger.residual()),
         residual_rel: finite(ledger.residual_relative()),
-        impulse_ns: impulse.and_then(finite),
+        impulse_ns: finite(impulse),
         invariant_drift_rel: drift.and_then(finite),
     }
 }

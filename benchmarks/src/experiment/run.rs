@@ -6,7 +6,9 @@ use super::interruption;
 use super::journal::JournalError;
 use super::key::Key;
 use super::parameters::parameters;
-use super::record::{histories, ledger_record, momenta, reduction, snapshot, time_series};
+use super::record::{
+    histories, ledger_record, momenta, reduction, sampled_impulse, snapshot, time_series,
+};
 use super::status::RunMonitor;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::SecondOrderSystem;
@@ -177,6 +179,10 @@ fn timed_in(
 
     let mut monitor =
         RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps).under(&job.plan());
+    // Whoever looks at the components of forces looks at them on the grid.
+    if job.forces {
+        monitor.history.pieces = None;
+    }
     if job.histories {
         monitor.history.contacts = Some(ContactLog::new(job.scene, scene));
     }
@@ -260,7 +266,10 @@ fn timed_in(
         ledger: ledger_record(
             job,
             ledger,
-            history.pieces.as_ref().map(|p| p.impulse),
+            history
+                .pieces
+                .as_ref()
+                .map_or_else(|| sampled_impulse(job.scene, &series), |p| p.impulse),
             scene
                 .on_lines_of_action()
                 .then_some([start_momenta, end_momenta]),
