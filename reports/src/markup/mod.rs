@@ -102,7 +102,6 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                         p { (sentences(&report.finding)) }
                     }
                     (report.tables)
-                    (models(&View::new(results)))
                     @for (i, chart) in report.charts.iter().enumerate() {
                         section.chart {
                             h2 { (chart.title) }
@@ -112,6 +111,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                             }
                         }
                     }
+                    (models(&View::new(results)))
                     (report.details)
                     (setting(&View::new(results)))
                 }
