@@ -23,7 +23,7 @@ pub fn memory() -> f64 {
 }
 
 /// Something that would take more memory than it may.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{what} would take about {needed} of memory, where {allowed} are allowed: {way_out}, or raise the limit with --memory"
 )]

@@ -6,6 +6,7 @@
 
 mod csv_table;
 mod drawing;
+pub mod force;
 mod markup;
 pub mod metrics;
 pub mod numbers;
@@ -18,6 +19,7 @@ mod words;
 
 pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
+pub use force::ForceHistory;
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, Part, ReferenceSeries,

@@ -77,9 +77,51 @@ pub fn digits_apart(values: &[f64], least: usize) -> usize {
         .unwrap_or(17)
 }
 
-/// A ratio in per cent, without the sign.
+/// What lies below this, as a ratio or in SI units, is rounding: no digit of it says anything.
+pub const ROUNDING: f64 = 1e-12;
+
+/// A ratio in per cent, without the sign of the unit; below [`ROUNDING`] only that it is.
 pub fn percent(ratio: f64, digits: usize) -> String {
+    if ratio != 0.0 && ratio.abs() < ROUNDING {
+        return "<\u{a0}1e\u{2212}10".into();
+    }
     significant(100.0 * ratio, digits)
+}
+
+/// A ratio in per cent with its unit, such as `4.69 %`; without trailing zeros as [`short`].
+pub fn per_cent(ratio: f64, digits: usize) -> String {
+    if ratio.is_finite() {
+        format!("{}\u{a0}%", percent(ratio, digits))
+    } else {
+        ABSENT.into()
+    }
+}
+
+/// A limit in per cent: `5 %`, `0.5 %`.
+pub fn limit(ratio: f64) -> String {
+    format!("{}\u{a0}%", short(100.0 * ratio, 3))
+}
+
+/// A deviation in per cent with its sign, without the unit; rounding is no deviation.
+pub fn deviation(ratio: f64, digits: usize) -> String {
+    if ratio.abs() < ROUNDING {
+        return "0".into();
+    }
+    let sign = if ratio > 0.0 { "+" } else { "" };
+    format!("{sign}{}", significant(100.0 * ratio, digits))
+}
+
+/// So many of something: `1 choice`, `2 choices`.
+pub fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{} {}", count(n as u64), if n == 1 { one } else { many })
+}
+
+/// A ratio of costs or steps in words, `2.8 times `; nothing where it is one to the digits that it has.
+pub fn times(ratio: f64) -> String {
+    match significant(ratio, 2).as_str() {
+        "1.0" => String::new(),
+        text => format!("{text} times "),
+    }
 }
 
 /// A count in groups of three.
@@ -135,12 +177,21 @@ impl Prefix {
     }
 }
 
-/// A quantity with prefix and unit, such as `1.23 ms`.
+/// As [`quantity`], without trailing zeros: for steps and other numbers that were set.
+pub fn round_quantity(x: f64, unit: &str, digits: usize) -> String {
+    let p = Prefix::of(x, 1.0);
+    if !x.is_finite() || x.abs() < ROUNDING {
+        return quantity(x, unit, digits);
+    }
+    format!("{}\u{a0}{}{unit}", short(x * p.factor, digits), p.symbol)
+}
+
+/// A quantity with prefix and unit, such as `1.23 ms`; zero below [`ROUNDING`].
 pub fn quantity(x: f64, unit: &str, digits: usize) -> String {
     if !x.is_finite() {
         return ABSENT.into();
     }
-    if x == 0.0 {
+    if x.abs() < ROUNDING {
         return format!("0\u{a0}{unit}");
     }
     let p = Prefix::of(x, 1.0);
@@ -195,5 +246,27 @@ mod tests {
         assert_eq!(Prefix::of(2.7e4, 20.0).symbol, "k");
         assert_eq!(Prefix::of(3.7e3, 20.0).symbol, "");
         assert_eq!(Prefix::of(0.0, 1.0).symbol, "");
+        assert_eq!(round_quantity(1.5e-6, "s", 3), "1.5\u{a0}\u{b5}s");
+        assert_eq!(round_quantity(2e-8, "s", 3), "20\u{a0}ns");
+    }
+
+    /// A shift of -9.89e-18 s, or an error of 4.4e-17 %, is none.
+    #[test]
+    fn rounding_is_told_as_such() {
+        assert_eq!(quantity(-9.89e-18, "s", 3), "0\u{a0}s");
+        assert_eq!(quantity(3e-12, "s", 3), "0.00300\u{a0}ns");
+        assert_eq!(per_cent(4.4e-19, 2), "<\u{a0}1e\u{2212}10\u{a0}%");
+        assert_eq!(per_cent(0.0, 2), "0\u{a0}%");
+        assert_eq!(deviation(-4.4e-17, 3), "0");
+        assert_eq!(deviation(0.0123, 3), "+1.23");
+        assert_eq!(limit(0.005), "0.5\u{a0}%");
+    }
+
+    #[test]
+    fn one_is_not_several() {
+        assert_eq!(counted(1, "choice", "choices"), "1 choice");
+        assert_eq!(counted(1200, "run", "runs"), "1\u{202f}200 runs");
+        assert_eq!(times(2.78), "2.8 times ");
+        assert_eq!(times(1.0), "");
     }
 }

@@ -3,6 +3,7 @@
 //! Owns [`TimeSeries`] with its invariants (all columns as long as the time axis, time not
 //! decreasing), linear interpolation, and thinning that keeps the extrema.
 
+use crate::force::ForceHistory;
 use serde::{Deserialize, Serialize};
 
 /// Sampled histories over a common time axis.
@@ -24,6 +25,10 @@ pub struct TimeSeries {
     /// Further columns; the name carries the unit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<Column>,
+    /// The contact force between the events of the run, for metrics: known while a study runs and in its journal, not
+    /// kept in records. References from elsewhere have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<ForceHistory>,
 }
 
 /// One further named column of a [`TimeSeries`].
@@ -51,7 +56,7 @@ impl TimeSeries {
             contact_force_n,
             omega1_rad_s,
             omega2_rad_s,
-            columns: Vec::new(),
+            ..Self::default()
         };
         series.validate()?;
         Ok(series)
@@ -91,7 +96,7 @@ impl TimeSeries {
         }
         match self.time_s.windows(2).find(|w| w[1] < w[0]) {
             Some(w) => Err(format!("time falls from {} s to {} s", w[0], w[1])),
-            None => Ok(()),
+            None => self.force.iter().try_for_each(ForceHistory::validate),
         }
     }
 
@@ -114,14 +119,17 @@ impl TimeSeries {
     /// behind.
     #[must_use]
     pub fn finite_prefix(&self) -> Self {
-        let n = self
-            .named_columns()
+        self.select(&(0..self.finite_len()).collect::<Vec<_>>())
+    }
+
+    /// The number of these samples.
+    pub(crate) fn finite_len(&self) -> usize {
+        self.named_columns()
             .map(|(_, c)| c)
             .chain([self.time_s.as_slice()])
             .map(|c| c.iter().position(|x| !x.is_finite()).unwrap_or(c.len()))
             .min()
-            .unwrap_or(0);
-        self.select(&(0..n).collect::<Vec<_>>())
+            .unwrap_or(0)
     }
 
     /// A series of at most about `6 * buckets` samples in which every bucket of time keeps the
@@ -129,7 +137,10 @@ impl TimeSeries {
     #[must_use]
     pub fn thinned(&self, buckets: usize) -> Self {
         if buckets == 0 || self.len() <= 6 * buckets || self.validate().is_err() {
-            return self.clone();
+            return Self {
+                force: None,
+                ..self.clone()
+            };
         }
         let mut keep = vec![0, self.len() - 1];
         for column in [
@@ -189,6 +200,7 @@ impl TimeSeries {
                     values: pick(&c.values),
                 })
                 .collect(),
+            force: None,
         }
     }
 }

@@ -1,11 +1,14 @@
 //! What charts and page both ask of a record: models in order, their best runs, the reference.
 
 use crate::metrics::Metric;
-use crate::numbers::{percent, quantity};
-use crate::record::{ReferenceSeries, Results, Run, Status, Study};
+use crate::numbers::{per_cent, quantity, round_quantity};
+use crate::record::{ReferenceSeries, Results, Run, SELF, Status, Study};
 
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
+
+/// What an error against a model's own converged solution is.
+pub const INTEGRATION: &str = "integration";
 
 /// The runs of one model variant.
 pub struct Group<'a> {
@@ -58,7 +61,11 @@ impl<'a> View<'a> {
             None if [Study::Truncation, Study::Penalty].contains(&results.study()) => {
                 Metric::ForceL2
             }
-            None => Metric::ForceL2Aligned,
+            None => metric_against(
+                results,
+                against.as_deref().unwrap_or_default(),
+                Metric::default(),
+            ),
         };
         Self {
             results,
@@ -80,7 +87,7 @@ impl<'a> View<'a> {
 
     /// Name of a reference for prose and legends.
     pub fn reference_name(&self, id: &str) -> String {
-        if id == "self" {
+        if id == SELF {
             return "the model's own converged solution".into();
         }
         match self.results.references.iter().find(|r| r.id == id) {
@@ -98,11 +105,24 @@ impl<'a> View<'a> {
             .map(f64::abs)
     }
 
+    /// Whether the constants of a run were fitted to the very history that errors refer to.
+    pub fn is_fitted(&self, run: &Run) -> bool {
+        run.fitted_to.is_some() && run.fitted_to == self.against
+    }
+
+    /// What an error of a run that was not fitted is.
+    pub fn kind_of_error(&self) -> &'static str {
+        match self.against.as_deref() {
+            Some("self") => INTEGRATION,
+            _ => "prediction",
+        }
+    }
+
     /// An error in the metric of the view, with its unit.
     pub fn error_text(&self, error: f64) -> String {
         match self.metric.unit() {
             "" if error < NOTHING => "below 1e\u{2212}8\u{a0}%".into(),
-            "" => format!("{}\u{a0}%", percent(error, 3)),
+            "" => per_cent(error, 3),
             unit => quantity(error, unit, 3),
         }
     }
@@ -163,11 +183,23 @@ impl<'a> View<'a> {
     }
 }
 
+/// The metric that errors against a reference are told in where `metric` is the study's: that of the integrator against
+/// the model's own converged solution, where the record has it.
+pub fn metric_against(results: &Results, id: &str, metric: Metric) -> Metric {
+    let own = metric.of_integration();
+    let known = |r: &Run| r.against(id).is_some_and(|m| m.get(own).is_some());
+    if id == SELF && results.runs.iter().any(known) {
+        own
+    } else {
+        metric
+    }
+}
+
 /// Step or tolerance of a run, for labels.
 pub fn resolution(run: &Run) -> String {
     match (run.step, run.rtol) {
-        (Some(h), _) => format!("h = {}", crate::numbers::quantity(h, "s", 3)).replace(".00", ""),
-        (None, Some(r)) => format!("rtol {}", crate::numbers::short(r, 3)),
+        (Some(h), _) => format!("h\u{a0}=\u{a0}{}", round_quantity(h, "s", 3)),
+        (None, Some(r)) => format!("rtol\u{a0}{}", crate::numbers::short(r, 3)),
         (None, None) => String::new(),
     }
 }

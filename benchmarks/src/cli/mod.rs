@@ -22,6 +22,7 @@ use crate::studies::truncation::{self, arguments::Truncation};
 use crate::tools::completions::{self, Completions};
 use crate::tools::mesh::{self, arguments::Mesh};
 use crate::tools::reduce::{self, arguments::Reduce};
+use crate::tools::rerun::{self, Rerun};
 use crate::tools::{init, init::Init, list, report, report::Report};
 use answer::Answer;
 use clap::{Parser, Subcommand};
@@ -111,6 +112,8 @@ pub(crate) enum Command {
     Report(Report),
     /// Print a script that completes commands and options in a shell
     Completions(Completions),
+    /// Make a study again from its record, and hold it against that
+    Rerun(Rerun),
 }
 
 impl Command {
@@ -136,6 +139,7 @@ impl Command {
             Command::List => list::run(),
             Command::Report(args) => report::run(&args),
             Command::Completions(args) => completions::run(&args),
+            Command::Rerun(args) => again(&args),
         }
     }
 }
@@ -161,6 +165,22 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(command) => command.run(&told),
     };
     terminal::end(&told, done)
+}
+
+/// Makes a study again from its record.
+fn again(args: &Rerun) -> Result<Answer, Refusal> {
+    let again = rerun::prepare(args)?;
+    let words = std::iter::once("gearbench").chain(again.words.iter().map(String::as_str));
+    let command = Cli::try_parse_from(words).ok().and_then(|cli| cli.command);
+    let Some(command) = command else {
+        return Err(Refusal::Input(miette::miette!(
+            help = "a record of another version may have a command that is called otherwise now",
+            "the command of the record, `{}`, is none that can be made again",
+            again.command()
+        )));
+    };
+    let answer = command.run(again.command())?;
+    again.compare(answer)
 }
 
 /// Shows the help that was asked for, or what is wrong with the arguments, in the form of all refusals.

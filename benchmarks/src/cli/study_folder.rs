@@ -9,9 +9,10 @@ use crate::experiment::conditions::Progress;
 use crate::experiment::interruption;
 use crate::experiment::journal::{JOURNAL, Journal, JournalError};
 use crate::experiment::runner::Runner;
+use crate::scene_file::SceneFile;
 use gearbench_reference::limits;
 use gearbench_reports::RECORD;
-use gearbench_reports::record::{Results, Status};
+use gearbench_reports::record::{Results, Source, Status};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,8 @@ pub struct StudyFolder {
     journal: Option<Journal>,
     /// The outermost folder that was made for it.
     made: Option<PathBuf>,
+    /// What the record will be made of.
+    source: Option<Source>,
 }
 
 impl From<JournalError> for Refusal {
@@ -49,8 +52,19 @@ impl StudyFolder {
             journal: Some(Journal::open(&path.join(JOURNAL), output.fresh)?),
             path: path.clone(),
             made,
+            source: None,
         };
         interruption::catch().map_err(fail)?;
+        Ok(folder)
+    }
+
+    /// The folder of a study of a scene, which the record will keep.
+    ///
+    /// # Errors
+    /// Those of [`StudyFolder::open`].
+    pub fn of(output: &Output, scene: &SceneFile, study: &str) -> Result<Self, Refusal> {
+        let mut folder = Self::open(output, &scene.name, study)?;
+        folder.source = Some(scene.source());
         Ok(folder)
     }
 
@@ -104,6 +118,7 @@ impl StudyFolder {
             };
             results.settings.push((INTERRUPTED_STUDY.into(), what));
         }
+        results.header.source.clone_from(&self.source);
         let page = gearbench_reports::write_results(&self.path, &results)
             .map_err(|e| Refusal::Files(e.to_string()))?;
         summarise(&results);

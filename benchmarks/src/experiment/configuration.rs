@@ -14,6 +14,8 @@ pub struct Configuration {
     pub model: String,
     /// Calibration it takes its constants from.
     pub calibration: Option<String>,
+    /// Id in records of the reference to whose history its constants were fitted, where that is the scene's own.
+    pub fitted_to: Option<String>,
     /// The scene.
     pub scene: SceneSpec,
     /// Its models.
@@ -31,6 +33,7 @@ impl Configuration {
             label: choice.label.clone(),
             model: choice.model.clone(),
             calibration: choice.calibration.as_ref().map(|c| c.name.clone()),
+            fitted_to: fitted_to(scene, choice),
             scene: scene.spec_for(choice),
             modelling: choice.modelling.clone(),
             methods: choice.integrators.clone(),
@@ -53,5 +56,14 @@ impl Configuration {
         row.model.clone_from(&self.model);
         row.variant = self.variant();
         row.calibration.clone_from(&self.calibration);
+        row.fitted_to.clone_from(&self.fitted_to);
     }
+}
+
+/// The reference to whose history the constants of a model were fitted.
+fn fitted_to(scene: &SceneFile, choice: &ModelChoice) -> Option<String> {
+    let calibration = choice.calibration.as_ref()?;
+    let here = calibration.name == "impact" && calibration.scene == scene.name;
+    let id = scene.reference.as_deref().filter(|_| here)?;
+    Some(id.split('/').next().unwrap_or(id).to_owned())
 }

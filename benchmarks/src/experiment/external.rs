@@ -21,7 +21,7 @@ pub fn external(r: &ExternalReference) -> ReferenceSeries {
             contact_force_n: h.contact_force.clone(),
             omega1_rad_s: h.omega1_mean.clone(),
             omega2_rad_s: h.omega2_mean.clone(),
-            columns: Vec::new(),
+            ..TimeSeries::default()
         },
     }
 }

@@ -1,26 +1,26 @@
-//! Histories of a run: channels on a grid, and on every accepted step while teeth touch.
+//! Histories of a run: channels on a grid and around contacts, and the force between events.
 //!
-//! A grid alone would cut the peaks of short impacts in a long run; steps alone would leave gaps where a
-//! method strides. The state of the largest force is kept for the picture.
+//! Readers get channels on an even grid, and between its times those of the steps in contact, or pictures would cut the
+//! peaks of short impacts in a long run. Metrics get the [force between events](super::force). The state of the largest
+//! force is kept for the picture.
 
+use super::force::ForceRecorder;
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
 
-/// Longest distance of samples in contact, in characteristic times of the system.
-const SAMPLE_DISTANCE: f64 = 0.2;
-/// Samples in one step at most.
-const MOST_PARTS: f64 = 24.0;
-/// Rows kept beyond the grid at most.
-const MOST_STEPS: usize = 100_000;
+/// Distance of rows in contact, in characteristic times of the system.
+const ROW_DISTANCE: f64 = 0.1;
+/// Rows kept beyond the grid at most: those are for pictures.
+const MOST_ROWS: usize = 100_000;
 
 /// Records channels of a run.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     grid: Vec<f64>,
     next: usize,
-    /// Channel of the contact force of the first mesh.
-    force: Option<usize>,
+    /// Channels of the force of the first mesh, and of its part in the transverse plane.
+    force: Option<[usize; 2]>,
     /// Channels of the least normal forces.
     least: Vec<usize>,
     also_steps: bool,
@@ -28,6 +28,8 @@ pub struct History {
     pub time: Vec<f64>,
     /// Rows of channels.
     pub rows: Vec<Vec<f64>>,
+    /// The force between events; `None` where nobody asks.
+    pub pieces: Option<ForceRecorder>,
     /// State at the largest force.
     pub peak_state: Option<State>,
     /// Largest force [N].
@@ -39,17 +41,30 @@ pub struct History {
     in_contact: bool,
     sample: State,
     out: Outputs,
+    /// Times to look at in a step.
+    looks: Vec<f64>,
 }
 
 impl History {
-    /// Records the channels of a scene on an ascending grid [s]; `also_steps` adds the accepted steps in contact.
-    pub fn new(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
+    /// Records the channels of a scene on an ascending grid [s].
+    pub fn new(scene: &Scene, grid: Vec<f64>) -> Self {
+        let channel = |what| scene.channel(Channel::Mesh(0, what));
         History {
             grid,
-            force: scene.channel(Channel::Mesh(0, OfMesh::Force)),
+            force: channel(OfMesh::Force)
+                .zip(channel(OfMesh::Transverse))
+                .map(|(a, b)| [a, b]),
             least: scene.channels_of_meshes(OfMesh::LeastNormal),
-            also_steps,
             ..Default::default()
+        }
+    }
+
+    /// The same, the force between events, and with `also_steps` the steps in contact.
+    pub fn whole(scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
+        History {
+            also_steps,
+            pieces: Some(ForceRecorder::default()),
+            ..Self::new(scene, grid)
         }
     }
 
@@ -60,12 +75,32 @@ impl History {
 
     /// The force of the first mesh over time; 0 where there is none.
     pub fn force(&self) -> Vec<f64> {
-        (self.force).map_or_else(|| vec![0.0; self.rows.len()], |c| self.column(c))
+        (self.force).map_or_else(|| vec![0.0; self.rows.len()], |[c, _]| self.column(c))
     }
 
+    /// Moves the sample to a time of a step.
+    fn look(&mut self, step: &AcceptedStep<'_>, t: f64) {
+        let (t0, t1) = (step.from.t, step.to.t);
+        self.sample.copy_from(step.from);
+        let State { q, v, .. } = &mut self.sample;
+        if t >= t1 {
+            q.copy_from_slice(&step.to.q);
+            v.copy_from_slice(&step.to.v);
+        } else if t > t0 {
+            step.dense.eval((t - t0) / (t1 - t0), q, v);
+        }
+        self.sample.t = t;
+    }
+
+    /// Whether there is no force in the outputs.
+    fn is_silent(&self) -> bool {
+        (self.force).is_none_or(|[c, _]| self.out.channels[c] == 0.0)
+    }
+
+    /// Evaluates the sample; a row of it stays where it is to be kept, or frames the begin or end of a contact.
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool) {
         sys.output(self.sample.at(), &mut self.out);
-        let force = self.force.map_or(0.0, |c| self.out.channels[c].abs());
+        let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());
         for &c in &self.least {
             self.least_normal = self.least_normal.min(self.out.channels[c]);
         }
@@ -76,10 +111,10 @@ impl History {
                 none => *none = Some(self.sample.clone()),
             }
         }
-        if keep || force > 0.0 || self.in_contact {
-            // The last sample without force and the first with it frame a jump of a damped contact.
+        let changes = (force > 0.0) != self.in_contact;
+        if keep || (changes && self.keeps_steps()) {
             if let Some((t, row)) = self.skipped.take()
-                && force > 0.0
+                && changes
             {
                 self.time.push(t);
                 self.rows.push(row);
@@ -94,71 +129,60 @@ impl History {
         }
         self.in_contact = force > 0.0;
     }
-}
 
-/// The time at a part of a step. Rounded, the last one may lie beyond the end, which no sample ever reaches.
-fn within(t0: f64, t1: f64, part: f64) -> f64 {
-    (t0 + (t1 - t0) * part).min(t1)
+    /// Whether there is room for rows between those of the grid.
+    fn keeps_steps(&self) -> bool {
+        self.also_steps && self.rows.len() < self.grid.len() + MOST_ROWS
+    }
 }
 
 impl Sink for History {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
-        let (t0, t1) = (step.from.t, step.to.t);
-        let h = t1 - t0;
-        // A long step through a contact is resolved as finely as the contact's own characteristic time asks. Where no
-        // damper lets the force jump the grid shows all of it; in flight there is no force.
-        let finely = self.also_steps && sys.has_jumps() && !step.flight;
-        let parts = if finely && self.rows.len() < self.grid.len() + MOST_STEPS {
-            (h / (SAMPLE_DISTANCE * sys.characteristic_time(step.to.at())))
-                .ceil()
-                .clamp(1.0, MOST_PARTS)
-        } else {
-            -1.0
-        };
-        let mut part = 0.0;
-        while self.next < self.grid.len() && self.grid[self.next] <= t1 || part <= parts {
-            let on_step = if part <= parts {
-                within(t0, t1, part / parts)
-            } else {
-                f64::INFINITY
+        let t1 = step.to.t;
+        let mut looks = std::mem::take(&mut self.looks);
+        looks.clear();
+        let mut pieces = self.pieces.take();
+        if let Some(pieces) = &mut pieces {
+            let silent = &mut |sys: &mut dyn SecondOrderSystem, t: f64| {
+                self.look(step, t);
+                sys.output(self.sample.at(), &mut self.out);
+                self.is_silent()
             };
+            pieces.looks(sys, step, silent, &mut looks);
+        }
+        // Where no damper lets the force jump the grid shows all of it.
+        let rows = self.also_steps && sys.has_jumps();
+        let apart = ROW_DISTANCE * sys.characteristic_time(step.to.at());
+        let mut look = 0;
+        loop {
             let on_grid = self.grid.get(self.next).copied().unwrap_or(f64::INFINITY);
-            let t = on_step.min(on_grid).min(t1);
-            let keep = on_grid <= t;
-            if on_grid <= t {
+            let of_force = looks.get(look).copied().unwrap_or(f64::INFINITY);
+            let t = of_force.min(on_grid);
+            if t > t1 {
+                break;
+            }
+            self.look(step, t);
+            let mut keep = on_grid <= t;
+            if keep {
                 self.next += 1;
             }
-            if on_step <= t {
-                part += 1.0;
+            if of_force <= t {
+                // Both sides of a jump stay, whatever their distance.
+                let begins = look == 0 && of_force == step.from.t;
+                let last = self.time.last().is_none_or(|last| t - last >= apart);
+                keep |= rows && self.in_contact && (begins || last) && self.keeps_steps();
+                look += 1;
             }
-            self.sample.copy_from(step.from);
-            let State { q, v, .. } = &mut self.sample;
-            if t >= t1 {
-                q.copy_from_slice(&step.to.q);
-                v.copy_from_slice(&step.to.v);
-            } else if t > t0 && h > 0.0 {
-                step.dense.eval((t - t0) / h, q, v);
-            }
-            self.sample.t = t;
             self.take(sys, keep);
+            if of_force <= t
+                && let (Some(pieces), Some(channels)) = (&mut pieces, self.force)
+            {
+                let [force, transverse] = channels.map(|c| self.out.channels[c]);
+                pieces.take(sys, [t, force, transverse]);
+            }
         }
+        self.pieces = pieces;
+        self.looks = looks;
         Control::Continue
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::within;
-
-    /// `t0 + (t1 - t0)` may exceed `t1` by a rounding: steps of this kind occur in runs.
-    #[test]
-    fn the_last_part_of_a_step_is_its_end() {
-        let mut beyond = 0;
-        for i in 1..2000 {
-            let (t0, t1) = (f64::from(i) * 1.37e-8, f64::from(i + 700) * 1.11e-7);
-            beyond += usize::from(t0 + (t1 - t0) > t1);
-            assert!(within(t0, t1, 1.0) <= t1 && within(t0, t1, 0.0) == t0);
-        }
-        assert!(beyond > 0);
     }
 }

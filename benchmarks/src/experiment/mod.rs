@@ -7,6 +7,7 @@
 //! | `converged` | the converged solution of a model |
 //! | [`error`] | why a study ends before its end |
 //! | `external` | stored references as records keep them |
+//! | `force` | the force of a run between events, for metrics |
 //! | `history` | channels of a run over time |
 //! | [`interruption`] | Ctrl-C and SIGTERM |
 //! | [`journal`] | finished work on disk, so that a killed study goes on where it was |
@@ -26,6 +27,7 @@ pub mod configuration;
 pub(crate) mod converged;
 pub mod error;
 pub(crate) mod external;
+pub(crate) mod force;
 pub(crate) mod history;
 pub mod interruption;
 pub mod journal;

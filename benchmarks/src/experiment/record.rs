@@ -46,7 +46,7 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
         contact_force_n: history.force(),
         omega1_rad_s: turning(spec, 0, of_gear(0, OfGear::Speed)),
         omega2_rad_s: turning(spec, 1, of_gear(1, OfGear::Speed)),
-        columns: Vec::new(),
+        ..TimeSeries::default()
     };
     let column = |channel: Channel| Column {
         name: channel.column(spec),
@@ -82,7 +82,9 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             columns.push(column(Channel::Gear(g, OfGear::Speed)));
         }
     }
-    series.finite_prefix()
+    let mut series = series.finite_prefix();
+    series.force = history.pieces.as_ref().map(|p| p.history.clone());
+    series
 }
 
 /// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
@@ -139,22 +141,13 @@ pub fn momenta(scene: &mut Scene, state: &State) -> Vec<f64> {
         .collect()
 }
 
+/// The books of a run; the impulse is that of the force in the transverse plane, where the lines of action lie.
 pub fn ledger_record(
     job: &Job<'_>,
     ledger: &Ledger,
-    series: &TimeSeries,
+    impulse: Option<f64>,
     momenta: Option<[Vec<f64>; 2]>,
 ) -> record::Ledger {
-    // Momenta lie along the lines of action in the transverse plane, and so does their exchange.
-    let name = Channel::Mesh(0, OfMesh::Transverse).column(job.scene);
-    let transverse = series.columns.iter().find(|c| c.name == name);
-    let transverse = transverse.map_or(&[][..], |c| &c.values);
-    let impulse: f64 = series
-        .time_s
-        .windows(2)
-        .zip(transverse.windows(2))
-        .map(|(t, f)| 0.5 * (t[1] - t[0]) * (f[0] + f[1]))
-        .sum();
     // Without loads a mesh of two free gears keeps L1/r1 - L2/r2 (both counter-clockwise positive) as long as
     // its forces stay on the lines of action.
     let two_free = job.scene.gears.len() == 2
@@ -193,7 +186,7 @@ pub fn ledger_record(
         parametric_work_j: finite(ledger.parametric),
         residual_j: finite(ledger.residual()),
         residual_rel: finite(ledger.residual_relative()),
-        impulse_ns: finite(impulse),
+        impulse_ns: impulse.and_then(finite),
         invariant_drift_rel: drift.and_then(finite),
     }
 }

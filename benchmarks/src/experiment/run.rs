@@ -253,7 +253,7 @@ fn timed_in(
         ledger: ledger_record(
             job,
             ledger,
-            &series,
+            history.pieces.as_ref().map(|p| p.impulse),
             scene
                 .on_lines_of_action()
                 .then_some([start_momenta, end_momenta]),
@@ -275,7 +275,7 @@ pub fn force_on_grid(
     max_steps: u64,
     grid: &[f64],
 ) -> Result<Vec<f64>, StepError> {
-    let mut history = History::new(scene, grid.to_vec(), false);
+    let mut history = History::new(scene, grid.to_vec());
     let mut state = scene.initial();
     let end = grid.last().copied().unwrap_or(0.0);
     let plan = TimePlan {

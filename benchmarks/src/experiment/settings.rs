@@ -2,7 +2,10 @@
 
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
-use gearbench_models::spec::{Body, GearSpec, ModelSpec, Mount, Value, mesh_layout};
+use gearbench_models::spec::{
+    Body, ContactSpec, GearSpec, Load, ModelSpec, Mount, PointRule, Profile, SurfaceKind, Value,
+    mesh_layout,
+};
 use gearbench_reports::numbers::short;
 
 /// What a reader must know of the scene: geometry, positions, loads, models and where their constants come
@@ -51,10 +54,7 @@ pub fn settings(
                 .into()
         },
     );
-    row(
-        "converged solution (self)",
-        "dopri5, rtol 1e-10 (1e-8 where that takes too long); a tolerance multiplies the scene's typical deflection and speed".into(),
-    );
+    row("converged solution (self)", super::converged::described());
     let steps: Vec<String> = scene
         .study
         .integrators
@@ -114,11 +114,56 @@ fn gear_text(g: &GearSpec) -> String {
         Mount::Driven(_) => "driven",
     };
     format!(
-        "{toothing}; {mount}, inertia {} {unit}, initial speed {} {speed}, {} load(s)",
+        "{toothing}; {mount}, inertia {} {unit}, initial speed {} {speed}, {}",
         short(inertia + g.added_inertia, 5),
         short(g.speed, 5),
-        g.loads.len()
+        loads(g)
     )
+}
+
+/// Loads of a gear in words.
+fn loads(g: &GearSpec) -> String {
+    let rack = matches!(g.body, Body::Rack(_));
+    let (load, damper) = match rack {
+        true => ("force", "N s/m"),
+        false => ("torque", "N m s/rad"),
+    };
+    let unit = if rack { "N" } else { "N m" };
+    let text = |l: &Load| match l {
+        Load::Viscous(c) => format!("viscous brake {} {damper}", short(*c, 5)),
+        Load::Applied(profile) => format!("{load} {}", profile_text(profile, unit)),
+    };
+    match g.loads.as_slice() {
+        [] => "no loads".into(),
+        all => all.iter().map(text).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn profile_text(profile: &Profile, unit: &str) -> String {
+    let ms = |t: f64| format!("{} ms", short(1e3 * t, 4));
+    match profile {
+        Profile::Constant(x) => format!("{} {unit}", short(*x, 5)),
+        Profile::Ramp {
+            from,
+            to,
+            start,
+            end,
+        } => format!(
+            "{} to {} {unit} from {} to {}",
+            short(*from, 5),
+            short(*to, 5),
+            ms(*start),
+            ms(*end)
+        ),
+        Profile::Table { time, value } => format!(
+            "table of {} points, {} to {} {unit}, {} to {}",
+            time.len(),
+            short(value.iter().copied().fold(f64::INFINITY, f64::min), 5),
+            short(value.iter().copied().fold(f64::NEG_INFINITY, f64::max), 5),
+            ms(time.first().copied().unwrap_or(0.0)),
+            ms(time.last().copied().unwrap_or(0.0))
+        ),
+    }
 }
 
 fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
@@ -130,18 +175,15 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
         parts.push("constants as given in the scene".into());
     }
     for (contact, mesh) in choice.modelling.contacts.iter().zip(&spec.meshes) {
-        parts.push(format!("contact: {}", contact.stiffness.describe()));
-        parts.push(format!(
-            "law exponent {}, damping {}",
-            contact.exponent,
-            contact.damping.id()
-        ));
+        parts.push(contact_text(contact));
         parts.push(format!(
             "gap at the start {} um",
             short(mesh.start.gap * 1e6, 4)
         ));
-        let limits = formula_limits(&spec, mesh.gears, contact);
-        parts.extend(limits.into_iter().map(|w| format!("note: {w}")));
+        if contact.points.is_none() {
+            let limits = formula_limits(&spec, mesh.gears, contact);
+            parts.extend(limits.into_iter().map(|w| format!("note: {w}")));
+        }
     }
     if let Some(first) = choice.modelling.gears.first() {
         parts.extend(parameters(first));
@@ -156,6 +198,44 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
         }
     }
     parts.join("; ")
+}
+
+/// The contact that acts: between flank points a penalty per area or none, on lines of action stiffness and law.
+fn contact_text(contact: &ContactSpec) -> String {
+    let exponent = match contact.exponent {
+        1.0 => "linear".into(),
+        n => format!("exponent {}", short(n, 4)),
+    };
+    let Some(points) = &contact.points else {
+        return format!(
+            "contact: {}; law {exponent}, damping {}",
+            contact.stiffness.describe(),
+            contact.damping.id()
+        );
+    };
+    let rule = match points.rule {
+        PointRule::Quadrature { along, across } => {
+            format!("{along} x {across} quadrature points per face")
+        }
+        PointRule::Nodes => "nodes with their areas".into(),
+        PointRule::EachNode => "single nodes".into(),
+    };
+    let law = match (points.hard, points.rule) {
+        (true, _) => "hard, no penalty".to_owned(),
+        (_, PointRule::EachNode) => {
+            format!("penalty {:e} N/m per node, {exponent}", points.penalty)
+        }
+        _ => format!("penalty {:e} Pa/m, {exponent}", points.penalty),
+    };
+    let damping = match points.damping {
+        0.0 => "no dashpot".to_owned(),
+        c => format!("dashpot {c:e} N s/m^3"),
+    };
+    let surface = match points.surface {
+        SurfaceKind::Faceted => "faceted",
+        SurfaceKind::Smooth => "smooth",
+    };
+    format!("contact of {surface} flanks: {law}, {damping}, at {rule}")
 }
 
 fn parameters(model: &ModelSpec) -> Vec<String> {

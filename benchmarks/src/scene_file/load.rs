@@ -2,6 +2,7 @@
 
 use super::reading::suggest;
 use super::shipped::{self, SHIPPED};
+use super::source::{recorded, recorded_calibration};
 use super::{Calibration, Origin, SceneError, SceneFile};
 use crate::cli::terminal::warn;
 use std::path::Path;
@@ -81,7 +82,7 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
     if let Some(s) = shipped::shipped(path_or_name) {
         return SceneFile::unbuilt(
             &format!("{}.toml", s.name),
-            s.text,
+            recorded(s.name).unwrap_or(s.text),
             Origin::Shipped,
             calibrated,
         );
@@ -99,7 +100,11 @@ fn read(path_or_name: &str, calibrated: bool) -> Result<SceneFile, SceneError> {
             ),
         ));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| {
+    let read = || match recorded(path_or_name) {
+        Some(text) => Ok(text.to_owned()),
+        None => std::fs::read_to_string(path),
+    };
+    let text = read().map_err(|e| {
         SceneError::plain(
             format!("{path_or_name}: {e}"),
             "expected a readable TOML file in UTF-8; `gearbench list` names the shipped scenes",
@@ -119,6 +124,9 @@ pub(super) fn find_calibration(
     (name, own): (&str, &Calibration),
     origin: &Origin,
 ) -> Result<Option<Calibration>, SceneError> {
+    if let Some(text) = recorded_calibration(scene) {
+        return Calibration::parse("the record", text).map(Some);
+    }
     if let (Origin::File(path), true) = (origin, scene == name) {
         let beside = path.with_extension("calibration.toml");
         if let Ok(text) = std::fs::read_to_string(&beside) {

@@ -37,6 +37,7 @@ pub(crate) mod reading;
 mod referenced;
 pub mod shipped;
 mod solid;
+pub mod source;
 mod stiffness;
 pub(crate) mod study_plan;
 #[cfg(test)]
@@ -227,7 +228,13 @@ impl SceneFile {
             },
             calibrations: if calibrated { Some(&find) } else { None },
         };
-        let models = model::models(keys.models, &context, &root.key("models"))?;
+        let mut models = model::models(keys.models, &context, &root.key("models"))?;
+        if keys.study.integrators.is_none() {
+            let gears: Vec<&GearSpec> = drafts.iter().map(|d| &d.spec).collect();
+            for m in models.iter_mut().filter(|m| m.integrators.is_none()) {
+                m.integrators = study_plan::default_of(&m.model, &gears);
+            }
+        }
         let labels: Vec<&str> = models.iter().map(|m| m.label.as_str()).collect();
         let study = study_plan::study(keys.study, &labels, &root.key("study"))?;
         let reference = keys.reference.map(|r| r.0);

@@ -8,12 +8,16 @@ use super::reading::keys::keys;
 use super::reading::values::{
     Count, Distinct, Label, Method, MetricKey, OneOrMany, Positive, Share,
 };
+use crate::models::models;
 use crate::studies::precision::scene::{Precision, PrecisionKeys};
 use crate::studies::stability::scene::{StabilityKeys, StabilitySet};
 use crate::studies::sweep::scene::Sweep;
+use gearbench_integrators::table::{HHT_ALPHA, NEWMARK, TRIGONOMETRIC};
 use gearbench_integrators::{METHODS, MethodSpec, Resolution, Scheme, Stepping};
+use gearbench_models::gear::table::properties_of;
+use gearbench_models::spec::{Body, GearSpec};
 use gearbench_reports::Metric;
-use gearbench_reports::record::Tolerance;
+use gearbench_reports::record::{SELF, Tolerance};
 use serde::Deserialize;
 
 keys! {
@@ -21,8 +25,8 @@ keys! {
     pub(super) struct StudyKeys {
         /// labels to compare, default all models of the scene
         models: Option<Distinct<Label>>,
-        /// list such as [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }]
-        integrators: Option<Vec<IntegratorKeys>>,
+        /// list such as [{ method = "dopri5", rtol = 1e-6 }, { method = "rk4", step_s = 1e-6 }], default those of the model
+        pub(super) integrators: Option<Vec<IntegratorKeys>>,
         /// locate contact events, default true
         events: Option<bool>,
         /// samples of the histories over the duration, default 2000, which are enough for a chart
@@ -54,7 +58,7 @@ keys! {
     }
 
     pub(super) struct ToleranceKeys {
-        /// metric that is limited, default "force_l2_aligned"
+        /// metric that is limited, default "force_l2_aligned", against "self" "force_l1"
         metric: Option<MetricKey>,
         /// greatest magnitude that is accurate enough, for example 0.05
         limit: Positive,
@@ -87,6 +91,11 @@ enum Against {
 const DEFAULT_SAMPLES: usize = 2000;
 /// Tolerance of the adaptive methods that are compared when a scene names none.
 const DEFAULT_RTOL: f64 = 1e-6;
+
+/// Tolerance of the method that is exact for modes, likewise.
+const EXACT_RTOL: f64 = 1e-3;
+/// Step of full finite elements, likewise, in times in which a wave crosses a module.
+const CROSSING: f64 = 0.5;
 
 /// What a study of a scene does when the command line does not say otherwise.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,6 +161,30 @@ fn default_integrators() -> Vec<Scheme> {
         .collect()
 }
 
+/// Integrators of a model in a scene whose study names none: gears with modes take the method that is exact for these,
+/// full finite elements those that solve with their sparse matrices, all others those of the study.
+pub(super) fn default_of(model: &str, gears: &[&GearSpec]) -> Option<Vec<Scheme>> {
+    let properties = properties_of(models(), model);
+    if properties.full_order {
+        let step = gears
+            .iter()
+            .map(|g| crossing(g))
+            .fold(f64::INFINITY, f64::min);
+        let step = format!("{:.0e}", CROSSING * step).parse().unwrap_or(step);
+        return Some(vec![HHT_ALPHA.at_step(step), NEWMARK.at_step(step)]);
+    }
+    (properties.modes).then(|| vec![TRIGONOMETRIC.at_tolerance(EXACT_RTOL)])
+}
+
+/// Time in which a wave of compression crosses a module [s].
+fn crossing(gear: &GearSpec) -> f64 {
+    let module = match &gear.body {
+        Body::Gear(g) => g.params().module,
+        Body::Rack(r) => r.params().module,
+    };
+    module * (gear.material.density / gear.material.young).sqrt()
+}
+
 /// Integrators with their steps or tolerances.
 pub(crate) fn schemes(list: &[IntegratorKeys], at: &Place<'_>) -> Result<Vec<Scheme>, SceneError> {
     let schemes = list.iter().enumerate();
@@ -197,6 +230,14 @@ fn scheme(keys: &IntegratorKeys, at: &Place<'_>) -> Result<Scheme, SceneError> {
     Ok(Scheme { method, resolution })
 }
 
+/// What is limited where the scene does not say: the integrator's error against the model's own converged solution.
+fn metric_against(id: &str) -> Metric {
+    match Metric::default() {
+        metric if id == SELF => metric.of_integration(),
+        metric => metric,
+    }
+}
+
 /// Checks `tolerance` against the references that there are: the scene's, and the study's model.
 pub(super) fn tolerance(
     choice: ToleranceChoice,
@@ -213,7 +254,7 @@ pub(super) fn tolerance(
     };
     let against = match (against, external, reference_model) {
         (None | Some(Against::Reference), Some(program), _) => program,
-        (None | Some(Against::Itself), ..) => "self",
+        (None | Some(Against::Itself), ..) => SELF,
         (Some(Against::Model), _, Some(label)) => label,
         (Some(Against::Reference), None, _) => {
             return at.key("against").refuse(
@@ -231,7 +272,7 @@ pub(super) fn tolerance(
         }
     };
     Ok(Tolerance {
-        metric: metric.map_or_else(Metric::default, |m| m.0),
+        metric: metric.map_or_else(|| metric_against(against), |m| m.0),
         limit: limit.0,
         against: against.to_owned(),
         except: (models.iter())

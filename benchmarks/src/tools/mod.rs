@@ -6,3 +6,4 @@ pub mod list;
 pub mod mesh;
 pub mod reduce;
 pub mod report;
+pub mod rerun;

@@ -3,11 +3,11 @@
 mod choose;
 mod compare;
 mod init;
+mod kill;
 mod malformed;
 mod mesh;
 mod precision;
 mod reduce;
-mod stability_kill;
 mod stiffness;
 mod terminal;
 

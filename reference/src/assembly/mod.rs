@@ -15,6 +15,7 @@ pub mod tie;
 mod tests;
 
 use crate::element::{ElementError, Integrator};
+use crate::limits;
 use crate::mesh::Mesh;
 pub use blocks::{BlockMatrix, NodalMatrix, Pattern, ScalarMatrix};
 use gearbench_models::stiffness::Material;
@@ -32,11 +33,17 @@ pub struct Assembly {
     pub lumped: Vec<f64>,
 }
 
+/// Memory of a node in stiffness and mass, assembled and reduced, with up to 27 neighbours [bytes].
+const NODE_BYTES: f64 = 5e3;
+
 /// Assembles a mesh.
 ///
 /// # Panics
 /// If an element names a node that the mesh does not have.
 pub fn assemble(mesh: &Mesh, material: &Material) -> Result<Assembly, ElementError> {
+    let nodes = mesh.nodes.len();
+    let what = format!("the matrices of {} unknowns", 3 * nodes);
+    limits::check(what, NODE_BYTES * nodes as f64, "use fewer elements")?;
     let n = mesh.kind.nodes();
     let integrator = Integrator::new(mesh.kind);
     let pattern = Arc::new(Pattern::of(mesh));

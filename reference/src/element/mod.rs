@@ -34,7 +34,7 @@ use nalgebra::Matrix3;
 pub use shape::{MAX_NODES, gradients, natural_corner, values};
 
 /// An element that cannot be integrated.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ElementError {
     #[error(
         "element {} is turned inside out: its Jacobian is {determinant:.3e} at an integration point; check the order of its nodes and the shape of the mesh there",
@@ -47,6 +47,8 @@ pub enum ElementError {
     Material { young: f64, poisson: f64 },
     #[error("density is {density} kg/m^3; expected a positive value")]
     Density { density: f64 },
+    #[error(transparent)]
+    TooLarge(#[from] crate::limits::TooMuchMemory),
 }
 
 /// Gauss-Legendre points and weights on [-1, 1].

@@ -10,11 +10,12 @@ use super::quality::ElementCheck;
 use super::section::{Common, Section, section};
 use super::width::planes;
 use super::{ElementKind, GearMesh, Part};
+use crate::limits;
 use gearbench_models::Vec3;
 use gearbench_models::geometry::{Gear, Rack};
 
-/// More nodes than this are taken for a mistake.
-const MOST_NODES: f64 = 5e7;
+/// Memory of a node with its share of elements and sets while a mesh is made [bytes].
+const NODE_BYTES: f64 = 160.0;
 
 /// Meshes a gear, or one sector of it.
 pub fn gear(gear: &Gear, params: &GearMeshParams) -> Result<GearMesh, MeshError> {
@@ -135,12 +136,8 @@ impl Plan<'_> {
             _ => &self.params.tooth,
         };
         let estimate: f64 = self.teeth.iter().map(|&k| self.nodes_of(counts(k))).sum();
-        if estimate > MOST_NODES {
-            return Err(MeshError::TooLarge {
-                nodes: estimate,
-                limit: MOST_NODES,
-            });
-        }
+        let what = format!("the mesh of about {estimate:.2e} nodes");
+        limits::check(what, NODE_BYTES * estimate, "use fewer elements")?;
         let mut templates = vec![self.template(&self.params.tooth)];
         templates.extend(
             self.params

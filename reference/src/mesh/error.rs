@@ -1,5 +1,7 @@
 //! Why a mesh was refused.
 
+use crate::limits::TooMuchMemory;
+
 /// A part of a toothed body, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "`words` says what they are")]
@@ -79,8 +81,8 @@ pub enum MeshError {
     SectorWithFineTeeth,
     #[error("a rack has neither a web nor sectors: leave them out")]
     RackWithWebOrSector,
-    #[error("the mesh would have {nodes:.3e} nodes, more than {limit:.0e}; use fewer elements")]
-    TooLarge { nodes: f64, limit: f64 },
+    #[error(transparent)]
+    TooLarge(#[from] TooMuchMemory),
     #[error(
         "an element in {part}, near ({:.6}, {:.6}, {:.6}) m, would have the Jacobian {jacobian:.2e} (of its size); {}",
         .at[0], .at[1], .at[2], .part.words().1

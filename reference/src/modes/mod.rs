@@ -21,6 +21,7 @@ pub use lanczos::{Report, Target};
 pub use symmetric::Symmetric;
 
 use crate::assembly::tie::Reduced;
+use crate::limits::{self, TooMuchMemory};
 use crate::solve::{Cholesky, Scalar, SolveError, Symbolic, negative_eigenvalues};
 use faer::{Mat, Par};
 use std::sync::Arc;
@@ -102,7 +103,12 @@ pub enum ModesError {
     },
     #[error("sector mesh: {0}")]
     Sector(String),
+    #[error(transparent)]
+    TooLarge(#[from] TooMuchMemory),
 }
+
+/// Vectors of the size of a mode that are held at a time, per mode.
+const BASIS: f64 = 4.0;
 
 /// Shift relative to the median of `K_ii / M_ii`, which is about the square of the highest frequency: far above
 /// rounding, far below the first elastic mode of a body.
@@ -183,6 +189,14 @@ pub(crate) fn find(pair: &Reduced, target: Target, options: &Options) -> Result<
             return Ok(all);
         }
         _ => {}
+    }
+    if let Target::Count(count) = target {
+        let what = format!("{count} modes of {n} unknowns");
+        limits::check(
+            what,
+            BASIS * 8.0 * count as f64 * n as f64,
+            "ask for fewer modes, or use fewer elements",
+        )?;
     }
     let shifted = k.minus(shift, &m);
     let symbolic = Arc::new(Symbolic::new(shifted.symbolic())?);

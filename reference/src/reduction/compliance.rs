@@ -33,6 +33,7 @@ use super::surface::Surface;
 use super::truncation::{symmetrise, symmetrise_blocks};
 use crate::assembly::Assembly;
 use crate::assembly::tie::{HubMotion, MassKind, Tie};
+use crate::limits;
 use crate::mesh::GearMesh;
 use crate::modes::cyclic::{Hub, Sector};
 use crate::solve::Cholesky;
@@ -119,6 +120,8 @@ pub fn of_assembly(
     mounting: &Mounting,
 ) -> Result<Residual, ReductionError> {
     let nodes = &gear.mesh.nodes;
+    let n = surface.nodes();
+    check_memory(n, 24.0 * (n as f64).powi(2))?;
     let tie = Tie::new(nodes, &gear.bore, &[]);
     let columns = columns(surface, surface.nodes(), |node| {
         let place = tie.place.get(node as usize).copied();
@@ -128,7 +131,6 @@ pub fn of_assembly(
     let factor = Cholesky::new(stiffness.as_ref())?;
     drop(stiffness);
 
-    let n = surface.nodes();
     let solve = |block: &[(usize, Vec3)]| {
         let mut x = Mat::<f64>::zeros(factor.unknowns(), block.len());
         for (j, (place, normal)) in block.iter().enumerate() {
@@ -205,6 +207,8 @@ pub fn of_sector(
     }
     let cyclic = Sector::new(sector, material, &Hub::fixed())?;
     let per_tooth = surface.nodes() / teeth;
+    let (m, unknowns) = (per_tooth as f64, cyclic.unknowns() as f64);
+    check_memory(per_tooth, 24.0 * m * m * teeth as f64 + 64.0 * m * unknowns)?;
     let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;
     let found = cyclic.static_responses(&columns, &mounting.rigid(&sector.mesh.nodes))?;
     let m = per_tooth;
@@ -232,6 +236,16 @@ pub fn of_sector(
         inertia: found.inertia * teeth as f64,
     }
     .mounted(mounting))
+}
+
+/// Checks the memory of a compliance [bytes] before it is computed.
+fn check_memory(flank_nodes: usize, bytes: f64) -> Result<(), ReductionError> {
+    let what = format!("the compliance between {flank_nodes} flank nodes");
+    Ok(limits::check(
+        what,
+        bytes,
+        "use fewer elements along the flank or over the width",
+    )?)
 }
 
 /// `a_k = e^T c_k`: how far unit rigid motion moves each flank node outwards.

@@ -1,6 +1,7 @@
 //! What a reduction declines.
 
 use crate::element::ElementError;
+use crate::limits::TooMuchMemory;
 use crate::modes::ModesError;
 use crate::solve::SolveError;
 
@@ -21,6 +22,8 @@ pub enum ReductionError {
          or its bore does not hold it"
     )]
     NotRigid { share: f64 },
+    #[error(transparent)]
+    TooLarge(#[from] TooMuchMemory),
     #[error("{0}")]
     Mismatch(String),
 }

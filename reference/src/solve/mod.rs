@@ -48,4 +48,6 @@ pub enum SolveError {
     OtherPattern,
     #[error("the factor of {unknowns} unknowns does not fit into memory")]
     TooLarge { unknowns: usize },
+    #[error(transparent)]
+    TooMuch(#[from] crate::limits::TooMuchMemory),
 }

@@ -2,6 +2,7 @@
 
 use super::SolveError;
 use super::ordering::{self, Order};
+use crate::limits;
 use faer::Side;
 use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
@@ -15,6 +16,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// Supernodes are merged while the zeros this stores stay below the fraction: (columns, fraction).
 /// Wider merges than faer's: our matrices come in blocks of three columns, and wide blocks sweep faster.
 const RELAXATION: &[(usize, f64)] = &[(12, 0.6), (24, 0.3), (48, 0.12), (usize::MAX, 0.03)];
+
+/// Memory of a stored number of a factor with what making it takes beside [bytes].
+const FACTOR_BYTES: f64 = 14.0;
 
 /// Analysis of a pattern: order, fill, supernodes. Serves every matrix of the pattern, real or complex.
 #[derive(Debug)]
@@ -57,6 +61,9 @@ impl Symbolic {
             },
         )
         .map_err(|_| SolveError::TooLarge { unknowns })?;
+        let bytes = FACTOR_BYTES * inner.len_val() as f64;
+        let what = format!("the factor of a matrix of {unknowns} unknowns");
+        limits::check(what, bytes, "use fewer elements")?;
         let widest = match inner.raw() {
             SymbolicCholeskyRaw::Supernodal(s) => (0..s.n_supernodes())
                 .map(|i| s.supernode_end()[i] - s.supernode_begin()[i] + s.nnz_per_super()[i])

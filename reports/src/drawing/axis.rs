@@ -120,20 +120,48 @@ pub fn nice_step(x: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// Text of a tick; neighbours decide how many digits it takes.
+/// Text of a tick; its neighbours decide on digits and notation, so that an axis has one of each.
 pub fn tick_label(x: f64, ticks: &[f64], log: bool) -> String {
     if log {
-        return short(x, 2);
+        let plain = |t: &f64| (0.999e-3..1.001e5).contains(t);
+        return if ticks.iter().all(plain) {
+            short(x, 2)
+        } else {
+            power_of_ten(x)
+        };
     }
     let step = ticks.windows(2).map(|w| w[1] - w[0]).next().unwrap_or(x);
     if x.abs() < 1e-6 * step.abs() {
         return "0".into();
     }
+    let largest = ticks.iter().fold(x.abs(), |a, t| a.max(t.abs()));
+    if largest >= 1e6 || step.abs() < 1e-4 {
+        return power_of_ten(x);
+    }
     let decimals = (-step.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    if x.abs() >= 1e6 || step.abs() < 1e-4 {
-        short(x, 4)
-    } else {
-        format!("{x:.decimals$}").replace('-', "\u{2212}")
+    format!("{x:.decimals$}").replace('-', "\u{2212}")
+}
+
+/// A number with a power of ten, such as 2\u{b7}10\u{207b}\u{2075}.
+fn power_of_ten(x: f64) -> String {
+    let text = format!("{x:.3e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let raised: String = (exponent.chars())
+        .map(|c| match c {
+            '-' => '\u{207b}',
+            '1' => '\u{b9}',
+            '2' => '\u{b2}',
+            '3' => '\u{b3}',
+            c => char::from_u32(0x2070 + c.to_digit(10).unwrap_or(0)).unwrap_or(c),
+        })
+        .collect();
+    let mantissa = mantissa
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .replace('-', "\u{2212}");
+    match mantissa.as_str() {
+        "1" => format!("10{raised}"),
+        _ => format!("{mantissa}\u{b7}10{raised}"),
     }
 }
 
@@ -246,6 +274,29 @@ mod tests {
         assert_eq!(l.ticks(8), [1e-3, 1e-2, 1e-1]);
         assert!((l.place(l.min)).abs() < 1e-12 && (l.place(l.max) - 1.0).abs() < 1e-12);
         assert_eq!(nice_step(0.031), 0.05);
+    }
+
+    /// An axis is in one notation: never 1e-5 beside 0.001.
+    #[test]
+    fn ticks_of_an_axis_are_in_one_notation() {
+        let labels = |ticks: &[f64], log| -> Vec<String> {
+            ticks.iter().map(|t| tick_label(*t, ticks, log)).collect()
+        };
+        let small = labels(&[1e-5, 1e-4, 1e-3], true);
+        assert_eq!(
+            small,
+            [
+                "10\u{207b}\u{2075}",
+                "10\u{207b}\u{2074}",
+                "10\u{207b}\u{b3}"
+            ]
+        );
+        assert_eq!(labels(&[0.01, 1.0, 1e4], true), ["0.01", "1", "10000"]);
+        assert_eq!(
+            labels(&[5e5, 1e6], false),
+            ["5\u{b7}10\u{2075}", "10\u{2076}"]
+        );
+        assert_eq!(labels(&[2e12], true), ["2\u{b7}10\u{b9}\u{b2}"]);
     }
 
     #[test]

@@ -4,7 +4,8 @@
 //! brought back by the view box. Dash patterns and a title, which the backend does not know, are
 //! added to its text. Coordinates that are not finite never reach the file.
 
-use super::geometry::{Rect, clip_segment};
+use super::geometry::{Rect, clip_segment, simplified};
+pub use super::ink::Ink;
 use maud::html;
 use plotters::prelude::{DrawingBackend, FontTransform, RGBColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -13,26 +14,8 @@ use plotters::style::{Color, IntoFont};
 /// Drawn units per unit of the page.
 const SCALE: f64 = 10.0;
 
-/// A colour with opacity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ink(pub u8, pub u8, pub u8, pub f64);
-
-impl Ink {
-    /// Nearly black: text, axes, references.
-    pub const DARK: Self = Self(0x1b, 0x1f, 0x24, 1.0);
-    /// Secondary text.
-    pub const GREY: Self = Self(0x57, 0x60, 0x6a, 1.0);
-    /// Frames and failed bars.
-    pub const PALE: Self = Self(0xa8, 0xb0, 0xb8, 1.0);
-    pub const GRID: Self = Self(0xe4, 0xe7, 0xea, 1.0);
-    pub const WHITE: Self = Self(0xff, 0xff, 0xff, 1.0);
-    pub const FAIL: Self = Self(0x8c, 0x1d, 0x18, 1.0);
-
-    /// The same colour at another opacity.
-    pub fn opacity(self, alpha: f64) -> Self {
-        Self(self.0, self.1, self.2, alpha)
-    }
-}
+/// Points of long lines closer than this to what is left are left out.
+const FINE: f64 = 0.12;
 
 /// Where text stands relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,10 +128,18 @@ pub fn draw(
          Neue, Helvetica, Arial, Liberation Sans, sans-serif\">\n{}\n",
         size.0,
         size.1,
-        html! { title { (title) } }.0
+        html! { title { (printable(title)) } }.0
     );
-    let body = raw.split_once('\n').map_or("", |(_, body)| body);
-    Ok(header + &with_dashes(&body.replace(" font-family=\"sans-serif\"", ""), &dashes))
+    let mut body = raw.split_once('\n').map_or("", |(_, body)| body).to_owned();
+    // What the backend writes though it is the default, or has no effect.
+    for idle in [
+        " font-family=\"sans-serif\"",
+        " opacity=\"1\"",
+        " stroke=\"none\" stroke-width=\"10\"",
+    ] {
+        body = body.replace(idle, "");
+    }
+    Ok(header + &with_dashes(&body, &dashes))
 }
 
 fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
@@ -167,6 +158,12 @@ fn with_dashes(body: &str, dashes: &[(usize, &'static [f64])]) -> String {
     out
 }
 
+/// Text without control characters and the quotes of names.
+fn printable(text: &str) -> String {
+    let kept = text.chars().filter(|c| !c.is_control() && *c != '`');
+    kept.collect()
+}
+
 fn unit(x: f64) -> i32 {
     (x * SCALE).round().clamp(-1e7, 1e7) as i32
 }
@@ -174,7 +171,10 @@ fn unit(x: f64) -> i32 {
 impl Canvas<'_> {
     /// A polyline through points on the page.
     pub fn line(&mut self, points: &[(f64, f64)], stroke: Stroke) {
-        let points = whole(points);
+        let points = match points.len() {
+            0..16 => whole(points),
+            _ => whole(&simplified(&finite(points), FINE)),
+        };
         if points.len() < 2 {
             return;
         }
@@ -238,7 +238,7 @@ impl Canvas<'_> {
 
     /// The ground on which failed runs stand.
     pub fn edge_of_failures(&mut self, r: &Rect) {
-        self.fill(r, Ink(0xf7, 0xf3, 0xf2, 1.0));
+        self.fill(r, Ink::FAILED_GROUND);
         self.frame(r, Stroke::new(Ink::PALE, 1.0));
     }
 
@@ -268,9 +268,9 @@ impl Canvas<'_> {
         self.note(result);
     }
 
-    /// Text; control characters are dropped.
+    /// Text; control characters and the quotes of names are dropped.
     pub fn text(&mut self, text: &str, at: (f64, f64), kind: Type) {
-        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        let text = printable(text);
         if text.is_empty() || !(at.0.is_finite() && at.1.is_finite()) {
             return;
         }
@@ -330,10 +330,14 @@ fn shape(ink: Ink, width: f64, filled: bool) -> ShapeStyle {
     }
 }
 
+fn finite(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let known = points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
+    known.copied().collect()
+}
+
 fn whole(points: &[(f64, f64)]) -> Vec<(i32, i32)> {
-    let mut out: Vec<(i32, i32)> = points
+    let mut out: Vec<(i32, i32)> = finite(points)
         .iter()
-        .filter(|p| p.0.is_finite() && p.1.is_finite())
         .map(|p| (unit(p.0), unit(p.1)))
         .collect();
     out.dedup();

@@ -17,6 +17,10 @@ impl Rect {
     pub fn around((x, y): (f64, f64), half: f64) -> Self {
         Self::new(x - half, y - half, x + half, y + half)
     }
+    /// With so much more on every side.
+    pub fn grown(&self, by: f64) -> Self {
+        Self::new(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
+    }
     /// Half way down.
     pub fn middle(&self) -> f64 {
         0.5 * (self.y0 + self.y1)
@@ -29,6 +33,10 @@ impl Rect {
     }
     pub fn overlaps(&self, other: &Self) -> bool {
         self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
+    }
+    /// Whether a point lies inside.
+    pub fn holds(&self, (x, y): (f64, f64)) -> bool {
+        (self.x0..=self.x1).contains(&x) && (self.y0..=self.y1).contains(&y)
     }
     /// Whether the other lies inside.
     pub fn contains(&self, other: &Self) -> bool {
@@ -69,6 +77,41 @@ pub fn clip_segment(a: (f64, f64), b: (f64, f64), r: &Rect) -> Option<((f64, f64
     })
 }
 
+/// A polyline without the points that lie closer than `within` to what is left (Douglas and Peucker, Cartographica 10,
+/// 1973); first and last point stay.
+pub fn simplified(points: &[(f64, f64)], within: f64) -> Vec<(f64, f64)> {
+    if points.len() < 3 {
+        return points.to_vec();
+    }
+    let mut kept = vec![false; points.len()];
+    let mut parts = vec![(0, points.len() - 1)];
+    while let Some((first, last)) = parts.pop() {
+        (kept[first], kept[last]) = (true, true);
+        let (a, b) = (points[first], points[last]);
+        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+        let square = dx * dx + dy * dy;
+        let off = |p: (f64, f64)| {
+            let (x, y) = (p.0 - a.0, p.1 - a.1);
+            let t = if square > 0.0 {
+                ((x * dx + y * dy) / square).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            (x - t * dx).hypot(y - t * dy)
+        };
+        let far = (first + 1..last)
+            .map(|i| (off(points[i]), i))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((d, i)) = far
+            && d > within
+        {
+            parts.extend([(first, i), (i, last)]);
+        }
+    }
+    let all = points.iter().zip(kept);
+    all.filter(|(_, kept)| *kept).map(|(p, _)| *p).collect()
+}
+
 /// A polygon cut to a rectangle (Sutherland and Hodgman, Comm. ACM 17, 1974).
 pub fn clip_polygon(points: &[(f64, f64)], r: &Rect) -> Vec<(f64, f64)> {
     type Point = (f64, f64);
@@ -98,6 +141,20 @@ pub fn clip_polygon(points: &[(f64, f64)], r: &Rect) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn simplified_lines_stay_where_they_are() {
+        let wave: Vec<(f64, f64)> = (0..2000)
+            .map(|i| (0.3 * f64::from(i), 50.0 * (0.01 * f64::from(i)).sin()))
+            .collect();
+        let few = simplified(&wave, 0.1);
+        assert!(few.len() < 200 && few[0] == wave[0] && few.last() == wave.last());
+        let top = |p: &[(f64, f64)]| p.iter().map(|p| p.1).fold(0.0, f64::max);
+        assert!((top(&few) - top(&wave)).abs() < 0.1);
+        // There and back again.
+        let spike = [(0.0, 0.0), (5.0, 9.0), (0.0, 0.0)];
+        assert_eq!(simplified(&spike, 0.1), spike);
+    }
 
     #[test]
     fn clipping() {

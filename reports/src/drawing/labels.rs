@@ -1,78 +1,249 @@
-//! Names beside points, where there is room.
+//! Names on a chart, where there is room: clear of points, of other names, and of lines.
 
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
-use super::geometry::Rect;
+use super::geometry::{Rect, clip_segment};
 
-/// Font size of the names of points.
-const LABEL: f64 = 11.5;
+type Point = (f64, f64);
 
-/// The places for a text next to its point, the closest first: above and below it, or to its sides where lines run
-/// through the points.
-fn places(text: &str, size: f64, (x, y): (f64, f64), aside: bool) -> Vec<Rect> {
-    let width = text_width(text, size) + 2.0;
+/// How far from its point a name may stand.
+const REACH: f64 = 190.0;
+/// Between the lines of a leader and a name.
+const CLEAR: f64 = 1.5;
+
+/// The room for names in an area of the page: what is taken there already.
+pub struct Room {
+    area: Rect,
+    boxes: Vec<Rect>,
+    /// What names keep clear of as long as there is room elsewhere.
+    soft: Vec<Rect>,
+    lines: Vec<(Point, Point)>,
+}
+
+impl Room {
+    /// An empty area.
+    pub fn of(area: Rect) -> Self {
+        Self {
+            area,
+            boxes: Vec::new(),
+            soft: Vec::new(),
+            lines: Vec::new(),
+        }
+    }
+
+    /// Takes a box.
+    pub fn keep(&mut self, taken: Rect) {
+        self.boxes.push(taken);
+    }
+
+    /// Takes the place of a marker.
+    pub fn keep_point(&mut self, at: Point, radius: f64) {
+        if at.0.is_finite() && at.1.is_finite() {
+            self.keep(Rect::around(at, radius));
+        }
+    }
+
+    /// Takes the place of a pale marker, which names cover where there is no other room.
+    pub fn keep_pale(&mut self, at: Point, radius: f64) {
+        if at.0.is_finite() && at.1.is_finite() {
+            self.soft.push(Rect::around(at, radius));
+        }
+    }
+
+    /// Takes the place of a line through points.
+    pub fn keep_line(&mut self, points: &[Point]) {
+        let inside = points
+            .windows(2)
+            .filter_map(|p| clip_segment(p[0], p[1], &self.area));
+        self.lines.extend(inside);
+    }
+
+    /// Whether a name may stand here: inside, on no other, and on no line.
+    pub fn is_free(&self, place: &Rect) -> bool {
+        let place = place.grown(CLEAR);
+        self.area.contains(&place)
+            && !self.boxes.iter().any(|t| t.overlaps(&place))
+            && !(self.lines.iter()).any(|(a, b)| clip_segment(*a, *b, &place).is_some())
+    }
+
+    /// Whether a leader may run here: through no box but that of its own point.
+    fn is_open(&self, from: Point, to: Point) -> bool {
+        let own = |r: &Rect| r.contains(&Rect::around(from, 0.0));
+        let mut boxes = self.boxes.iter().filter(|r| !own(r));
+        !boxes.any(|r| clip_segment(from, to, r).is_some())
+    }
+
+    /// Takes the free place for a text that is closest to its point; none when there is none within reach.
+    pub fn beside(&mut self, text: &str, size: f64, at: Point) -> Option<Rect> {
+        let width = text_width(text, size) + 2.0;
+        let places: Vec<Rect> = (places(width, size, at).into_iter())
+            .filter(|r| self.is_free(r))
+            .filter(|r| end_of_leader(at, r).is_none_or(|end| self.is_open(at, end)))
+            .collect();
+        let on_pale = |r: &&Rect| self.soft.iter().filter(|s| s.overlaps(r)).count();
+        let clear = places.iter().find(|r| on_pale(r) == 0);
+        let place = *clear.or_else(|| places.iter().min_by_key(on_pale))?;
+        self.keep(place);
+        if let Some(end) = end_of_leader(at, &place) {
+            self.keep_line(&[at, end]);
+        }
+        Some(place)
+    }
+
+    /// Takes the free place for the name of a horizontal line, from the left, above the line before below it.
+    pub fn along(&mut self, text: &str, size: f64, y: f64) -> Option<Rect> {
+        let width = text_width(text, size) + 2.0;
+        let half = 0.57 * size;
+        let steps = ((self.area.width() - width - 12.0) / 9.0).max(0.0) as usize;
+        let left = self.area.x0 + 6.0;
+        let boxed = |middle: f64, k: usize| {
+            let left = left + 9.0 * k as f64;
+            Rect::new(left, middle - half, left + width, middle + half)
+        };
+        let above = (0..=steps).map(|k| boxed(y - half - 3.0, k));
+        let below = (0..=steps).map(|k| boxed(y + half + 3.0, k));
+        let found = above.chain(below).find(|r| self.is_free(r))?;
+        self.keep(found);
+        Some(found)
+    }
+
+    /// Writes a name beside its point, with a leader where it stands further off; whether there was room.
+    pub fn write(&mut self, c: &mut Canvas<'_>, text: &str, at: Point, kind: Type) -> bool {
+        let Some(place) = self.beside(text, kind.size, at) else {
+            return false;
+        };
+        if let Some(end) = end_of_leader(at, &place) {
+            c.line(&[at, end], Stroke::new(Ink::PALE, 0.9));
+        }
+        if self.soft.iter().any(|s| s.overlaps(&place)) {
+            c.fill(&place, Ink::WHITE.opacity(0.8));
+        }
+        let left = (place.x0 + 1.0, place.middle());
+        c.text(
+            text,
+            left,
+            Type {
+                anchor: Anchor::Start,
+                ..kind
+            },
+        );
+        true
+    }
+
+    /// Writes the name of a horizontal line beside it.
+    pub fn write_along(&mut self, c: &mut Canvas<'_>, text: &str, y: f64, kind: Type) -> bool {
+        let Some(place) = self.along(text, kind.size, y) else {
+            return false;
+        };
+        let left = (place.x0 + 1.0, place.middle());
+        c.text(
+            text,
+            left,
+            Type {
+                anchor: Anchor::Start,
+                ..kind
+            },
+        );
+        true
+    }
+}
+
+/// Where the leader of a name ends; none beside its point.
+fn end_of_leader((x, y): Point, name: &Rect) -> Option<Point> {
+    let foot = x.clamp(name.x0 + 1.0, name.x1 - 1.0);
+    let near = y.clamp(name.y0, name.y1);
+    ((foot - x).hypot(near - y) > 11.0).then_some((foot, near))
+}
+
+/// The places for a text around its point, the closest first: beside it, above and below it, then wherever.
+fn places(width: f64, size: f64, (x, y): Point) -> Vec<Rect> {
     let half = 0.57 * size;
     let boxed =
         |left: f64, middle: f64| Rect::new(left, middle - half, left + width, middle + half);
-    let mut places = vec![boxed(x + 9.0, y), boxed(x - 9.0 - width, y)];
-    let mut lefts = [x - 0.5 * width, x + 4.0, x - 4.0 - width];
-    if aside {
-        lefts.rotate_left(1);
-    }
-    for level in 1..=6 {
-        let d = if aside { 4.0 } else { 2.0 } + 1.13 * size * f64::from(level);
-        for left in lefts {
-            places.extend([boxed(left, y - d), boxed(left, y + d)]);
+    let mut places = vec![
+        boxed(x + 8.0, y),
+        boxed(x - 8.0 - width, y),
+        boxed(x - 0.5 * width, y - half - 8.0),
+        boxed(x - 0.5 * width, y + half + 8.0),
+        boxed(x + 5.0, y - half - 5.0),
+        boxed(x + 5.0, y + half + 5.0),
+        boxed(x - 5.0 - width, y - half - 5.0),
+        boxed(x - 5.0 - width, y + half + 5.0),
+    ];
+    let pitch = 0.6 * size;
+    let reach = (REACH / pitch) as i32;
+    let mut rings: Vec<(f64, Rect)> = Vec::new();
+    for i in -reach..=reach {
+        for k in -reach..=reach {
+            let (dx, dy) = (1.4 * pitch * f64::from(i), pitch * f64::from(k));
+            let r = boxed(x + dx - 0.5 * width, y + dy);
+            let near = (x.clamp(r.x0, r.x1) - x).hypot(y.clamp(r.y0, r.y1) - y);
+            let off = near + 0.15 * dx.abs();
+            if near > 9.0 && near < REACH {
+                rings.push((off, r));
+            }
         }
     }
+    rings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    places.extend(rings.into_iter().map(|r| r.1));
     places
 }
 
-fn is_free(place: &Rect, area: &Rect, taken: &[Rect]) -> bool {
-    area.contains(place) && !taken.iter().any(|t| t.overlaps(place))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Takes the free place for a text next to its point; the closest one where there is none.
-pub fn free_place(
-    text: &str,
-    size: f64,
-    at: (f64, f64),
-    area: &Rect,
-    taken: &mut Vec<Rect>,
-) -> Rect {
-    let all = places(text, size, at, true);
-    let free = all.iter().find(|r| is_free(r, area, taken));
-    let place = *free.unwrap_or(&all[0]);
-    taken.push(place);
-    place
-}
-
-/// A line from a point to its name when that stands further off than `reach`.
-pub fn leader(c: &mut Canvas<'_>, (x, y): (f64, f64), name: &Rect, reach: f64, ink: Ink) {
-    if (name.middle() - y).abs() > reach {
-        let foot = x.clamp(name.x0 + 3.0, name.x1 - 3.0);
-        let toward = if name.middle() < y { name.y1 } else { name.y0 };
-        c.line(&[(x, y), (foot, toward)], Stroke::new(ink, 0.8));
+    /// Names of points on two levels under a limit and a staircase: none on a line, a point or another name.
+    #[test]
+    fn names_keep_clear_of_lines_points_and_each_other() {
+        let area = Rect::new(0.0, 0.0, 700.0, 330.0);
+        let mut room = Room::of(area);
+        let mut lines: Vec<Vec<Point>> = vec![vec![(0.0, 100.0), (700.0, 100.0)]];
+        lines.push(vec![
+            (40.0, 0.0),
+            (40.0, 104.0),
+            (300.0, 104.0),
+            (300.0, 250.0),
+            (700.0, 250.0),
+        ]);
+        for line in &lines {
+            room.keep_line(line);
+        }
+        let points: Vec<Point> = (0..22)
+            .map(|i| {
+                (
+                    30.0 + 13.0 * f64::from(i % 11),
+                    if i < 11 { 104.0 } else { 150.0 },
+                )
+            })
+            .collect();
+        for p in &points {
+            room.keep_point(*p, 6.0);
+        }
+        let mut names = Vec::new();
+        for (i, p) in points.iter().enumerate() {
+            names.push(room.beside(&(i + 1).to_string(), 11.5, *p).expect("room"));
+        }
+        names.push(room.along("tolerance 5 %", 12.0, 100.0).expect("room"));
+        for (i, a) in names.iter().enumerate() {
+            assert!(area.contains(a));
+            assert!(names[i + 1..].iter().all(|b| !a.overlaps(b)), "{a:?}");
+            let on = |p: &&Point| Rect::around(**p, 6.0).overlaps(a);
+            assert_eq!(points.iter().find(on), None, "{a:?}");
+            for pair in lines.iter().flat_map(|l| l.windows(2)) {
+                assert_eq!(clip_segment(pair[0], pair[1], a), None, "{a:?}");
+            }
+        }
     }
-}
 
-/// Writes a name beside its point where there is room, on a plate if one is asked for; the table has those that find none.
-pub fn point_label(
-    c: &mut Canvas<'_>,
-    text: &str,
-    at: (f64, f64),
-    area: &Rect,
-    taken: &mut Vec<Rect>,
-    plate: bool,
-) {
-    let all = places(text, LABEL, at, false);
-    let Some(place) = all.into_iter().find(|r| is_free(r, area, taken)) else {
-        return;
-    };
-    taken.push(place);
-    if plate {
-        c.fill(&place, Ink::WHITE.opacity(0.78));
+    #[test]
+    fn without_room_there_is_no_name() {
+        let mut room = Room::of(Rect::new(0.0, 0.0, 60.0, 20.0));
+        assert_eq!(
+            room.beside("a name that is too long", 12.0, (30.0, 10.0)),
+            None
+        );
+        room.keep(Rect::new(0.0, 0.0, 60.0, 20.0));
+        assert_eq!(room.beside("1", 12.0, (30.0, 10.0)), None);
+        assert_eq!(room.along("1", 12.0, 10.0), None);
     }
-    leader(c, at, &place, 20.0, Ink::PALE);
-    let kind = Type::new(LABEL, Anchor::Start).ink(Ink::GREY);
-    c.text(text, (place.x0, place.middle()), kind);
 }

@@ -3,7 +3,7 @@
 use super::axis::NAME_SIZE;
 use super::canvas::{Anchor, Canvas, Stroke, Type, text_width};
 use super::panel::{LEFT, RIGHT, WIDTH};
-use super::style::{Look, marker};
+use super::style::{Look, look, marker};
 
 const ROW: f64 = 21.0;
 
@@ -22,6 +22,14 @@ impl Entry {
             text: text.into(),
             stroke,
             marker: None,
+        }
+    }
+
+    /// A line that carries the markers of the model at a place, if it is one of a model.
+    pub fn history(text: &str, stroke: Stroke, style: Option<usize>) -> Self {
+        Self {
+            marker: style.map(|s| (look(s), true)),
+            ..Self::line(text, stroke)
         }
     }
 

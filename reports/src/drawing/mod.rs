@@ -16,6 +16,7 @@
 pub mod axis;
 pub mod canvas;
 pub mod geometry;
+pub mod ink;
 pub mod labels;
 pub mod legend;
 pub mod panel;
@@ -30,7 +31,7 @@ pub struct Chart {
     /// File name.
     pub file: String,
     /// Heading.
-    pub title: &'static str,
+    pub title: String,
     /// How to read it, in plain text.
     pub caption: String,
     /// The SVG document.

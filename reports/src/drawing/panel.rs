@@ -4,9 +4,9 @@ use super::Chart;
 use super::axis::{Axis, Frame, TICK_SIZE, tick_label};
 use super::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use super::geometry::Rect;
-use super::labels::{free_place, leader};
+use super::labels::Room;
 use super::legend::{Entry, legend_height, paint_legend};
-use super::style::{Look, cross, marker};
+use super::style::{Look, cross, look, marker};
 use crate::series::decimate;
 
 /// Width of a chart on the page.
@@ -21,7 +21,11 @@ const STRIP: f64 = 22.0;
 const GAP: f64 = 14.0;
 const NAMES: f64 = 52.0;
 /// Extremes of a long history are kept in so many parts of a panel.
-const BUCKETS: usize = 1400;
+const BUCKETS: usize = 700;
+/// A line without points of its own carries the marker of its model at about this distance, and models take turns.
+const SPACING: f64 = 150.0;
+/// Height of the line of text above a panel.
+const ABOVE: f64 = 17.0;
 
 /// Points of one variant, and the line through them.
 #[derive(Clone, Debug)]
@@ -36,6 +40,8 @@ pub struct Curve {
     pub failed: Vec<f64>,
     /// Colour of their crosses.
     pub ink: Ink,
+    /// Place of the model whose markers stand along the line.
+    pub along: Option<usize>,
 }
 
 impl Curve {
@@ -47,6 +53,7 @@ impl Curve {
             points,
             failed: Vec::new(),
             ink: stroke.ink,
+            along: None,
         }
     }
 
@@ -58,6 +65,7 @@ impl Curve {
             points,
             failed: Vec::new(),
             ink: look.ink,
+            along: None,
         }
     }
 
@@ -66,6 +74,14 @@ impl Curve {
         Self {
             stroke: Some(Stroke::dashed(look.ink, width, look.dash)),
             ..Self::points(look, radius, true, points)
+        }
+    }
+
+    /// With the marker of the model at a place along the line.
+    pub fn along(self, style: Option<usize>) -> Self {
+        Self {
+            along: style,
+            ..self
         }
     }
 
@@ -104,7 +120,7 @@ pub struct Panel {
     pub y: Option<Axis>,
     /// Name and unit of the ordinate.
     pub y_name: String,
-    /// Remark at the top left.
+    /// Heading above its left end.
     pub remark: String,
     /// Curves, the first at the bottom of the pile.
     pub curves: Vec<Curve>,
@@ -149,9 +165,10 @@ impl Panel {
         if failed { STRIP } else { 0.0 }
     }
 
-    /// Height of the names of vertical lines.
+    /// Height of the heading and of the names of vertical lines.
     fn above(&self) -> f64 {
-        if self.verticals.is_empty() { 0.0 } else { 14.0 }
+        let named = self.verticals.iter().any(|v| !v.1.is_empty());
+        ABOVE * (usize::from(named) + usize::from(!self.remark.is_empty())) as f64
     }
 
     fn tall(&self) -> f64 {
@@ -168,14 +185,10 @@ impl Panel {
         extremes(values)
     }
 
-    /// With an ordinate close around all points, and head room for the remark.
+    /// With an ordinate close around all points.
     pub fn close(mut self) -> Self {
         let (low, high) = self.ordinates();
-        let mut axis = Axis::padded(low, high, 0.07);
-        if !self.remark.is_empty() {
-            axis.max += 0.22 * (axis.max - axis.min);
-        }
-        self.y = Some(axis);
+        self.y = Some(Axis::padded(low, high, 0.07));
         self
     }
 
@@ -183,20 +196,13 @@ impl Panel {
     fn range(&self) -> Axis {
         let (a, b) = self.ordinates();
         let (low, high) = extremes(self.limits.iter().map(|l| l.0).chain([a, b]));
-        // Head room for the remark.
-        let room = if self.remark.is_empty() { 0.0 } else { 0.12 };
         if low > 0.0 && high > 10.0 * low {
-            let mut axis = Axis::logarithmic(low, high);
-            axis.max *= (axis.max / axis.min).powf(room);
-            return axis;
-        }
-        let mut axis = if low >= 0.0 {
+            Axis::logarithmic(low, high)
+        } else if low >= 0.0 {
             Axis::from_zero(high)
         } else {
             Axis::padded(low, high, 0.08)
-        };
-        axis.max += 1.2 * room * (axis.max - axis.min);
-        axis
+        }
     }
 
     fn paint(&self, c: &mut Canvas<'_>, top: f64) {
@@ -216,46 +222,67 @@ impl Panel {
         };
         let name = self.x_name.as_deref();
         frame.paint_at(c, &ticks, name.unwrap_or(""), &self.y_name, name.is_some());
-        self.paint_verticals(c, &frame, top + self.above() - 6.0);
-        let mut taken = self.paint_limits(c, &frame);
-        let inside = Rect::new(area.x0 - 1.0, area.y0 - 1.0, area.x1 + 1.0, area.y1 + 1.0);
+        let heading = !self.remark.is_empty();
+        if heading {
+            let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
+            c.text(&self.remark, (area.x0, top + 7.0), kind);
+        }
+        let names = top + if heading { ABOVE } else { 0.0 } + 7.0;
+        let mut room = Room::of(area);
+        self.paint_verticals(c, &frame, names, &mut room);
+        let limits: Vec<(f64, &str)> = (self.limits.iter())
+            .map(|(limit, text)| (frame.at(frame.x.max, *limit).1, text.as_str()))
+            .filter(|(y, _)| (area.y0..=area.y1).contains(y))
+            .collect();
+        for (y, _) in &limits {
+            let line = [(area.x0, *y), (area.x1, *y)];
+            c.line(&line, Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]));
+            room.keep_line(&line);
+        }
         for curve in &self.curves {
-            let points: Vec<(f64, f64)> = curve.points.iter().map(|p| frame.at(p.0, p.1)).collect();
-            if let Some(stroke) = curve.stroke {
-                c.line_within(&points, &area, stroke);
-            }
-            let Some((look, radius, filled)) = curve.marker else {
-                continue;
-            };
-            for p in points {
-                if inside.contains(&Rect::around(p, 0.0)) {
-                    marker(c, p, radius, look, filled);
-                    taken.push(Rect::around(p, radius + 1.0));
-                }
-            }
+            self.paint_curve(c, &frame, curve, &mut room);
+        }
+        let small = Type::new(TICK_SIZE, Anchor::Start);
+        for (y, text) in limits.iter().filter(|l| !l.1.is_empty()) {
+            room.write_along(c, text, *y, small.ink(Ink::GREY));
         }
         for ((x, y), text) in &self.marks {
-            let at = frame.at(*x, *y);
-            let kind = Type::new(TICK_SIZE, Anchor::Start);
-            let free = free_place(text, kind.size, at, &area, &mut taken);
-            leader(c, at, &free, 9.0, Ink::GREY);
-            c.text(text, (free.x0, free.middle()), kind);
+            room.write(c, text, frame.at(*x, *y), small);
         }
         if self.strip() > 0.0 {
             self.paint_failures(c, &frame);
         }
-        if !self.remark.is_empty() {
-            let at = (area.x0 + 10.0, area.y0 + 13.0);
-            let width = text_width(&self.remark, TICK_SIZE);
-            let back = Rect::new(at.0 - 4.0, at.1 - 9.0, at.0 + width + 4.0, at.1 + 9.0);
-            c.fill(&back, Ink::WHITE.opacity(0.85));
-            let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
-            c.text(&self.remark, at, kind);
+    }
+
+    fn paint_curve(&self, c: &mut Canvas<'_>, frame: &Frame, curve: &Curve, room: &mut Room) {
+        let area = frame.area;
+        let inside = area.grown(1.0);
+        let points: Vec<(f64, f64)> = curve.points.iter().map(|p| frame.at(p.0, p.1)).collect();
+        if let Some(stroke) = curve.stroke {
+            c.line_within(&points, &area, stroke);
+            room.keep_line(&points);
+        }
+        if let Some(style) = curve.along {
+            let first = area.x0 + SPACING * (0.2 + 0.62 * style as f64).fract();
+            let places = (0..).map(|k| first + SPACING * f64::from(k));
+            for x in places.take_while(|x| *x < area.x1) {
+                if let Some(at) = at_abscissa(&points, x).filter(|p| inside.holds(*p)) {
+                    marker(c, at, 4.4, look(style), true);
+                    room.keep_point(at, 5.4);
+                }
+            }
+        }
+        let Some((look, radius, filled)) = curve.marker else {
+            return;
+        };
+        for p in points.into_iter().filter(|p| inside.holds(*p)) {
+            marker(c, p, radius, look, filled);
+            room.keep_point(p, radius + 1.0);
         }
     }
 
     /// Vertical lines; names that would overlap the one before are left out.
-    fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64) {
+    fn paint_verticals(&self, c: &mut Canvas<'_>, frame: &Frame, y: f64, room: &mut Room) {
         let area = frame.area;
         let mut free = f64::NEG_INFINITY;
         for (at, text) in &self.verticals {
@@ -263,8 +290,9 @@ impl Panel {
             if !(area.x0..=area.x1).contains(&x) {
                 continue;
             }
-            let stroke = Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]);
-            c.line(&[(x, area.y0), (x, area.y1)], stroke);
+            let line = [(x, area.y0), (x, area.y1)];
+            c.line(&line, Stroke::dashed(Ink::PALE, 1.2, &[4.0, 3.0]));
+            room.keep_line(&line);
             let half = 0.5 * text_width(text, TICK_SIZE - 0.5);
             let centre = x.clamp(area.x0 + half, (area.x1 - half).max(area.x0 + half));
             if centre - half > free {
@@ -273,26 +301,6 @@ impl Panel {
                 free = centre + half + 6.0;
             }
         }
-    }
-
-    /// Horizontal limits; the places of their names.
-    fn paint_limits(&self, c: &mut Canvas<'_>, frame: &Frame) -> Vec<Rect> {
-        let area = frame.area;
-        let mut taken = Vec::new();
-        for (limit, text) in &self.limits {
-            let (x, y) = frame.at(frame.x.max, *limit);
-            if y < area.y0 || y > area.y1 {
-                continue;
-            }
-            let stroke = Stroke::dashed(Ink::DARK, 1.0, &[6.0, 4.0]);
-            c.line(&[(area.x0, y), (x, y)], stroke);
-            // At the left: curves come down to their limits on the right.
-            let kind = Type::new(TICK_SIZE - 0.5, Anchor::Start).ink(Ink::GREY);
-            c.text(text, (area.x0 + 6.0, y - 8.0), kind);
-            let end = area.x0 + 10.0 + text_width(text, TICK_SIZE);
-            taken.push(Rect::new(area.x0, y - 15.0, end, y + 2.0));
-        }
-        taken
     }
 
     /// The strip above a panel with a cross for every failed run.
@@ -318,17 +326,26 @@ pub fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     finite.fold(ends, |(low, high), x| (low.min(x), high.max(x)))
 }
 
+/// The point of a line at an abscissa of the page.
+fn at_abscissa(points: &[(f64, f64)], x: f64) -> Option<(f64, f64)> {
+    let pair = points.windows(2).find(|p| p[0].0 <= x && x <= p[1].0)?;
+    let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
+    let part = if x1 > x0 { (x - x0) / (x1 - x0) } else { 0.0 };
+    Some((x, y0 + part * (y1 - y0)))
+}
+
 /// A chart of panels under one legend.
 pub fn chart(
     file: &str,
-    title: &'static str,
+    title: impl Into<String>,
     caption: impl Into<String>,
     legend: &[Entry],
     panels: &[Panel],
 ) -> Result<Chart, DrawError> {
     let head = 10.0 + legend_height(legend);
     let height = head + panels.iter().map(Panel::tall).sum::<f64>();
-    let svg = draw(WIDTH, height, title, |c| {
+    let title = title.into();
+    let svg = draw(WIDTH, height, &title, |c| {
         paint_legend(c, legend);
         let mut y = head;
         for panel in panels {

@@ -1,8 +1,10 @@
-//! What charts of error against cost share: the key, the edge of failures, the line of the tolerance.
+//! What charts of error against cost share: the key of models, integrators by number, the edge of failures, the line of
+//! the tolerance.
 
 use super::axis::{Frame, NAME_SIZE, TICK_SIZE};
 use super::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
 use super::geometry::Rect;
+use super::labels::Room;
 use super::legend::in_rows;
 use super::panel::{LEFT, RIGHT, WIDTH};
 use super::style::{cross, look, marker};
@@ -11,14 +13,79 @@ use super::style::{cross, look, marker};
 const NAMED: usize = 6;
 const ROW: f64 = 18.0;
 
-/// Names by colour, in the order of their styles.
-pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)]) {
+/// Rows of the key of models, with what filling means.
+fn key_places(names: &[(&str, usize)]) -> Vec<(f64, usize)> {
     let widths = names.iter().map(|n| 38.0 + text_width(n.0, NAME_SIZE));
-    let places = in_rows(widths, LEFT + 6.0, WIDTH - RIGHT);
-    for ((name, style), (x, row)) in names.iter().zip(places) {
-        let y = 12.0 + 20.0 * row as f64;
-        marker(c, (x, y), 5.2, look(*style), true);
+    in_rows(
+        widths.chain([text_width(FILLING, TICK_SIZE)]),
+        LEFT + 6.0,
+        WIDTH - RIGHT,
+    )
+}
+
+/// What filling says, in every chart of runs.
+const FILLING: &str = "filled: explicit, open: implicit";
+
+/// Height of [`key`].
+pub fn key_height(names: &[(&str, usize)]) -> f64 {
+    8.0 + 20.0 * (key_places(names).last().map_or(0, |p| p.1) + 1) as f64
+}
+
+/// Models by colour and marker, in the order of their styles; `methods` adds what filling says of integrators.
+pub fn key(c: &mut Canvas<'_>, names: &[(&str, usize)], methods: bool) {
+    let places = key_places(names);
+    for ((name, style), (x, row)) in names.iter().zip(&places) {
+        let y = 12.0 + 20.0 * *row as f64;
+        marker(c, (*x, y), 5.2, look(*style), true);
         c.text(name, (x + 12.0, y), Type::new(NAME_SIZE, Anchor::Start));
+    }
+    if let (true, Some((x, row))) = (methods, places.last()) {
+        let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
+        c.text(FILLING, (x - 6.0, 12.0 + 20.0 * *row as f64), kind);
+    }
+}
+
+/// Integrators by number, in the order of appearance: names would hide each other.
+pub struct Numbers<'a> {
+    names: Vec<&'a str>,
+}
+
+impl<'a> Numbers<'a> {
+    pub fn of(names: impl IntoIterator<Item = &'a str>) -> Self {
+        let mut all: Vec<&str> = Vec::new();
+        for name in names {
+            if !all.contains(&name) {
+                all.push(name);
+            }
+        }
+        Self { names: all }
+    }
+
+    /// The number of an integrator.
+    pub fn text(&self, name: &str) -> String {
+        let place = self.names.iter().position(|n| *n == name);
+        place.map_or_else(String::new, |i| (i + 1).to_string())
+    }
+
+    fn places(&self) -> Vec<(f64, usize)> {
+        let widths = self.names.iter().map(|n| 34.0 + text_width(n, TICK_SIZE));
+        in_rows(widths, LEFT, WIDTH - RIGHT)
+    }
+
+    /// Height of the key below a plot.
+    pub fn height(&self) -> f64 {
+        8.0 + ROW * self.places().last().map_or(0, |p| p.1 + 1) as f64
+    }
+
+    /// Writes the key from `top` downwards.
+    pub fn paint(&self, c: &mut Canvas<'_>, top: f64) {
+        for (i, (name, (x, row))) in self.names.iter().zip(self.places()).enumerate() {
+            let y = top + ROW * (row as f64 + 0.5);
+            let number = Type::new(TICK_SIZE, Anchor::End).bold();
+            c.text(&(i + 1).to_string(), (x + 14.0, y), number);
+            let kind = Type::new(TICK_SIZE, Anchor::Start);
+            c.text(name, (x + 19.0, y), kind);
+        }
     }
 }
 
@@ -55,13 +122,12 @@ pub fn failures(c: &mut Canvas<'_>, failed: &[(Ink, String)], bottom: f64, rest:
     }
 }
 
-/// The line of a tolerance; the place of its name.
-pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, text: &str) -> Rect {
+/// The line of a tolerance; [`Room::write_along`] names it when all points are there.
+pub fn tolerance(c: &mut Canvas<'_>, frame: &Frame, limit: f64, room: &mut Room) -> f64 {
     let (x, y) = frame.at(frame.x.max, limit);
+    let line = [(frame.area.x0, y), (x, y)];
     let stroke = Stroke::dashed(Ink::DARK, 1.2, &[6.0, 4.0]);
-    c.line_within(&[(frame.area.x0, y), (x, y)], &frame.area, stroke);
-    let kind = Type::new(TICK_SIZE, Anchor::End).ink(Ink::GREY);
-    c.text(text, (x - 8.0, y - 10.0), kind);
-    let width = text_width(text, TICK_SIZE);
-    Rect::new(x - 12.0 - width, y - 18.0, x, y + 2.0)
+    c.line_within(&line, &frame.area, stroke);
+    room.keep_line(&line);
+    y
 }

@@ -3,13 +3,16 @@
 //! No script, no font, no request: style and charts are in the page. Every text that came from data is escaped by
 //! `maud`; only the charts, which are SVG already, go in as they are.
 
+mod column;
 pub mod runs;
 pub mod table;
 
+use crate::drawing::style::{mark, night};
+use crate::metrics::Metric;
 use crate::numbers::{count, quantity};
 use crate::record::Results;
 use crate::studies::StudyReport;
-use crate::view::View;
+use crate::view::{Group, View};
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
@@ -30,16 +33,35 @@ pub fn note(text: impl Render) -> Markup {
 }
 
 /// Sentences one after another.
-pub fn sentences(all: impl IntoIterator<Item = Markup>) -> Markup {
-    let all: Vec<String> = all.into_iter().map(|m| m.0).collect();
+fn sentences(all: &[Markup]) -> Markup {
+    let all: Vec<&str> = all.iter().map(|m| m.0.as_str()).collect();
     PreEscaped(all.join(" "))
 }
 
-/// How many runs of a record failed.
-pub fn failed_of(results: &Results) -> Option<String> {
+/// Text of a record in plain words: metrics by their names, other names of the format as code.
+pub fn prose(text: &str) -> Markup {
+    // A key that is a word of its own, quoted or not, is a metric.
+    let mut text = text.to_owned();
+    let mut metrics = Metric::ALL;
+    metrics.sort_by_key(|m| std::cmp::Reverse(m.key().len()));
+    for m in metrics.into_iter().filter(|m| m.key().contains('_')) {
+        text = text.replace(&format!("`{}`", m.key()), m.words());
+        text = text.replace(m.key(), m.words());
+    }
+    let parts = text.split('`').enumerate();
+    html! { @for (i, part) in parts { @if i % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
+/// How many runs of a record failed, for the end of a sentence.
+pub fn failed_of(results: &Results) -> String {
     let failed = results.runs.iter().filter(|r| r.status.is_failure());
-    let (n, all) = (failed.count(), results.runs.len());
-    (n > 0).then(|| format!("{n} of {all} runs failed and are shown as failures."))
+    match (failed.count(), results.runs.len()) {
+        (0, 1) => "the run did not fail".into(),
+        (0, all) => format!("none of the {all} runs failed"),
+        (1, 1) => "the run failed and is shown as a failure".into(),
+        (1, all) => format!("1 of {all} runs failed and is shown as a failure"),
+        (n, all) => format!("{n} of {all} runs failed and are shown as failures"),
+    }
 }
 
 /// The page of a record with what its study says.
@@ -64,7 +86,7 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content="gearbench";
                 title { (name) ": " (results.study().as_str()) " - gearbench" }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) "@media screen and (prefers-color-scheme: dark){" (PreEscaped(night())) "}" }
             }
             body {
                 main {
@@ -77,15 +99,16 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
                     }
                     section.finding {
                         h2 { "Finding" }
-                        @for paragraph in &report.finding { p { (paragraph) } }
+                        p { (sentences(&report.finding)) }
                     }
                     (report.tables)
+                    (models(&View::new(results)))
                     @for (i, chart) in report.charts.iter().enumerate() {
                         section.chart {
                             h2 { (chart.title) }
                             figure {
-                                (PreEscaped(&chart.svg))
-                                figcaption { b { "Figure " (i + 1) "." } " " (chart.caption) }
+                                div.pan { (PreEscaped(&chart.svg)) }
+                                figcaption { b { "Figure " (i + 1) "." } " " (prose(&chart.caption)) }
                             }
                         }
                     }
@@ -105,12 +128,37 @@ pub fn page(results: &Results, report: &StudyReport) -> String {
         .collect()
 }
 
+/// The setting that says what a model is: its key has the model's label as scenes write it.
+fn setting_of<'r>(results: &'r Results, label: &str) -> Option<(&'r String, &'r String)> {
+    let key = format!("model {}", label.replace(", ", "-"));
+    let found = results.settings.iter().find(|(k, _)| *k == key);
+    found.map(|(k, v)| (k, v))
+}
+
+/// What the models of the tables and charts are.
+fn models(view: &View<'_>) -> Markup {
+    let known = |g: &Group<'_>| setting_of(view.results, &g.label).is_some();
+    let groups: Vec<&Group<'_>> = view.groups.iter().filter(|g| known(g)).collect();
+    if groups.is_empty() {
+        return Markup::default();
+    }
+    let list = html! {
+        dl.models {
+            @for g in groups {
+                dt { (mark(g.style)) (g.label) }
+                dd { @if let Some((_, text)) = setting_of(view.results, &g.label) { (prose(text)) } }
+            }
+        }
+    };
+    section("What the models are", list)
+}
+
 /// Settings, references, machine, version, and how to make the report again.
 fn setting(view: &View<'_>) -> Markup {
     let r = view.results;
     let list = |pairs: &[(&str, &str)]| {
         html! {
-            dl { @for (k, v) in pairs.iter().filter(|p| !p.1.is_empty()) { dt { (k) } dd { (v) } } }
+            dl { @for (k, v) in pairs.iter().filter(|p| !p.1.is_empty()) { dt { (k) } dd { (prose(v)) } } }
         }
     };
     let m = &r.header.machine;
@@ -123,7 +171,11 @@ fn setting(view: &View<'_>) -> Markup {
         .collect();
     let record = format!("results.json, schema {}", r.header.schema);
     let or_none = |x: &'_ Option<String>| x.clone().unwrap_or_default();
+    let shown: Vec<&String> = (view.groups.iter())
+        .filter_map(|g| Some(setting_of(r, &g.label)?.0))
+        .collect();
     let settings: Vec<(&str, &str)> = (r.settings.iter())
+        .filter(|(k, _)| !shown.contains(&k))
         .map(|(k, v)| (k.as_str(), v.as_str()))
         .collect();
     html! {

@@ -2,9 +2,10 @@
 
 use super::table::Table;
 use super::{note, section};
+use crate::metrics::Metric;
 use crate::numbers::{count, quantity, significant};
-use crate::record::{Ledger, Metrics, Run, Status};
-use crate::view::{View, resolution};
+use crate::record::{Ledger, Run, Status};
+use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
 /// A run with the label and the place of its model.
@@ -42,10 +43,11 @@ fn identified<'r>(rows: &'r [Row<'r>]) -> Table<'r, Row<'r>> {
     Table::of(rows)
         .grouped(|(_, label, style)| ((*label).into(), *style))
         .classed(|(r, ..)| class(r))
-        .written("Modes", "", |(r, ..)| modes(r))
-        .numbers("up to", "Hz", 3, |(r, ..)| r.highest_hz)
         .text("Integrator", |(r, ..)| r.integrator.clone())
         .text("Step", |(r, ..)| resolution(r))
+        .key()
+        .written("Modes", "", |(r, ..)| modes(r))
+        .numbers("Highest mode", "Hz", 3, |(r, ..)| r.highest_hz)
         .text("Status", |(r, ..)| r.status.to_string())
 }
 
@@ -59,26 +61,31 @@ fn metrics(view: &View<'_>) -> Markup {
         }
     }
     let of = |id: &str| {
-        type Get = fn(&Metrics) -> Option<f64>;
-        let get = |f: Get| move |(r, ..): &Row<'_>| r.against(id).and_then(f);
-        let four = |f: Get| {
+        let get = |m: Metric| move |(r, ..): &Row<'_>| r.against(id)?.get(m);
+        let four = |m: Metric| {
             move |(r, ..): &Row<'_>| {
-                let x = r.against(id).and_then(f).filter(|x| x.is_finite())?;
+                let x = r.against(id)?.get(m).filter(|x| x.is_finite())?;
                 Some(significant(x, 4))
             }
         };
-        identified(&rows)
-            .percents("Force L2", 3, get(|m| m.force_l2))
-            .percents("aligned", 3, get(|m| m.force_l2_aligned))
-            .numbers("Shift", "s", 3, get(|m| m.time_shift_s))
-            .numbers("Peak force", "N", 4, get(|m| m.peak_force_n))
-            .deviations("deviation", get(|m| m.peak_force_rel))
-            .numbers("Impulse", "N s", 4, get(|m| m.impulse_ns))
-            .deviations("deviation", get(|m| m.impulse_rel))
-            .numbers("Contact", "s", 4, get(|m| m.duration_s))
-            .written("\u{3c9}1 end", "rad/s", four(|m| m.omega1_end))
-            .written("\u{3c9}2 end", "rad/s", four(|m| m.omega2_end))
-            .powers("Energy drift", "", get(|m| m.energy_drift_rel))
+        let mut table = identified(&rows);
+        // The errors of whole histories, then what single numbers are off.
+        for m in Metric::ALL.into_iter().filter(|m| m.is_error()) {
+            let heading = capital(&m.short());
+            table = match m {
+                Metric::PeakForceRel | Metric::ImpulseRel => table.deviations(&heading, get(m)),
+                Metric::EnergyDrift => table.powers(&heading, "", get(m)),
+                _ => table.percents(&heading, 3, |row| get(m)(row).map(f64::abs)),
+            };
+            table = table.result();
+        }
+        table
+            .numbers("Shift in time", "s", 3, get(Metric::TimeShift))
+            .numbers("Peak force", "N", 4, get(Metric::PeakForce))
+            .numbers("Impulse", "N s", 4, get(Metric::Impulse))
+            .numbers("Time in contact", "s", 4, get(Metric::Duration))
+            .written("Last \u{3c9}1", "rad/s", four(Metric::Omega1End))
+            .written("Last \u{3c9}2", "rad/s", four(Metric::Omega2End))
     };
     html! {
         @for id in &ids {
@@ -86,9 +93,10 @@ fn metrics(view: &View<'_>) -> Markup {
                 h2 { "Metrics against " (view.reference_name(id)) }
                 (of(id))
                 (note(
-                    "Force L2: relative L2 error of the contact-force history on the time grid of the reference, as it is \
-                     and after the best shift in time (the shift is added to the run's time). Contact: time with more than \
-                     1e\u{2212}6 of the peak force. Energy drift: residual of the ledger over its largest entry."
+                    "Force history: relative error of the contact force over time, as it is and after the best shift in time \
+                     (the shift is added to the run's time). Peak force and impulse: deviations. Rebound: largest deviation of \
+                     a last speed. Time in contact: with more than 1e\u{2212}6 of the peak force. Energy drift: residual of \
+                     the ledger over its largest entry."
                 ))
             }
         }
@@ -118,16 +126,21 @@ fn work(view: &View<'_>) -> Markup {
     };
     let table = identified(&rows)
         .numbers("Wall time", "s", 3, |(r, ..)| r.wall_s)
-        .ranges("min \u{2013} max", "s", 3, |(r, ..)| r.wall_spread_s)
-        .numbers("Setup", "s", 3, |(r, ..)| r.setup_s)
-        .numbers("Simulated", "s", 4, |(r, ..)| r.simulated_s)
+        .result()
         .written("Steps", "", counts(|r| r.steps))
-        .written("Rejected", "", counts(|r| r.rejected))
-        .written("Force evals", "", counts(|r| r.force_evaluations))
-        .written("Newton it.", "", counts(|r| r.newton_iterations))
-        .written("Factoris.", "", counts(|r| r.factorisations))
+        .result()
+        .written("Force evaluations", "", counts(|r| r.force_evaluations))
+        .result()
+        .numbers("Setup", "s", 3, |(r, ..)| r.setup_s)
+        .ranges("Wall time, least \u{2013} greatest", "s", 3, |(r, ..)| {
+            r.wall_spread_s
+        })
+        .numbers("Simulated", "s", 4, |(r, ..)| r.simulated_s)
+        .written("Rejected steps", "", counts(|r| r.rejected))
+        .written("Newton iterations", "", counts(|r| r.newton_iterations))
+        .written("Factorisations", "", counts(|r| r.factorisations))
         .written("Events", "", counts(|r| r.events))
-        .written("dof", "", counts(|r| r.dofs as u64));
+        .written("Degrees of freedom", "", counts(|r| r.dofs as u64));
     let remark = format!(
         "Wall time: {repeats}, without the fixed costs under Setup. The time of a failed run ends where it failed."
     );
@@ -146,14 +159,17 @@ fn ledger(view: &View<'_>) -> Markup {
         .numbers("Loads", "J", 4, get(|l| l.external_work_j))
         .numbers("Parametric", "J", 3, get(|l| l.parametric_work_j))
         .numbers("Dissipated", "J", 3, get(|l| l.dissipated_j))
+        .result()
         .numbers("End", "J", 5, get(|l| l.energy_end_j))
-        .numbers("kinetic", "J", 4, get(|l| l.kinetic_j))
-        .numbers("strain", "J", 3, get(|l| l.strain_j))
-        .numbers("contact", "J", 3, get(|l| l.contact_j))
+        .numbers("of it kinetic", "J", 4, get(|l| l.kinetic_j))
+        .numbers("of it strain", "J", 3, get(|l| l.strain_j))
+        .numbers("of it in contact", "J", 3, get(|l| l.contact_j))
         .powers("Residual", "J", get(|l| l.residual_j))
-        .powers("relative", "", get(|l| l.residual_rel))
+        .powers("Residual, relative", "", get(|l| l.residual_rel))
+        .result()
         .numbers("Impulse", "N s", 4, get(|l| l.impulse_ns))
-        .powers("Invariant drift", "", get(|l| l.invariant_drift_rel));
+        .powers("Invariant drift", "", get(|l| l.invariant_drift_rel))
+        .result();
     let remark = note(
         "End = start + work of loads + parametric work \u{2212} dissipated + residual; the residual is the integrator's own. \
          Parametric work is done by stiffness that varies along the path of contact. Invariant drift: change of \
@@ -186,9 +202,12 @@ pub fn failures(view: &View<'_>) -> Markup {
         .classed(|(r, ..)| class(r))
         .text("Model", |(r, ..)| r.model_label())
         .text("Integrator", |(r, ..)| r.integrator.clone())
+        .key()
         .text("Step", |(r, ..)| resolution(r))
         .text("Status", |(r, ..)| r.status.to_string())
+        .result()
         .written("Reached", "", |(r, ..)| quantity(r.simulated_s, "s", 3))
-        .text("Reason", reason);
+        .text("Reason", reason)
+        .result();
     section("Failures and shortfalls", table)
 }

@@ -1,7 +1,13 @@
-//! Tables of the report: right-aligned numbers, rows grouped by model, empty columns dropped.
+//! Tables of the report: right-aligned numbers, rows grouped by model, empty columns dropped, none wider than the page.
+//!
+//! The columns that say which row it is ([`Rank::Key`]) and those that answer the question of the table
+//! ([`Rank::Result`]) are always in the table at a glance. The others follow there as far as they fit the page; what is
+//! left stands below, under the same keys. On a narrow screen every row is a card with the headings beside its numbers.
 
-use crate::drawing::style::swatch;
-use crate::numbers::{ABSENT, Prefix, power, significant};
+use super::column::{Column, PAGE, Rank, width};
+use super::prose;
+use crate::drawing::style::mark;
+use crate::numbers::{ABSENT, Prefix, ROUNDING, count, deviation, percent, power, significant};
 use maud::{Markup, Render, html};
 
 /// A table whose columns are functions of its rows.
@@ -13,13 +19,10 @@ pub struct Table<'r, R> {
     classes: Vec<&'static str>,
 }
 
-/// A column: its heading, unit, and one cell per row.
-struct Column {
-    heading: String,
-    unit: String,
-    cells: Vec<Option<String>>,
-    text: bool,
-}
+/// Rows from which on a table opens on demand: the page is to be read, the CSV holds the data.
+const LONG: usize = 60;
+/// Part of the largest magnitude of a column below which a number of it is rounding.
+const NOTHING: f64 = 1e-9;
 
 impl<'r, R> Table<'r, R> {
     /// A table of some rows without columns.
@@ -45,13 +48,36 @@ impl<'r, R> Table<'r, R> {
     }
 
     fn column(mut self, heading: &str, unit: &str, text: bool, cells: Vec<Option<String>>) -> Self {
+        // The first column says which row it is.
+        let rank = match self.columns.is_empty() {
+            true => Rank::Key,
+            false => Rank::Detail,
+        };
         self.columns.push(Column {
+            rank,
             heading: heading.into(),
             unit: unit.into(),
             cells,
             text,
         });
         self
+    }
+
+    fn ranked(mut self, rank: Rank) -> Self {
+        if let Some(column) = self.columns.last_mut() {
+            column.rank = rank;
+        }
+        self
+    }
+
+    /// The last column says which row it is.
+    pub fn key(self) -> Self {
+        self.ranked(Rank::Key)
+    }
+
+    /// The last column answers the question of the table.
+    pub fn result(self) -> Self {
+        self.ranked(Rank::Result)
     }
 
     fn cells<T: Into<Option<String>>>(&self, cell: impl Fn(&R) -> T) -> Vec<Option<String>> {
@@ -92,7 +118,17 @@ impl<'r, R> Table<'r, R> {
     ) -> Self {
         let values = self.values(value);
         let prefix = common_prefix(values.iter().flatten().copied(), unit);
-        let cell = |x: &Option<f64>| Some(significant((*x)? * prefix.factor, digits));
+        let largest = values.iter().flatten().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let nothing = if unit.is_empty() {
+            0.0
+        } else {
+            ROUNDING.max(NOTHING * largest)
+        };
+        let cell = |x: &Option<f64>| {
+            let x = (*x)?;
+            let x = if x.abs() < nothing { 0.0 } else { x };
+            Some(significant(x * prefix.factor, digits))
+        };
         let unit = format!("{}{unit}", prefix.symbol);
         let cells = values.iter().map(cell).collect();
         self.column(heading, &unit, false, cells)
@@ -126,7 +162,14 @@ impl<'r, R> Table<'r, R> {
         value: impl Fn(&R) -> T,
     ) -> Self {
         let values = self.values(value);
-        let cells = values.iter().map(|x| Some(power((*x)?, 2))).collect();
+        let nothing = |x: f64| unit.is_empty() && x != 0.0 && x.abs() < ROUNDING;
+        let cell = |x: &Option<f64>| {
+            Some(match (*x)? {
+                x if nothing(x) => format!("< {}", power(ROUNDING, 1)),
+                x => power(x, 2),
+            })
+        };
+        let cells = values.iter().map(cell).collect();
         self.column(heading, unit, false, cells)
     }
 
@@ -138,7 +181,7 @@ impl<'r, R> Table<'r, R> {
         value: impl Fn(&R) -> T,
     ) -> Self {
         let values = self.values(value);
-        let cell = |x: &Option<f64>| Some(significant(100.0 * (*x)?, digits));
+        let cell = |x: &Option<f64>| Some(percent((*x)?, digits));
         let cells = values.iter().map(cell).collect();
         self.column(heading, "%", false, cells)
     }
@@ -146,15 +189,9 @@ impl<'r, R> Table<'r, R> {
     /// Deviations in per cent, with their sign.
     pub fn deviations<T: Into<Option<f64>>>(self, heading: &str, value: impl Fn(&R) -> T) -> Self {
         let values = self.values(value);
-        let cells = values.iter().map(|x| Some(deviation((*x)?))).collect();
+        let cells = values.iter().map(|x| Some(deviation((*x)?, 3))).collect();
         self.column(heading, "%", false, cells)
     }
-}
-
-/// A ratio in per cent, with its sign.
-fn deviation(x: f64) -> String {
-    let sign = if x > 0.0 { "+" } else { "" };
-    format!("{sign}{}", significant(100.0 * x, 3))
 }
 
 /// The prefix for the typical magnitude of a column; none without a unit.
@@ -172,46 +209,150 @@ fn common_prefix(values: impl Iterator<Item = f64>, unit: &str) -> Prefix {
     }
 }
 
-impl<R> Render for Table<'_, R> {
-    fn render(&self) -> Markup {
+impl<R> Table<'_, R> {
+    /// The tables that the columns stand in, the one at a glance first.
+    fn parts(&self) -> Vec<Vec<&Column>> {
         let any = |c: &&Column| c.cells.iter().any(Option::is_some);
         let shown: Vec<&Column> = self.columns.iter().filter(any).collect();
+        let of = |rank: Rank| shown.iter().copied().filter(move |c| c.rank == rank);
+        let keys: f64 = of(Rank::Key).map(Column::width).sum();
+        let mut left = PAGE - keys - of(Rank::Result).map(Column::width).sum::<f64>();
+        let fits = |c: &&&Column| match c.rank {
+            Rank::Detail => {
+                left -= c.width();
+                left >= 0.0
+            }
+            _ => true,
+        };
+        let glance: Vec<&Column> = shown.iter().filter(fits).copied().collect();
+        let mut parts = vec![glance];
+        let rest = |c: &&Column| !parts[0].iter().any(|g| std::ptr::eq(*g, *c));
+        let rest: Vec<&Column> = of(Rank::Detail).filter(rest).collect();
+        for column in rest {
+            let room = parts.len() > 1
+                && (parts.last()).is_some_and(|p| width(p) + column.width() <= PAGE);
+            if !room {
+                parts.push(of(Rank::Key).collect());
+            }
+            parts.last_mut().into_iter().for_each(|p| p.push(column));
+        }
+        parts
+    }
+
+    fn part(&self, columns: &[&Column]) -> Markup {
         let rows: Vec<usize> = (0..self.rows.len()).collect();
         let blocks = rows.chunk_by(|a, b| self.groups[*a] == self.groups[*b]);
         html! {
-            div.scroll {
-                table {
-                    thead {
-                        tr {
-                            @for c in &shown {
-                                th.t[c.text] {
-                                    (c.heading)
-                                    @if !c.unit.is_empty() { br; span.unit { (c.unit) } }
-                                }
+            table {
+                thead {
+                    tr {
+                        @for c in columns {
+                            th.t[c.text].r[c.rank == Rank::Result] {
+                                (c.heading)
+                                @if !c.unit.is_empty() { br; span.unit { (c.unit) } }
                             }
                         }
                     }
-                    @for block in blocks {
-                        tbody {
-                            @if let Some((heading, style)) = &self.groups[block[0]] {
-                                tr.group {
-                                    th colspan=(shown.len()) {
-                                        span.swatch style={ "background:" (swatch(*style)) } {}
-                                        (heading)
-                                    }
-                                }
-                            }
-                            @for &i in block {
-                                tr class=(self.classes[i]) {
-                                    @for c in &shown {
-                                        td.t[c.text] { (c.cells[i].as_deref().unwrap_or(ABSENT)) }
-                                    }
-                                }
+                }
+                @for block in blocks {
+                    tbody {
+                        @if let Some((heading, style)) = &self.groups[block[0]] {
+                            tr.group { th colspan=(columns.len()) { (mark(*style)) (heading) } }
+                        }
+                        @for &i in block {
+                            tr class=(self.classes[i]) {
+                                @for c in columns { (cell(c, i)) }
                             }
                         }
                     }
                 }
             }
         }
+    }
+}
+
+/// A cell; on a narrow screen its heading stands beside it, and nothing where it is empty.
+fn cell(c: &Column, row: usize) -> Markup {
+    let text = c.cells[row].as_deref();
+    let label = match c.unit.as_str() {
+        "" => c.heading.clone(),
+        unit => format!("{} [{unit}]", c.heading),
+    };
+    html! {
+        td.t[c.text].w[c.wraps()].k[c.rank == Rank::Key].none[text.is_none()] data-l=(label) { (prose(text.unwrap_or(ABSENT))) }
+    }
+}
+
+impl<R> Render for Table<'_, R> {
+    fn render(&self) -> Markup {
+        let parts = self.parts();
+        let Some((glance, rest)) = parts.split_first() else {
+            return Markup::default();
+        };
+        let keys = |c: &&&Column| c.rank != Rank::Key;
+        let named: Vec<&str> = (rest.iter().flatten().filter(keys))
+            .map(|c| c.heading.as_str())
+            .collect();
+        if self.rows.len() > LONG {
+            return html! {
+                details {
+                    summary { "All " (count(self.rows.len() as u64)) " rows" }
+                    @for part in &parts { (self.part(part)) }
+                }
+            };
+        }
+        html! {
+            (self.part(glance))
+            @if !rest.is_empty() {
+                details {
+                    summary { "More of the same: " (named.join(", ")) }
+                    @for part in rest { (self.part(part)) }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However many details there are: keys and results stand at a glance, every column somewhere, nothing is wider than
+    /// the page.
+    #[test]
+    fn results_stand_at_a_glance_and_nothing_is_wider_than_the_page() {
+        let rows = ["dopri5", "generalised-alpha(rho_inf=0.8)"];
+        let mut table = Table::of(&rows).text("Integrator", |r| (*r).to_owned());
+        for i in 0..30 {
+            table = table.numbers(&format!("Detail number {i}"), "s", 3, |_| 1.5);
+        }
+        let table = table.percents("Error", 3, |_| 0.0469).result();
+        let parts = table.parts();
+        assert!(parts.len() > 1 && parts.iter().all(|p| width(p) <= PAGE));
+        let headings =
+            |part: &[&Column]| -> Vec<String> { part.iter().map(|c| c.heading.clone()).collect() };
+        let glance = headings(&parts[0]);
+        assert!(glance.contains(&"Error".into()) && glance.len() > 5);
+        let all: Vec<String> = parts.iter().flat_map(|p| headings(p)).collect();
+        for i in 0..30 {
+            let name = format!("Detail number {i}");
+            assert_eq!(all.iter().filter(|h| **h == name).count(), 1);
+        }
+        assert!(parts.iter().all(|p| p[0].heading == "Integrator"));
+        let html = table.render().0;
+        let (first, rest) = html.split_once("<details>").unwrap();
+        assert!(
+            first.contains(">Error<") && !rest.contains("Error"),
+            "{first}"
+        );
+    }
+
+    #[test]
+    fn rounding_reads_as_nothing() {
+        let rows = [2.5e-9, -9.89e-18];
+        let html = Table::of(&rows).numbers("Shift", "s", 3, |x| *x).render().0;
+        assert!(html.contains(">2.50<") && html.contains(">0<"), "{html}");
+        let html = Table::of(&rows).percents("Error", 2, |x| *x).render().0;
+        assert!(html.contains("1e\u{2212}10"), "{html}");
     }
 }

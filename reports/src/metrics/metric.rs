@@ -9,6 +9,9 @@ words! {
     /// An error is worse the larger its magnitude; quantities have no better and worse by themselves.
     #[derive(PartialOrd, Ord)]
     pub enum Metric {
+        /// Relative L1 error of the force history: the share of the impulse that acts at another time.
+        #[serde(alias = "force-l1")]
+        ForceL1 = "force_l1",
         /// Relative L2 error of the force history.
         #[serde(alias = "force")]
         ForceL2 = "force_l2",
@@ -55,6 +58,7 @@ impl Metric {
     /// What it is called in prose, its SI unit (empty for ratios), its name on the command line.
     fn facts(self) -> (&'static str, &'static str, Option<&'static str>) {
         match self {
+            Self::ForceL1 => ("misplaced share of the impulse", "", Some("force-l1")),
             Self::ForceL2 => ("force-history error", "", Some("force")),
             Self::ForceL2Aligned => (
                 "time-aligned force-history error",
@@ -75,9 +79,30 @@ impl Metric {
         }
     }
 
+    /// The metric that tells the integrator's error where this one tells the model's: a force that jumps converges in
+    /// the L1 norm as its event times do, in the L2 norm as their square root (see [`crate::metrics`]).
+    #[must_use]
+    pub fn of_integration(self) -> Self {
+        match self {
+            Self::ForceL2 | Self::ForceL2Aligned => Self::ForceL1,
+            other => other,
+        }
+    }
+
     /// In prose.
     pub fn words(self) -> &'static str {
         self.facts().0
+    }
+
+    /// In the head of a column: what the error is of.
+    pub fn short(self) -> String {
+        let words = self.words();
+        let (before, last) = words.split_once("force-").unwrap_or((words, ""));
+        let what = match last {
+            "" => words.replace("transmission-error", "transmission error"),
+            last => format!("{before}force {last}"),
+        };
+        what.trim_end_matches(" error").to_owned()
     }
 
     /// SI unit; empty for ratios, which pages show in per cent.

@@ -194,3 +194,59 @@ fn a_run_that_did_not_reach_its_end_is_refused() {
     run.simulated_s = 1.01 * end;
     assert!(run.finished().is_ok());
 }
+
+/// A force of height one that jumps up at `start` and down at `start + 1`, in pieces.
+fn jumping(start: f64) -> TimeSeries {
+    let mut s = TimeSeries::default();
+    for i in 0..=4 {
+        s.push(f64::from(i), 0.0, 0.0, 0.0);
+    }
+    let mut force = crate::force::ForceHistory::default();
+    for k in 0..32 {
+        let [a, b] = [k, k + 1].map(|k| start + f64::from(k) / 32.0);
+        force.push(&[(a, 1.0), (0.5 * (a + b), 1.0), (b, 1.0)]);
+    }
+    s.force = Some(force);
+    s
+}
+
+/// An event that comes d late misplaces 2 d of the impulse: the L1 norm is that, the L2 norm its square root.
+#[test]
+fn a_late_jump_costs_its_delay() {
+    let reference = jumping(0.6);
+    for d in [1e-2, 1e-6, 1e-10] {
+        let m = metrics_of(&jumping(0.6 + d), &reference, "self");
+        close(m.force_l1, 2.0 * d, 1e-5 * d + 1e-15);
+        close(m.force_l2, (2.0 * d).sqrt(), 1e-5 * d.sqrt());
+        close(m.impulse_rel, 0.0, 1e-12);
+        close(m.peak_force_rel, 0.0, 1e-12);
+        close(m.duration_s, 1.0, 1e-12);
+    }
+    let late = metrics_of(&jumping(0.8), &reference, "self");
+    close(late.time_shift_s, -0.2, 1e-8);
+    close(late.force_l2_aligned, 0.0, 1e-3);
+    let same = metrics_of(&reference, &reference, "self");
+    assert_eq!(
+        (same.force_l1, same.force_l2_aligned),
+        (Some(0.0), Some(0.0))
+    );
+}
+
+/// What is known of a reference from elsewhere are its samples: a run is evaluated there.
+#[test]
+fn samples_from_elsewhere_are_met_at_their_own_times() {
+    let mut run = jumping(0.5);
+    run.force = None;
+    let mut sampled = TimeSeries::default();
+    for i in 0..=400 {
+        let t = 0.01 * f64::from(i);
+        let f = if (0.5..1.5).contains(&t) { 1.0 } else { 0.0 };
+        sampled.push(t, f, 0.0, 0.0);
+    }
+    let mut pieces = crate::force::ForceHistory::default();
+    pieces.push(&[(0.5, 1.0), (1.4999999, 1.0)]);
+    run.force = Some(pieces);
+    let m = metrics_of(&run, &sampled, "calculix");
+    close(m.force_l1, 0.0, 1e-12);
+    close(m.force_l2, 0.0, 1e-12);
+}

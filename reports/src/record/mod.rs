@@ -8,6 +8,7 @@
 mod checks;
 mod picture;
 mod run;
+mod source;
 
 use crate::metrics::Metric;
 use crate::series::TimeSeries;
@@ -16,9 +17,13 @@ pub use crate::studies::{Part, Study};
 pub use picture::{ContactPoint, ContactSnapshot, Outline};
 pub use run::{Run, Status};
 use serde::{Deserialize, Serialize};
+pub use source::Source;
 
 /// The schema this crate writes, and the newest it reads.
 pub const SCHEMA: u32 = 1;
+
+/// Id of a model's own converged solution in [`Metrics::against`].
+pub const SELF: &str = "self";
 
 /// `Some(x)` for a finite number, `None` otherwise.
 pub fn finite(x: f64) -> Option<f64> {
@@ -55,6 +60,9 @@ pub struct StudyHeader {
     pub commit: String,
     /// Time of the study (RFC 3339), as given by the caller.
     pub created: String,
+    /// What it was made of; `None` in records of versions that did not keep it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<Source>,
 }
 
 impl Default for StudyHeader {
@@ -67,6 +75,7 @@ impl Default for StudyHeader {
             machine: Machine::default(),
             commit: String::new(),
             created: String::new(),
+            source: None,
         }
     }
 }
@@ -177,6 +186,9 @@ pub(crate) fn slug(text: &str) -> String {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Metrics {
+    /// Relative L1 error of the force history [-].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub force_l1: Option<f64>,
     /// Relative L2 error of the force history [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub force_l2: Option<f64>,
@@ -224,6 +236,7 @@ impl Metrics {
     /// The value of a metric.
     pub fn get(&self, metric: Metric) -> Option<f64> {
         match metric {
+            Metric::ForceL1 => self.force_l1,
             Metric::ForceL2 => self.force_l2,
             Metric::ForceL2Aligned => self.force_l2_aligned,
             Metric::TimeShift => self.time_shift_s,

@@ -125,7 +125,7 @@ pub fn report(results: &Results) -> Result<StudyReport, DrawError> {
 /// What a study says of a record: all that the page, the charts and the tables in CSV are written from.
 #[derive(Clone, Debug, Default)]
 pub struct StudyReport {
-    /// The finding in plain words, a paragraph each.
+    /// The finding in plain words: at most three sentences.
     pub finding: Vec<Markup>,
     /// Sections above the charts.
     pub tables: Markup,

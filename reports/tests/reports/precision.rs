@@ -44,7 +44,7 @@ fn part() -> PrecisionRecord {
 }
 
 /// Three families and a fitted one; the front of all is known by construction.
-fn results() -> Results {
+pub fn results() -> Results {
     let mut runs = Vec::new();
     for (step, wall, error) in [(4e-6, 0.005, 14.0), (1e-6, 0.02, 4.0), (5e-7, 0.04, 4.1)] {
         let mut r = run(
@@ -137,16 +137,23 @@ fn files_and_finding() {
         ],
     );
     let text = finding(&files[PAGE]);
-    // Nothing fitted: elastic holds it from the error of the rigid gears down to its least; fe beats only below.
-    assert!(text.contains("down to 0.800"), "{text}");
-    assert!(text.contains("for every error below 5"), "{text}");
-    // 1 % costs 1 ms; elastic under Verlet keeps it in 10 ms, fe needs 1600.
+    // What is named was not fitted; the fit is named as one, with the error that it leaves.
+    assert!(text.contains("among what was not fitted to it"), "{text}");
+    assert!(text.contains("within 1\u{a0}% <b>elastic</b>"), "{text}");
     assert!(
-        text.contains("\u{d7} 10 faster than elastic under velocity-verlet"),
+        text.contains("Rigid was fitted to this very history: down to 4.00"),
         "{text}"
     );
-    // With the fitted model the errors above 4 % are not elastic's.
-    assert!(text.contains("takes over below 4.00"), "{text}");
+    assert!(
+        text.contains("the rest of a fit, not a prediction"),
+        "{text}"
+    );
+    // 1 % costs 1 ms; elastic under Verlet keeps it in 10 ms, fe needs 1600.
+    assert!(
+        files[PAGE].contains("\u{d7} 10 faster than elastic under velocity-verlet"),
+        "{}",
+        files[PAGE]
+    );
     assert!(text.contains("2 of 14 runs failed"), "{text}");
     let csv = &files["precision.csv"];
     assert_eq!(csv.lines().count(), 1 + 2 * 14);
@@ -181,10 +188,17 @@ fn fitted_models_are_marked_and_set_apart() {
     write_results(dir.path(), &results()).unwrap();
     let files = contents(dir.path());
     let chart = &files["precision_model.svg"];
-    assert!(chart.contains("rigid (fitted)") && chart.contains("cheapest of residual compliance"));
-    assert!(chart.contains("models fitted to this history included"));
-    // The lead stands on the chart itself.
-    assert!(chart.contains("\u{d7} 10 faster"), "{chart}");
+    assert!(chart.contains("rigid (fitted)"));
+    // The lead stands in a table, what a fit changes under its own words.
+    let lead = files[PAGE]
+        .split("Residual compliance beside the others")
+        .nth(1);
+    let lead = lead.and_then(|t| t.split("</section>").next()).unwrap();
+    assert!(
+        lead.contains("nothing fitted") && lead.contains("fits included"),
+        "{lead}"
+    );
+    assert!(lead.contains("\u{d7} 10 faster"), "{lead}");
     let results = results();
     let study = Precision::of(&results);
     let cloud = study.cloud("fe", study.headline(), Cost::Wall);

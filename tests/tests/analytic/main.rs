@@ -8,6 +8,7 @@ mod flight;
 mod force;
 mod free_flight;
 mod friction;
+mod history_errors;
 mod kinematics;
 mod mounts;
 mod movable_teeth;

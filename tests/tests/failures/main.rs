@@ -184,7 +184,7 @@ fn drive() -> Vec<Driven> {
     let metrics = compare(coarse.finished().unwrap(), &reference, "self");
     coarse.metrics.push(metrics);
     let tolerance = Tolerance {
-        metric: Metric::ForceL2,
+        metric: Metric::ForceL1,
         limit: 1e-3,
         against: "self".into(),
         except: Vec::new(),

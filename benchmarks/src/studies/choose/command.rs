@@ -29,7 +29,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
         Some(_) => (scene, Vec::new()),
     };
     bores.iter().for_each(|said| warn(said));
-    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Choose.as_str())?;
+    let mut folder = StudyFolder::of(&args.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent)),
         ..Problem::of(&scene)

@@ -42,7 +42,7 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
         None => plan,
     };
     let output = &args.run.bounded.output;
-    let mut folder = StudyFolder::open(output, &scene.name, Study::Compare.as_str())?;
+    let mut folder = StudyFolder::of(output, &scene, Study::Compare.as_str())?;
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
     folder.finish(made.map_err(refuse_run)?, Exit::of_every_run, summarise)
 }

@@ -57,7 +57,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             scene.name
         )));
     }
-    let mut folder = StudyFolder::open(&args.output, &scene.name, "identify")?;
+    let mut folder = StudyFolder::of(&args.output, &scene, "identify")?;
     let runner = folder.runner(&silent);
     let mut found: Vec<(String, Identification)> = Vec::new();
     for choice in fitted {

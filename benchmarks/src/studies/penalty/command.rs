@@ -84,7 +84,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
         load,
         positions: args.positions,
     };
-    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Penalty.as_str())?;
+    let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Penalty.as_str())?;
     let made = folder.run(plan.penalties.len(), |runner| study(&plan, runner));
     folder.finish(
         made.map_err(|e| refuse_study(&scene, e))?,

@@ -49,7 +49,7 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
         },
         ..plan
     };
-    let mut folder = StudyFolder::open(&args.output, &scene.name, Study::Precision.as_str())?;
+    let mut folder = StudyFolder::of(&args.output, &scene, Study::Precision.as_str())?;
     let made = folder.run(plan.len(), |runner| study(&plan, runner));
     folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }

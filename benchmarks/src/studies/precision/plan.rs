@@ -35,8 +35,6 @@ pub struct Variant {
     pub methods: Vec<Scheme>,
     /// Ids of the references it is held against.
     pub against: Vec<String>,
-    /// Reference to whose history its constants were fitted.
-    pub fitted_to: Option<String>,
 }
 
 impl Variant {
@@ -99,11 +97,12 @@ impl Plan<'_> {
             let akin = held_against(scene, variant, &fulls, external.as_ref());
             let stored = external.iter().map(|e| e.id.as_str());
             if variant
+                .entry
                 .fitted_to
                 .as_deref()
                 .is_some_and(|f| stored.clone().all(|id| id != f))
             {
-                variant.fitted_to = None;
+                variant.entry.fitted_to = None;
             }
             // Who names a reference wants to see it; the settings say where contacts differ.
             variant.against = if asked.against.is_empty() {
@@ -222,7 +221,6 @@ fn variants_of(
             modes,
             methods,
             against: Vec::new(),
-            fitted_to: fitted_to(scene, choice),
         }
     };
     let Some(given) = counted(choice) else {
@@ -279,12 +277,4 @@ fn counted(choice: &ModelChoice) -> Option<usize> {
 
 fn set_modes(entry: &mut Configuration, n: usize) {
     ElasticParameters::change(&mut entry.modelling, |p| p.with_modes(n));
-}
-
-/// The reference to whose history the constants of a model were fitted, by its id in records.
-fn fitted_to(scene: &SceneFile, choice: &ModelChoice) -> Option<String> {
-    let calibration = choice.calibration.as_ref()?;
-    let here = calibration.name == "impact" && calibration.scene == scene.name;
-    let id = scene.reference.as_deref().filter(|_| here)?;
-    Some(id.split('/').next().unwrap_or(id).to_owned())
 }

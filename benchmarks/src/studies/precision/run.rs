@@ -9,10 +9,10 @@ use crate::experiment::thin::thin;
 use gearbench_integrators::Resolution;
 use gearbench_integrators::{MethodSpec, Scheme};
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reports::metrics::{Finished, compare as measure};
+use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::precision::PrecisionRecord;
-use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run, Status};
-use gearbench_reports::series::{Column, TimeSeries};
+use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF, Status};
+use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
 
 #[cfg(test)]
@@ -48,21 +48,16 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
             .and(&(&full.method, &study.grid, plan.conditions.timeout));
         computed.push(runner.piece(key, || study.reference(full))?);
     }
-    let mut references: Vec<(&str, Held)> = Vec::new();
-    // A stored history has times of its own, and every run records those.
-    references.extend((plan.external.iter()).map(|e| {
-        let held = Held::new(e.series.clone(), &[]);
-        (e.id.as_str(), held)
-    }));
-    references
-        .extend((computed.iter()).map(|(r, s)| (r.id.as_str(), Held::new(s.clone(), &study.grid))));
+    let mut references: Vec<(&str, &TimeSeries)> = Vec::new();
+    references.extend((plan.external.iter()).map(|e| (e.id.as_str(), &e.series)));
+    references.extend((computed.iter()).map(|(r, s)| (r.id.as_str(), s)));
 
     let full_names: Vec<String> = plan.fulls.iter().map(|f| format!("{f:?}")).collect();
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
     let mut notes: Vec<(String, String)> = Vec::new();
     let mut done = plan.fulls.len();
     for variant in &plan.variants {
-        let mut own: Option<Option<Held>> = None;
+        let mut own: Option<Option<TimeSeries>> = None;
         // Integrators that cannot run this model, or whose steps have become too many.
         let mut closed: Vec<MethodSpec> = Vec::new();
         for method in &variant.methods {
@@ -87,8 +82,8 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                             .and_scene(job.scene, job.modelling)
                             .and(&(&study.grid, plan.conditions.timeout));
                         let found =
-                            runner.piece(key, || study.own_solution(variant, &row, &references))?;
-                        none.insert(found.map(|s| Held::new(s, &study.grid)))
+                            runner.piece(key, || study.own_solution(variant, &row, &references));
+                        none.insert(found?)
                     }
                 };
                 measure_against(&mut row, variant, &references, own.as_ref());
@@ -152,88 +147,22 @@ fn fill(row: &mut Run, variant: &Variant) {
     let entry = &variant.entry;
     entry.sign(row);
     row.published_s = entry.published;
-    row.fitted_to.clone_from(&variant.fitted_to);
     // The modes that were kept, as the model says.
     row.modes = row.modes.or(variant.modes);
     row.contacts = None;
 }
 
-/// A history that runs are held against: as it was recorded, and at the times that every run records.
-struct Held {
-    whole: TimeSeries,
-    even: TimeSeries,
-}
-
-impl Held {
-    fn new(whole: TimeSeries, grid: &[f64]) -> Self {
-        let even = at_times(&whole, grid);
-        Held { whole, even }
-    }
-
-    /// Errors of a run. Peaks and impulses take all samples; pointwise errors only those at common times: between
-    /// samples of its own a run is interpolated, and where a force jumps that shows as an error it does not have.
-    fn errors(&self, run: Finished<'_>, id: &str) -> Metrics {
-        let whole = measure(run, &self.whole, id);
-        if self.even.len() < 3 {
-            return whole;
-        }
-        let even = measure(run, &self.even, id);
-        Metrics {
-            force_l2: even.force_l2,
-            force_l2_aligned: even.force_l2_aligned,
-            time_shift_s: even.time_shift_s,
-            transmission_error_l2: even.transmission_error_l2,
-            ..whole
-        }
-    }
-}
-
-/// The samples of a history at some ascending times; of several at one time the first.
-fn at_times(series: &TimeSeries, times: &[f64]) -> TimeSeries {
-    let near = 1e-12 * times.last().copied().unwrap_or(0.0).abs();
-    let mut kept: Vec<usize> = Vec::with_capacity(times.len());
-    let mut next = 0;
-    for t in times {
-        while next < series.time_s.len() && series.time_s[next] < t - near {
-            next += 1;
-        }
-        if next < series.time_s.len()
-            && series.time_s[next] <= t + near
-            && kept.last() != Some(&next)
-        {
-            kept.push(next);
-        }
-    }
-    let of = |column: &[f64]| {
-        kept.iter()
-            .filter_map(|&i| column.get(i).copied())
-            .collect()
-    };
-    TimeSeries {
-        time_s: of(&series.time_s),
-        contact_force_n: of(&series.contact_force_n),
-        omega1_rad_s: of(&series.omega1_rad_s),
-        omega2_rad_s: of(&series.omega2_rad_s),
-        columns: (series.columns.iter())
-            .map(|c| Column {
-                name: c.name.clone(),
-                values: of(&c.values),
-            })
-            .collect(),
-    }
-}
-
 fn measure_against(
     row: &mut Run,
     variant: &Variant,
-    references: &[(&str, Held)],
-    own: Option<&Held>,
+    references: &[(&str, &TimeSeries)],
+    own: Option<&TimeSeries>,
 ) {
     let mut metrics = Vec::new();
     if let Ok(run) = row.finished() {
         let held = (references.iter()).filter(|(id, _)| variant.against.iter().any(|a| a == id));
-        metrics.extend(held.map(|(id, reference)| reference.errors(run, id)));
-        metrics.extend(own.map(|own| own.errors(run, "self")));
+        metrics.extend(held.map(|(id, reference)| measure(run, reference, id)));
+        metrics.extend(own.map(|own| measure(run, own, SELF)));
     }
     row.metrics.extend(metrics);
     row.series = None;
@@ -330,7 +259,7 @@ impl Study<'_> {
         &self,
         variant: &Variant,
         row: &Run,
-        references: &[(&str, Held)],
+        references: &[(&str, &TimeSeries)],
     ) -> Result<Option<TimeSeries>, RunError> {
         let entry = &variant.entry;
         // A model that is a reference has its converged solution already.
@@ -340,7 +269,7 @@ impl Study<'_> {
         });
         if let Some(full) = reference {
             let found = references.iter().find(|(id, _)| *id == full.id);
-            return Ok(found.map(|(_, held)| held.whole.clone()));
+            return Ok(found.map(|(_, held)| (*held).clone()));
         }
         if row.modes.is_some() {
             match self.exact(&entry.scene, &entry.modelling) {

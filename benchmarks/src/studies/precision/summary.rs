@@ -9,11 +9,12 @@ use gearbench_reports::record::Results;
 pub fn summarise(results: &Results) {
     let told = Told::of(results);
     for id in &told.references {
-        let cloud = told.cloud(id, told.headline(), Cost::Wall);
+        let metric = told.headline_against(id);
+        let cloud = told.cloud(id, metric, Cost::Wall);
         if cloud.shown.is_empty() {
             continue;
         }
-        say(&format!("Pareto front against {id}, {}", told.headline()));
+        say(&format!("Pareto front against {id}, {metric}"));
         for i in cloud.front(|_| true) {
             let s = &cloud.shown[i];
             let fitted = if s.is_fitted() { ", fitted to it" } else { "" };

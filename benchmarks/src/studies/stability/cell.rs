@@ -25,7 +25,7 @@ const AGREEMENT: f64 = 0.2;
 /// Bound on the steps of a converged solution, over that of a cell.
 const MORE_STEPS: u64 = 20;
 /// Metric and limit of scenes that have no tolerance which goes with a converged solution.
-const DEFAULT_METRIC: Metric = Metric::ForceL2;
+const DEFAULT_METRIC: Metric = Metric::ForceL1;
 const DEFAULT_LIMIT: f64 = 0.05;
 
 /// Solutions that are tried, finest first: the solution, and the run that checks it.

@@ -52,7 +52,7 @@ const TIMINGS: &str = "timings.csv";
 pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load_for(&args.scene, Selection::None)?;
     let plan = plan(&scene, args, command)?;
-    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Stability.as_str())?;
+    let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Stability.as_str())?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or(cores, |n| n as usize);
     let made = folder.run(plan.cells(), |runner| study(&plan, runner, threads));

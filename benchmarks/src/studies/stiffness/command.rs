@@ -42,7 +42,7 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
     }
     entries.extend(formulas(&first.spec, &first.modelling));
 
-    let folder = StudyFolder::open(&args.output, &scene.name, "stiffness")?;
+    let folder = StudyFolder::of(&args.output, &scene, "stiffness")?;
     let total = args.positions * entries.len();
     let display = Display::new(total);
     let mut rows: Vec<Row> = Vec::new();

@@ -76,7 +76,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
         .map(|i| range[0] + (range[1] - range[0]) * i as f64 / (points - 1) as f64)
         .collect();
 
-    let mut folder = StudyFolder::open(&args.run.output, &scene.name, Study::Sweep.as_str())?;
+    let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Sweep.as_str())?;
     let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
     folder.finish(made.map_err(refuse)?, Exit::of_every_run, summarise)
 }

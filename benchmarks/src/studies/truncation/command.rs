@@ -32,7 +32,7 @@ pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
         ..Plan::of(&scene, (elastic, full), args, conditions)?
     };
     let output = &args.run.bounded.output;
-    let mut folder = StudyFolder::open(output, &scene.name, Study::Truncation.as_str())?;
+    let mut folder = StudyFolder::of(output, &scene, Study::Truncation.as_str())?;
     let made = folder.run(1, |runner| study(&plan, runner));
     folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
 }

@@ -242,7 +242,7 @@ pub fn shares(scenes: &[ValidatedChoice]) -> Vec<Share> {
     let all: Vec<&ValidatedChoice> = scenes.iter().collect();
     let mut found = vec![share("all", &all)];
     let keys: [fn(&ValidatedChoice) -> &str; 3] =
-        [|s| &s.kind, |s| s.metric.key(), |s| &s.reference];
+        [|s| &s.kind, |s| s.metric.words(), |s| &s.reference];
     for key in keys {
         let mut names: Vec<&str> = all.iter().map(|s| key(s)).collect();
         names.sort_unstable();
@@ -277,7 +277,7 @@ impl Results {
 /// What the study says of a record.
 pub(super) fn report(choices: &[ValidatedChoice]) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: vec![tables::finding(choices)],
+        finding: tables::finding(choices),
         tables: tables::tables(choices),
         charts: chart::choice_check(choices)?,
         details: tables::scenes(choices),
@@ -329,7 +329,7 @@ mod tests {
         assert_eq!(all.cost_ratio[1], Some(2.0));
         assert_eq!(all.prediction[1], Some(2.0));
         let names: Vec<&str> = found.iter().map(|s| s.name.as_str()).collect();
-        assert_eq!(names, ["all", "a", "b", "peak_force_rel", "fe"]);
+        assert_eq!(names, ["all", "a", "b", "peak-force error", "fe"]);
         assert_eq!((found[1].scenes, found[1].met), (1, 1));
         assert!(scenes[2].why_missed().contains("5.00 %"));
         assert!(scenes[0].why_missed().is_empty());

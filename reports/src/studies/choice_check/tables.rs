@@ -3,31 +3,37 @@
 use super::{Outcome, Share, ValidatedChoice, share, shares};
 use crate::markup::table::Table;
 use crate::markup::{glance, note, section};
-use crate::numbers::{percent, significant};
+use crate::numbers::{counted, per_cent, percent, short, significant};
 use maud::{Markup, html};
 
-pub fn finding(choices: &[ValidatedChoice]) -> Markup {
-    let scenes = choices;
-    let all: Vec<&ValidatedChoice> = scenes.iter().collect();
+pub fn finding(choices: &[ValidatedChoice]) -> Vec<Markup> {
+    let all: Vec<&ValidatedChoice> = choices.iter().collect();
     let total = share("all", &all);
-    let count = |o: Outcome| scenes.iter().filter(|s| s.outcome == o).count();
+    let number = |o: Outcome| choices.iter().filter(|s| s.outcome == o).count();
+    let of = |n: usize, one: &str, many: &str| counted(n, one, many);
     let part = total.met as f64 / total.scenes.max(1) as f64;
     let three = |x: f64| significant(x, 3);
-    html! {
-        "On " b { (total.met) " of " (total.scenes) } " random scenes (" (percent(part, 3)) "\u{a0}%) the choice does what \
-         was asked: " (count(Outcome::Adequate)) " times it keeps the tolerance, " (count(Outcome::RightlyNone)) " times it \
-         rightly says that nothing tried does. " (count(Outcome::Inadequate)) " choices are beyond the tolerance, "
-        (count(Outcome::WronglyNone)) " times an adequate candidate was overlooked, " (count(Outcome::NotValidated)) " scenes \
-         could not be validated."
-        @if let [Some(low), Some(middle), Some(high), Some(most)] = total.cost_ratio {
-            " An adequate choice costs " b { (three(middle)) " times" } " the cheapest adequate candidate in the median \
+    let mut sentences = vec![html! {
+        "On " b { (total.met) " of " (of(total.scenes, "random scene", "random scenes")) } " (" (per_cent(part, 3))
+        ") the choice does what was asked, " (of(number(Outcome::RightlyNone), "time", "times"))
+        " by saying that nothing tried will do; " (of(number(Outcome::Inadequate), "choice is", "choices are"))
+        " beyond the tolerance, " (of(number(Outcome::WronglyNone), "time", "times"))
+        " an adequate candidate was overlooked, " (of(number(Outcome::NotValidated), "scene", "scenes"))
+        " could not be validated."
+    }];
+    if let [Some(low), Some(middle), Some(high), Some(most)] = total.cost_ratio {
+        sentences.push(html! {
+            "An adequate choice costs " b { (three(middle)) " times" } " the cheapest adequate candidate in the median \
              (quartiles " (three(low)) " and " (three(high)) ", nine tenths below " (three(most)) ")."
-        }
-        @if let [Some(low), Some(middle), Some(high), _] = total.prediction {
-            " Predicted errors are " (significant(middle, 2)) " times those found in the median (quartiles "
-            (significant(low, 2)) " and " (significant(high, 2)) ")."
-        }
+        });
     }
+    if let [Some(low), Some(middle), Some(high), _] = total.prediction {
+        sentences.push(html! {
+            "Predicted errors are " (significant(middle, 2)) " times those found in the median (quartiles "
+            (significant(low, 2)) " and " (significant(high, 2)) ")."
+        });
+    }
+    sentences
 }
 
 /// Tables: figures by group, and the scenes that were missed.
@@ -37,17 +43,20 @@ pub fn tables(choices: &[ValidatedChoice]) -> Markup {
     let part = |g: &Share| percent(g.met as f64 / g.scenes.max(1) as f64, 3);
     let table = Table::of(&groups)
         .text("Scenes", |g| g.name.clone())
-        .written("number", "", |g| g.scenes.to_string())
-        .written("met", "", |g| g.met.to_string())
-        .written("met", "%", part)
-        .written("rightly none", "", |g| g.rightly_none.to_string())
-        .written("cost ratio, median", "", |g| sure(g.cost_ratio[1]))
-        .written("90 % below", "", |g| sure(g.cost_ratio[3]))
-        .written("predicted / true error, median", "", |g| {
+        .written("Number", "", |g| g.scenes.to_string())
+        .written("Met", "", |g| g.met.to_string())
+        .written("Met", "%", part)
+        .result()
+        .written("Rightly none", "", |g| g.rightly_none.to_string())
+        .written("Cost ratio, median", "", |g| sure(g.cost_ratio[1]))
+        .result()
+        .written("Cost ratio, 90 % below", "", |g| sure(g.cost_ratio[3]))
+        .written("Predicted / true error, median", "", |g| {
             sure(g.prediction[1])
-        });
+        })
+        .result();
     let remark = note(
-        "met: the tolerance is kept against the reference over the whole scene, or nothing that was tried keeps it and the \
+        "Met: the tolerance is kept against the reference over the whole scene, or nothing that was tried keeps it and the \
          choice said so. Cost ratio: processor time over that of the cheapest adequate candidate.",
     );
     let missed: Vec<&ValidatedChoice> = (choices.iter()).filter(|s| !s.outcome.is_met()).collect();
@@ -55,11 +64,13 @@ pub fn tables(choices: &[ValidatedChoice]) -> Markup {
         .text("Scene", |s| s.scene.clone())
         .text("Kind", |s| s.kind.clone())
         .text("Gears", |s| s.gears.clone())
-        .text("Metric", |s| s.metric.to_string())
-        .written("Tolerance", "%", |s| percent(s.tolerance, 2))
+        .text("Metric", |s| s.metric.short())
+        .written("Tolerance", "%", |s| short(100.0 * s.tolerance, 2))
         .text("Outcome", |s| s.outcome.to_string())
+        .result()
         .text("Chosen", |s| chosen(s))
-        .text("Why", |s| s.why_missed());
+        .text("Why", |s| s.why_missed())
+        .result();
     html! {
         (glance("How choices came out", html! { (table) (remark) }))
         @if !missed.is_empty() { (section("Misses", misses)) }
@@ -76,19 +87,24 @@ pub fn scenes(choices: &[ValidatedChoice]) -> Markup {
         .classed(|s| if s.outcome.is_met() { "" } else { "failed" })
         .text("Scene", |s| s.scene.clone())
         .text("Kind", |s| s.kind.clone())
-        .text("Metric", |s| s.metric.to_string())
-        .percents("Tolerance", 2, |s| s.tolerance)
-        .text("Against", |s| s.reference.clone())
-        .percents("its own error", 2, |s| s.reference_error)
+        .text("Metric", |s| s.metric.short())
+        .written("Tolerance", "%", |s| short(100.0 * s.tolerance, 2))
+        .result()
         .text("Chosen", chosen)
-        .percents("Predicted", 2, |s| s.predicted_error)
+        .result()
+        .percents("Predicted error", 2, |s| s.predicted_error)
         .percents("Error", 2, |s| s.error)
+        .result()
         .written("Cost ratio", "", |s| {
             s.cost_ratio().map(|r| significant(r, 3))
         })
-        .text("Outcome", |s| s.outcome.to_string());
+        .result()
+        .text("Outcome", |s| s.outcome.to_string())
+        .result()
+        .text("Against", |s| s.reference.clone())
+        .percents("Error of what it is held against", 2, |s| s.reference_error);
     let remark = note(
-        "Its own error: what twice the step or fewer modes change in the densest elastic model; against full finite elements \
+        "Error of what it is held against: what twice the step or fewer modes change in the densest elastic model; against full finite elements \
          nothing is stated.",
     );
     section("Scenes", html! { (table) (remark) })

@@ -1,9 +1,10 @@
 //! Estimated error against predicted cost of everything that a choice has tried.
 
 use crate::drawing::Chart;
-use crate::drawing::axis::{Axis, Frame};
-use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Type, draw, text_width};
+use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
+use crate::drawing::canvas::{Anchor, DrawError, Ink, Type, draw};
 use crate::drawing::geometry::Rect;
+use crate::drawing::labels::Room;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
 use crate::drawing::scatter;
 use crate::drawing::style::{look, marker};
@@ -52,34 +53,44 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
     let x = Axis::logarithmic(least * prefix.factor, most * prefix.factor);
     let (low, high) = extremes(points.iter().map(|p| p.error).chain([limit]));
     let y = Axis::logarithmic(low, high);
-    let top = 34.0 + scatter::failures_height(failed.len());
+    let names: Vec<(&str, usize)> = families.iter().copied().zip(0..).collect();
+    let top = 6.0 + scatter::key_height(&names) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 360.0);
     let title = "Estimated error against predicted cost";
     let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
-        let names: Vec<(&str, usize)> = families.iter().copied().zip(0..).collect();
-        scatter::key(c, &names);
+        scatter::key(c, &names, false);
         scatter::failures(c, &failed, top, "choose.csv");
         let frame = Frame { area, x, y };
-        let name = format!("{} [%]", choice.metric_title);
+        let name = format!("estimated error of the {} [%]", choice.metric_title);
         let cost = format!("processor time for the whole scene [{}s]", prefix.symbol);
         frame.paint(c, &cost, &name, true);
-        let text = format!("tolerance {} %", short(limit, 3));
-        scatter::tolerance(c, &frame, limit, &text);
+        let mut room = Room::of(area);
+        let tolerance = scatter::tolerance(c, &frame, limit, &mut room);
         let at = |p: &Point<'_>| frame.at(p.cost * prefix.factor, p.error);
         for p in &points {
             let mut l = look(p.style);
+            let radius = if p.tried.adequate { 5.2 } else { 3.6 };
             if !p.tried.adequate {
                 l.ink = l.ink.opacity(0.35);
             }
-            marker(c, at(p), 4.6, l, p.tried.adequate);
+            marker(c, at(p), radius, l, true);
+            room.keep_point(at(p), radius + 1.0);
         }
         if let Some(p) = points.iter().find(|p| p.chosen) {
-            chosen(c, p, at(p), &area);
+            c.circle(at(p), 10.0, Ink::DARK, Some(2.0));
+            room.keep_point(at(p), 10.0);
+            let cost = quantity(p.cost, "s", 3);
+            let text = format!("{}, {}: {cost}", p.tried.level, p.tried.method());
+            let kind = Type::new(TICK_SIZE, Anchor::Start).bold();
+            room.write(c, &text, at(p), kind);
         }
+        let text = format!("tolerance {} %", short(limit, 3));
+        let kind = Type::new(TICK_SIZE, Anchor::Start).ink(Ink::GREY);
+        room.write_along(c, &text, tolerance, kind);
     })?;
     Ok(Some(Chart {
         file: "choose.svg".into(),
-        title,
+        title: title.into(),
         caption: caption(choice),
         svg,
     }))
@@ -87,33 +98,10 @@ pub fn choose(choice: &ChoiceRecord) -> Result<Option<Chart>, DrawError> {
 
 fn caption(choice: &ChoiceRecord) -> String {
     format!(
-        "Each point is a model under an integrator at one step or tolerance, run on the window ({}). Filled: estimated to \
-         keep the tolerance with its margin; open and pale: not, or not by enough. The ring is the choice. Errors are \
+        "Each point is a model under an integrator at one step or tolerance, run on the window ({}). Large and strong: \
+         estimated to keep the tolerance with its margin; small and pale: not, or not by enough. The ring is the choice. Errors are \
          distances to the top level with what that level is off, over the whole scene; costs are scaled from the window, set-up \
          not included.",
         choice.window
     )
-}
-
-/// A ring around the choice, with its name beside it where there is room.
-fn chosen(c: &mut Canvas<'_>, p: &Point<'_>, at: (f64, f64), area: &Rect) {
-    c.circle(at, 10.0, Ink::DARK, Some(2.0));
-    let text = format!(
-        "{}, {}: {}",
-        p.tried.level,
-        p.tried.method(),
-        quantity(p.cost, "s", 3)
-    );
-    let width = text_width(&text, 12.5);
-    let left = (at.0 + 15.0).min(area.x1 - width - 6.0).max(area.x0 + 4.0);
-    let below = if at.1 + 26.0 < area.y1 { 22.0 } else { -22.0 };
-    let plate = Rect::new(
-        left - 3.0,
-        at.1 + below - 9.0,
-        left + width + 3.0,
-        at.1 + below + 9.0,
-    );
-    c.fill(&plate, Ink::WHITE.opacity(0.85));
-    let kind = Type::new(12.5, Anchor::Start).bold();
-    c.text(&text, (left, at.1 + below), kind);
 }

@@ -131,8 +131,8 @@ impl TriedRecord {
     #[must_use]
     pub fn method(&self) -> String {
         let at = match (self.step_s, self.rtol) {
-            (Some(h), _) => crate::numbers::quantity(h, "s", 3),
-            (_, Some(r)) => format!("rtol {}", crate::numbers::significant(r, 1)),
+            (Some(h), _) => crate::numbers::round_quantity(h, "s", 3),
+            (_, Some(r)) => format!("rtol\u{a0}{}", crate::numbers::significant(r, 1)),
             _ => String::new(),
         };
         format!("{} {at}", self.integrator).trim_end().to_owned()
@@ -184,7 +184,7 @@ pub struct ChooseRecord {
 /// What the study says of a record.
 pub(super) fn report(choice: &ChoiceRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: vec![tables::finding(choice)],
+        finding: tables::finding(choice),
         tables: tables::tables(choice),
         charts: chart::choose(choice)?.into_iter().collect(),
         details: Markup::default(),

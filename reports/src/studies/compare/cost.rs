@@ -1,12 +1,12 @@
 //! What runs cost: wall time per run, and error against wall time. Failures are drawn as failures.
 
 use crate::drawing::Chart;
-use crate::drawing::axis::{Axis, Frame};
+use crate::drawing::axis::{Axis, Frame, TICK_SIZE};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::point_label;
+use crate::drawing::labels::Room;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
-use crate::drawing::scatter;
+use crate::drawing::scatter::{self, Numbers};
 use crate::drawing::style::{cross, look, marker};
 use crate::numbers::{Prefix, quantity, short};
 use crate::record::{Run, Status};
@@ -15,7 +15,8 @@ use crate::view::{NOTHING, View, capital, resolution};
 const ROW: f64 = 19.0;
 const HEAD: f64 = 27.0;
 const BARS_LEFT: f64 = 262.0;
-const BARS_RIGHT: f64 = 110.0;
+/// Space for the time and the status of the longest bar, and the spread beyond it.
+const BARS_RIGHT: f64 = 146.0;
 
 fn measured(run: &Run) -> bool {
     run.wall_s.is_finite() && run.wall_s > 0.0
@@ -31,7 +32,14 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         return Ok(None);
     }
     let (least, most) = extremes(times.iter().copied());
-    let prefix = Prefix::of(if most > 0.0 { most } else { 1.0 }, 1.0);
+    let prefix = Prefix::of(
+        if least > 0.0 && least.is_finite() {
+            (least * most).sqrt()
+        } else {
+            1.0
+        },
+        1.0,
+    );
     let (low, high) = (least * prefix.factor, most * prefix.factor);
     let log = times.len() > 1 && high > 30.0 * low;
     let axis = if log {
@@ -57,11 +65,10 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
         c.line(&edge, Stroke::new(Ink::PALE, 1.0));
         let mut y = area.y0 + 3.0;
         for group in &view.groups {
-            c.text(
-                &group.label,
-                (4.0, y + 0.6 * HEAD),
-                Type::new(13.5, Anchor::Start).bold(),
-            );
+            let middle = y + 0.6 * HEAD;
+            marker(c, (9.0, middle), 5.2, look(group.style), true);
+            let bold = Type::new(13.5, Anchor::Start).bold();
+            c.text(&group.label, (20.0, middle), bold);
             y += HEAD;
             let mut runs: Vec<&Run> = group.runs.iter().map(|(_, r)| *r).collect();
             runs.sort_by(|a, b| {
@@ -77,7 +84,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let scale = if log { " (logarithmic axis)" } else { "" };
     Ok(Some(Chart {
         file: "runtime.svg".into(),
-        title,
+        title: title.into(),
         caption: format!(
             "Median wall time of the repeats{scale}, fixed costs not included; the thin line spans \
              the fastest and the slowest repeat. Bars of implicit methods are lighter, outlined bars are beyond the scene's tolerance. \
@@ -90,7 +97,7 @@ pub fn runtime(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
 fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefix: Prefix) {
     let middle = y + 0.5 * ROW;
     let label = Type::new(12.5, Anchor::Start);
-    c.text(&run.integrator, (16.0, middle), label);
+    c.text(&run.integrator, (20.0, middle), label);
     let at = BARS_LEFT - 9.0;
     c.text(
         &resolution(run),
@@ -126,7 +133,7 @@ fn bar(c: &mut Canvas<'_>, frame: &Frame, run: &Run, style: usize, y: f64, prefi
     if run.status == Status::Inaccurate {
         c.fill(&rect, ink.opacity(0.12));
         c.frame(&rect, Stroke::dashed(ink, 1.3, &[3.0, 2.0]));
-        text.push_str("  inaccurate");
+        text.push_str(", inaccurate");
     } else {
         c.fill(&rect, ink.opacity(if run.implicit { 0.62 } else { 1.0 }));
         c.frame(&rect, Stroke::new(ink, 1.0));
@@ -194,44 +201,48 @@ pub fn accuracy(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     };
     let (fast, slow) = extremes(good.iter().map(|p| p.1.wall_s * 1e3));
     let x = Axis::logarithmic(fast, slow);
-    let top = 62.0 + scatter::failures_height(failed.len());
+    let numbers = Numbers::of(good.iter().map(|p| p.1.integrator.as_str()));
+    let top = 6.0 + scatter::key_height(&models) + scatter::failures_height(failed.len());
     let area = Rect::new(LEFT, top, WIDTH - RIGHT, top + 330.0);
-    let title = "Error against wall time";
+    let reference = view.reference_name(against);
+    let title = format!("Error against {reference}, over wall time");
     let unit = if relative { "%" } else { view.metric.unit() };
-    let svg = draw(WIDTH, area.y1 + 46.0, title, |c| {
-        scatter::key(c, &models);
-        let kind = Type::new(12.5, Anchor::Start).ink(Ink::GREY);
-        c.text("filled: explicit, open: implicit", (LEFT, 44.0), kind);
+    let below = area.y1 + 46.0;
+    let svg = draw(WIDTH, below + numbers.height(), &title, |c| {
+        scatter::key(c, &models, true);
         scatter::failures(c, &failed, top, "the table of failures");
         let frame = Frame { area, x, y };
         frame.paint(c, "wall time [ms]", &view.metric.axis(), true);
-        let mut taken: Vec<Rect> = Vec::new();
-        if let Some(limit) = limit {
-            let text = format!("tolerance {} {unit}", short(limit, 3));
-            taken.push(scatter::tolerance(c, &frame, limit, &text));
-        }
+        let mut room = Room::of(area);
+        let tolerance = limit.map(|l| (scatter::tolerance(c, &frame, l, &mut room), l));
         let points: Vec<(f64, f64)> = (good.iter())
             .map(|(_, r, e)| frame.at(r.wall_s * 1e3, e * factor))
             .collect();
         for p in &points {
-            taken.push(Rect::around(*p, 6.0));
+            room.keep_point(*p, 6.0);
+        }
+        let small = Type::new(TICK_SIZE, Anchor::Start);
+        if let Some((y, limit)) = tolerance {
+            let text = format!("tolerance {} {unit}", short(limit, 3));
+            room.write_along(c, &text, y, small.ink(Ink::GREY));
         }
         for ((_, run, _), p) in good.iter().zip(&points) {
-            point_label(c, &run.integrator, *p, &area, &mut taken, false);
+            room.write(c, &numbers.text(&run.integrator), *p, small);
         }
         for ((style, run, _), p) in good.iter().zip(&points) {
             marker(c, *p, 5.2, look(*style), !run.implicit);
         }
+        numbers.paint(c, below);
     })?;
     Ok(Some(Chart {
         file: "accuracy.svg".into(),
         title,
         caption: format!(
-            "{} against {} over wall time; lower left is better. Points on one level share the \
-             error of the model: a finer step no longer helps. Failed runs stand on their own \
-             edge, whatever their time.",
+            "{} against {} over wall time; lower left is better. Numbers name the integrators below. Points on one level \
+             share the error of the model: a finer step no longer helps. Failed runs stand on their own edge, whatever \
+             their time.",
             capital(view.metric.words()),
-            view.reference_name(against),
+            reference,
         ),
         svg,
     }))

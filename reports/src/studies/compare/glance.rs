@@ -28,17 +28,32 @@ pub fn glance(view: &View<'_>) -> Markup {
         .text("Calibration", |g| {
             g.runs.iter().find_map(|(_, r)| r.calibration.clone())
         })
+        .text("Error is", |g| {
+            let fitted = view.is_fitted(&best(g)?);
+            view.error(&best(g)?)?;
+            Some(
+                if fitted {
+                    "rest of a fit"
+                } else {
+                    view.kind_of_error()
+                }
+                .to_string(),
+            )
+        })
         .written("Least error", "", |g| {
             view.error(&best(g)?).map(|e| view.error_text(e))
         })
+        .result()
         .deviations("Peak force", |g| metrics(g)?.peak_force_rel)
         .deviations("Impulse", |g| metrics(g)?.impulse_rel)
         .text("Cheapest adequate run", |g| {
             cheapest(g).map(|r| format!("{}, {}", r.integrator, resolution(&r)))
         })
+        .result()
         .written("Its wall time", "", |g| {
             cheapest(g).map(|r| quantity(r.wall_s, "s", 3))
         })
+        .result()
         .written("Cost ratio", "", |g| {
             if g.style == 0 && !ratios.is_empty() {
                 return Some("1".into());
@@ -49,13 +64,20 @@ pub fn glance(view: &View<'_>) -> Markup {
         .written("Failed", "", |g| {
             let failed = g.runs.iter().filter(|(_, r)| r.status.is_failure()).count();
             format!("{failed} of {}", g.runs.len())
-        });
+        })
+        .result();
     let against = match &view.against {
         Some(id) => format!(
             "Errors are the {} against {}; peak force and impulse are deviations from it, of the \
-             run with the least error. ",
+             run with the least error. {}",
             view.metric.words(),
-            view.reference_name(id)
+            view.reference_name(id),
+            if view.results.runs.iter().any(|r| view.is_fitted(r)) {
+                "A model whose constants were fitted to this very history is not predicted by it: its error is what the \
+                 fit leaves. "
+            } else {
+                ""
+            }
         ),
         None => String::new(),
     };

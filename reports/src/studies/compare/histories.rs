@@ -6,10 +6,10 @@ use crate::drawing::canvas::{DrawError, Ink, Stroke};
 use crate::drawing::legend::Entry;
 use crate::drawing::panel::{Curve, Panel, chart};
 use crate::drawing::style::{model_stroke, reference_stroke};
-use crate::numbers::{Prefix, percent, quantity};
+use crate::numbers::{Prefix, per_cent, quantity};
 use crate::record::{ReferenceSeries, Run};
 use crate::series::{TimeSeries, resample};
-use crate::view::{View, resolution};
+use crate::view::View;
 
 /// A run that a history chart shows.
 struct Drawn<'a> {
@@ -22,6 +22,8 @@ struct History<'a> {
     label: String,
     series: &'a TimeSeries,
     stroke: Stroke,
+    /// Place of its model; none of a reference.
+    style: Option<usize>,
 }
 
 /// What both history charts share.
@@ -43,6 +45,7 @@ impl<'a> Histories<'a> {
                 label: view.reference_name(&r.id),
                 series: &r.series,
                 stroke: reference_stroke(),
+                style: None,
             })
             .collect();
         // Further references: thin, beside the one that runs are held against.
@@ -53,6 +56,7 @@ impl<'a> Histories<'a> {
             label: view.reference_name(&r.id),
             series: &r.series,
             stroke: Stroke::dashed(Ink::GREY, 1.3, &[1.5, 2.0]),
+            style: None,
         }));
         let further = curves.len() - plain;
         let mut runs = Vec::new();
@@ -81,6 +85,7 @@ impl<'a> Histories<'a> {
                 label,
                 series,
                 stroke: model_stroke(group.style),
+                style: Some(group.style),
             });
         }
         let all: Vec<&TimeSeries> = curves.iter().map(|c| c.series).collect();
@@ -96,7 +101,7 @@ impl<'a> Histories<'a> {
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let entry = |c: &History<'_>| Entry::line(&c.label, c.stroke);
+        let entry = |c: &History<'_>| Entry::history(&c.label, c.stroke, c.style);
         self.curves.iter().map(entry).collect()
     }
 
@@ -107,20 +112,23 @@ impl<'a> Histories<'a> {
     /// All curves of a column. Busy overviews take thin full lines: dashes would be lost in them.
     fn lines(
         &self,
-        column: fn(&TimeSeries) -> &Vec<f64>,
+        column: impl Fn(&TimeSeries) -> Option<&[f64]>,
         factor: f64,
         time: &TimeAxis,
     ) -> Vec<Curve> {
         let overview = self.zoom.is_some() && *time == self.time;
         let line = |c: &History<'_>| {
+            let values = column(c.series)?;
             let stroke = match overview {
                 true => Stroke::new(c.stroke.ink, 0.9),
                 false => c.stroke,
             };
             let x = scaled(&c.series.time_s, time.factor);
-            Curve::history(stroke, &time.axis, &x, &scaled(column(c.series), factor))
+            let y = scaled(values, factor);
+            let curve = Curve::history(stroke, &time.axis, &x, &y);
+            Some(curve.along(c.style.filter(|_| !overview)))
         };
-        self.curves.iter().map(line).collect()
+        self.curves.iter().filter_map(line).collect()
     }
 }
 
@@ -213,7 +221,7 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let panel = |time: &TimeAxis, height: f64| Panel {
         x_name: Some(time.name.clone()),
         ..Panel::new(height, &time.axis, &y_name)
-            .curves(h.lines(|s| &s.contact_force_n, unit.factor, time))
+            .curves(h.lines(|s| Some(&s.contact_force_n), unit.factor, time))
             .close()
     };
     let mut caption =
@@ -222,9 +230,8 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     match &h.zoom {
         None => panels.push(panel(&h.time, 240.0)),
         Some(zoom) => {
-            // Head room for the name of the curve.
-            let top = Axis::from_zero(1.3 * h.peak() * unit.factor);
-            let lines = h.lines(|s| &s.contact_force_n, unit.factor, &h.time);
+            let top = Axis::from_zero(h.peak() * unit.factor);
+            let lines = h.lines(|s| Some(&s.contact_force_n), unit.factor, &h.time);
             let last = h.curves.len() - 1;
             for (i, (line, curve)) in lines.into_iter().zip(&h.curves).enumerate() {
                 let name = format!("force [{}N]", unit.symbol);
@@ -259,17 +266,15 @@ pub fn force(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
                 let m = d.run.against(&reference.id)?;
                 let (e, shift) = (m.force_l2_aligned?, m.time_shift_s.unwrap_or(0.0));
                 Some(format!(
-                    "{} under {} ({}): error {} % after a shift of {}",
+                    "{}, {} after a shift of {}",
                     d.run.model_label(),
-                    d.run.integrator,
-                    resolution(d.run),
-                    percent(e, 3),
+                    per_cent(e, 3),
                     quantity(shift, "s", 2),
                 ))
             })
             .collect();
         if !shifts.is_empty() {
-            caption.push_str(&format!(" Here {}.", shifts.join("; ")));
+            caption.push_str(&format!(" Errors: {}.", shifts.join("; ")));
         }
     }
     let title = "Contact force over time";
@@ -298,7 +303,8 @@ fn residual(
         let y: Vec<f64> = (buffer.iter().zip(&reference.series.contact_force_n))
             .map(|(f, r)| (f - r) * unit.factor)
             .collect();
-        Curve::history(curve.stroke, &time.axis, &scaled(t, time.factor), &y)
+        let x = scaled(t, time.factor);
+        Curve::history(curve.stroke, &time.axis, &x, &y).along(curve.style)
     });
     let name = format!("model \u{2212} ref. [{}N]", unit.symbol);
     Panel {
@@ -310,37 +316,70 @@ fn residual(
     }
 }
 
-/// Angular velocities of both gears over time.
+/// What names of further columns with the speed of a gear end in.
+const SPEED: &str = "_rad_s";
+
+/// The speed of a gear by the name of its column, without the unit.
+fn speed<'s>(series: &'s TimeSeries, name: &str) -> Option<&'s [f64]> {
+    let mut columns = series.named_columns();
+    columns.find_map(|(n, values)| (n.strip_suffix(SPEED)? == name).then_some(values))
+}
+
+/// Speeds of all gears over time.
 pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     let Some(h) = Histories::of(view) else {
         return Ok(None);
     };
-    type Column = fn(&TimeSeries) -> &Vec<f64>;
-    let columns: [(&str, Column); 2] = [
-        ("\u{3c9}1 [rad/s]", |s| &s.omega1_rad_s),
-        ("\u{3c9}2 [rad/s]", |s| &s.omega2_rad_s),
-    ];
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in h.curves.iter().flat_map(|c| c.series.named_columns()) {
+        if let Some(name) = name.strip_suffix(SPEED)
+            && !names.contains(&name)
+        {
+            names.push(name);
+        }
+    }
+    // The picture of the teeth knows what the gears are called, in their order.
+    let gears: Vec<&str> = (view.results.runs.iter())
+        .find_map(|r| r.contacts.as_ref())
+        .map_or(Vec::new(), |s| {
+            s.outlines.iter().map(|o| o.gear.as_str()).collect()
+        });
+    let label = |i: usize, name: &str| {
+        let symbol = name.replacen("omega", "\u{3c9}", 1).replace('_', " ");
+        match gears
+            .get(i)
+            .filter(|g| g.len() <= 10 && !symbol.ends_with(*g))
+        {
+            Some(gear) => format!("{symbol} {gear} [rad/s]"),
+            None => format!("{symbol} [rad/s]"),
+        }
+    };
     let size = if h.zoom.is_some() { 130.0 } else { 160.0 };
     let mut panels = Vec::new();
     for time in std::iter::once(&h.time).chain(&h.zoom) {
-        for (i, (y_name, column)) in columns.into_iter().enumerate() {
+        for (i, name) in names.iter().enumerate() {
             panels.push(Panel {
-                x_name: (i == 1).then(|| time.name.clone()),
-                ..Panel::new(size, &time.axis, y_name)
-                    .curves(h.lines(column, 1.0, time))
+                x_name: (i + 1 == names.len()).then(|| time.name.clone()),
+                ..Panel::new(size, &time.axis, &label(i, name))
+                    .curves(h.lines(|s| speed(s, name), 1.0, time))
                     .close()
             });
         }
     }
     let zoomed = if h.zoom.is_some() {
-        " The lower pair shows the time around the highest peak of the force."
+        " The lower panels show the time around the highest peak of the force."
     } else {
         ""
     };
-    let title = "Angular velocities of both gears";
+    let of = match gears.get(..names.len()) {
+        Some(gears) => gears.join(", "),
+        None => "the gears".into(),
+    };
+    let title = "Angular velocities of the gears";
     let caption = format!(
-        "Angular velocity of gear 1 (\u{3c9}1) and gear 2 (\u{3c9}2), counter-clockwise positive. Elastic bodies are \
-         shown by their momentum mean, angular momentum over inertia, which is what a rigid body has.{zoomed}"
+        "Angular velocities of {of}, counter-clockwise positive. Elastic bodies are shown by their momentum mean, angular \
+         momentum over inertia, which is what a rigid body has; a rack by its speed over the pitch radius of its \
+         mate.{zoomed}"
     );
     chart("speeds.svg", title, caption, &h.legend(), &panels).map(Some)
 }

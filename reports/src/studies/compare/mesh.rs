@@ -4,14 +4,14 @@ use crate::drawing::Chart;
 use crate::drawing::axis::nice_step;
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw, text_width};
 use crate::drawing::geometry::{Rect, clip_polygon};
+use crate::drawing::labels::Room;
 use crate::drawing::panel::WIDTH;
-use crate::drawing::style::look;
-use crate::numbers::{quantity, short};
+use crate::drawing::style::{look, marker};
+use crate::numbers::{counted, quantity, short};
 use crate::record::{ContactPoint, ContactSnapshot, Run};
 use crate::view::View;
 
 const GAP: f64 = 20.0;
-const BODY: [Ink; 2] = [Ink(0xdf, 0xe7, 0xef, 1.0), Ink(0xf1, 0xea, 0xdf, 1.0)];
 
 struct Picture<'a> {
     label: String,
@@ -43,15 +43,16 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             });
         }
     }
-    // Two pictures at most, of different models before variants of one.
-    pictures.sort_by_key(|p| {
-        let first = view
-            .groups
-            .iter()
-            .find(|g| g.runs.iter().any(|(_, r)| r.model == p.run.model));
-        (first.map(|g| &g.label) != Some(&p.label), p.style)
-    });
-    pictures.truncate(2);
+    // Two pictures at most: the first model, and beside it the one that touches with most points, which is elastic where
+    // there is one.
+    if pictures.len() > 2 {
+        let points = |p: &Picture<'_>| p.snapshot.contacts.len();
+        let most = (1..pictures.len())
+            .rev()
+            .max_by_key(|&i| points(&pictures[i]));
+        pictures.swap(1, most.unwrap_or(1));
+        pictures.truncate(2);
+    }
     if pictures.is_empty() {
         return Ok(None);
     }
@@ -71,14 +72,21 @@ pub fn mesh(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
     })?;
     let instants: Vec<String> = pictures
         .iter()
-        .map(|p| format!("{} at {}", p.label, quantity(p.snapshot.time_s, "s", 4)))
+        .map(|p| {
+            let points = counted(p.snapshot.contacts.len(), "point", "points");
+            format!(
+                "{} at {}, {points} of contact",
+                p.label,
+                quantity(p.snapshot.time_s, "s", 3)
+            )
+        })
         .collect();
     Ok(Some(Chart {
         file: "mesh.svg".into(),
-        title,
+        title: title.into(),
         caption: format!(
-            "Teeth at the instant of the highest contact force ({}). Arrows: force of each tooth \
-             pair on gear 2, in proportion to its magnitude. Dash-dotted: line of action.",
+            "Teeth at the instant of the highest contact force ({}). Arrows: force of each tooth pair on the second gear of \
+             its mesh, summed over its points of contact, in proportion to its magnitude. Dash-dotted: line of action.",
             instants.join("; ")
         ),
         svg,
@@ -128,11 +136,9 @@ fn focus(s: &ContactSnapshot) -> Option<((f64, f64), f64)> {
 
 fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
     let heading = format!("{} ({})", p.label, p.run.integrator);
-    c.text(
-        &heading,
-        (area.x0, 14.0),
-        Type::new(13.5, Anchor::Start).bold(),
-    );
+    marker(c, (area.x0 + 8.0, 14.0), 5.2, look(p.style), true);
+    let bold = Type::new(13.5, Anchor::Start).bold();
+    c.text(&heading, (area.x0 + 20.0, 14.0), bold);
     c.fill(&area, Ink::WHITE);
     if let Some((centre, half)) = focus(p.snapshot) {
         let scale = 0.5 * area.width().min(area.height()) / half;
@@ -143,52 +149,63 @@ fn panel(c: &mut Canvas<'_>, p: &Picture<'_>, area: Rect) {
                 middle.1 - (q[1] - centre.1) * scale,
             )
         };
+        let mut room = Room::of(area);
+        let mut bodies = Vec::new();
         for (i, outline) in p.snapshot.outlines.iter().enumerate() {
             let mut points: Vec<(f64, f64)> = outline.points.iter().map(|q| at(*q)).collect();
-            c.polygon(&clip_polygon(&points, &area), BODY[i % 2]);
-            if let Some(&first) = points.first() {
-                points.push(first);
-            }
-            c.line_within(&points, &area, Stroke::new(Ink(0x4a, 0x55, 0x60, 1.0), 1.4));
+            let body = clip_polygon(&points, &area);
+            c.polygon(&body, Ink::BODIES[i % 2]);
+            points.extend(points.first().copied());
+            c.line_within(&points, &area, Stroke::new(Ink::BODY_EDGE, 1.4));
+            room.keep_line(&points);
+            bodies.push((outline.gear.as_str(), body));
         }
         if let Some([a, b]) = p.snapshot.line_of_action {
             let stroke = Stroke::dashed(Ink::GREY, 1.1, &[12.0, 3.0, 2.0, 3.0]);
             c.line_within(&[at(a), at(b)], &area, stroke);
+            room.keep_line(&[at(a), at(b)]);
         }
-        names(c, p.snapshot, &at, &area);
-        arrows(c, p, &at, &area);
-        scale_bar(c, scale, &area);
+        scale_bar(c, scale, &area, &mut room);
+        let labels = arrows(c, p, &at, &area, &mut room);
+        for (text, at) in labels {
+            room.write(c, &text, at, Type::new(13.0, Anchor::Start).bold());
+        }
+        for (name, body) in bodies {
+            if let Some(at) = deepest(&body, &area) {
+                let kind = Type::new(13.0, Anchor::Start).ink(Ink::GREY);
+                room.write(c, name, at, kind);
+            }
+        }
     }
     c.frame(&area, Stroke::new(Ink::PALE, 1.0));
 }
 
-/// Gear names, where each gear's part of the picture lies.
-fn names(
-    c: &mut Canvas<'_>,
-    s: &ContactSnapshot,
-    at: &dyn Fn([f64; 2]) -> (f64, f64),
-    area: &Rect,
-) {
-    let middle = 0.5 * (area.x0 + area.x1);
-    let mut taken = [false, false];
-    for outline in &s.outlines {
-        let n = outline.points.len().max(1) as f64;
-        let x = outline.points.iter().map(|q| at(*q).0).sum::<f64>() / n;
-        let right = usize::from(x > middle);
-        if std::mem::replace(&mut taken[right], true) {
-            continue;
-        }
-        let (x, anchor) = if right == 1 {
-            (area.x1 - 10.0, Anchor::End)
-        } else {
-            (area.x0 + 10.0, Anchor::Start)
-        };
-        c.text(
-            &outline.gear,
-            (x, area.y0 + 16.0),
-            Type::new(13.0, anchor).ink(Ink::GREY),
-        );
-    }
+/// The point of a grid that lies deepest in a body: where its name has room.
+fn deepest(body: &[(f64, f64)], area: &Rect) -> Option<(f64, f64)> {
+    const ACROSS: i32 = 24;
+    let inside = |(x, y): (f64, f64)| {
+        let edges = body.iter().zip(body.iter().cycle().skip(1));
+        let crossed = edges.filter(|(a, b)| {
+            (a.1 > y) != (b.1 > y) && x < a.0 + (y - a.1) / (b.1 - a.1) * (b.0 - a.0)
+        });
+        crossed.count() % 2 == 1
+    };
+    let depth = |(x, y): (f64, f64)| {
+        let edge = (x - area.x0)
+            .min(area.x1 - x)
+            .min(y - area.y0)
+            .min(area.y1 - y);
+        let off = body.iter().map(|p| (p.0 - x).hypot(p.1 - y));
+        off.fold(2.0 * edge, f64::min)
+    };
+    let part = |k: i32| (f64::from(k) + 0.5) / f64::from(ACROSS);
+    (0..ACROSS * ACROSS)
+        .map(|i| {
+            let (u, v) = (part(i % ACROSS), part(i / ACROSS));
+            (area.x0 + u * area.width(), area.y0 + v * area.height())
+        })
+        .filter(|p| inside(*p))
+        .max_by(|a, b| depth(*a).total_cmp(&depth(*b)))
 }
 
 /// Forces of one tooth pair as one, where they act on the whole: many points of a flank would hide each other.
@@ -214,19 +231,26 @@ fn by_pair(contacts: &[ContactPoint]) -> Vec<ContactPoint> {
     pairs.into_iter().map(|(pair, _)| pair).collect()
 }
 
-fn arrows(c: &mut Canvas<'_>, p: &Picture<'_>, at: &dyn Fn([f64; 2]) -> (f64, f64), area: &Rect) {
+/// Draws the force of every pair; the texts that go with them, each with the point it belongs to.
+fn arrows(
+    c: &mut Canvas<'_>,
+    p: &Picture<'_>,
+    at: &dyn Fn([f64; 2]) -> (f64, f64),
+    area: &Rect,
+    room: &mut Room,
+) -> Vec<(String, (f64, f64))> {
     let magnitude = |f: [f64; 2]| f[0].hypot(f[1]);
     let pairs = by_pair(&p.snapshot.contacts);
     let greatest = (pairs.iter())
         .map(|k| magnitude(k.force))
         .filter(|f| f.is_finite())
         .fold(0.0, f64::max);
+    let mut labels = Vec::new();
     if greatest <= 0.0 {
-        return;
+        return labels;
     }
     let ink = look(p.style).ink;
     let reach = 0.3 * area.width().min(area.height());
-    let mut labels: Vec<Rect> = Vec::new();
     for contact in &pairs {
         let force = magnitude(contact.force);
         let (x, y) = at(contact.point);
@@ -245,55 +269,34 @@ fn arrows(c: &mut Canvas<'_>, p: &Picture<'_>, at: &dyn Fn([f64; 2]) -> (f64, f6
             (neck.0 + barb * uy, neck.1 - barb * ux),
         );
         c.polygon(&[tip, left, right], ink);
-        c.circle((x, y), 3.4, Ink::WHITE, None);
-        c.circle((x, y), 3.4, ink, Some(2.0));
+        marker(c, (x, y), 4.6, look(p.style), false);
+        room.keep_line(&[(x, y), tip]);
+        for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            room.keep_point((x + part * length * ux, y + part * length * uy), 6.0);
+        }
         let text = if contact.pair.is_empty() {
             quantity(force, "N", 3)
         } else {
-            format!("{}  (pair {})", quantity(force, "N", 3), contact.pair)
+            format!("{} (pair {})", quantity(force, "N", 3), contact.pair)
         };
-        let width = text_width(&text, 13.0);
-        let side = if ux >= 0.0 { 1.0 } else { -1.0 };
-        let mut at = (tip.0 + 8.0 * side, tip.1 - 6.0);
-        let mut back = place(at, width, side, area);
-        while labels.iter().any(|l| l.overlaps(&back)) && back.y1 + 20.0 < area.y1 {
-            at.1 += 20.0;
-            back = place(at, width, side, area);
-        }
-        c.fill(&back, Ink::WHITE.opacity(0.88));
-        let text_at = (back.x0 + 5.0, 0.5 * (back.y0 + back.y1));
-        c.text(&text, text_at, Type::new(13.0, Anchor::Start).bold());
-        labels.push(back);
+        labels.push((text, tip));
     }
+    labels
 }
 
-fn place(at: (f64, f64), width: f64, side: f64, area: &Rect) -> Rect {
-    let left = if side > 0.0 {
-        at.0
-    } else {
-        at.0 - width - 10.0
-    };
-    let left = left.min(area.x1 - width - 14.0).max(area.x0 + 4.0);
-    let top = (at.1 - 10.0).max(area.y0 + 26.0).min(area.y1 - 24.0);
-    Rect::new(left, top, left + width + 10.0, top + 20.0)
-}
-
-fn scale_bar(c: &mut Canvas<'_>, scale: f64, area: &Rect) {
+fn scale_bar(c: &mut Canvas<'_>, scale: f64, area: &Rect, room: &mut Room) {
     let length = nice_step(55.0 / scale);
     let width = length * scale;
     let (x, y) = (area.x0 + 16.0, area.y1 - 16.0);
     let text = format!("{} mm", short(length * 1e3, 3));
     let total = width + 14.0 + text_width(&text, 12.5);
-    c.fill(
-        &Rect::new(x - 8.0, y - 11.0, x + total, y + 11.0),
-        Ink::WHITE.opacity(0.88),
-    );
+    let plate = Rect::new(x - 8.0, y - 11.0, x + total, y + 11.0);
+    c.fill(&plate, Ink::WHITE.opacity(0.88));
+    room.keep(plate);
     c.line(&[(x, y), (x + width, y)], Stroke::new(Ink::DARK, 2.2));
     for end in [x, x + width] {
-        c.line(
-            &[(end, y - 5.0), (end, y + 5.0)],
-            Stroke::new(Ink::DARK, 1.4),
-        );
+        let tick = [(end, y - 5.0), (end, y + 5.0)];
+        c.line(&tick, Stroke::new(Ink::DARK, 1.4));
     }
     c.text(&text, (x + width + 8.0, y), Type::new(12.5, Anchor::Start));
 }

@@ -32,7 +32,7 @@ pub(super) fn report(view: &View<'_>, part: &CompareRecord) -> Result<StudyRepor
         cost::accuracy(view)?,
     ];
     Ok(StudyReport {
-        finding: vec![finding::finding(view)],
+        finding: finding::finding(view),
         tables: html! { (glance::glance(view)) (timing::timing(view, part)) },
         charts: charts.into_iter().flatten().collect(),
         details: runs::all(view),

@@ -5,7 +5,7 @@ use crate::markup::table::Table;
 use crate::markup::{note, section};
 use crate::numbers::{quantity, significant};
 use crate::record::Run;
-use crate::view::{View, resolution};
+use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
 /// Coordinates from which on a model that keeps no modes is one of full finite elements.
@@ -16,7 +16,7 @@ fn is_full(run: &Run) -> bool {
     run.modes.is_none() && run.dofs >= FULL
 }
 
-/// Simulation time by model; nothing without a full model and another one.
+/// Wall time by model; nothing without a full model and another one.
 pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
     let best: Vec<(&str, &Run)> = (view.groups.iter())
         .filter_map(|g| {
@@ -36,22 +36,29 @@ pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
     let full_published = (best.iter())
         .filter(|(_, r)| is_full(r))
         .find_map(|(_, r)| r.published_s);
-    let over = format!("over {first}");
-    let full_over = format!("{label} over it");
+    let over = format!("Over {first}");
+    let full_over = format!("{} over it", capital(label));
     let table = Table::of(&best)
         .text("Model", |(label, _)| (*label).to_string())
         .text("Integrator", |(_, r)| {
             format!("{}, {}", r.integrator, resolution(r))
         })
-        .written("Simulation time", "", |(_, r)| quantity(r.wall_s, "s", 3))
+        .key()
+        .written("Wall time", "", |(_, r)| quantity(r.wall_s, "s", 3))
+        .result()
         .written(&over, "", |(_, r)| ratio(r.wall_s, base.wall_s))
+        .result()
         .written(&full_over, "", |(_, r)| ratio(full.wall_s, r.wall_s))
+        .result()
         .written("Setup", "", |(_, r)| quantity(r.setup_s, "s", 3))
         .written("Published", "", |(_, r)| {
             r.published_s.map(|t| quantity(t, "s", 4))
         })
-        .written(&over, "", |(_, r)| ratio(r.published_s?, first_published?))
-        .written(&full_over, "", |(_, r)| {
+        .result()
+        .written(&format!("{over}, published"), "", |(_, r)| {
+            ratio(r.published_s?, first_published?)
+        })
+        .written(&format!("{full_over}, published"), "", |(_, r)| {
             ratio(full_published?, r.published_s?)
         });
     let source = match &part.published {
@@ -63,5 +70,5 @@ pub fn timing(view: &View<'_>, part: &CompareRecord) -> Markup {
          machine within this record.{source}",
         quantity(base.simulated_s, "s", 3)
     );
-    section("Simulation time", html! { (table) (note(remark)) })
+    section("Wall time", html! { (table) (note(remark)) })
 }

@@ -15,7 +15,7 @@ pub(super) fn report(view: &View<'_>) -> Result<StudyReport, DrawError> {
     let mut charts = charts::penalty(view)?;
     charts.extend(histories::force(view)?);
     Ok(StudyReport {
-        finding: vec![tables::finding(view)],
+        finding: tables::finding(view),
         tables: tables::tables(view),
         charts,
         details: runs::all(view),

@@ -2,11 +2,11 @@
 
 use super::charts::{Series, series};
 use crate::markup::table::Table;
-use crate::markup::{glance, note, sentences};
-use crate::numbers::{percent, power};
+use crate::markup::{glance, note};
+use crate::numbers::{per_cent, power};
 use crate::record::Run;
-use crate::view::View;
-use maud::{Markup, html};
+use crate::view::{View, capital};
+use maud::{Markup, PreEscaped, html};
 
 fn impulse(r: &Run) -> Option<f64> {
     r.metrics.first()?.impulse_ns
@@ -35,32 +35,35 @@ fn enough(s: &Series<'_>, get: fn(&Run) -> Option<f64>) -> Option<f64> {
     found
 }
 
-pub fn finding(view: &View<'_>) -> Markup {
-    let mut text = Vec::new();
+pub fn finding(view: &View<'_>) -> Vec<Markup> {
+    let (mut off, mut enough_from, mut none) = (Vec::new(), Vec::new(), Vec::new());
     for s in &series(view) {
-        let label = html! { b { (s.label) } };
         let Some(hard) = s.hard else {
-            text.push(html! { (label) " has no run with hard contact to compare with." });
+            none.push(format!(
+                "{} has no run with hard contact to compare with",
+                s.label
+            ));
             continue;
         };
         let Some((at, last)) = (s.soft.iter().rev()).find(|(_, r)| !r.status.is_failure()) else {
-            text.push(html! { "No run of " (label) " with a penalty ended well." });
+            none.push(format!("no run of {} with a penalty ended well", s.label));
             continue;
         };
-        let off = |get: fn(&Run) -> Option<f64>| {
+        let distance = |get: fn(&Run) -> Option<f64>| {
             let (a, b) = (get(last)?, get(hard)?);
-            Some(format!("{}\u{a0}%", percent((a / b - 1.0).abs(), 2)))
+            Some(per_cent((a / b - 1.0).abs(), 2))
         };
         let named = [
-            ("peak force", off(peak)),
-            ("impulse", off(impulse)),
-            ("static transmission error", off(still)),
+            ("peak force", distance(peak)),
+            ("impulse", distance(impulse)),
+            ("static transmission error", distance(still)),
         ];
         let parts: Vec<String> = (named.into_iter())
             .filter_map(|(name, off)| Some(format!("{name} by {}", off?)))
             .collect();
-        text.push(html! {
-            "With a penalty of " (power(*at, 1)) " Pa/m " (label) " differs from hard contact in " (parts.join(", ")) "."
+        let at = power(*at, 1);
+        off.push(html! {
+            "with a penalty of " (at) " Pa/m " b { (s.label) } " differs from hard contact in " (parts.join(", "))
         });
         let enough = [
             ("the force", enough(s, peak)),
@@ -70,13 +73,24 @@ pub fn finding(view: &View<'_>) -> Markup {
             .filter_map(|(name, p)| Some(format!("{name} from {} Pa/m on", power(p?, 1))))
             .collect();
         if !from.is_empty() {
-            text.push(html! { "Within 1\u{a0}% are " (from.join(" and ")) "." });
+            enough_from.push(html! { (from.join(" and ")) " (" (s.label) ")" });
         }
     }
-    if text.is_empty() {
-        text.push(html! { "The record holds no run with a penalty." });
+    let sentence = |head: &str, parts: &[Markup]| {
+        let parts: Vec<&str> = parts.iter().map(|p| p.0.as_str()).collect();
+        (!parts.is_empty()).then(|| PreEscaped(capital(&format!("{head}{}.", parts.join("; ")))))
+    };
+    let none: Vec<Markup> = none.iter().map(|text| html! { (text) }).collect();
+    let all = [
+        sentence("", &off),
+        sentence("Within 1\u{a0}% are ", &enough_from),
+        sentence("", &none),
+    ];
+    let all: Vec<Markup> = all.into_iter().flatten().collect();
+    if all.is_empty() {
+        return vec![html! { "The record holds no run with a penalty." }];
     }
-    sentences(text)
+    all
 }
 
 /// All penalties with their outputs and distances.
@@ -108,11 +122,14 @@ pub fn tables(view: &View<'_>) -> Markup {
         })
         .text("Status", |(_, r)| r.status.to_string())
         .numbers("Peak force", "N", 5, get(peak))
-        .deviations("off", off(peak))
+        .deviations("Peak force, off", off(peak))
+        .result()
         .numbers("Impulse", "N s", 5, get(impulse))
-        .deviations("off", off(impulse))
+        .deviations("Impulse, off", off(impulse))
+        .result()
         .numbers("Static TE, mean", "m", 5, get(still))
-        .deviations("off", off(still));
-    let remark = "off: deviation from hard contact. TE: transmission error at rest under the load of the settings.";
+        .deviations("Static TE, mean, off", off(still))
+        .result();
+    let remark = "Off: deviation from hard contact. TE: transmission error at rest under the load of the settings.";
     glance("By penalty", html! { (table) (note(remark)) })
 }

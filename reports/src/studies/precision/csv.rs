@@ -1,9 +1,9 @@
 //! The table of accuracy against cost.
 
-use super::{Cloud, Cost, Precision, SELF, Shown};
+use super::{Cloud, Cost, Precision, Shown};
 use crate::csv_table::{CsvColumn, CsvTable, number, text};
 use crate::metrics::Metric;
-use crate::record::{Metrics, Results, Run};
+use crate::record::{Metrics, Results, Run, SELF};
 
 type Row<'a> = (&'a Run, &'a Metrics);
 
@@ -12,7 +12,7 @@ pub fn tables(results: &Results) -> Vec<CsvTable> {
     let study = Precision::of(results);
     let clouds: Vec<Cloud<'_>> = (study.references.iter().map(String::as_str))
         .chain([SELF])
-        .map(|id| study.cloud(id, study.headline(), Cost::Wall))
+        .map(|id| study.cloud(id, study.headline_against(id), Cost::Wall))
         .collect();
     // The front of each reference, of the model's own converged solution that of each model.
     let on_front = |(r, m): &Row<'_>| {

@@ -10,20 +10,17 @@ mod tables;
 
 use crate::drawing::canvas::DrawError;
 use crate::metrics::Metric;
-use crate::numbers::{quantity, short};
+use crate::numbers::{quantity, round_quantity, short};
 use crate::record::{Results, Run, Status};
-use crate::studies::precision::pareto::{Point, front, held, lead};
+use crate::studies::precision::pareto::{Point, front, lead};
 use crate::studies::{Part, StudyReport};
-use crate::view::View;
-use crate::view::{NOTHING, resolution};
+use crate::view::{NOTHING, View, metric_against, resolution};
 use serde::{Deserialize, Serialize};
 
 /// Limits of the error at which families are compared.
 pub const LEVELS: [f64; 4] = [0.05, 0.02, 0.01, 0.005];
 /// A point of a front is news when its error is less than this times that of the last that was.
 const NEWS: f64 = 0.95;
-/// Reference of integration errors.
-pub const SELF: &str = "self";
 
 /// What the record of this study has of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -111,13 +108,11 @@ pub fn family(run: &Run) -> String {
 /// A run in few words: modes, step or tolerance.
 pub fn modes_and_step(run: &Run) -> String {
     let resolution = match run.step {
-        Some(h) => quantity(h, "s", 3)
-            .replace(".00", "")
-            .replace('\u{a0}', " "),
+        Some(h) => round_quantity(h, "s", 3),
         None => resolution(run),
     };
     match run.modes {
-        Some(n) => format!("{n} modes, {resolution}"),
+        Some(n) => format!("{n}\u{a0}modes, {resolution}"),
         None => resolution,
     }
 }
@@ -154,6 +149,11 @@ impl<'a> Precision<'a> {
     /// The metric above all.
     pub fn headline(&self) -> Metric {
         self.metrics.first().copied().unwrap_or_default()
+    }
+
+    /// The same against a reference: integration errors have a metric of their own.
+    pub fn headline_against(&self, id: &str) -> Metric {
+        metric_against(self.results, id, self.headline())
     }
 
     fn style(&self, run: &Run) -> usize {
@@ -207,16 +207,15 @@ impl<'a> Cloud<'a> {
         front(&points).into_iter().map(|i| kept[i]).collect()
     }
 
+    /// The cheapest run within a limit of the error, among some.
+    pub fn cheapest(&self, limit: f64, keep: impl Fn(&Shown<'a>) -> bool) -> Option<&Shown<'a>> {
+        let (kept, points) = self.points(keep);
+        pareto::cheapest(&points, limit).map(|i| &self.shown[kept[i]])
+    }
+
     /// Whether any of the models was fitted to a reference of the record.
     pub fn has_fitted(&self) -> bool {
         self.shown.iter().any(Shown::is_fitted)
-    }
-
-    /// What the runs whose lead is told are called; `None` without one.
-    pub fn ours(&self) -> Option<String> {
-        let ours = self.shown.iter().find(|s| is_ours(s.run))?;
-        let method = id_of(&ours.run.integrator);
-        Some(format!("gears with residual compliance under {method}"))
     }
 
     /// Who keeps a limit of the error the cheapest, among all or among those that were not fitted; `None` when none of
@@ -238,13 +237,6 @@ impl<'a> Cloud<'a> {
             next,
             other,
         })
-    }
-
-    /// The errors between which the front is ours alone; see [`held`].
-    pub fn held(&self, fitted_too: bool) -> Option<(f64, Option<f64>)> {
-        let (kept, points) = self.points(|s| fitted_too || !s.is_fitted());
-        let mine: Vec<bool> = kept.iter().map(|&i| is_ours(self.shown[i].run)).collect();
-        held(&points, &mine)
     }
 
     /// The points of a front that are news: each errs less than the last by more than a twentieth of it.

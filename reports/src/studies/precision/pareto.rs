@@ -79,20 +79,6 @@ pub fn lead(points: &[Point], mine: &[bool], limit: f64) -> Option<Lead> {
     })
 }
 
-/// The errors between which every point of the front is one of ours: the least of them, and the error from which on
-/// something cheaper takes over (`None`: nothing does). `None` when the front has none of ours.
-pub fn held(points: &[Point], mine: &[bool]) -> Option<(f64, Option<f64>)> {
-    let front = front(points);
-    let is_mine = |i: &usize| mine.get(*i) == Some(&true);
-    // From the accurate end: the first of ours, then as far as they stay together.
-    let from = front.iter().rposition(is_mine)?;
-    let cheaper = front[..from].iter().rposition(|i| !is_mine(i));
-    Some((
-        points[front[from]].error,
-        cheaper.map(|k| points[front[k]].error),
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,20 +166,5 @@ mod tests {
         assert_eq!((at(0.0085).next, at(0.0085).factor), (None, None));
         assert_eq!(at(0.2).factor, Some(0.5));
         assert_eq!(lead(&p, &mine, 0.001), None);
-    }
-
-    #[test]
-    fn how_far_a_family_holds_the_front() {
-        let p = points(&[
-            (1.0, 0.3),
-            (2.0, 0.1),
-            (3.0, 0.05),
-            (4.0, 0.01),
-            (9.0, 0.001),
-        ]);
-        let mine = [true, false, true, true, false];
-        assert_eq!(held(&p, &mine), Some((0.01, Some(0.1))));
-        assert_eq!(held(&p, &[true; 5]), Some((0.001, None)));
-        assert_eq!(held(&p, &[false; 5]), None);
     }
 }

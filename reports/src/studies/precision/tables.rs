@@ -1,155 +1,104 @@
 //! Finding and tables of a study of accuracy against cost.
 
 use super::pareto::cheapest;
-use super::{Cloud, Cost, LEVELS, Precision, SELF, Shown, family, is_ours, modes_and_step};
+use super::{Cloud, Cost, LEVELS, Precision, Shown, family, modes_and_step};
 use crate::markup::table::Table;
-use crate::markup::{note, runs as common, section};
-use crate::numbers::{count, percent, quantity, short};
-use crate::record::{Run, Status};
+use crate::markup::{failed_of, note, runs as common, section};
+use crate::numbers::{self, count, counted, per_cent, quantity};
+use crate::record::{Run, SELF, Status};
 use crate::view::{View, capital, resolution};
 use maud::{Markup, html};
 
-/// The error from which on the lead is asked about.
-const ASKED: f64 = LEVELS[0];
+/// The limits that the finding names; the table has all.
+const NAMED: [f64; 2] = [LEVELS[0], LEVELS[2]];
 
-fn level(x: f64) -> String {
-    format!("{}\u{a0}%", short(100.0 * x, 2))
-}
-
-fn three(x: f64) -> String {
-    format!("{}\u{a0}%", percent(x, 3))
-}
-
-/// The finding, a paragraph each.
+/// The finding: who is cheapest against the first reference, what fits change, what failed.
 pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let study = Precision::of(view.results);
-    let metric = study.headline();
-    let mut paragraphs = Vec::new();
-    for id in &study.references {
-        let cloud = study.cloud(id, metric, Cost::Wall);
-        if cloud.shown.is_empty() {
-            continue;
+    let clouds = clouds(&study);
+    let failed = html! { (capital(&failed_of(view.results))) "." };
+    let Some(cloud) = clouds.first() else {
+        return vec![
+            html! {
+                "No run is held against a reference: the charts show what integrators lose against each model's own converged \
+                 solution."
+            },
+            failed,
+        ];
+    };
+    let within: Vec<Markup> = (NAMED.iter())
+        .map(|limit| {
+            let text = numbers::limit(*limit);
+            match cloud.cheapest(*limit, |s| !s.is_fitted()) {
+                Some(s) => html! {
+                    "within " (text) " " b { (s.run.model_label()) } " under " (s.run.integrator) " ("
+                    (modes_and_step(s.run)) ", " (quantity(s.run.wall_s, "s", 2)) ")"
+                },
+                None => html! { "within " (text) " nothing" },
+            }
+        })
+        .collect();
+    let mut sentences = vec![html! {
+        "Cheapest against " b { (view.reference_name(&cloud.against)) } " by " (study.headline().words())
+        @if cloud.has_fitted() { ", among what was not fitted to it" }
+        ": " @for (i, text) in within.iter().enumerate() { @if i > 0 { "; " } (text) } "."
+    }];
+    sentences.extend(fits(cloud));
+    let others = clouds.len() - 1;
+    sentences.push(if others > 0 {
+        html! {
+            "Other limits and " (counted(others, "reference", "references")) " more stand in the tables; "
+            (failed_of(view.results)) "."
         }
-        paragraphs.push(html! {
-            b { "Against " (view.reference_name(id)) } " (" (metric.words())
-            @if cloud.has_fitted() { ", nothing fitted" }
-            "): " (stretches(&cloud)) " " (lead(&cloud)) (fits(&cloud))
-        });
-    }
-    if paragraphs.is_empty() {
-        paragraphs.push(html! {
-            "No run is held against a reference: the charts show what integrators lose against each model's own converged \
-             solution."
-        });
-    }
-    let all = view.results.runs.len();
-    let failed = (view.results.runs.iter()).filter(|r| r.status.is_failure());
-    paragraphs.push(match failed.count() {
-        0 => html! { "None of the " (all) " runs failed." },
-        n => html! { (n) " of " (all) " runs failed; each stands with its reason." },
+    } else {
+        failed
     });
-    paragraphs
+    sentences
 }
 
-/// What a stretch of the front is called.
-fn name(cloud: &Cloud<'_>, s: &Shown<'_>) -> String {
-    let ours = cloud.ours().filter(|_| is_ours(s.run));
-    ours.unwrap_or_else(|| family(s.run))
-}
-
-/// Who is on the front at which errors, among what was not fitted.
-fn stretches(cloud: &Cloud<'_>) -> String {
-    let all = cloud.stretches(|s| !s.is_fitted());
-    let text: Vec<String> = (all.iter())
-        .map(|(s, least)| match s.point.error {
-            first if first == *least => format!("{} at {}", name(cloud, s), three(*least)),
-            first => format!(
-                "{} from {} to {}",
-                name(cloud, s),
-                percent(first, 3),
-                three(*least)
-            ),
-        })
-        .collect();
-    format!(
-        "on the front are, from cheap to accurate, {}.",
-        text.join("; ")
-    )
-}
-
-/// How far ours hold the front, and by how much they lead.
-fn lead(cloud: &Cloud<'_>) -> Markup {
-    let Some(ours) = cloud.ours().map(|name| capital(&name)) else {
-        return Markup::default();
-    };
-    let Some((least, cheaper)) = cloud.held(false) else {
-        return html! { (ours) " are not on it." };
-    };
-    let down = format!("down to {}", three(least));
-    let range = match cheaper {
-        Some(x) if x > ASKED => format!("for every error below {}, {down}", level(ASKED)),
-        Some(x) => format!("for errors below {}, {down}", three(x)),
-        None => format!("for every error {down}"),
-    };
-    let lines: Vec<Markup> = (LEVELS.iter())
-        .filter_map(|l| cloud.standing(*l, false))
-        .map(|s| {
-            let same = |other: &Run| s.next.is_some_and(|(n, _)| std::ptr::eq(n.run, other));
-            let more = match s.other {
-                Some((other, _)) if s.next.is_some() && !same(other.run) => {
-                    format!(" and {}", s.beside_other())
-                }
-                None if s.next.is_some() => "; no other model gets there".into(),
-                _ => String::new(),
-            };
-            html! { (s.level()) ": " b { (s.own()) } ", " (s.beside_next()) (more) }
-        })
-        .collect();
-    html! {
-        b { (ours) " hold the front " (range) "." }
-        @if !lines.is_empty() {
-            " Cheapest within a limit: "
-            @for (i, line) in lines.iter().enumerate() { @if i > 0 { "; " } (line) }
-            "."
-        }
-    }
+/// The points against every reference that has any.
+fn clouds<'a>(study: &Precision<'a>) -> Vec<Cloud<'a>> {
+    let metric = study.headline();
+    let all = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Wall));
+    all.filter(|c| !c.shown.is_empty()).collect()
 }
 
 /// What models that were fitted to this very history change.
-fn fits(cloud: &Cloud<'_>) -> String {
-    if !cloud.has_fitted() {
-        return String::new();
-    }
-    let all = cloud.stretches(|_| true);
-    let fitted: Vec<String> = (all.iter().filter(|(s, _)| s.is_fitted()))
-        .map(|(s, least)| format!("{} to {}", family(s.run), three(*least)))
-        .collect();
-    if fitted.is_empty() {
-        return " Models fitted to this very history are not on the front.".into();
-    }
-    let over = match cloud.held(true) {
-        Some((_, Some(x))) if cloud.ours().is_some() => {
-            format!("; residual compliance takes over below {}", three(x))
-        }
-        _ => String::new(),
-    };
-    format!(
-        " Models fitted to this very history are cheaper as far as their fit goes: {}{over}.",
-        fitted.join(", ")
-    )
+fn fits(cloud: &Cloud<'_>) -> Option<Markup> {
+    let all = cloud.stretches(Shown::is_fitted);
+    let least = (all.iter().map(|s| s.1)).min_by(f64::total_cmp)?;
+    let mut models: Vec<String> = all.iter().map(|(s, _)| s.run.model_label()).collect();
+    models.sort();
+    models.dedup();
+    let cheap = cloud.stretches(|_| true).iter().any(|(s, _)| s.is_fitted());
+    Some(html! {
+        (capital(&models.join(" and "))) @if models.len() > 1 { " were" } @else { " was" } " fitted to this very history: down to " (per_cent(least, 3))
+        @if cheap { " that costs less, but is the rest of a fit, not a prediction." }
+        @else { " is the rest of a fit, not a prediction, and it is not even cheaper." }
+    })
 }
 
-/// Fronts, and what each model costs within limits of the error.
+/// Fronts, who leads, and what each model costs within limits of the error.
 pub fn tables(view: &View<'_>) -> Markup {
     let study = Precision::of(view.results);
     let metric = study.headline();
-    let clouds = (study.references.iter()).map(|id| study.cloud(id, metric, Cost::Wall));
     html! {
-        @for cloud in clouds.filter(|c| !c.shown.is_empty()) {
+        @for cloud in &clouds(&study) {
             @let reference = view.reference_name(&cloud.against);
             section.glance {
+                h2 { "Cheapest run of each model against " (reference) }
+                (within(&study, cloud))
+                p.note {
+                    "Least wall time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
+                    @if cloud.has_fitted() {
+                        " A model that was fitted to this very history is not predicted by it: its error is the rest of the fit."
+                    }
+                }
+            }
+            (leaders(cloud, &reference))
+            section {
                 h2 { "Pareto front against " (reference) }
-                (front(&cloud))
+                (front(cloud))
                 p.note {
                     "Runs that no other beats in wall time and in " (metric.words()) " at once"
                     @if cloud.has_fitted() {
@@ -159,15 +108,48 @@ pub fn tables(view: &View<'_>) -> Markup {
                     "."
                 }
             }
-            section.glance {
-                h2 { "Cheapest run of each model against " (reference) }
-                (within(&study, &cloud))
-                p.note {
-                    "Least wall time among the runs within the limit of the " (metric.words()) "; a dash: none gets there."
-                }
-            }
         }
     }
+}
+
+/// How residual compliance stands beside what is next to it, limit by limit.
+fn leaders(cloud: &Cloud<'_>, reference: &str) -> Markup {
+    let of = |fitted_too: bool| {
+        let all = LEVELS
+            .iter()
+            .filter_map(move |l| cloud.standing(*l, fitted_too));
+        all.map(move |s| (s, fitted_too)).collect::<Vec<_>>()
+    };
+    let mut rows = of(false);
+    // Only what a fit changes is told again.
+    let fits = of(true).into_iter();
+    rows.extend(fits.filter(|(s, _)| s.next.is_some_and(|(rival, _)| rival.is_fitted())));
+    if rows.is_empty() {
+        return Markup::default();
+    }
+    let table = Table::of(&rows)
+        .text("Within", |(s, _)| s.level())
+        .text("Among", |(_, fitted_too)| {
+            let all = if *fitted_too {
+                "fits included"
+            } else {
+                "nothing fitted"
+            };
+            cloud.has_fitted().then(|| all.to_string())
+        })
+        .key()
+        .text("Cheapest with residual compliance", |(s, _)| s.own())
+        .result()
+        .text("Beside the next model and integrator", |(s, _)| {
+            s.beside_next()
+        })
+        .result()
+        .text("Beside the next other model", |(s, _)| s.beside_other())
+        .result();
+    section(
+        &format!("Residual compliance beside the others, {reference}"),
+        table,
+    )
 }
 
 fn front(cloud: &Cloud<'_>) -> Markup {
@@ -182,21 +164,27 @@ fn front(cloud: &Cloud<'_>) -> Markup {
     let table = Table::of(&all)
         .text("Model", |i| run(i).model_label())
         .text("Integrator", |i| run(i).integrator.clone())
+        .key()
         .text("Resolution", |i| modes_and_step(run(i)))
+        .key()
         .percents("Error", 3, |i| cloud.shown[*i].point.error)
+        .result()
         // From microseconds to seconds: each time with its own prefix.
         .written("Wall time", "", |i| quantity(run(i).wall_s, "s", 3))
-        .written("min \u{2013} max", "", |i| {
+        .result()
+        .text("Fitted to", |i| run(i).fitted_to.clone())
+        .result()
+        .text("Front, nothing fitted", |i| {
+            (cloud.has_fitted() && fair.contains(i)).then(|| "\u{2713}".to_owned())
+        })
+        .result()
+        .written("Wall time, least \u{2013} greatest", "", |i| {
             let [low, high] = run(i).wall_spread_s?.map(|t| quantity(t, "s", 3));
             Some(format!("{low} \u{2013} {high}"))
         })
         .written("Steps", "", |i| count(run(i).steps))
-        .written("Force evals", "", |i| count(run(i).force_evaluations))
-        .written("Factoris.", "", |i| count(run(i).factorisations))
-        .text("Fitted", |i| run(i).fitted_to.clone())
-        .text("Front, nothing fitted", |i| {
-            (cloud.has_fitted() && fair.contains(i)).then(|| "\u{2713}".to_owned())
-        });
+        .written("Force evaluations", "", |i| count(run(i).force_evaluations))
+        .written("Factorisations", "", |i| count(run(i).factorisations));
     html! { (table) }
 }
 
@@ -211,7 +199,8 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
             of(*m).find_map(|s| s.run.fitted_to.clone())
         });
     for limit in LEVELS {
-        table = table.text(&format!("\u{2264} {}", level(limit)), |m| {
+        let heading = format!("Within {}", numbers::limit(limit));
+        table = table.text(&heading, |m| {
             let kept: Vec<&Shown<'_>> = of(*m).collect();
             let points: Vec<_> = kept.iter().map(|s| s.point).collect();
             let run = kept[cheapest(&points, limit)?].run;
@@ -222,12 +211,13 @@ fn within(study: &Precision<'_>, cloud: &Cloud<'_>) -> Markup {
                 modes_and_step(run)
             ))
         });
+        table = table.result();
     }
     let table = table.written("Least error", "", |m| {
         let best = of(*m).map(|s| s.point.error).min_by(f64::total_cmp);
-        best.map(three)
+        best.map(|e| per_cent(e, 3))
     });
-    html! { (table) }
+    html! { (table.result()) }
 }
 
 /// All runs, shortly, and the failures counted.
@@ -243,27 +233,37 @@ pub fn runs(view: &View<'_>) -> Markup {
         .classed(|(r, ..)| if r.status.is_failure() { "failed" } else { "" })
         .text("Integrator", |(r, ..)| r.integrator.clone())
         .written("Modes", "", |(r, ..)| common::modes(r))
+        .key()
         .text("Step", |(r, ..)| resolution(r))
+        .key()
         .text("Status", |(r, ..)| r.status.to_string());
     for id in study.references.iter().map(String::as_str).chain([SELF]) {
+        let metric = study.headline_against(id);
         let heading = match id {
             SELF => "Integration error".into(),
-            id => format!("Error, {id}"),
+            id => format!("Error against {}", view.reference_name(id)),
         };
         table = table.percents(&heading, 3, |(r, ..)| {
             let error = r.against(id)?.get(metric).map(f64::abs);
             error.filter(|_| !r.status.is_failure())
         });
+        table = table.result();
     }
     let table = table
         .numbers("Wall time", "s", 3, |(r, ..)| r.wall_s)
-        .ranges("min \u{2013} max", "s", 3, |(r, ..)| r.wall_spread_s)
+        .result()
+        .ranges("Wall time, least \u{2013} greatest", "s", 3, |(r, ..)| {
+            r.wall_spread_s
+        })
         .written("Steps", "", |(r, ..)| count(r.steps))
-        .written("Force evals", "", |(r, ..)| count(r.force_evaluations))
-        .written("Factoris.", "", |(r, ..)| count(r.factorisations));
+        .written("Force evaluations", "", |(r, ..)| {
+            count(r.force_evaluations)
+        })
+        .written("Factorisations", "", |(r, ..)| count(r.factorisations));
     let remark = format!(
-        "Errors: {}. precision.csv has every metric and the spread of the times.",
-        metric.words()
+        "Errors: {}; of the integration, {}. precision.csv has every metric and the spread of the times.",
+        metric.words(),
+        study.headline_against(SELF).words()
     );
     html! {
         (section("All runs", html! { (table) (note(remark)) }))
@@ -285,9 +285,11 @@ fn failures<'a>(runs: impl Iterator<Item = &'a Run>) -> Markup {
         return section("Failures", html! { p { "Every run reached its end." } });
     }
     let table = Table::of(&found)
-        .text("Family", |f| f.0.clone())
+        .text("Model and integrator", |f| f.0.clone())
         .text("Reason", |f| f.1.to_string())
+        .result()
         .written("Runs", "", |f| count(f.2.len() as u64))
+        .result()
         .text("At", |f| {
             let all: Vec<String> = f.2.iter().map(|r| modes_and_step(r)).collect();
             all.join("; ")

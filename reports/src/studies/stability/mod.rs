@@ -259,7 +259,7 @@ impl Results {
 /// What the study says of a record.
 pub(super) fn report(part: &StabilityRecord) -> Result<StudyReport, DrawError> {
     Ok(StudyReport {
-        finding: vec![tables::finding(&part.maps)],
+        finding: tables::finding(&part.maps),
         tables: tables::tables(&part.maps),
         charts: charts::stability(&part.maps)?,
         details: Markup::default(),

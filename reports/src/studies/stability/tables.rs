@@ -2,8 +2,8 @@
 
 use super::{Limit, Map, is_lost, once};
 use crate::markup::table::Table;
-use crate::markup::{glance, note, section, sentences};
-use crate::numbers::{count, percent, quantity, short};
+use crate::markup::{glance, note, section};
+use crate::numbers::{count, counted, per_cent, quantity, short, times};
 use crate::record::Status;
 use maud::{Markup, html};
 
@@ -28,10 +28,10 @@ fn step(limit: &Limit) -> String {
     }
 }
 
-pub fn finding(maps: &[Map]) -> Markup {
+pub fn finding(maps: &[Map]) -> Vec<Markup> {
     let total: usize = maps.iter().map(|m| m.cells.len()).sum();
     if total == 0 {
-        return html! { "The record holds no map." };
+        return vec![html! { "The record holds no map." }];
     }
     let of = |s: Status| -> usize {
         let cells = maps.iter().flat_map(|m| &m.cells);
@@ -43,7 +43,7 @@ pub fn finding(maps: &[Map]) -> Markup {
         .filter(|(n, _)| *n > 0)
         .collect();
     failures.sort_by_key(|f| std::cmp::Reverse(f.0));
-    let part = |n: usize| format!("{}\u{a0}%", percent(n as f64 / total as f64, 2));
+    let part = |n: usize| per_cent(n as f64 / total as f64, 2);
     let words: Vec<String> = (failures.iter())
         .map(|(n, s)| format!("{s} {}", part(*n)))
         .collect();
@@ -55,17 +55,24 @@ pub fn finding(maps: &[Map]) -> Markup {
         "Of " (count(total as u64)) " runs " (part(of(Status::Converged))) " converged, " (part(of(Status::Inaccurate)))
         " ended but were inaccurate" (failed) "."
     }];
-    for label in models(maps) {
-        let of_model: Vec<&Map> = (once(maps).into_iter())
-            .filter(|m| m.model_label() == label)
-            .collect();
-        parts.extend(about(&label, &of_model));
+    let about: Vec<Markup> = (models(maps).into_iter())
+        .filter_map(|label| {
+            let of_model = once(maps).into_iter().filter(|m| m.model_label() == label);
+            about(&label, &of_model.collect::<Vec<&Map>>())
+        })
+        .collect();
+    if !about.is_empty() {
+        parts.push(html! {
+            "Largest stable steps at the scene's own parameters: "
+            @for (i, text) in about.iter().enumerate() { @if i > 0 { "; " } (text) }
+            "."
+        });
     }
     parts.extend(beside(maps).map(|text| html! { (text) }));
-    sentences(parts)
+    parts
 }
 
-/// The explicit method with the largest and smallest limit of a model, and the implicit ones that never failed.
+/// The smallest and the largest limit of a model, and the methods that never failed.
 fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
     let mut limited: Vec<(f64, &Map)> = (maps.iter())
         .filter_map(|m| {
@@ -73,27 +80,34 @@ fn about(label: &str, maps: &[&Map]) -> Option<Markup> {
             Some((l.unstable_s.and(l.stable_s)?, *m))
         })
         .collect();
-    limited.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let unlimited: Vec<&str> = (maps.iter())
+    limited.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let unlimited = (maps.iter())
         .filter(|m| m.limit().is_some_and(|l| l.unstable_s.is_none()))
-        .map(|m| m.integrator.as_str())
-        .collect();
-    let held = format!("{} held at every step tried", unlimited.join(", "));
-    let Some((h, first)) = limited.first() else {
-        return (!unlimited.is_empty()).then(|| html! { b { (label) } ": " (held) "." });
+        .count();
+    let held = match unlimited {
+        0 => String::new(),
+        n if limited.is_empty() => format!(
+            "{} stable at every step tried",
+            counted(n, "integrator", "integrators")
+        ),
+        n => format!(
+            ", {} stable at every step tried",
+            counted(n, "other", "others")
+        ),
     };
-    let theory = first.ratio().map(|r| short(r, 2));
-    Some(html! {
-        "At the scene's own parameters " b { (label) } " bears its longest limited step under " (first.integrator) " ("
-        (quantity(*h, "s", 3))
-        @if let Some(r) = theory { ", " (r) " times what theory says" }
-        ")"
-        @if let [_, .., (h, m)] = limited.as_slice() {
-            "; its shortest under " (m.integrator) " (" (quantity(*h, "s", 3)) ")"
-        }
-        @if !unlimited.is_empty() { "; " (held) }
-        "."
-    })
+    let one = |(h, m): &(f64, &Map)| {
+        let theory = m
+            .ratio()
+            .map_or(String::new(), |r| format!(", {}what theory says", times(r)));
+        format!("{} ({}{theory})", quantity(*h, "s", 3), m.integrator)
+    };
+    let range = match limited.as_slice() {
+        [] if unlimited == 0 => return None,
+        [] => String::new(),
+        [only] => one(only),
+        [first, .., last] => format!("from {} to {}", one(first), one(last)),
+    };
+    Some(html! { b { (label) } " " (range) (held) })
 }
 
 /// Where every explicit method of a model fails and an implicit one does not.
@@ -171,10 +185,12 @@ fn limits(maps: &[Map]) -> Markup {
     let seconds = |h: Option<f64>| h.map(|h| quantity(h, "s", 3));
     let table = table(&rows)
         .written("Largest stable step", "", |m| Some(step(&m.limit()?)))
+        .result()
         .written("Theory", "", |m| {
             seconds(m.theory(m.own_row()).map(|t| t.0))
         })
         .written("Found over theory", "", |m| m.ratio().map(|r| short(r, 3)))
+        .result()
         .text("Fails with", |m| m.limit()?.status.map(|s| s.to_string()))
         .text("Beyond", |m| {
             let again = m.limit()?.holds_again;
@@ -183,6 +199,7 @@ fn limits(maps: &[Map]) -> Markup {
         .written("Largest accurate step", "", |m| {
             seconds(m.limit()?.accurate_s)
         })
+        .result()
         .written("A contact pulls from", "", |m| {
             seconds(m.limit()?.pulls_from_s)
         });
@@ -212,6 +229,9 @@ fn labels(maps: &[Map]) -> Markup {
                 .filter(|n| *n > 0)
                 .map(|n| n.to_string())
         });
+        if !status.is_failure() {
+            table = table.result();
+        }
     }
     section("How runs ended", table)
 }
@@ -240,10 +260,13 @@ fn references(maps: &[Map]) -> Markup {
     }
     let table = Table::of(&lines)
         .text("Model", |l| l.0.clone())
-        .text("Converged solution", |l| l.1.clone())
+        .text("Converged solution, and what checks it", |l| l.1.clone())
         .written("Rows", "", |l| l.2.to_string())
-        .written("They differ by at most", "", |l| {
-            Some(short(l.3, 2)).filter(|_| l.3 > 0.0)
-        });
+        .written(
+            "The two differ by at most, in the metric of the tolerance",
+            "",
+            |l| Some(per_cent(l.3, 2)).filter(|_| l.3 > 0.0),
+        )
+        .result();
     section("What cells are held against", table)
 }

@@ -196,13 +196,7 @@ fn spectra(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
 /// A logarithmic ordinate over the upper decades of a panel.
 fn top_decades(panel: &Panel, decades: f64) -> Option<Axis> {
     let (low, high) = panel.ordinates();
-    (high > 0.0).then(|| {
-        let mut axis = Axis::logarithmic(low.max(high * 10f64.powf(-decades)), high);
-        if !panel.remark.is_empty() {
-            axis.max *= 4.0;
-        }
-        axis
-    })
+    (high > 0.0).then(|| Axis::logarithmic(low.max(high * 10f64.powf(-decades)), high))
 }
 
 /// The first harmonics over speed, of the most detailed model.

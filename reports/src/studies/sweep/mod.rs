@@ -70,7 +70,7 @@ pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
 pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyReport, DrawError> {
     let all = swept(view, statics);
     Ok(StudyReport {
-        finding: vec![tables::finding(view, &all)],
+        finding: tables::finding(view, &all),
         tables: tables::tables(&all),
         charts: charts::sweep(&all, statics)?,
         details: html! { (tables::speeds(&all)) (runs::failures(view)) },

@@ -2,9 +2,9 @@
 
 use super::{LIMITS, Way, counts, ways};
 use crate::markup::table::Table;
-use crate::markup::{failed_of, glance, note, section, sentences};
+use crate::markup::{failed_of, glance, note, section};
 use crate::metrics::Metric;
-use crate::numbers::{percent, quantity, short, significant};
+use crate::numbers::{self, per_cent, percent, quantity, times};
 use crate::record::Run;
 use crate::view::{View, capital};
 use maud::{Markup, html};
@@ -27,35 +27,46 @@ fn kept(run: &Run) -> String {
     }
 }
 
-pub fn finding(view: &View<'_>) -> Markup {
+pub fn finding(view: &View<'_>) -> Vec<Markup> {
     let (all, id) = (ways(view.results), against(view));
     if all.is_empty() {
-        return html! { "The record holds no run with modes." };
+        return vec![html! { "The record holds no run with modes." }];
     }
-    let mut parts: Vec<Markup> = Vec::new();
-    for way in all.iter().filter(|w| w.residual) {
-        let reached = LIMITS.map(|limit| {
-            let text = format!("{}\u{a0}%", short(100.0 * limit, 2));
-            match way.fewest(&id, limit) {
-                Some(run) => format!("{} for {text}", run.modes.unwrap_or(0)),
-                None => format!("no number tried for {text}"),
-            }
-        });
-        parts.push(html! {
-            "With residual compliance and modes chosen " b { (way.label) } ", the fewest modes per gear are "
-            (reached.join(", ")) " of the force history against " (view.reference_name(&id)) "."
+    let mut sentences: Vec<Markup> = Vec::new();
+    let fewest: Vec<Markup> = (all.iter().filter(|w| w.residual))
+        .map(|way| {
+            let reached = LIMITS.map(|limit| {
+                let text = numbers::limit(limit);
+                match way.fewest(&id, limit) {
+                    Some(run) => format!("{} for {text}", run.modes.unwrap_or(0)),
+                    None => format!("no number tried for {text}"),
+                }
+            });
+            html! { (reached.join(", ")) " when chosen " b { (way.label) } }
+        })
+        .collect();
+    if !fewest.is_empty() {
+        sentences.push(html! {
+            "With residual compliance the fewest modes per gear are "
+            @for (i, text) in fewest.iter().enumerate() { @if i > 0 { "; " } (text) }
+            " (error of the force history against " (view.reference_name(&id)) ")."
         });
     }
     let truncated = all.iter().filter(|w| !w.residual);
     let marked = truncated.flat_map(|w| w.runs.iter().filter(|(_, r)| r.mark.is_some()));
-    parts.extend(marked.filter_map(|(_, run)| beside(&all, run, &id)));
-    if parts.is_empty() {
-        parts.push(html! { "No run could be held against a reference." });
+    let marked: Vec<Markup> = marked
+        .filter_map(|(_, run)| beside(&all, run, &id))
+        .collect();
+    if !marked.is_empty() {
+        sentences.push(html! {
+            @for (i, text) in marked.iter().enumerate() { @if i > 0 { "; " } (text) } "."
+        });
     }
-    let runs = view.results.runs.len();
-    let none = || format!("None of the {runs} runs failed.");
-    parts.push(html! { (failed_of(view.results).unwrap_or_else(none)) });
-    sentences(parts)
+    if sentences.is_empty() {
+        sentences.push(html! { "No run could be held against a reference." });
+    }
+    sentences.push(html! { (capital(&failed_of(view.results))) "." });
+    sentences
 }
 
 /// A run that is pointed out beside the best that residual compliance does with no more modes.
@@ -63,7 +74,7 @@ fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
     let name = capital(run.mark.as_deref()?);
     let modes = run.modes?;
     if run.status.is_failure() {
-        return Some(html! { (name) " (" (modes) " modes) failed: " (run.status.as_str()) "." });
+        return Some(html! { (name) " (" (modes) " modes) failed: " (run.status.as_str()) });
     }
     let own = error(run, id)?;
     let better = (all.iter().filter(|w| w.residual))
@@ -72,16 +83,16 @@ fn beside(all: &[Way<'_>], run: &Run, id: &str) -> Option<Markup> {
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let compared = match better {
         Some((n, e, other)) => format!(
-            ", {} times that of {n} modes with residual compliance ({}\u{a0}%, {} in place of {})",
-            significant(own / e, 2),
-            percent(e, 2),
+            ", {}that of {n} modes with residual compliance ({}, {} in place of {})",
+            times(own / e),
+            per_cent(e, 2),
             quantity(other.wall_s, "s", 2),
             quantity(run.wall_s, "s", 2),
         ),
         None => String::new(),
     };
     Some(html! {
-        (name) " (" (modes) " modes per gear) has an error of " (percent(own, 3)) "\u{a0}%" (compared) "."
+        (name) " (" (modes) " modes per gear) has an error of " (per_cent(own, 3)) (compared)
     })
 }
 
@@ -92,14 +103,15 @@ pub fn tables(view: &View<'_>) -> Markup {
     }
     let mut fewest = Table::of(&all).text("Modes chosen", |w| w.label.clone());
     for limit in LIMITS {
-        let heading = format!("{} %", short(100.0 * limit, 2));
-        fewest = fewest.written(&heading, "", |w| w.fewest(&id, limit).map(kept));
+        let heading = format!("Within {}", numbers::limit(limit));
+        fewest = (fewest.written(&heading, "", |w| w.fewest(&id, limit).map(kept))).result();
     }
     let fewest = fewest.written("Least error", "", |w| {
         let of = w.errors(&id, Metric::ForceL2);
         let (n, e, _) = of.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(format!("{}\u{a0}% with {n}", percent(e, 3)))
+        Some(format!("{} with {n}", per_cent(e, 3)))
     });
+    let fewest = fewest.result();
     let tried = counts(&all);
     let mut errors = Table::of(&tried).written("Modes per gear", "", |n| n.to_string());
     for way in &all {
@@ -110,6 +122,7 @@ pub fn tables(view: &View<'_>) -> Markup {
             }
             error(run, &id).map(|e| percent(e, 3))
         });
+        errors = errors.result();
     }
     let reference = view.reference_name(&id);
     let fewest_note = format!(

@@ -6,7 +6,7 @@ use crate::experiment::runner::Runner;
 use crate::scene_file::{Selection, load_for};
 use crate::studies::precision::arguments::Asked;
 use crate::studies::precision::plan::COUNTS;
-use gearbench_reports::{Ledger, Metric};
+use gearbench_reports::Metric;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The study of some models of a scene, with its stored reference or without.
@@ -181,32 +181,4 @@ fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
     // A scene of rigid gears has nothing to be held against but itself.
     let plan = plan_of(&scene.select(Some("rigid")).unwrap());
     assert!(plan.fulls.is_empty() && plan.variants.iter().all(|v| v.against.is_empty()));
-}
-
-#[test]
-fn pointwise_errors_are_taken_at_common_times() {
-    // A force that jumps between two common times, sampled densely by one and sparsely by the other.
-    let history = |times: &[f64]| {
-        let mut s = TimeSeries::default();
-        for t in times {
-            s.push(*t, if *t < 0.45 { 1.0 } else { 2.0 }, 0.0, 0.0);
-        }
-        s
-    };
-    let grid: Vec<f64> = (0..=10).map(|i| 0.1 * f64::from(i)).collect();
-    let dense: Vec<f64> = (0..=1000).map(|i| 1e-3 * f64::from(i)).collect();
-    let mut both = [grid.clone(), dense].concat();
-    both.sort_by(f64::total_cmp);
-    let held = Held::new(history(&both), &grid);
-    assert_eq!(held.even.len(), grid.len());
-    let (own, ledger) = (history(&grid), Ledger::default());
-    let run = Finished::reached(&own, &ledger, [1.0, 1.0]).unwrap();
-    let m = held.errors(run, "self");
-    assert!(m.force_l2.is_some_and(|e| e < 1e-12), "{:?}", m.force_l2);
-    let naive = measure(run, &held.whole, "self");
-    assert!(
-        naive.force_l2.is_some_and(|e| e > 0.05),
-        "{:?}",
-        naive.force_l2
-    );
 }

@@ -1,24 +1,26 @@
 //! What integrators lose: one small diagram per model, against its own converged solution.
 
-use super::marks::{Marks, legend, legend_height};
-use super::{SMALL, Scale, faint, staircase};
+use super::{ABOVE, SMALL, Scale, faint, staircase};
 use crate::drawing::Chart;
 use crate::drawing::axis::{NAME_SIZE, TICK_SIZE};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
+use crate::drawing::labels::Room;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH};
+use crate::drawing::scatter::{self, Numbers};
 use crate::drawing::style::{look, marker};
 use crate::metrics::Metric;
+use crate::record::SELF;
 use crate::studies::precision::pareto::{Point, front};
-use crate::studies::precision::{Cost, Precision, SELF, Shown};
-use crate::view::capital;
+use crate::studies::precision::{Cost, Precision, Shown};
+use crate::view::{capital, metric_against};
 
 /// Work-precision diagrams, one per model: what its integrators lose.
 pub(super) fn integration(
     study: &Precision<'_>,
-    marks: &Marks,
     metric: Metric,
 ) -> Result<Option<Chart>, DrawError> {
+    let metric = metric_against(study.results, SELF, metric);
     let cloud = study.cloud(SELF, metric, Cost::Wall);
     let mut panels: Vec<(usize, Option<usize>, Vec<&Shown<'_>>)> = Vec::new();
     for style in 0..study.models.len() {
@@ -36,15 +38,18 @@ pub(super) fn integration(
     let gap = 62.0;
     let width = 0.5 * (WIDTH - LEFT - RIGHT - gap);
     let rows = panels.len().div_ceil(2);
-    let models: Vec<(usize, String)> = panels
-        .iter()
-        .map(|p| (p.0, study.models[p.0].clone()))
+    let models: Vec<(&str, usize)> = (panels.iter())
+        .map(|p| (study.models[p.0].as_str(), p.0))
         .collect();
-    let top = 8.0 + legend_height(&models, marks);
-    let title = "Integration error against wall time";
-    let pitch = SMALL + 34.0;
-    let svg = draw(WIDTH, top + pitch * rows as f64 + 26.0, title, |c| {
-        legend(c, &models, marks);
+    let shown = panels.iter().flat_map(|p| &p.2);
+    let numbers = Numbers::of(shown.map(|s| s.run.integrator.as_str()));
+    let top = scatter::key_height(&models) + ABOVE;
+    let title = "What integrators lose, model by model, over wall time";
+    let pitch = SMALL + 34.0 + ABOVE;
+    let below = top + pitch * rows as f64 + 14.0;
+    let svg = draw(WIDTH, below + numbers.height(), title, |c| {
+        scatter::key(c, &models, true);
+        numbers.paint(c, below);
         for (k, (style, modes, shown)) in panels.iter().enumerate() {
             let x0 = LEFT + (k % 2) as f64 * (width + gap);
             let y0 = top + pitch * (k / 2) as f64;
@@ -58,7 +63,7 @@ pub(super) fn integration(
                 ..own
             };
             let last = k + 2 >= panels.len();
-            panel(c, marks, &scale, (area, last), *style, shown);
+            panel(c, &numbers, &scale, (area, last), *style, shown);
             let label = match modes {
                 Some(n) => format!("{}, {n} modes", study.models[*style]),
                 None => study.models[*style].clone(),
@@ -71,10 +76,10 @@ pub(super) fn integration(
             } else {
                 String::new()
             };
-            let bold = Type::new(NAME_SIZE, Anchor::End).bold();
-            c.text(&label, (area.x1 - 8.0, area.y0 + 14.0), bold);
+            let bold = Type::new(NAME_SIZE, Anchor::Start).bold();
+            c.text(&label, (area.x0, area.y0 - 10.0), bold);
             let kind = Type::new(TICK_SIZE, Anchor::End).ink(Ink::FAIL);
-            c.text(&failed, (area.x1 - 8.0, area.y0 + 31.0), kind);
+            c.text(&failed, (area.x1, area.y0 - 10.0), kind);
         }
         let middle = top + 0.5 * pitch * rows as f64;
         let name = metric.axis();
@@ -86,11 +91,11 @@ pub(super) fn integration(
     })?;
     Ok(Some(Chart {
         file: "precision_integration.svg".into(),
-        title,
+        title: title.into(),
         caption: format!(
             "{} against each model's own converged solution: what the integrator loses, whatever the model is worth. One \
              panel per model, of an elastic model with the number of modes that most integrators run; thin lines join the \
-             steps or tolerances of an integrator, the staircase is the front of the panel.",
+             steps or tolerances of an integrator, whose number stands at their end, the staircase is the front of the panel.",
             capital(metric.words())
         ),
         svg,
@@ -117,7 +122,7 @@ fn busiest(shown: &[&Shown<'_>]) -> Option<usize> {
 
 fn panel(
     c: &mut Canvas<'_>,
-    marks: &Marks,
+    numbers: &Numbers<'_>,
     scale: &Scale,
     (area, last): (Rect, bool),
     style: usize,
@@ -125,33 +130,41 @@ fn panel(
 ) {
     let frame = scale.frame(area);
     frame.paint(c, if last { scale.x_name } else { "" }, "", true);
-    let mut seen: Vec<&str> = Vec::new();
+    let mut room = Room::of(area);
+    let mut ends: Vec<(&str, (f64, f64))> = Vec::new();
     for s in shown {
         let id = s.run.integrator.as_str();
-        if seen.contains(&id) {
+        if ends.iter().any(|e| e.0 == id) {
             continue;
         }
-        seen.push(id);
         for steps in [true, false] {
             let curve: Vec<(f64, f64)> = (shown.iter())
                 .filter(|o| o.run.integrator == id && o.run.step.is_some() == steps)
                 .map(|o| scale.at(&frame, o.point))
                 .collect();
-            c.line_within(
-                &curve,
-                &area,
-                Stroke::new(look(style).ink.opacity(0.35), 1.0),
-            );
+            let stroke = Stroke::new(look(style).ink.opacity(0.35), 1.0);
+            c.line_within(&curve, &area, stroke);
+            room.keep_line(&curve);
+            // The cheap end lies apart: fine steps meet where the converged solution ends.
+            let cheap = curve.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            ends.extend(cheap.map(|at| (id, *at)));
         }
     }
     let points: Vec<Point> = shown.iter().map(|s| s.point).collect();
     let best = front(&points);
     for (i, s) in shown.iter().enumerate() {
-        let (own, filled) = marks.look(s.style, s.run);
+        let own = look(s.style);
         let kept = if best.contains(&i) { own } else { faint(own) };
         let radius = if best.contains(&i) { 4.4 } else { 3.2 };
-        marker(c, scale.at(&frame, s.point), radius, kept, filled);
+        let at = scale.at(&frame, s.point);
+        marker(c, at, radius, kept, !s.run.implicit);
+        room.keep_point(at, radius);
     }
     let stairs: Vec<Point> = best.iter().map(|&i| points[i]).collect();
-    staircase(c, &frame, scale, &stairs, Stroke::new(Ink::DARK, 1.2));
+    let stroke = Stroke::new(Ink::DARK, 1.2);
+    staircase(c, &frame, scale, &stairs, stroke, &mut room);
+    for (id, at) in ends {
+        let kind = Type::new(TICK_SIZE, Anchor::Start);
+        room.write(c, &numbers.text(id), at, kind);
+    }
 }

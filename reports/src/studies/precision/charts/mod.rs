@@ -2,50 +2,51 @@
 
 mod families;
 mod integration;
-mod marks;
 
 use crate::drawing::Chart;
 use crate::drawing::axis::{Axis, Frame};
 use crate::drawing::canvas::{Anchor, Canvas, DrawError, Ink, Stroke, Type, draw};
 use crate::drawing::geometry::Rect;
-use crate::drawing::labels::point_label;
+use crate::drawing::labels::Room;
 use crate::drawing::panel::{LEFT, RIGHT, WIDTH, extremes};
-use crate::drawing::style::{Look, cross, marker};
+use crate::drawing::scatter;
+use crate::drawing::style::{Look, cross, look, marker};
 use crate::metrics::Metric;
+
 use crate::numbers::count;
-use crate::record::{Run, Status};
+use crate::record::{Run, SELF, Status};
 use crate::studies::precision::pareto::Point;
-use crate::studies::precision::{
-    Cloud, Cost, LEVELS, Precision, SELF, Shown, Standing, id_of, is_ours, modes_and_step,
-};
-use crate::view::{View, capital};
+use crate::studies::precision::{Cloud, Cost, Precision, Shown, id_of, modes_and_step};
+use crate::view::{View, capital, metric_against};
 use families::families;
 use integration::integration;
-use marks::{Marks, legend, legend_height};
 
 /// Opacity of what something else beats.
 const FAINT: f64 = 0.3;
 /// Height of a plot and of a small one.
 const PLOT: f64 = 400.0;
 const SMALL: f64 = 225.0;
+/// Space above a small one for its heading.
+const ABOVE: f64 = 24.0;
 const ROW: f64 = 19.0;
+/// Size of the names of points.
+const NAME: f64 = 11.5;
 
 /// The charts of accuracy against cost.
 pub fn precision(view: &View<'_>) -> Result<Vec<Chart>, DrawError> {
     let study = Precision::of(view.results);
-    let marks = Marks::of(view.results);
     let metric = study.headline();
     let mut charts = Vec::new();
     let one = |against: &str, metric, cost, file: String| {
-        scatter(view, &study, &marks, (against, metric, cost), file)
+        all_runs(view, &study, (against, metric, cost), file)
     };
     for (i, id) in study.references.iter().enumerate() {
         charts.extend(one(id, metric, Cost::Wall, numbered("model", i))?);
     }
-    charts.extend(integration(&study, &marks, metric)?);
+    charts.extend(integration(&study, metric)?);
     let work = "precision_work.svg".to_owned();
     if let Some(first) = study.references.first() {
-        charts.extend(families(view, &study, &marks, first, metric)?);
+        charts.extend(families(view, &study, first, metric)?);
         charts.extend(one(first, metric, Cost::Evaluations, work)?);
         for (i, further) in study.metrics.iter().enumerate().skip(1) {
             charts.extend(one(first, *further, Cost::Wall, numbered("metric", i))?);
@@ -109,7 +110,14 @@ fn faint(look: Look) -> Look {
 }
 
 /// The staircase under a front: everything above and to the right of it is beaten.
-fn staircase(c: &mut Canvas<'_>, frame: &Frame, scale: &Scale, points: &[Point], stroke: Stroke) {
+fn staircase(
+    c: &mut Canvas<'_>,
+    frame: &Frame,
+    scale: &Scale,
+    points: &[Point],
+    stroke: Stroke,
+    room: &mut Room,
+) {
     let mut path: Vec<(f64, f64)> = Vec::with_capacity(2 * points.len() + 2);
     for p in points {
         let at = scale.at(frame, *p);
@@ -119,17 +127,18 @@ fn staircase(c: &mut Canvas<'_>, frame: &Frame, scale: &Scale, points: &[Point],
     if let Some(last) = path.last().copied() {
         path.push((frame.area.x1, last.1));
         c.line_within(&path, &frame.area, stroke);
+        room.keep_line(&path);
     }
 }
 
 /// All runs against one reference.
-fn scatter(
+fn all_runs(
     view: &View<'_>,
     study: &Precision<'_>,
-    marks: &Marks,
     (against, metric, cost): (&str, Metric, Cost),
     file: String,
 ) -> Result<Option<Chart>, DrawError> {
+    let metric = metric_against(view.results, against, metric);
     let cloud = study.cloud(against, metric, cost);
     let Some(scale) = Scale::of(cloud.shown.iter().map(|s| s.point), cost) else {
         return Ok(None);
@@ -138,56 +147,46 @@ fn scatter(
     let all = cloud.front(|_| true);
     let fair = cloud.front(|s| !s.is_fitted());
     let reasons = cloud.reasons();
-    let notes = match cost {
-        Cost::Wall => notes(&cloud),
-        Cost::Evaluations => Vec::new(),
-    };
     let models = models_of(study, &cloud);
-    let top = 8.0 + legend_height(&models, marks);
+    let models: Vec<(&str, usize)> = models.iter().map(|(s, m)| (m.as_str(), *s)).collect();
+    let top = scatter::key_height(&models);
     let strip = strip_height(&reasons);
     let area = Rect::new(LEFT, top + strip, WIDTH - RIGHT, top + strip + PLOT);
-    let notes_height = 17.0 * notes.len() as f64 + if notes.is_empty() { 0.0 } else { 10.0 };
-    let title = match (against, cost) {
-        (SELF, _) => "Integration error against work",
-        (_, Cost::Wall) => "Model error against wall time",
-        (_, Cost::Evaluations) => "Model error against work",
+    let reference = view.reference_name(against);
+    let over = match cost {
+        Cost::Wall => "wall time",
+        Cost::Evaluations => "force evaluations",
     };
-    let svg = draw(WIDTH, area.y1 + 46.0 + notes_height, title, |c| {
-        legend(c, &models, marks);
-        failures(
-            c,
-            marks,
-            &reasons,
-            &Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0),
-        );
+    let title = format!(
+        "{} against {reference}, over {over}",
+        capital(metric.words())
+    );
+    let svg = draw(WIDTH, area.y1 + 46.0, &title, |c| {
+        scatter::key(c, &models, true);
+        let edge = Rect::new(LEFT, top, WIDTH - RIGHT, top + strip - 8.0);
+        failures(c, &reasons, &edge);
         let frame = scale.frame(area);
         frame.paint(c, scale.x_name, &metric.axis(), true);
         let on = |i: &usize| all.contains(i) || fair.contains(i);
+        let mut room = Room::of(area);
         for i in (0..cloud.shown.len()).filter(|i| !on(i)) {
             let s = &cloud.shown[i];
-            let (look, filled) = marks.look(s.style, s.run);
-            marker(c, scale.at(&frame, s.point), 3.4, faint(look), filled);
+            let at = scale.at(&frame, s.point);
+            marker(c, at, 3.4, faint(look(s.style)), !s.run.implicit);
+            room.keep_pale(at, 3.4);
         }
         let stairs = |of: &[usize]| of.iter().map(|&i| cloud.shown[i].point).collect::<Vec<_>>();
         if fitted {
             let stroke = Stroke::dashed(Ink::GREY, 1.3, &[3.0, 3.0]);
-            staircase(c, &frame, &scale, &stairs(&all), stroke);
+            staircase(c, &frame, &scale, &stairs(&all), stroke, &mut room);
         }
-        staircase(
-            c,
-            &frame,
-            &scale,
-            &stairs(&fair),
-            Stroke::new(Ink::DARK, 1.5),
-        );
-        let shown: Vec<usize> = (0..cloud.shown.len()).filter(on).collect();
-        let mut taken: Vec<Rect> = Vec::new();
-        for &i in &shown {
+        let full = Stroke::new(Ink::DARK, 1.5);
+        staircase(c, &frame, &scale, &stairs(&fair), full, &mut room);
+        for i in (0..cloud.shown.len()).filter(on) {
             let s = &cloud.shown[i];
             let at = scale.at(&frame, s.point);
-            taken.push(Rect::around(at, 6.0));
-            let (look, filled) = marks.look(s.style, s.run);
-            marker(c, at, 5.4, look, filled);
+            room.keep_point(at, 6.0);
+            marker(c, at, 5.4, look(s.style), !s.run.implicit);
         }
         let mut named = cloud.news(&fair);
         named.extend(cloud.news(&all));
@@ -195,25 +194,11 @@ fn scatter(
         named.dedup();
         for &i in &named {
             let s = &cloud.shown[i];
-            point_label(
-                c,
-                &words(s),
-                scale.at(&frame, s.point),
-                &area,
-                &mut taken,
-                true,
-            );
-        }
-        let mut y = area.y1 + 58.0;
-        for (cells, strong) in &notes {
-            for (text, x) in cells.iter().zip(NOTES) {
-                let kind = Type::new(11.5, Anchor::Start);
-                c.text(text, (x, y), if *strong { kind.bold() } else { kind });
-            }
-            y += 17.0;
+            let text = words(s);
+            let kind = Type::new(NAME, Anchor::Start);
+            room.write(c, &text, scale.at(&frame, s.point), kind);
         }
     })?;
-    let reference = view.reference_name(against);
     Ok(Some(Chart {
         file,
         title,
@@ -248,11 +233,8 @@ fn caption(reference: &str, metric: Metric, cost: Cost, fitted: bool, own: bool)
     )
 }
 
-/// What a point of the front is called beside its colour.
+/// What a point of the front is called beside its colour and marker.
 fn words(s: &Shown<'_>) -> String {
-    if is_ours(s.run) {
-        return modes_and_step(s.run);
-    }
     format!("{} {}", id_of(&s.run.integrator), modes_and_step(s.run))
 }
 
@@ -283,51 +265,6 @@ fn models_of(study: &Precision<'_>, cloud: &Cloud<'_>) -> Vec<(usize, String)> {
     found.into_iter().map(label).collect()
 }
 
-/// Left edges of the columns of the notes.
-const NOTES: [f64; 4] = [LEFT - 60.0, LEFT - 14.0, LEFT + 234.0, LEFT + 508.0];
-
-/// Who leads at which error, in columns under the plot; headings are strong.
-fn notes(cloud: &Cloud<'_>) -> Vec<([String; 4], bool)> {
-    let line = |s: &Standing<'_, '_>| {
-        let cells = [s.level(), s.own(), s.beside_next(), s.beside_other()];
-        (cells, false)
-    };
-    let of = |fitted_too: bool| {
-        LEVELS
-            .iter()
-            .filter_map(move |l| cloud.standing(*l, fitted_too))
-    };
-    let fair: Vec<_> = of(false).map(|s| line(&s)).collect();
-    if fair.is_empty() {
-        return Vec::new();
-    }
-    let head = |what: &str| {
-        let texts = [
-            "within",
-            what,
-            "beside the next family",
-            "beside the next other model",
-        ];
-        (texts.map(String::from), true)
-    };
-    let mut all = vec![head(if cloud.has_fitted() {
-        "cheapest of residual compliance, nothing fitted"
-    } else {
-        "cheapest of residual compliance"
-    })];
-    all.extend(fair);
-    // Only what a fit changes is told again.
-    let fits: Vec<_> = of(true)
-        .filter(|s| s.next.is_some_and(|(rival, _)| rival.is_fitted()))
-        .map(|s| line(&s))
-        .collect();
-    if !fits.is_empty() {
-        all.push(head("models fitted to this history included"));
-        all.extend(fits);
-    }
-    all
-}
-
 fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
     if reasons.is_empty() {
         0.0
@@ -337,12 +274,7 @@ fn strip_height(reasons: &[(Status, Vec<(&Run, usize)>)]) -> f64 {
 }
 
 /// Failed runs, one row per reason.
-fn failures(
-    c: &mut Canvas<'_>,
-    marks: &Marks,
-    reasons: &[(Status, Vec<(&Run, usize)>)],
-    edge: &Rect,
-) {
+fn failures(c: &mut Canvas<'_>, reasons: &[(Status, Vec<(&Run, usize)>)], edge: &Rect) {
     if reasons.is_empty() {
         return;
     }
@@ -359,8 +291,8 @@ fn failures(
         );
         let pitch = ((edge.x1 - left - 12.0) / runs.len().max(1) as f64).min(13.0);
         for (i, (run, style)) in runs.iter().enumerate() {
-            let (look, filled) = marks.look(*style, run);
-            marker(c, (left + pitch * (i as f64 + 0.5), y), 3.6, look, filled);
+            let at = (left + pitch * (i as f64 + 0.5), y);
+            marker(c, at, 3.6, look(*style), !run.implicit);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! One colour and one letter per label, so that a map reads in colour, in greyscale and for the colour-blind.
 //!
-//! Colours after Okabe and Ito, as those of the models; the letter carries the meaning where colours cannot.
+//! Colours after Okabe and Ito, a shade apart from those of the models, which change on a dark page: cells stay as they
+//! are. The letter carries the meaning where colours cannot.
 
 use crate::drawing::axis::NAME_SIZE;
 use crate::drawing::canvas::{Anchor, Canvas, Ink, Stroke, Type, text_width};
@@ -19,26 +20,29 @@ pub struct Look {
     pub text: Ink,
 }
 
+/// Letters on dark cells, by day and by night.
+const ON_DARK: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
+
 /// The look of a label.
 pub fn look(status: Status) -> Look {
     let (ink, letter, dark) = match status {
         Status::Converged => (Ink(0xc9, 0xe7, 0xdc, 1.0), "", true),
         Status::Inaccurate => (Ink(0xf5, 0xea, 0x7a, 1.0), "i", true),
-        Status::EnergyGrowth => (Ink(0xe6, 0x9f, 0x00, 1.0), "E", true),
-        Status::Chatter => (Ink(0x00, 0x72, 0xb2, 1.0), "C", false),
-        Status::NewtonFailure => (Ink(0x6b, 0x4a, 0x9c, 1.0), "N", false),
+        Status::EnergyGrowth => (Ink(0xe6, 0x9f, 0x01, 1.0), "E", true),
+        Status::Chatter => (Ink(0x01, 0x72, 0xb2, 1.0), "C", false),
+        Status::NewtonFailure => (Ink(0x6b, 0x4a, 0x9d, 1.0), "N", false),
         Status::StepUnderflow => (Ink(0x6e, 0x74, 0x7a, 1.0), "U", false),
         Status::BlowUp => (Ink(0xb8, 0x3a, 0x00, 1.0), "B", false),
-        Status::Tunnelling => (Ink(0xcc, 0x79, 0xa7, 1.0), "T", true),
-        Status::AdhesiveForce => (Ink(0x56, 0xb4, 0xe9, 1.0), "A", true),
+        Status::Tunnelling => (Ink(0xcc, 0x79, 0xa8, 1.0), "T", true),
+        Status::AdhesiveForce => (Ink(0x56, 0xb4, 0xea, 1.0), "A", true),
         Status::Timeout => (Ink(0xd9, 0xdd, 0xe1, 1.0), "t", true),
         Status::Aborted => (Ink(0x1d, 0x23, 0x29, 1.0), "!", false),
-        Status::Interrupted => (Ink(0xff, 0xff, 0xff, 1.0), "-", true),
+        Status::Interrupted => (Ink(0xf4, 0xf5, 0xf6, 1.0), "-", true),
     };
     Look {
         ink,
         letter,
-        text: if dark { Ink::DARK } else { Ink::WHITE },
+        text: if dark { Ink::ON_CELL } else { ON_DARK },
     }
 }
 

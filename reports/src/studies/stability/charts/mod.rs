@@ -9,9 +9,10 @@ use crate::drawing::axis::NAME_SIZE;
 use crate::drawing::canvas::{Anchor, DrawError, Type, draw};
 use crate::drawing::geometry::Rect;
 use crate::drawing::panel::{RIGHT, WIDTH};
-use crate::numbers::{quantity, short};
+use crate::numbers::{counted, per_cent, quantity};
 use crate::record::Status;
-use crate::studies::stability::{LineKind, Map};
+use crate::studies::stability::{Columns, LineKind, Map};
+use crate::view::capital;
 use look::{Entry, KINDS, legend, legend_height};
 use panel::{Panel, labels};
 
@@ -49,7 +50,7 @@ pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     if let Some(svg) = overview::overview(maps)? {
         charts.push(Chart {
             file: "stability.svg".into(),
-            title: "Where methods fail",
+            title: "Where methods fail".into(),
             caption: "How runs ended at the scene's own parameters, by step (or tolerance, for methods that choose \
                       their steps). The diamond is the largest step up to which every run held, closed in on to \
                       2 %; the vertical line is the stability limit of linear theory at the closed contact."
@@ -61,7 +62,7 @@ pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
     for (i, figure) in all.iter().take(DRAWN).enumerate() {
         charts.push(Chart {
             file: format!("stability_map{:02}.svg", i + 1),
-            title: "Map of how runs ended",
+            title: heading(figure),
             caption: caption(figure),
             svg: paint(figure)?,
         });
@@ -75,6 +76,33 @@ pub fn stability(maps: &[Map]) -> Result<Vec<Chart>, DrawError> {
         ));
     }
     Ok(charts)
+}
+
+/// What a figure shows, as no other does: model, parameters, and the integrator where there is but one.
+fn heading(maps: &[&Map]) -> String {
+    let first = maps[0];
+    let names: Vec<&str> = first.axes.iter().map(|a| a.name.as_str()).collect();
+    let under = match maps {
+        [one] => one.integrator.clone(),
+        all => counted(all.len(), "integrator", "integrators"),
+    };
+    let columns = match first.columns {
+        Columns::Step => "step",
+        Columns::Tolerance => "tolerance",
+    };
+    format!(
+        "{} under {under}: how runs ended over {columns} and {}",
+        capital(&first.model_label()),
+        names.join(" and ")
+    )
+}
+
+/// How far two converged solutions are apart, in words.
+fn distance(checked: f64) -> String {
+    format!(
+        "a second solution at another tolerance differs from it by at most {} in the metric of the tolerance",
+        per_cent(checked, 2)
+    )
 }
 
 fn caption(maps: &[&Map]) -> String {
@@ -94,17 +122,16 @@ fn caption(maps: &[&Map]) -> String {
                 .into()
         }
         (n, all) if n == all => format!(
-            "Every row has a converged solution of its own, checked to {}.",
-            short(worst, 2)
+            "Every row has a converged solution of its own; {}.",
+            distance(worst)
         ),
         (n, all) => format!(
-            "{n} of {all} rows have a converged solution, checked to {}; the others are classified by the energy ledger \
-             alone.",
-            short(worst, 2)
+            "{n} of {all} rows have a converged solution; {}. The others are classified by the energy ledger alone.",
+            distance(worst)
         ),
     };
     format!(
-        "{}: step over {over}; {} simulated. The framed row is the scene's own value. {references}",
+        "{}: {over}; {} simulated. The framed row is the scene's own value. {references}",
         first.model_label(),
         quantity(first.duration_s, "s", 3)
     )

@@ -1,0 +1,90 @@
+//! What records keep of a scene, and a scene that is run again from there.
+//!
+//! A record that is run again stands in for its scene: text and calibrations are those of the record, relative paths
+//! still lead from where the scene file was, and the files there have to be the same.
+
+use super::calibration::Calibration;
+use super::{Origin, SceneFile};
+use crate::experiment::key::{Key, files};
+use gearbench_reference::hash::Hash;
+use gearbench_reports::record::Source;
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// The record that is run again.
+static STANDS_IN: OnceLock<Source> = OnceLock::new();
+
+/// Makes a record stand in for its scene from here on; the first one stays.
+pub fn stand_in(source: Source) {
+    let _ = STANDS_IN.set(source);
+}
+
+/// The text of a scene in the record that is run again.
+pub(super) fn recorded(name: &str) -> Option<&'static str> {
+    let source = STANDS_IN.get()?;
+    (source.name == name).then_some(source.scene.as_str())
+}
+
+/// The calibration file of a scene in the record that is run again.
+pub(super) fn recorded_calibration(scene: &str) -> Option<&'static str> {
+    let text = STANDS_IN.get()?.calibrations.get(scene)?;
+    Some(text)
+}
+
+/// The hash of a file; `None` of one that cannot be read.
+fn hash_of(path: &str) -> Option<String> {
+    let mut hash = Hash::START;
+    hash.bytes(&std::fs::read(path).ok()?);
+    Some(hash.to_string())
+}
+
+/// The hash of a stored reference.
+fn hash_of_reference(id: &str) -> Option<String> {
+    let found = gearbench_reference::reference(id).ok()?;
+    Some(Key::new("reference").and(&found.history).to_string())
+}
+
+/// Files and references that are not what a record was made of: what, by name.
+pub fn changed(source: &Source) -> Vec<String> {
+    let differs = |of: fn(&str) -> Option<String>| {
+        move |(name, hash): &(&String, &String)| of(name).as_ref() != Some(*hash)
+    };
+    let files = source.files.iter().filter(differs(hash_of));
+    let references = source.references.iter().filter(differs(hash_of_reference));
+    files
+        .chain(references)
+        .map(|(name, _)| name.clone())
+        .collect()
+}
+
+impl SceneFile {
+    /// What a record of it keeps.
+    pub fn source(&self) -> Source {
+        let mut calibrations: BTreeMap<String, Calibration> = BTreeMap::new();
+        for used in self.models.iter().filter_map(|m| m.calibration.as_ref()) {
+            if let Some(constants) = &used.constants {
+                let sets = &mut calibrations.entry(used.scene.clone()).or_default().sets;
+                let set = sets.entry(used.name.clone()).or_default();
+                set.insert(used.label.clone(), constants.clone());
+            }
+        }
+        let read = self.models.iter().flat_map(|m| files(&m.modelling));
+        Source {
+            version: env!("CARGO_PKG_VERSION").into(),
+            name: match &self.origin {
+                Origin::Shipped => self.name.clone(),
+                Origin::File(path) => path.display().to_string(),
+            },
+            scene: self.text().to_owned(),
+            calibrations: (calibrations.into_iter())
+                .map(|(scene, c)| (scene, c.to_toml()))
+                .collect(),
+            files: (read.map(str::to_owned))
+                .filter_map(|path| Some((path.clone(), hash_of(&path)?)))
+                .collect(),
+            references: (self.reference.iter())
+                .filter_map(|id| Some((id.clone(), hash_of_reference(id)?)))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! `gearbench rerun RECORD`: a study made again from its record, and held against it.
+//!
+//! The command of the record runs with the scene and the calibrations of the record. All that does not depend on the
+//! clock or the machine has to come out the same, to the last bit, under the same version of gearbench.
+
+use crate::cli::answer::Answer;
+use crate::cli::exit::Exit;
+use crate::cli::terminal::{Refusal, absolute, say, warn};
+use crate::experiment::machine;
+use crate::scene_file::source::{changed, stand_in};
+use clap::Args;
+use gearbench_reports::record::Results;
+use gearbench_reports::{ReportError, load_results};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  gearbench rerun out/spur_impact/compare                  into out/spur_impact/compare/rerun
+  gearbench rerun results.json --out again
+
+The command of the record runs again, with the scene and the calibrations that the record holds, and the new record is
+held against it: all but times has to be the same (exit code 1 where it is not).";
+
+/// What depends on the clock, on the machine, or on where it ran.
+const OF_THE_CLOCK: [&str; 13] = [
+    "wall_s",
+    "wall_spread_s",
+    "repeats",
+    "setup_s",
+    "cost_s",
+    "predicted_cost_s",
+    "cpu_s",
+    "created",
+    "machine",
+    "commit",
+    "command",
+    "source",
+    "reason",
+];
+
+/// Arguments of `rerun`.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Rerun {
+    /// A results.json, or the folder of a study
+    #[arg(value_name = "RECORD")]
+    pub record: PathBuf,
+    /// Folder to write to [default: `rerun` beside the record]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// The study of a record as the command line that makes it again, and where it will lie.
+pub struct Again {
+    /// Words of the command line, without the program.
+    pub words: Vec<String>,
+    before: Results,
+    out: PathBuf,
+}
+
+fn refuse(e: &ReportError) -> Refusal {
+    Refusal::Input(miette::miette!(
+        help = "name a results.json, or the folder of a study that has one",
+        "{e}"
+    ))
+}
+
+/// Reads the record and puts it in the place of its scene.
+///
+/// # Errors
+/// [`Refusal`] for a record that cannot be made again: of a version that did not keep its scene, or with files that have
+/// changed.
+pub fn prepare(args: &Rerun) -> Result<Again, Refusal> {
+    let before = load_results(&args.record).map_err(|e| refuse(&e))?;
+    let shown = args.record.display();
+    let (command, commit) = (&before.header.command, &before.header.commit);
+    let Some(source) = before.header.source.clone() else {
+        return Err(Refusal::Input(miette::miette!(
+            help = format!("its command was `{command}`"),
+            "{shown}: the record was made by a version of gearbench (commit {commit}) that did not keep the scene"
+        )));
+    };
+    let changed = changed(&source);
+    if !changed.is_empty() {
+        return Err(Refusal::Input(miette::miette!(
+            help = format!(
+                "bring these files back to what they were, or run the command anew: `{command}`"
+            ),
+            "{shown}: not the same as when the record was made, or not there: {}",
+            changed.join(", ")
+        )));
+    }
+    if before.header.commit != machine::COMMIT {
+        warn(&format!(
+            "the record was made at commit {}, this program is of {}: results may differ",
+            before.header.commit,
+            machine::COMMIT
+        ));
+    }
+    let folder = match args.record.extension() {
+        Some(_) => args.record.parent().unwrap_or(Path::new("")),
+        None => &args.record,
+    };
+    let out = args.out.clone().unwrap_or_else(|| folder.join("rerun"));
+    let mut words = without_out(split(&before.header.command));
+    if words.is_empty() {
+        words.push("compare".into());
+    }
+    words.extend(["--out".to_owned(), out.display().to_string()]);
+    stand_in(source);
+    Ok(Again { words, before, out })
+}
+
+impl Again {
+    /// The command line of the record.
+    pub fn command(&self) -> &str {
+        &self.before.header.command
+    }
+
+    /// Holds the new record against the old one.
+    ///
+    /// # Errors
+    /// [`Refusal`] when the new record cannot be read.
+    pub fn compare(&self, answer: Answer) -> Result<Answer, Refusal> {
+        let after = load_results(&self.out).map_err(|e| refuse(&e))?;
+        let (mut total, mut differences) = (0, Vec::new());
+        let [old, new] =
+            [&self.before, &after].map(|r| serde_json::to_value(r).unwrap_or_default());
+        differ("", &old, &new, &mut total, &mut differences);
+        let record = absolute(self.out.join(gearbench_reports::RECORD));
+        let answer = (answer.with("compared", total)).with("differences", &differences);
+        if differences.is_empty() {
+            say(&format!(
+                "the same: all {total} values of the record but times ({})",
+                record.display()
+            ));
+            return Ok(answer);
+        }
+        say(&format!("{} of {total} values differ:", differences.len()));
+        differences
+            .iter()
+            .take(10)
+            .for_each(|d| say(&format!("  {d}")));
+        Ok(answer.ending(Exit::FellShort))
+    }
+}
+
+/// The words of a command line that was told, the program left out.
+fn split(told: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut word: Option<String> = None;
+    let (mut quoted, mut escaped) = (false, false);
+    for c in told.chars() {
+        match c {
+            _ if escaped => {
+                word.get_or_insert_default().push(c);
+                escaped = false;
+            }
+            '\\' if !quoted => escaped = true,
+            '\'' => {
+                quoted = !quoted;
+                word.get_or_insert_default();
+            }
+            ' ' if !quoted => words.extend(word.take()),
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    words.into_iter().skip(1).collect()
+}
+
+/// Without the folder that the study wrote to, and what is said of its start and its end.
+fn without_out(words: Vec<String>) -> Vec<String> {
+    let mut kept = Vec::new();
+    let mut skip = false;
+    for word in words {
+        let of_the_start = ["--fresh", "--json", "--quiet", "-q"].contains(&word.as_str());
+        let out = word == "--out" || word.starts_with("--out=");
+        if !(skip || out || of_the_start) {
+            kept.push(word.clone());
+        }
+        skip = word == "--out";
+    }
+    kept
+}
+
+/// Counts the values of two trees and lists where they differ, but for what is of the clock.
+fn differ(at: &str, a: &Value, b: &Value, total: &mut usize, found: &mut Vec<String>) {
+    match (a, b) {
+        (Value::Object(x), Value::Object(y)) => {
+            let new = y.keys().filter(|k| !x.contains_key(*k));
+            for key in x.keys().chain(new) {
+                if OF_THE_CLOCK.contains(&key.as_str()) {
+                    continue;
+                }
+                let [x, y] = [x, y].map(|m| m.get(key).unwrap_or(&Value::Null));
+                differ(&format!("{at}/{key}"), x, y, total, found);
+            }
+        }
+        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
+            for (i, (x, y)) in x.iter().zip(y).enumerate() {
+                differ(&format!("{at}/{i}"), x, y, total, found);
+            }
+        }
+        (a, b) => {
+            *total += 1;
+            if a != b {
+                let short = |v: &Value| v.to_string().chars().take(60).collect::<String>();
+                found.push(format!("{at}: {} there, {} now", short(a), short(b)));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_command_line_is_read_as_it_was_told() {
+        let told = r"gearbench compare 'my scene.toml' --integrators 'hht-alpha(alpha=0.1)@1us' --out 'it'\''s' --fresh";
+        let words = without_out(split(told));
+        let expected = [
+            "compare",
+            "my scene.toml",
+            "--integrators",
+            "hht-alpha(alpha=0.1)@1us",
+        ];
+        assert_eq!(words, expected);
+        assert!(split("gearbench").is_empty());
+        assert_eq!(split(r"gearbench 'it'\''s' ''"), ["it's", ""]);
+    }
+
+    #[test]
+    fn all_but_the_clock_is_compared() {
+        let a = json!({ "runs": [{ "wall_s": 1.0, "steps": 3, "x": [1.0, 2.0] }], "commit": "a" });
+        let b = json!({ "runs": [{ "wall_s": 2.0, "steps": 4, "x": [1.0, 2.0] }], "commit": "b" });
+        let (mut total, mut found) = (0, Vec::new());
+        differ("", &a, &b, &mut total, &mut found);
+        assert_eq!(
+            (total, found),
+            (3, vec!["/runs/0/steps: 3 there, 4 now".to_owned()])
+        );
+    }
+}

@@ -1,0 +1,232 @@
+//! A study that is killed again and again and resumed equals the one that was left alone, but for times.
+
+use super::{Folder, stdout};
+use gearbench::experiment::journal::JOURNAL;
+use serde_json::Value;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+/// Kills of one study.
+const KILLS: usize = 20;
+/// Seed of their moments.
+const SEED: u64 = 0x6765_6172_2d6b_696c;
+
+/// Studies whose pieces take some milliseconds each.
+const QUICK: [&str; 5] = [
+    "stability spur_rotation --models rigid --integrators velocity-verlet,rk4,newmark \
+     --axis contact-stiffness=0.1:100:6 --steps 5e-7:2e-4:10 --duration 2e-3 --threads 2",
+    "compare spur_impact --models rigid,rigid-iso6336,movable-teeth --repeats 1",
+    "precision spur_impact --models rigid,rigid-iso6336 --integrators velocity-verlet,rk4,dopri5",
+    "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4",
+    "identify spur_impact --model rigid",
+];
+/// Those that reduce finite elements first, or run them.
+const SLOW: [&str; 3] = [
+    "penalty spur_impact --points 9 --positions 4",
+    "truncation spur_impact --modes 10,20,30,40 --no-refine --repeats 1",
+    "choose spur_impact --metric peak --tolerance 0.05",
+];
+
+/// What depends on the clock: times, and what is chosen or repeated by them.
+const OF_THE_CLOCK: [&str; 16] = [
+    "wall_s",
+    "wall_spread_s",
+    "repeats",
+    "setup_s",
+    "cost_s",
+    "cpu_s",
+    "created",
+    "machine",
+    "command",
+    "record",
+    "report",
+    "reason",
+    "predicted_cost_s",
+    "tried",
+    "chosen",
+    "cheapest",
+];
+
+/// The answer and the record of a study without what depends on the clock.
+fn without_clock(mut value: Value) -> Value {
+    match &mut value {
+        Value::Object(map) => {
+            OF_THE_CLOCK.iter().for_each(|key| {
+                map.remove(*key);
+            });
+            for v in map.values_mut() {
+                *v = without_clock(v.take());
+            }
+        }
+        Value::Array(all) => all.iter_mut().for_each(|v| *v = without_clock(v.take())),
+        _ => {}
+    }
+    value
+}
+
+fn start(folder: &Folder, study: &str) -> Child {
+    let mut command = folder.command(&format!("{study} --out here --json"));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+/// What a study answers and records at its end.
+fn finish(folder: &Folder, study: &str) -> [Value; 2] {
+    let out = start(folder, study).wait_with_output().unwrap();
+    let answer: Value = serde_json::from_str(&stdout(&out))
+        .unwrap_or_else(|e| panic!("{study}: {e}: {}{}", stdout(&out), super::stderr(&out)));
+    let record = std::fs::read_to_string(folder.at("here/results.json")).ok();
+    let record = record.map_or(Value::Null, |text| serde_json::from_str(&text).unwrap());
+    assert!(
+        !folder.at("here").join(JOURNAL).exists(),
+        "{study}: the journal has served"
+    );
+    [answer, record].map(without_clock)
+}
+
+/// Whole lines of a journal that is perhaps not there.
+fn lines(folder: &Folder) -> usize {
+    let bytes = std::fs::read(folder.at("here").join(JOURNAL)).unwrap_or_default();
+    bytes.iter().filter(|b| **b == b'\n').count()
+}
+
+/// Parts of 1, evenly distributed (xorshift64*, Vigna 2016).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
+        bits as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Kills a study at random until it has ended, at most so many times, and holds it against one that was left alone.
+/// Returns how many kills left it unfinished with more than it began with.
+fn killed_and_resumed(study: &str, kills: usize) -> usize {
+    let (mut whole, mut killed) = (Folder::new(), Folder::new());
+    (whole.cached, killed.cached) = (true, true);
+    let wanted = finish(&whole, study);
+    let mut random = Random(SEED);
+    let mut progressed = 0;
+    for kill in 0..kills {
+        let before = lines(&killed);
+        let mut child = start(&killed, study);
+        // By the lines of the journal, not by a clock: each start gets one to three pieces done, the first of them often
+        // torn.
+        let at = before.max(1) + 1 + (3.0 * random.next()) as usize;
+        while lines(&killed) < at && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let after = lines(&killed);
+        if after == 0 {
+            break;
+        }
+        assert!(after >= before, "{study}: kill {kill} lost finished pieces");
+        progressed += usize::from(after > before.max(1));
+    }
+    let resumed = finish(&killed, study);
+    for (a, b) in resumed.iter().zip(&wanted) {
+        assert_eq!(a, b, "{study}");
+    }
+    progressed
+}
+
+#[test]
+fn killed_twenty_times_and_resumed_a_study_is_the_same() {
+    for study in QUICK {
+        let progressed = killed_and_resumed(study, KILLS);
+        assert!(
+            progressed >= 5,
+            "{study}: {progressed} kills fell into work"
+        );
+    }
+}
+
+/// Some minutes: `cargo test --release -p gearbench --test command -- --ignored killed`.
+#[test]
+#[ignore = "runs finite elements again and again, some minutes"]
+fn killed_twenty_times_and_resumed_a_slow_study_is_the_same() {
+    for study in SLOW {
+        let progressed = killed_and_resumed(study, KILLS);
+        assert!(
+            progressed >= 5,
+            "{study}: {progressed} kills fell into work"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_reports_what_is_finished_and_goes_on() {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let study = "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4";
+    for signal in [SIGINT, SIGTERM] {
+        let folder = Folder::new();
+        let child = start(&folder, study);
+        while lines(&folder) < 4 {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        let id = child.id().to_string();
+        let sent = std::process::Command::new("kill")
+            .args([&format!("-{signal}"), &id])
+            .status();
+        assert!(sent.unwrap().success());
+        let out = child.wait_with_output().unwrap();
+        assert_eq!(out.status.code(), Some(130), "{}", super::stderr(&out));
+        let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
+        assert!(
+            (1..24).contains(&record.runs.len()),
+            "{} runs",
+            record.runs.len()
+        );
+        let said = record
+            .settings
+            .iter()
+            .any(|(what, _)| what == "interrupted");
+        assert!(said && folder.at("here/index.html").exists());
+        finish(&folder, study);
+        let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
+        assert_eq!(record.runs.len(), 24);
+    }
+}
+
+#[test]
+fn the_folder_is_tried_before_the_first_run() {
+    let folder = Folder::new();
+    folder.write("file", "");
+    // A run of hours, were it begun.
+    let study =
+        "compare spur_impact --models rigid --integrators rk4@1ps --timeout 100000 --out file/here";
+    folder.refuses(study, &["file/here"]);
+    assert_eq!(folder.files(), 1);
+}
+
+#[test]
+fn a_record_is_run_again() {
+    let folder = Folder::new();
+    folder.says(
+        "compare spur_impact --models rigid,movable-teeth --integrators dopri5,bdf --out here",
+    );
+    let text = folder.read("here/results.json");
+    // The scene of the record counts, whatever becomes of the file.
+    let said = folder.says("rerun here --out again");
+    super::has(&said, &["the same: all"]);
+    assert_eq!(folder.read("here/results.json"), text);
+    let csv = |at: &str| folder.read(&format!("{at}/run01-rigid-dopri5.csv"));
+    assert_eq!(csv("here"), csv("again"));
+    let changed = text.replacen("\"steps\": ", "\"steps\": 1", 1);
+    std::fs::write(folder.at("here/results.json"), changed).unwrap();
+    let out = folder.ends("rerun here/results.json --out again", 1);
+    super::has(&stdout(&out), &["/runs/0/steps"]);
+    let before = text.replacen("\"source\"", "\"source_of_another_version\"", 1);
+    std::fs::write(folder.at("here/results.json"), before).unwrap();
+    folder.refuses(
+        "rerun here",
+        &["did not keep the scene", "gearbench compare spur_impact"],
+    );
+}

@@ -1,0 +1,55 @@
+//! Columns of tables: what they are for, and how wide they are on the page.
+
+use crate::drawing::canvas::text_width;
+
+/// Width of the text of a page on a screen, and of a table in print at its smaller type \[px\].
+pub const PAGE: f64 = 918.0;
+/// Size of the type of tables, and what stands between columns \[px\].
+const SIZE: f64 = 12.5;
+const BETWEEN: f64 = 12.0;
+/// Text wraps beyond this \[px\].
+const WRAP: f64 = 150.0;
+/// What a column is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rank {
+    /// Says which row it is.
+    Key,
+    /// Answers the question of the table.
+    Result,
+    /// All else.
+    Detail,
+}
+
+/// A column: its heading, unit, and one cell per row.
+pub struct Column {
+    pub rank: Rank,
+    pub heading: String,
+    pub unit: String,
+    pub cells: Vec<Option<String>>,
+    pub text: bool,
+}
+
+impl Column {
+    /// Whether its text is too long for a line.
+    pub fn wraps(&self) -> bool {
+        let long = |t: &String| text_width(t, SIZE) > WRAP;
+        self.text && self.cells.iter().flatten().any(long)
+    }
+
+    /// Width on the page; text wraps, and headings at their spaces \[px\].
+    pub fn width(&self) -> f64 {
+        let cells = self.cells.iter().flatten();
+        let widest = cells.map(|t| text_width(t, SIZE)).fold(0.0, f64::max);
+        let widest = if self.wraps() { WRAP } else { widest };
+        let words = self.heading.split(' ').chain([self.unit.as_str()]);
+        let head = words
+            .map(|w| 1.08 * text_width(w, SIZE))
+            .fold(0.0, f64::max);
+        BETWEEN + widest.max(head)
+    }
+}
+
+/// Width of columns beside each other \[px\].
+pub fn width(columns: &[&Column]) -> f64 {
+    columns.iter().map(|c| c.width()).sum()
+}

@@ -1,0 +1,334 @@
+//! What holds for the page of every study: tables that show their results, findings that are short and say what was
+//! fitted, plain words, sizes.
+
+use crate::{finding, made_up, precision, written};
+use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice};
+use gearbench_reports::stability::{Cell, Columns, Limit, Map, MapAxis, StabilityRecord};
+use gearbench_reports::store::PAGE;
+use gearbench_reports::{
+    ChoiceRecord, ChooseRecord, LevelRecord, Metric, Part, Results, Status, TriedRecord,
+};
+
+/// Width of the text of a page \[px\], and of a character of its tables.
+const PAGE_WIDTH: f64 = 920.0;
+const CHARACTER: f64 = 6.4;
+
+fn stability() -> Results {
+    let at: Vec<f64> = (0..10).map(|i| 1e-8 * 2_f64.powi(i)).collect();
+    let map = |integrator: &str| Map {
+        model: "rigid".into(),
+        integrator: integrator.into(),
+        duration_s: 1e-3,
+        columns: Columns::Step,
+        axes: vec![MapAxis {
+            id: "contact-stiffness".into(),
+            name: "contact stiffness over the scene's".into(),
+            values: vec![1.0],
+            ..MapAxis::default()
+        }],
+        cells: (at.iter().enumerate())
+            .map(|(i, h)| Cell {
+                at: *h,
+                status: if i < 6 {
+                    Status::Converged
+                } else {
+                    Status::BlowUp
+                },
+                ..Cell::default()
+            })
+            .collect(),
+        at: at.clone(),
+        ..Map::default()
+    };
+    let maps = vec![map("rk4"), map("velocity-verlet")];
+    assert_ne!(maps[0].limit(), Some(Limit::default()));
+    Results {
+        part: Part::Stability(StabilityRecord { maps }),
+        ..Results::default()
+    }
+}
+
+fn choose() -> Results {
+    let tried = |cost_s: f64, error: f64| TriedRecord {
+        level: "rigid, own `rigid`".into(),
+        family: "rigid".into(),
+        integrator: "velocity-verlet".into(),
+        step_s: Some(1.37e-5),
+        cost_s: Some(cost_s),
+        error: Some(error),
+        adequate: error < 0.05,
+        ..TriedRecord::default()
+    };
+    let level = LevelRecord {
+        name: "rigid, own `rigid`".into(),
+        family: "rigid".into(),
+        distance: Some(0.03),
+        error: Some(0.031),
+        adequate: true,
+        cheapest: Some(0),
+        setup_s: Some(1.2e-5),
+        ..LevelRecord::default()
+    };
+    let choice = ChoiceRecord {
+        metric: "peak".into(),
+        metric_title: "peak force".into(),
+        tolerance: 0.05,
+        chosen: Some(0),
+        predicted_error: Some(0.014),
+        predicted_cost_s: Some(6.52e-6),
+        setup_s: Some(1.2e-5),
+        window: "the whole scene".into(),
+        reason: vec!["The hierarchy settles at `elastic`; the metric is `peak_force_rel`.".into()],
+        levels: vec![level],
+        tried: vec![tried(6.52e-6, 0.014), tried(7e-6, 0.0141), tried(2e-6, 0.2)],
+        ..ChoiceRecord::default()
+    };
+    Results {
+        part: Part::Choose(Box::new(ChooseRecord { choice })),
+        ..Results::default()
+    }
+}
+
+fn choice_check() -> Results {
+    let scene = |number: usize| ValidatedChoice {
+        scene: format!("held-out:{number}"),
+        kind: "one impact".into(),
+        metric: Metric::ForceL2Aligned,
+        reference: "densest elastic".into(),
+        tolerance: 0.05,
+        outcome: if number == 0 {
+            Outcome::Inadequate
+        } else {
+            Outcome::Adequate
+        },
+        chosen: Some(
+            "rigid, static solves under generalised-alpha(rho_inf=0.8) 13.7 \u{b5}s".into(),
+        ),
+        predicted_error: Some(0.02),
+        error: Some(0.01),
+        reference_error: Some(0.001),
+        cost_s: Some(2.0),
+        cheapest_cost_s: Some(1.0),
+        ..ValidatedChoice::default()
+    };
+    Results {
+        part: Part::ChoiceCheck(CheckRecord {
+            choices: (0..9).map(scene).collect(),
+        }),
+        ..Results::default()
+    }
+}
+
+/// The page of every study.
+fn pages() -> Vec<(&'static str, String)> {
+    let all = [
+        ("compare", made_up::impact_results()),
+        ("rotation", made_up::rotation_results()),
+        ("precision", precision::results()),
+        ("truncation", made_up::mode_results()),
+        ("penalty", made_up::penalty_results()),
+        ("sweep", made_up::sweep_results()),
+        ("stability", stability()),
+        ("choose", choose()),
+        ("choice check", choice_check()),
+    ];
+    let page = |r: &Results| written(r).remove(PAGE).unwrap();
+    all.iter().map(|(name, r)| (*name, page(r))).collect()
+}
+
+/// What stands between tags.
+fn text(html: &str) -> String {
+    let html = html.replace("<br>", " ");
+    let parts = html
+        .split('<')
+        .map(|p| p.split_once('>').map_or(p, |(_, text)| text));
+    parts.collect::<Vec<_>>().concat()
+}
+
+/// Attribute and text of all elements of a name.
+fn elements<'h>(html: &'h str, name: &str) -> Vec<(&'h str, String)> {
+    let (open, close) = (format!("<{name}"), format!("</{name}>"));
+    let all = html.split(&open[..]).skip(1);
+    all.filter(|e| e.starts_with([' ', '>']))
+        .filter_map(|e| e.split(&close[..]).next()?.split_once('>'))
+        .map(|(attributes, inner)| (attributes, text(inner)))
+        .collect()
+}
+
+/// Width of a table by its longest cells and words of its heads: text of more than 23 characters wraps.
+fn width(table: &str) -> f64 {
+    let heads: Vec<usize> = (elements(table, "th").iter())
+        .filter(|(a, _)| !a.contains("colspan"))
+        .map(|(_, t)| t.split(' ').map(|w| w.chars().count()).max().unwrap_or(0))
+        .collect();
+    let mut widest = heads.clone();
+    for row in table.split("<tr").skip(1) {
+        for (i, (_, t)) in elements(row, "td").iter().enumerate() {
+            widest[i] = widest[i].max(t.chars().count().min(23));
+        }
+    }
+    widest.iter().map(|n| 12.0 + CHARACTER * *n as f64).sum()
+}
+
+/// Results stand in the table at a glance of every study, and no table is wider than the page: nothing hides in a box
+/// that scrolls, on a screen or on paper.
+#[test]
+fn no_table_hides_its_results() {
+    for (name, page) in pages() {
+        let (style, body) = page.split_once("</style>").unwrap();
+        assert!(
+            !style.contains(".scroll") && !body.contains("class=\"scroll\""),
+            "{name}"
+        );
+        for more in body.split("<details").skip(1) {
+            let more = more.split("</details>").next().unwrap();
+            let hidden: Vec<_> = (elements(more, "th").into_iter())
+                .filter(|(a, _)| a.contains(" r\""))
+                .collect();
+            assert!(
+                hidden.is_empty() || more.contains("<summary>All "),
+                "{name}: {hidden:?}"
+            );
+        }
+        let tables: Vec<&str> = body.split("<table").skip(1).collect();
+        assert!(!tables.is_empty(), "{name}");
+        for table in tables {
+            let table = table.split("</table>").next().unwrap();
+            let w = width(table);
+            assert!(
+                w <= 1.04 * PAGE_WIDTH,
+                "{name}: {w} {:?}",
+                elements(table, "th")
+            );
+            // On a narrow screen a row is a card: every number has its heading with it.
+            let cells = elements(table, "td");
+            assert!(cells.iter().all(|(a, _)| a.contains("data-l=\"")), "{name}");
+        }
+    }
+}
+
+/// The columns that were once cut off at the right.
+#[test]
+fn the_columns_at_the_end_are_at_a_glance() {
+    for (study, section, columns) in [
+        (
+            "compare",
+            "Metrics against",
+            &["Rebound", "Energy drift", "Impulse"][..],
+        ),
+        (
+            "precision",
+            "Cheapest run of each model",
+            &["Within 0.5", "Least error"],
+        ),
+        (
+            "choice check",
+            "Scenes</h2>",
+            &["Error", "Cost ratio", "Outcome"],
+        ),
+    ] {
+        let page = pages().into_iter().find(|p| p.0 == study).unwrap().1;
+        let table = page.split(section).nth(1).unwrap();
+        let glance = table.split("</table>").next().unwrap();
+        assert!(!glance.contains("<details"), "{study}");
+        let heads = elements(glance, "th");
+        for column in columns {
+            let shown = heads.iter().any(|(_, t)| t.starts_with(column));
+            assert!(shown, "{study}: {column} not in {heads:?}");
+        }
+    }
+}
+
+#[test]
+fn findings_are_three_sentences_at_most() {
+    for (name, page) in pages() {
+        let said = text(finding(&page).split("<p>").nth(1).unwrap());
+        let sentences = said.trim().trim_end_matches('.').split(". ").count();
+        assert!(
+            (1..=3).contains(&sentences),
+            "{name}: {sentences} in {said}"
+        );
+    }
+}
+
+/// A model that was fitted to the very history that it is held against predicts nothing there, and is not named as if.
+#[test]
+fn a_fit_is_no_prediction() {
+    let mut results = made_up::impact_results();
+    for r in results.runs.iter_mut().filter(|r| r.model == "rigid") {
+        r.fitted_to = Some("calculix".into());
+        r.wall_s *= 0.01;
+    }
+    let files = written(&results);
+    let said = text(finding(&files[PAGE]));
+    let (named, rest) = said.split_once(';').unwrap();
+    assert!(
+        named.contains("predicts the scene within its tolerance"),
+        "{said}"
+    );
+    assert!(
+        named.contains("movable-teeth under") && !named.contains("rigid under"),
+        "{said}"
+    );
+    assert!(
+        rest.contains("fitted to this very history") && rest.contains("not a prediction"),
+        "{said}"
+    );
+    assert!(said.contains("what the fits to it leave: rigid"), "{said}");
+    assert!(text(&files[PAGE]).contains("rest of a fit"));
+    for r in &mut results.runs {
+        r.fitted_to = Some("calculix".into());
+    }
+    let said = text(finding(&written(&results)[PAGE]));
+    assert!(said.contains("No model predicts the scene"), "{said}");
+}
+
+/// Neither keys of the format nor the quotes of names stand in what is read, and one is not several.
+#[test]
+fn pages_speak_in_words() {
+    for (name, page) in pages() {
+        let said = text(page.split("</style>").nth(1).unwrap());
+        for m in Metric::ALL.into_iter().filter(|m| m.key().contains('_')) {
+            assert!(!said.contains(m.key()), "{name}: {}", m.key());
+        }
+        assert!(!said.contains('`'), "{name}");
+        for wrong in [
+            " 1 runs",
+            " 1 times ",
+            " 1 choices",
+            " 1 scenes",
+            "Simulation time",
+        ] {
+            assert!(!said.contains(wrong), "{name}: {wrong}");
+        }
+        assert!(page.contains("prefers-color-scheme: dark"), "{name}");
+    }
+}
+
+/// Titles of figures are all different: each says what it is against.
+#[test]
+fn no_two_figures_have_one_title() {
+    for (name, page) in pages() {
+        let mut titles: Vec<String> = elements(&page, "h2").into_iter().map(|t| t.1).collect();
+        let all = titles.len();
+        titles.sort();
+        titles.dedup();
+        assert_eq!(titles.len(), all, "{name}");
+    }
+}
+
+/// Twenty models with long histories: a page keeps below 3 MB, the CSV hold the data.
+#[test]
+fn pages_stay_small() {
+    let mut results = made_up::rotation_results();
+    let base = results.runs.clone();
+    for k in 0..4 {
+        for r in &base {
+            let mut r = r.clone();
+            r.variant = Some(format!("{} {k}", r.variant.unwrap_or_default()));
+            results.runs.push(r);
+        }
+    }
+    let page = &written(&results)[PAGE];
+    assert!(page.len() < 3_000_000, "{}", page.len());
+}
