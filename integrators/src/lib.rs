@@ -125,6 +125,6 @@ pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
     At, Change, Coeffs, Energy, Events, FreeFlight, Layout, ModalSplit, Outputs, Power, Report,
-    SecondOrderSystem, State,
+    SecondOrderSystem, State, Touch,
 };
 pub use table::{METHODS, Method, method};

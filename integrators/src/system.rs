@@ -134,6 +134,17 @@ pub struct Outputs {
     pub channels: Vec<f64>,
 }
 
+/// A contact between two members of a system that carries force, or may.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touch {
+    /// What it belongs to: the place of a mesh.
+    pub group: usize,
+    /// The members that touch: teeth by number, which goes on over the turns of a gear.
+    pub members: [i64; 2],
+    /// Magnitude of the vector sum of its forces [N].
+    pub force: f64,
+}
+
 /// A tangent that could not be inverted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the Newton matrix is singular")]
@@ -289,6 +300,11 @@ pub trait Report {
 
     /// Energies, powers and channels at a state.
     fn output(&mut self, at: At<'_>, out: &mut Outputs);
+
+    /// The contacts that are closed at a state, each pair of members once, in order.
+    fn touches(&mut self, _at: At<'_>, out: &mut Vec<Touch>) {
+        out.clear();
+    }
 }
 
 /// What a system without a capability does: no event function ever falls, nothing flies, nothing is reported.

@@ -5,8 +5,10 @@
 //! This crate knows neither models nor integrators; its tables iterate the records.
 
 mod csv_table;
+pub mod dictionary;
 mod drawing;
 pub mod force;
+pub mod histories;
 mod markup;
 pub mod metrics;
 pub mod numbers;
@@ -20,6 +22,7 @@ mod words;
 pub use csv_table::CsvTable;
 pub use drawing::{Chart, DrawError};
 pub use force::ForceHistory;
+pub use histories::{ContactEvent, Histories, PairSample};
 pub use metrics::{Finished, Metric, Unfinished, compare};
 pub use record::{
     ContactPoint, ContactSnapshot, Ledger, Machine, Metrics, Outline, Part, ReferenceSeries,
@@ -32,3 +35,4 @@ pub use studies::stiffness::{StiffnessCurve, StiffnessCurves, stiffness};
 pub use studies::{
     StudyReport, choice_check, compare as comparison, precision, stability, sweep, truncation,
 };
+pub use view::metric_against;

@@ -1,13 +1,15 @@
 //! Files of a study: `results.json`, CSV per history, charts and the page.
 //!
-//! Everything but `results.json` is drawn from the text of `results.json`, also when it was just
-//! made, so that [`report_from`] gives the same bytes at any later time. A file is written whole or
-//! not at all: all go to a staging folder first and are renamed into place.
+//! Histories are data: the study writes them once, whole ([`crate::histories`]). Everything else but `results.json` is
+//! drawn from the text of `results.json`, also when it was just made, so that [`report_from`] gives the same bytes at
+//! any later time and leaves the histories alone. A file is written whole or not at all: all go to a staging folder
+//! first and are renamed into place.
 
 use crate::csv_table::{CsvTable, number};
 use crate::drawing::canvas::DrawError;
+use crate::histories::ENDINGS;
 use crate::markup::page;
-use crate::record::{Results, Run, SCHEMA, slug};
+use crate::record::{ReferenceSeries, Results, SCHEMA, slug};
 use crate::series::TimeSeries;
 use crate::studies::{Study, report};
 use serde::Serialize;
@@ -62,12 +64,20 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
         reason: e.to_string(),
     })?;
     let saved = parse(&text, &path)?;
-    let mut files = vec![(RECORD.to_owned(), text)];
+    let mut files = vec![(RECORD.to_owned(), Content::Text(text))];
+    files.extend(histories(results));
     files.extend(render(&saved)?);
     // What the record before made is drawn once more for its names; one that cannot be read made nothing known.
-    let before = load_results(&path).and_then(|old| render(&old));
+    let before: Vec<String> = load_results(&path).map_or_else(
+        |_| Vec::new(),
+        |old| {
+            let drawn = render(&old).unwrap_or_default();
+            let drawn = drawn.into_iter().map(|(name, _)| name);
+            drawn.chain(history_names(&old)).collect()
+        },
+    );
     put(dir, &files)?;
-    for (name, _) in before.unwrap_or_default() {
+    for name in before {
         if !files.iter().any(|(new, _)| *new == name) {
             // A file that is gone already is what is wanted.
             let _ = fs::remove_file(dir.join(name));
@@ -76,7 +86,8 @@ pub fn write_results(dir: &Path, results: &Results) -> Result<PathBuf, ReportErr
     Ok(dir.join(PAGE))
 }
 
-/// Draws charts, CSV and page of a folder again from its `results.json` alone.
+/// Draws charts, tables and page of a folder again from its `results.json` alone. The files of histories stay as the
+/// study wrote them: the record has only what charts need of them.
 ///
 /// # Errors
 /// [`ReportError`] when the record cannot be read or a file cannot be written.
@@ -136,39 +147,79 @@ fn parse(text: &str, path: &Path) -> Result<Results, ReportError> {
     Ok(results)
 }
 
-fn render(results: &Results) -> Result<Vec<(String, String)>, ReportError> {
-    let report = report(results)?;
-    let mut files: Vec<(String, String)> = histories(results)
-        .map(|(name, series)| (name, series_csv(series)))
-        .collect();
-    files.extend(report.csv.iter().map(|t| (t.file.clone(), t.text())));
-    files.extend(
-        report
-            .charts
-            .iter()
-            .map(|c| (c.file.clone(), c.svg.clone())),
-    );
-    files.push((PAGE.to_owned(), page(results, &report)));
-    Ok(files)
+/// What a file holds: histories are written one by one, never all in memory.
+enum Content<'a> {
+    Text(String),
+    Table(Box<dyn Fn() -> CsvTable + 'a>),
 }
 
-fn histories(results: &Results) -> impl Iterator<Item = (String, &TimeSeries)> {
-    let references = results.references.iter().enumerate().map(|(i, r)| {
-        let name = format!("reference{:02}-{}.csv", i + 1, slug(&r.id));
-        (name, &r.series)
-    });
+type File<'a> = (String, Content<'a>);
+
+fn render(results: &Results) -> Result<Vec<File<'static>>, ReportError> {
+    let report = report(results)?;
+    let tables = report.csv.iter().map(|t| (t.file.clone(), t.text()));
+    let charts = report
+        .charts
+        .iter()
+        .map(|c| (c.file.clone(), c.svg.clone()));
+    Ok(tables
+        .chain(charts)
+        .chain([(PAGE.to_owned(), page(results, &report))])
+        .map(|(name, text)| (name, Content::Text(text)))
+        .collect())
+}
+
+/// The histories of references, and of runs the whole ones that a study hands over, else what the record has.
+fn histories<'a>(results: &'a Results) -> Vec<File<'a>> {
+    let mut files: Vec<File<'a>> = Vec::new();
+    let mut add = |name: String, table: Box<dyn Fn() -> CsvTable + 'a>| {
+        files.push((name, Content::Table(table)));
+    };
+    for (i, r) in results.references.iter().enumerate() {
+        add(
+            reference_name(i, r),
+            Box::new(|| series_table(&r.series.finite_prefix())),
+        );
+    }
+    for (i, r) in results.runs.iter().enumerate() {
+        let stem = r.file_stem(i);
+        match (&r.histories, &r.series) {
+            (Some(whole), kept) => {
+                for (k, ending) in ENDINGS.into_iter().enumerate() {
+                    let table = move || whole.table(k, kept.as_ref());
+                    add(format!("{stem}{ending}"), Box::new(table));
+                }
+            }
+            (None, Some(series)) => {
+                add(
+                    format!("{stem}.csv"),
+                    Box::new(|| series_table(&series.finite_prefix())),
+                );
+            }
+            (None, None) => {}
+        }
+    }
+    files
+}
+
+/// The names of all files of histories that a record may have made.
+fn history_names(results: &Results) -> impl Iterator<Item = String> {
+    let references = results.references.iter().enumerate();
     let runs = results
         .runs
         .iter()
         .enumerate()
-        .filter_map(|(i, r): (_, &Run)| {
-            let series = r.series.as_ref()?;
-            Some((format!("{}.csv", r.file_stem(i)), series))
-        });
-    references.chain(runs)
+        .filter(|(_, r)| r.series.is_some());
+    references
+        .map(|(i, r)| reference_name(i, r))
+        .chain(runs.flat_map(|(i, r)| ENDINGS.map(|ending| format!("{}{ending}", r.file_stem(i)))))
 }
 
-fn series_csv(series: &TimeSeries) -> String {
+fn reference_name(i: usize, reference: &ReferenceSeries) -> String {
+    format!("reference{:02}-{}.csv", i + 1, slug(&reference.id))
+}
+
+fn series_table(series: &TimeSeries) -> CsvTable {
     let columns: Vec<&[f64]> = std::iter::once(series.time_s.as_slice())
         .chain(series.named_columns().map(|(_, c)| c))
         .collect();
@@ -182,11 +233,10 @@ fn series_csv(series: &TimeSeries) -> String {
             .collect(),
         rows: (0..series.len()).map(row).collect(),
     }
-    .text()
 }
 
 /// Writes files to a staging folder and renames them into place, the page last.
-fn put(dir: &Path, files: &[(String, String)]) -> Result<(), ReportError> {
+fn put(dir: &Path, files: &[File<'_>]) -> Result<(), ReportError> {
     let io = |path: &Path| {
         let path = path.to_owned();
         move |source| ReportError::Io { path, source }
@@ -195,9 +245,13 @@ fn put(dir: &Path, files: &[(String, String)]) -> Result<(), ReportError> {
     let staging = dir.join(format!(".staging-{}", std::process::id()));
     fs::create_dir_all(&staging).map_err(io(&staging))?;
     let work = || {
-        for (name, text) in files {
+        for (name, content) in files {
             let path = staging.join(name);
-            fs::write(&path, text).map_err(io(&path))?;
+            match content {
+                Content::Text(text) => fs::write(&path, text),
+                Content::Table(table) => fs::write(&path, table().text()),
+            }
+            .map_err(io(&path))?;
         }
         for (name, _) in files {
             let path = dir.join(name);

@@ -113,7 +113,7 @@ impl<'a> View<'a> {
     /// What an error of a run that was not fitted is.
     pub fn kind_of_error(&self) -> &'static str {
         match self.against.as_deref() {
-            Some("self") => INTEGRATION,
+            Some(SELF) => INTEGRATION,
             _ => "prediction",
         }
     }

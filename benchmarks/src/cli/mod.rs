@@ -110,10 +110,10 @@ pub(crate) enum Command {
     List,
     /// Write the report of a results folder again
     Report(Report),
-    /// Print a script that completes commands and options in a shell
-    Completions(Completions),
     /// Make a study again from its record, and hold it against that
     Rerun(Rerun),
+    /// Print a script that completes commands and options in a shell
+    Completions(Completions),
 }
 
 impl Command {
@@ -138,8 +138,8 @@ impl Command {
             Command::Reduce(args) => reduce::run(&args),
             Command::List => list::run(),
             Command::Report(args) => report::run(&args),
-            Command::Completions(args) => completions::run(&args),
             Command::Rerun(args) => again(&args),
+            Command::Completions(args) => completions::run(&args),
         }
     }
 }

@@ -137,6 +137,14 @@ impl StudyFolder {
         }))
     }
 
+    /// Passes a refusal on; of bad input nothing stays behind.
+    pub fn refuse(&self, refusal: Refusal) -> Refusal {
+        if let Refusal::Input(_) = refusal {
+            self.close();
+        }
+        refusal
+    }
+
     /// The end of a study: its journal has served, unless it was interrupted.
     pub fn close(&self) {
         if !interruption::requested() {

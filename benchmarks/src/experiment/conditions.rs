@@ -7,7 +7,7 @@ use crate::scene_file::SceneFile;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_reports::record::{Part, ReferenceSeries, Results};
+use gearbench_reports::record::{Part, Results};
 use std::time::Duration;
 
 /// What all runs of a study share.
@@ -74,17 +74,6 @@ impl Conditions<'_> {
         even(self.samples, self.duration)
     }
 
-    /// The same with the times of a reference.
-    pub fn grid_with(&self, reference: Option<&ReferenceSeries>) -> Vec<f64> {
-        let own = (reference.into_iter())
-            .flat_map(|r| r.series.time_s.iter().copied())
-            .filter(|t| *t <= self.duration);
-        let mut grid: Vec<f64> = self.grid().into_iter().chain(own).collect();
-        grid.sort_by(f64::total_cmp);
-        grid.dedup();
-        grid
-    }
-
     /// A run under these conditions.
     pub fn job<'j>(
         &'j self,
@@ -101,6 +90,7 @@ impl Conditions<'_> {
             grid,
             also_steps: true,
             forces: false,
+            histories: false,
             events: self.events,
             repeats: self.repeats,
             timeout: self.timeout,

@@ -75,6 +75,7 @@ pub fn converged<'a>(
             repeats: 0,
             max_steps: work / coordinates.max(1) as u64,
             events: true,
+            histories: false,
             ..job(method)
         })?;
         if !row.status.is_failure() {

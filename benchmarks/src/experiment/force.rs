@@ -60,7 +60,7 @@ const UNSEEN: Rule = Rule {
 };
 
 /// Whether events were located in the run that a state is of.
-fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
+pub fn is_located(s: &State, sys: &dyn SecondOrderSystem) -> bool {
     sys.layout().event_functions > 0 && s.discrete.first().is_some_and(|d| *d != 0.0)
 }
 

@@ -4,7 +4,8 @@
 //! peaks of short impacts in a long run. Metrics get the [force between events](super::force). The state of the largest
 //! force is kept for the picture.
 
-use super::force::ForceRecorder;
+use super::contact_log::ContactLog;
+use super::force::{ForceRecorder, is_located};
 use gearbench_integrators::system::{Outputs, SecondOrderSystem, State};
 use gearbench_integrators::{AcceptedStep, Control, Sink};
 use gearbench_models::scene::{Channel, OfMesh, Scene};
@@ -28,6 +29,10 @@ pub struct History {
     pub time: Vec<f64>,
     /// Rows of channels.
     pub rows: Vec<Vec<f64>>,
+    /// Rows that lie on the grid.
+    pub on_grid: Vec<usize>,
+    /// Contacts; `None` where nobody asks.
+    pub contacts: Option<ContactLog>,
     /// The force between events; `None` where nobody asks.
     pub pieces: Option<ForceRecorder>,
     /// State at the largest force.
@@ -98,7 +103,7 @@ impl History {
     }
 
     /// Evaluates the sample; a row of it stays where it is to be kept, or frames the begin or end of a contact.
-    fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool) {
+    fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool, on_grid: bool) {
         sys.output(self.sample.at(), &mut self.out);
         let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());
         for &c in &self.least {
@@ -119,6 +124,9 @@ impl History {
                 self.time.push(t);
                 self.rows.push(row);
             }
+            if on_grid {
+                self.on_grid.push(self.rows.len());
+            }
             self.time.push(self.sample.t);
             self.rows.push(self.out.channels.clone());
             self.skipped = None;
@@ -128,6 +136,10 @@ impl History {
             self.skipped = Some((self.sample.t, row));
         }
         self.in_contact = force > 0.0;
+        if let (true, Some(contacts)) = (on_grid, &mut self.contacts) {
+            let located = is_located(&self.sample, sys);
+            contacts.on_grid(sys, &self.sample, &self.out.channels, located);
+        }
     }
 
     /// Whether there is room for rows between those of the grid.
@@ -162,7 +174,8 @@ impl Sink for History {
                 break;
             }
             self.look(step, t);
-            let mut keep = on_grid <= t;
+            let of_grid = on_grid <= t;
+            let mut keep = of_grid;
             if keep {
                 self.next += 1;
             }
@@ -173,7 +186,7 @@ impl Sink for History {
                 keep |= rows && self.in_contact && (begins || last) && self.keeps_steps();
                 look += 1;
             }
-            self.take(sys, keep);
+            self.take(sys, keep, of_grid);
             if of_force <= t
                 && let (Some(pieces), Some(channels)) = (&mut pieces, self.force)
             {
@@ -184,5 +197,11 @@ impl Sink for History {
         self.pieces = pieces;
         self.looks = looks;
         Control::Continue
+    }
+
+    fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.switched(sys, before, after);
+        }
     }
 }

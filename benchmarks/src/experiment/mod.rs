@@ -3,6 +3,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`conditions`] | what all runs of a study share, and what heads its record |
+//! | `contact_log` | tooth pairs in contact, and contacts that close and open |
 //! | [`configuration`] | what is run: a model of a scene |
 //! | `converged` | the converged solution of a model |
 //! | [`error`] | why a study ends before its end |
@@ -24,6 +25,7 @@
 
 pub mod conditions;
 pub mod configuration;
+pub(crate) mod contact_log;
 pub(crate) mod converged;
 pub mod error;
 pub(crate) mod external;

@@ -10,6 +10,7 @@ use gearbench_models::geometry::Side;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::{Body, Modelling, SceneSpec, effective_radius};
 use gearbench_reference::reduction::ElasticParameters;
+use gearbench_reports::histories::Histories;
 use gearbench_reports::metrics::TRANSMISSION_ERROR;
 use gearbench_reports::record::{self, ContactPoint, ContactSnapshot, Outline, Run, finite};
 use gearbench_reports::series::{Column, TimeSeries};
@@ -59,7 +60,7 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
             .clone()
             .map(|g| column(Channel::Gear(g, OfGear::Displacement))),
     );
-    let error = transmission_error(spec, |g| of_gear(g, OfGear::Displacement));
+    let error = transmission_error(spec, 0, |g| of_gear(g, OfGear::Displacement));
     columns.extend(error.map(|values| Column {
         name: TRANSMISSION_ERROR.into(),
         values,
@@ -87,6 +88,57 @@ pub fn time_series(job: &Job<'_>, scene: &Scene, history: &History) -> TimeSerie
     series
 }
 
+/// What the files of a run hold beyond its series: all components of forces, torques, speeds of hubs, transmission errors
+/// of further meshes, tooth pairs and events.
+pub fn histories(spec: &SceneSpec, scene: &Scene, history: &History) -> Histories {
+    let rows = &history.on_grid;
+    let values = |channel: Channel| -> Vec<f64> {
+        (scene.channel(channel)).map_or_else(Vec::new, |c| {
+            rows.iter().map(|&row| history.rows[row][c]).collect()
+        })
+    };
+    let mut further = Vec::new();
+    let mut add = |channel: Channel| {
+        further.push(Column {
+            name: channel.column(spec),
+            values: values(channel),
+        });
+    };
+    for m in 0..spec.meshes.len() {
+        for what in [OfMesh::X, OfMesh::Y, OfMesh::Z] {
+            add(Channel::Mesh(m, what));
+        }
+    }
+    for g in 0..spec.gears.len() {
+        for what in [
+            OfGear::HubSpeed,
+            OfGear::ContactTorque,
+            OfGear::BearingX,
+            OfGear::BearingY,
+            OfGear::MountTorque,
+        ] {
+            add(Channel::Gear(g, what));
+        }
+    }
+    for m in 1..spec.meshes.len() {
+        let [a, b] = spec.meshes[m].gears.map(|i| spec.gears[i].name.as_str());
+        let error = transmission_error(spec, m, |g| values(Channel::Gear(g, OfGear::Displacement)));
+        further.extend(error.map(|values| Column {
+            name: format!("transmission_error_{a}_{b}_m"),
+            values,
+        }));
+    }
+    let (pairs, events) = (history.contacts.as_ref())
+        .map_or_else(Default::default, |c| (c.pairs.clone(), c.events.clone()));
+    Histories {
+        series: None,
+        on_grid: rows.clone(),
+        further,
+        pairs,
+        events,
+    }
+}
+
 /// Speeds of a gear [rad/s]; of a rack its speed over the reference radius of the first gear that it meshes with.
 fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     let Some(Body::Rack(_)) = scene.gears.get(gear).map(|g| &g.body) else {
@@ -103,13 +155,14 @@ fn turning(scene: &SceneSpec, gear: usize, mut speed: Vec<f64>) -> Vec<f64> {
     speed
 }
 
-/// How far the flanks of the first mesh that were placed have moved into each other along the line of action since
+/// How far the flanks of a mesh that were placed have moved into each other along the line of action since
 /// rigid ones would have touched [m].
 fn transmission_error(
     scene: &SceneSpec,
+    mesh: usize,
     displacement: impl Fn(usize) -> Vec<f64>,
 ) -> Option<Vec<f64>> {
-    let mesh = scene.meshes.first()?;
+    let mesh = scene.meshes.get(mesh)?;
     let approach = approach(mesh.start.side, mesh.gears.map(|i| &scene.gears[i].body));
     let [x, y] = mesh.gears.map(displacement);
     let error = |(x, y): (&f64, &f64)| approach(*x, *y) - mesh.start.gap;

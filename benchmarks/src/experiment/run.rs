@@ -1,11 +1,12 @@
 //! One model under one integrator: a row of the record. A run that fails is a row as well.
 
+use super::contact_log::ContactLog;
 use super::history::History;
 use super::interruption;
 use super::journal::JournalError;
 use super::key::Key;
 use super::parameters::parameters;
-use super::record::{ledger_record, momenta, reduction, snapshot, time_series};
+use super::record::{histories, ledger_record, momenta, reduction, snapshot, time_series};
 use super::status::RunMonitor;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
 use gearbench_integrators::system::SecondOrderSystem;
@@ -53,6 +54,8 @@ pub struct Job<'a> {
     pub also_steps: bool,
     /// Record the components of contact and bearing forces.
     pub forces: bool,
+    /// Keep what the files of histories hold.
+    pub histories: bool,
     /// Locate events.
     pub events: bool,
     /// Timed repeats.
@@ -69,7 +72,7 @@ impl Job<'_> {
         Key::new("run")
             .and_scene(self.scene, self.modelling)
             .and(&(self.method, self.t_end, self.grid, self.also_steps))
-            .and(&(self.forces, self.events, self.repeats))
+            .and(&(self.forces, self.histories, self.events, self.repeats))
             .and(&(self.timeout, self.max_steps))
     }
 
@@ -174,6 +177,9 @@ fn timed_in(
 
     let mut monitor =
         RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps).under(&job.plan());
+    if job.histories {
+        monitor.history.contacts = Some(ContactLog::new(job.scene, scene));
+    }
     let mut state = scene.initial();
     let start_momenta = momenta(scene, &state);
     let mut work = Work::default();
@@ -263,6 +269,7 @@ fn timed_in(
             .as_ref()
             .map(|s| snapshot(job.scene, scene, s)),
         series: Some(series),
+        histories: job.histories.then(|| histories(job.scene, scene, history)),
         ..reduction(scene, job.modelling)
     })
 }

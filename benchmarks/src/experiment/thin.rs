@@ -1,5 +1,6 @@
 //! Histories as records keep them.
 
+use gearbench_reports::record::Run;
 use gearbench_reports::series::TimeSeries;
 
 /// Half width of the close-up around the peak, over the duration.
@@ -20,4 +21,17 @@ pub fn thin(series: &TimeSeries) -> TimeSeries {
         thin.columns.clear();
     }
     thin
+}
+
+/// Leaves in a row the history that its record keeps; the whole one stays for the files of histories, if the row has
+/// them. What metrics were taken from is dropped.
+pub fn thin_row(row: &mut Run) {
+    let Some(mut whole) = row.series.take() else {
+        return;
+    };
+    whole.force = None;
+    row.series = Some(thin(&whole));
+    if let Some(histories) = &mut row.histories {
+        histories.series = Some(whole);
+    }
 }

@@ -115,3 +115,62 @@ fn a_scene_of_ones_own_is_refused_with_its_line() {
     folder.refuses("compare mine.toml", &[&at, "module_mm", "module_m"]);
     assert!(!folder.at("out").exists());
 }
+
+/// Histories are data: as many rows as asked for, evenly apart, every gear and mesh; events frame the jumps.
+#[test]
+fn histories_are_an_even_grid_with_events_beside() {
+    let folder = Folder::new();
+    let of = "--models rigid,movable-teeth --integrators dopri5@1e-6 --repeats 1";
+    folder.ends(&format!("compare loaded_mesh {of} --out here"), 0);
+    super::as_documented(&folder.at("here"));
+    let table = |name: &str| -> (Vec<String>, Vec<Vec<String>>) {
+        let text = folder.read(&format!("here/{name}"));
+        let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+        let mut lines = text.lines().map(cells);
+        (lines.next().unwrap(), lines.collect())
+    };
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    for stem in ["run01-rigid-dopri5", "run02-movable-teeth-dopri5"] {
+        let (columns, rows) = table(&format!("{stem}.csv"));
+        for name in [
+            "hub_angle_pinion_rad",
+            "hub_angle_wheel_rad",
+            "omega1_rad_s",
+            "omega2_rad_s",
+            "transmission_error_m",
+            "contact_force_transverse_n",
+            "bearing_pinion_x_n",
+            "bearing_wheel_y_n",
+        ] {
+            assert!(columns.iter().any(|c| c == name), "{name}");
+        }
+        assert_eq!(rows.len(), 4000, "{stem}");
+        let step = 0.01 / 3999.0;
+        for (i, row) in rows.iter().enumerate() {
+            assert!(
+                (number(&row[0]) - i as f64 * step).abs() < 1e-6 * step,
+                "row {i}"
+            );
+            assert!(row.iter().all(|cell| number(cell).is_finite()), "row {i}");
+        }
+        let (columns, rows) = table(&format!("{stem}-events.csv"));
+        let at = |name: &str| columns.iter().position(|c| c == name).unwrap();
+        let [before, after] = ["force_before_n", "force_after_n"].map(at);
+        let jump = |r: &Vec<String>| (number(&r[after]) - number(&r[before])).abs();
+        let closing: Vec<_> = rows.iter().filter(|r| r[1] == "closes").collect();
+        assert!(closing.len() > 10 && rows.iter().all(|r| r[at("located")] == "true"));
+        // A dashpot acts at once: a closing pair makes the force jump.
+        assert!(closing.iter().any(|r| jump(r) > 10.0), "{stem}");
+        assert!(
+            rows.windows(2)
+                .all(|w| number(&w[0][0]) <= number(&w[1][0]))
+        );
+        let (_, pairs) = table(&format!("{stem}-pairs.csv"));
+        assert!(pairs.len() > 2000);
+        for row in &pairs {
+            assert!(
+                (1.0..=16.0).contains(&number(&row[2])) && (1.0..=24.0).contains(&number(&row[3]))
+            );
+        }
+    }
+}

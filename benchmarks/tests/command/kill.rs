@@ -64,15 +64,18 @@ fn without_clock(mut value: Value) -> Value {
     value
 }
 
-fn start(folder: &Folder, study: &str) -> Child {
+/// Starts a study whose answer is read, or that is to be killed.
+fn start(folder: &Folder, study: &str, read: bool) -> Child {
     let mut command = folder.command(&format!("{study} --out here --json"));
-    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    // Nobody empties the pipe of a study that is to be killed.
+    let to = if read { Stdio::piped } else { Stdio::null };
+    command.stdout(to()).stderr(to());
     command.spawn().unwrap()
 }
 
 /// What a study answers and records at its end.
 fn finish(folder: &Folder, study: &str) -> [Value; 2] {
-    let out = start(folder, study).wait_with_output().unwrap();
+    let out = start(folder, study, true).wait_with_output().unwrap();
     let answer: Value = serde_json::from_str(&stdout(&out))
         .unwrap_or_else(|e| panic!("{study}: {e}: {}{}", stdout(&out), super::stderr(&out)));
     let record = std::fs::read_to_string(folder.at("here/results.json")).ok();
@@ -81,6 +84,7 @@ fn finish(folder: &Folder, study: &str) -> [Value; 2] {
         !folder.at("here").join(JOURNAL).exists(),
         "{study}: the journal has served"
     );
+    super::as_documented(&folder.at("here"));
     [answer, record].map(without_clock)
 }
 
@@ -113,7 +117,7 @@ fn killed_and_resumed(study: &str, kills: usize) -> usize {
     let mut progressed = 0;
     for kill in 0..kills {
         let before = lines(&killed);
-        let mut child = start(&killed, study);
+        let mut child = start(&killed, study, false);
         // By the lines of the journal, not by a clock: each start gets one to three pieces done, the first of them often
         // torn.
         let at = before.max(1) + 1 + (3.0 * random.next()) as usize;
@@ -167,7 +171,7 @@ fn an_interrupted_study_reports_what_is_finished_and_goes_on() {
     let study = "sweep loaded_mesh --models rigid --from 1000 --to 3000 --points 24 --cycles 4";
     for signal in [SIGINT, SIGTERM] {
         let folder = Folder::new();
-        let child = start(&folder, study);
+        let child = start(&folder, study, true);
         while lines(&folder) < 4 {
             std::thread::sleep(Duration::from_micros(200));
         }
@@ -200,8 +204,7 @@ fn the_folder_is_tried_before_the_first_run() {
     let folder = Folder::new();
     folder.write("file", "");
     // A run of hours, were it begun.
-    let study =
-        "compare spur_impact --models rigid --integrators rk4@1ps --timeout 100000 --out file/here";
+    let study = "compare spur_impact --models rigid --integrators rk4@1e-12 --timeout 100000 --out file/here";
     folder.refuses(study, &["file/here"]);
     assert_eq!(folder.files(), 1);
 }

@@ -93,6 +93,24 @@ fn stdout(o: &Output) -> String {
     String::from_utf8_lossy(&o.stdout).into_owned()
 }
 
+/// The record of a folder keeps to its schema, and every column of its CSV files stands in the dictionary.
+fn as_documented(folder: &std::path::Path) {
+    use gearbench_reports::dictionary::{is_described, violations};
+    if let Ok(record) = std::fs::read_to_string(folder.join("results.json")) {
+        let record = serde_json::from_str(&record).unwrap();
+        assert_eq!(violations(&record), Vec::<String>::new());
+    }
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "csv") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            for column in text.lines().next().unwrap_or_default().split(',') {
+                assert!(is_described(column), "{column} of {}", path.display());
+            }
+        }
+    }
+}
+
 /// What it complains of; diagnostics wrap at the width of the terminal.
 fn stderr(o: &Output) -> String {
     let all = String::from_utf8_lossy(&o.stderr);

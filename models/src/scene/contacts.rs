@@ -9,7 +9,8 @@ use crate::contact::pairs::all_open;
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::{At, Touch};
+use std::collections::BTreeMap;
 
 /// The contact force at a point, for pictures and reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,6 +171,37 @@ impl Scene {
             })
             .chain(nodal)
             .collect()
+    }
+
+    /// Closed contacts by mesh and tooth pair.
+    pub(super) fn fill_touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
+        out.clear();
+        self.evaluate_contacts(at);
+        let mut sums: BTreeMap<(usize, [i64; 2]), Vec3> = BTreeMap::new();
+        let mut add = |mesh: usize, teeth: [Tooth; 2], force: Vec3| {
+            let key = (mesh, teeth.map(|t| t.index));
+            *sums.entry(key).or_insert_with(Vec3::zeros) += force;
+        };
+        for c in &self.work.active {
+            let candidate = &self.work.candidates[c.candidate];
+            let (teeth, _) = self.meshes[c.mesh].search.flank_of(candidate);
+            let n = &candidate.normal;
+            add(
+                c.mesh,
+                teeth,
+                c.force.n * n + c.friction.f * sliding_direction(n),
+            );
+        }
+        for a in self.work.nodal.active.iter().filter(|a| a.force.n > 0.0) {
+            let p = &self.work.nodal.found.points[a.point];
+            let on_second = if p.slave == 0 { -a.force.n } else { a.force.n };
+            add(p.mesh as usize, p.teeth, on_second * a.direction);
+        }
+        out.extend(sums.into_iter().map(|((group, members), force)| Touch {
+            group,
+            members,
+            force: force.norm(),
+        }));
     }
 
     /// The contacts of a scene that has gears with fields.

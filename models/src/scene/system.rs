@@ -7,7 +7,7 @@ use crate::gear::LargeGear;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{
     At, Coeffs, Events, FreeFlight, Layout, ModalSplit, Outputs, Report, SecondOrderSystem,
-    Singular, State,
+    Singular, State, Touch,
 };
 
 impl SecondOrderSystem for Scene {
@@ -184,5 +184,9 @@ impl Report for Scene {
 
     fn output(&mut self, at: At<'_>, out: &mut Outputs) {
         self.fill_output(at, out);
+    }
+
+    fn touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
+        self.fill_touches(at, out);
     }
 }

@@ -7,6 +7,8 @@ type Point = (f64, f64);
 
 /// How far from its point a name may stand.
 const REACH: f64 = 190.0;
+/// How much further off a name may stand for each pale marker that it does not cover.
+const COVERED: f64 = 14.0;
 /// Between the lines of a leader and a name.
 const CLEAR: f64 = 1.5;
 
@@ -75,13 +77,15 @@ impl Room {
     /// Takes the free place for a text that is closest to its point; none when there is none within reach.
     pub fn beside(&mut self, text: &str, size: f64, at: Point) -> Option<Rect> {
         let width = text_width(text, size) + 2.0;
-        let places: Vec<Rect> = (places(width, size, at).into_iter())
-            .filter(|r| self.is_free(r))
-            .filter(|r| end_of_leader(at, r).is_none_or(|end| self.is_open(at, end)))
-            .collect();
-        let on_pale = |r: &&Rect| self.soft.iter().filter(|s| s.overlaps(r)).count();
-        let clear = places.iter().find(|r| on_pale(r) == 0);
-        let place = *clear.or_else(|| places.iter().min_by_key(on_pale))?;
+        let free = (places(width, size, at).into_iter())
+            .filter(|(_, r)| self.is_free(r))
+            .filter(|(_, r)| end_of_leader(at, r).is_none_or(|end| self.is_open(at, end)));
+        // Rather a little further off than on pale markers.
+        let cost = |(off, r): &(f64, Rect)| {
+            off + COVERED * self.soft.iter().filter(|s| s.overlaps(r)).count() as f64
+        };
+        let best = free.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let (_, place) = best?;
         self.keep(place);
         if let Some(end) = end_of_leader(at, &place) {
             self.keep_line(&[at, end]);
@@ -154,12 +158,12 @@ fn end_of_leader((x, y): Point, name: &Rect) -> Option<Point> {
     ((foot - x).hypot(near - y) > 11.0).then_some((foot, near))
 }
 
-/// The places for a text around its point, the closest first: beside it, above and below it, then wherever.
-fn places(width: f64, size: f64, (x, y): Point) -> Vec<Rect> {
+/// The places for a text around its point, each with how far off it is: beside it, above and below it, then wherever.
+fn places(width: f64, size: f64, (x, y): Point) -> Vec<(f64, Rect)> {
     let half = 0.57 * size;
     let boxed =
         |left: f64, middle: f64| Rect::new(left, middle - half, left + width, middle + half);
-    let mut places = vec![
+    let close = [
         boxed(x + 8.0, y),
         boxed(x - 8.0 - width, y),
         boxed(x - 0.5 * width, y - half - 8.0),
@@ -169,22 +173,20 @@ fn places(width: f64, size: f64, (x, y): Point) -> Vec<Rect> {
         boxed(x - 5.0 - width, y - half - 5.0),
         boxed(x - 5.0 - width, y + half + 5.0),
     ];
+    let close = close.into_iter().enumerate();
+    let mut places: Vec<(f64, Rect)> = close.map(|(i, r)| (i as f64, r)).collect();
     let pitch = 0.6 * size;
     let reach = (REACH / pitch) as i32;
-    let mut rings: Vec<(f64, Rect)> = Vec::new();
     for i in -reach..=reach {
         for k in -reach..=reach {
             let (dx, dy) = (1.4 * pitch * f64::from(i), pitch * f64::from(k));
             let r = boxed(x + dx - 0.5 * width, y + dy);
             let near = (x.clamp(r.x0, r.x1) - x).hypot(y.clamp(r.y0, r.y1) - y);
-            let off = near + 0.15 * dx.abs();
             if near > 9.0 && near < REACH {
-                rings.push((off, r));
+                places.push((near + 0.15 * dx.abs(), r));
             }
         }
     }
-    rings.sort_by(|a, b| a.0.total_cmp(&b.0));
-    places.extend(rings.into_iter().map(|r| r.1));
     places
 }
 

@@ -97,12 +97,11 @@ impl Metric {
     /// In the head of a column: what the error is of.
     pub fn short(self) -> String {
         let words = self.words();
-        let (before, last) = words.split_once("force-").unwrap_or((words, ""));
-        let what = match last {
-            "" => words.replace("transmission-error", "transmission error"),
-            last => format!("{before}force {last}"),
-        };
-        what.trim_end_matches(" error").to_owned()
+        let what = words.strip_suffix(" error").unwrap_or(words);
+        // Two words that were joined before a third.
+        let joined = ["force-history", "peak-force", "transmission-error"];
+        let apart = |text: String, pair: &str| text.replace(pair, &pair.replace('-', " "));
+        joined.into_iter().fold(what.to_owned(), apart)
     }
 
     /// SI unit; empty for ratios, which pages show in per cent.
@@ -159,6 +158,7 @@ mod tests {
         for (i, m) in Metric::ALL.into_iter().enumerate() {
             assert_eq!(metrics.get(m), Some((i + 1) as f64), "{m}");
             assert_eq!(m.key().parse(), Ok(m));
+            assert!(m.words().starts_with(&m.short()[..4]), "{m}");
             assert!(m.option().is_none_or(|o| o.parse() == Ok(m)));
         }
         let keys: serde_json::Value = serde_json::to_value(&metrics).unwrap();

@@ -1,6 +1,6 @@
 //! What a record must satisfy to be saved, and the form in which it is saved.
 
-use crate::record::{ContactSnapshot, Results, SCHEMA, Steady};
+use crate::record::{ContactSnapshot, Results, Run, SCHEMA, Steady};
 use crate::series::TimeSeries;
 
 impl Results {
@@ -39,7 +39,20 @@ impl Results {
     /// keep ten significant digits; points that are not finite are gone from the pictures.
     #[must_use]
     pub fn sanitised(&self) -> Self {
-        let mut clean = self.clone();
+        // Whole histories have files of their own; they are never copied all at once.
+        let mut clean = Self {
+            runs: (self.runs.iter())
+                .map(|r| Run {
+                    histories: None,
+                    ..r.clone()
+                })
+                .collect(),
+            header: self.header.clone(),
+            settings: self.settings.clone(),
+            tolerance: self.tolerance.clone(),
+            references: self.references.clone(),
+            part: self.part.clone(),
+        };
         clean.tolerance = clean.tolerance.filter(|t| t.limit.is_finite());
         for reference in &mut clean.references {
             reference.series = ten_digits(&reference.series);

@@ -1,7 +1,7 @@
 //! The versioned result records: everything a report needs and nothing it could compute itself.
 //!
 //! The JSON keys of [`Results`], [`Run`] and [`Metrics`] are a public format (`"schema": 1`): a key
-//! may be added, never renamed or given another meaning without a new schema number. Quantities are
+//! may be added (`docs/results.schema.json` has them all), never renamed or given another meaning without a new schema number. Quantities are
 //! in SI units, the unit stands at the end of the name. A quantity that was not measured, or is not
 //! finite, is absent: use [`finite`].
 

@@ -1,6 +1,7 @@
 //! A run: one model under one integrator, what it cost, and how it ended.
 
 use super::{ContactSnapshot, Ledger, Metrics, Steady, is_not_finite, nan, not_a_number, slug};
+use crate::histories::Histories;
 use crate::metrics::{Finished, Unfinished};
 use crate::series::TimeSeries;
 use crate::words::words;
@@ -154,6 +155,9 @@ pub struct Run {
     /// Recorded histories.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<TimeSeries>,
+    /// The histories whole, for files of their own: known while a study runs and in its journal, not kept in records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub histories: Option<Histories>,
     /// The mesh at peak force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contacts: Option<ContactSnapshot>,

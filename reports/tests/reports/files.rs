@@ -2,7 +2,10 @@
 
 use crate::{contents, finding, has_only_numbers, holds, made_up, written};
 use gearbench_reports::store::{PAGE, RECORD};
-use gearbench_reports::{Results, Run, Status, load_results, report_from, write_results};
+use gearbench_reports::{
+    Column, ContactEvent, Histories, PairSample, Results, Run, Status, load_results, report_from,
+    write_results,
+};
 use std::fs;
 
 #[test]
@@ -115,7 +118,10 @@ fn the_report_is_a_function_of_the_record() {
     let dir = tempfile::tempdir().unwrap();
     write_results(dir.path(), &made_up::impact_results()).unwrap();
     let first = contents(dir.path());
-    for name in first.keys().filter(|n| *n != RECORD) {
+    // Histories are data that the record has only in part: they are left alone.
+    let is_history =
+        |n: &str| n.starts_with("run0") || n.starts_with("run1") || n.starts_with("reference");
+    for name in first.keys().filter(|n| *n != RECORD && !is_history(n)) {
         fs::remove_file(dir.path().join(name)).unwrap();
     }
     report_from(dir.path()).unwrap();
@@ -140,6 +146,63 @@ fn the_report_is_a_function_of_the_record() {
     );
     let csv = &first["run01-rigid-semi-implicit-euler.csv"];
     assert!(csv.starts_with("time_s,contact_force_n,omega1_rad_s,omega2_rad_s\n"));
+}
+
+/// Whole histories go to files of their own and not to the record, which keeps what charts need; files that an earlier
+/// record left there go.
+#[test]
+fn whole_histories_have_files_of_their_own() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut results = made_up::impact_results();
+    let whole = made_up::impact(1e-5, 3000.0, 0.0, 1e-7);
+    let stem = results.runs[0].file_stem(0);
+    results.runs[0].histories = Some(Histories {
+        on_grid: (0..whole.len()).step_by(10).collect(),
+        further: vec![Column {
+            name: "force_x_n".into(),
+            values: (0..whole.len()).step_by(10).map(|i| i as f64).collect(),
+        }],
+        pairs: vec![PairSample {
+            time_s: 2e-5,
+            mesh: 1,
+            teeth: [3, 30],
+            force_n: 5.0,
+        }],
+        events: vec![ContactEvent {
+            time_s: 1e-5,
+            closes: true,
+            mesh: 1,
+            teeth: [3, 30],
+            force_n: [0.0, 120.0],
+            located: true,
+        }],
+        series: Some(whole.clone()),
+    });
+    write_results(dir.path(), &results).unwrap();
+    let files = contents(dir.path());
+    assert!(!files[RECORD].contains("histories") && !files[RECORD].contains("force_x_n"));
+    let even = &files[&format!("{stem}.csv")];
+    assert_eq!(even.lines().count(), 1 + whole.len().div_ceil(10));
+    assert!(
+        even.lines().nth(2).unwrap().ends_with(",1.000000000e1"),
+        "{even}"
+    );
+    let pairs = &files[&format!("{stem}-pairs.csv")];
+    assert!(pairs.contains("2.000000000e-5,1,3,30,5.0"), "{pairs}");
+    let events = &files[&format!("{stem}-events.csv")];
+    assert!(
+        events.contains(",closes,1,3,30,0.000000000e0,1.200000000e2,true"),
+        "{events}"
+    );
+    results.runs[0].histories = None;
+    results.runs[0].series = None;
+    write_results(dir.path(), &results).unwrap();
+    let left = contents(dir.path());
+    assert!(
+        !left.keys().any(|name| name.starts_with(&stem)),
+        "{:?}",
+        left.keys()
+    );
 }
 
 #[test]

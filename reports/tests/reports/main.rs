@@ -6,6 +6,7 @@ mod pages;
 mod precision;
 mod studies;
 
+use gearbench_reports::dictionary;
 use gearbench_reports::{Results, write_results};
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,7 +26,20 @@ fn contents(dir: &Path) -> BTreeMap<String, String> {
 fn written(results: &Results) -> BTreeMap<String, String> {
     let dir = tempfile::tempdir().unwrap();
     write_results(dir.path(), results).unwrap();
-    contents(dir.path())
+    let files = contents(dir.path());
+    as_documented(&files);
+    files
+}
+
+/// The record keeps to its schema, and every column stands in the dictionary.
+fn as_documented(files: &BTreeMap<String, String>) {
+    let record = serde_json::from_str(&files[gearbench_reports::store::RECORD]).unwrap();
+    assert_eq!(dictionary::violations(&record), Vec::<String>::new());
+    for (name, text) in files.iter().filter(|(name, _)| name.ends_with(".csv")) {
+        for column in text.lines().next().unwrap().split(',') {
+            assert!(dictionary::is_described(column), "{column} of {name}");
+        }
+    }
 }
 
 /// Whether all of some files are there.

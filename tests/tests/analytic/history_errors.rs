@@ -98,6 +98,7 @@ impl Impact {
             grid: &grid,
             also_steps: true,
             forces: false,
+            histories: false,
             events: true,
             repeats: 0,
             timeout: NO_BOUND,

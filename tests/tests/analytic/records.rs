@@ -25,6 +25,7 @@ fn history(spec: &SceneSpec) -> TimeSeries {
         grid: &grid,
         also_steps: false,
         forces: false,
+        histories: false,
         events: true,
         repeats: 0,
         timeout: Duration::from_secs(600),

@@ -24,6 +24,7 @@ fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
         grid: &grid,
         also_steps: false,
         forces: false,
+        histories: false,
         events: true,
         repeats: 0,
         timeout: NO_BOUND,

@@ -254,6 +254,7 @@ impl Sink for RunMonitor {
     }
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.history.restarted(sys, before, after);
         self.ledger.restarted(sys, before, after);
     }
 }

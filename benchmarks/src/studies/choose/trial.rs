@@ -113,6 +113,7 @@ impl<'a> Trial<'a> {
             grid,
             also_steps,
             forces: false,
+            histories: false,
             events: true,
             repeats: 0,
             timeout,

@@ -44,5 +44,9 @@ pub fn run(args: &Compare, command: &str) -> Result<Answer, Refusal> {
     let output = &args.run.bounded.output;
     let mut folder = StudyFolder::of(output, &scene, Study::Compare.as_str())?;
     let made = folder.run(plan.len(), |runner| compare(&plan, runner));
-    folder.finish(made.map_err(refuse_run)?, Exit::of_every_run, summarise)
+    folder.finish(
+        made.map_err(|e| folder.refuse(refuse_run(e)))?,
+        Exit::of_every_run,
+        summarise,
+    )
 }

@@ -72,22 +72,8 @@ impl Plan<'_> {
         self.len() == 0
     }
 
-    /// Times to record at: those of the reference, and an even grid.
+    /// Times to record at: an even grid, whatever the times of the reference are.
     pub(super) fn grid(&self) -> Vec<f64> {
-        let mut grid = self.conditions.grid();
-        if let Some(r) = &self.reference {
-            let last = r.series.time_s.last().copied().unwrap_or(0.0);
-            grid.retain(|&t| t > last);
-            let own = r
-                .series
-                .time_s
-                .iter()
-                .copied()
-                .filter(|&t| t <= self.conditions.duration);
-            let mut all: Vec<f64> = own.collect();
-            all.append(&mut grid);
-            grid = all;
-        }
-        grid
+        self.conditions.grid()
     }
 }

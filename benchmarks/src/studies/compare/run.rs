@@ -4,10 +4,10 @@ use super::plan::Plan;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::converged::{EXACT_MODES, exact_for_modes, of_model, tight};
 use crate::experiment::key::Key;
-use crate::experiment::run::{LEFT_OUT, RunError, run};
+use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
 use crate::experiment::runner::Runner;
 use crate::experiment::status::{against_contact, against_tolerance};
-use crate::experiment::thin::thin;
+use crate::experiment::thin::thin_row;
 use gearbench_reports::comparison::CompareRecord;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Metrics, Part, ReferenceSeries, Results, Run};
@@ -38,7 +38,10 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
         let runs = &mut by_entry[i];
         let job = |method| {
             let of = (&entry.scene, &entry.modelling);
-            plan.conditions.job(of, method, &grid)
+            Job {
+                histories: true,
+                ..plan.conditions.job(of, method, &grid)
+            }
         };
         let mut own: Option<Option<TimeSeries>> = None;
         let mut pictured = false;
@@ -91,7 +94,7 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             } else {
                 pictured = row.contacts.is_some();
             }
-            row.series = row.series.map(|s| thin(&s));
+            thin_row(&mut row);
             runs.push(row);
         }
     }

@@ -3,14 +3,21 @@
 use crate::cli::terminal::say;
 use crate::experiment::run::LEFT_OUT;
 use gearbench_reports::numbers::{digits_apart, short};
-use gearbench_reports::record::{Results, Status};
+use gearbench_reports::record::{Results, SELF, Status};
+use gearbench_reports::{Metric, metric_against};
 
 /// One line per run, failures with their reason.
 pub fn summarise(results: &Results) {
-    let against = results.references.first().map_or("self", |r| r.id.as_str());
+    let against = results.references.first().map_or(SELF, |r| r.id.as_str());
+    let metric = metric_against(results, against, Metric::default());
     say(&format!(
-        "{:<24} {:<30} {:>10} {:>9} {:>8}  force error against {against}",
-        "model", "integrator", "step/rtol", "wall", "steps"
+        "{:<24} {:<30} {:>10} {:>9} {:>8}  {} against {against}",
+        "model",
+        "integrator",
+        "step/rtol",
+        "wall",
+        "steps",
+        metric.words()
     ));
     // As many digits as tell the runs of the table apart.
     let steps: Vec<f64> = results.runs.iter().filter_map(|r| r.step).collect();
@@ -30,7 +37,7 @@ pub fn summarise(results: &Results) {
             format!("{:.2} s", r.wall_s)
         };
         let outcome = match (r.status, r.against(against)) {
-            (Status::Converged, Some(m)) => (m.force_l2_aligned)
+            (Status::Converged, Some(m)) => (m.get(metric))
                 .map_or("reached its end; no force to compare".into(), |e| {
                     format!("{} %", short(100.0 * e, 3))
                 }),

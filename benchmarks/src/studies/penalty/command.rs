@@ -87,7 +87,7 @@ pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Penalty.as_str())?;
     let made = folder.run(plan.penalties.len(), |runner| study(&plan, runner));
     folder.finish(
-        made.map_err(|e| refuse_study(&scene, e))?,
+        made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?,
         Exit::of_every_run,
         summarise,
     )

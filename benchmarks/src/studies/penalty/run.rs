@@ -3,9 +3,9 @@
 use super::plan::Plan;
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
-use crate::experiment::run::run;
+use crate::experiment::run::{Job, run};
 use crate::experiment::runner::Runner;
-use crate::experiment::thin::thin;
+use crate::experiment::thin::thin_row;
 use gearbench_reference::statics::{Load, LoadedPair, MeshCycle};
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
@@ -55,7 +55,10 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
         let method = (entry.methods.as_ref())
             .and_then(|m| m.first())
             .unwrap_or(&plan.method);
-        let job = (plan.conditions).job((&entry.scene, &entry.modelling), method, &grid);
+        let job = Job {
+            histories: true,
+            ..(plan.conditions).job((&entry.scene, &entry.modelling), method, &grid)
+        };
         let key = job.key().and(&(plan.load, plan.positions));
         let mut row = runner.row(key, method, || {
             let mut row = run(&job)?;
@@ -106,7 +109,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     }
     runs.extend(last);
     for row in &mut runs {
-        row.series = row.series.take().map(|s| thin(&s));
+        thin_row(row);
     }
     runner.tell(runs.len(), total, "report");
     Ok(Results {

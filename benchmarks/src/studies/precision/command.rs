@@ -51,5 +51,9 @@ pub fn run(args: &Precision, command: &str) -> Result<Answer, Refusal> {
     };
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Precision.as_str())?;
     let made = folder.run(plan.len(), |runner| study(&plan, runner));
-    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
+    folder.finish(
+        made.map_err(|e| folder.refuse(refuse_run(e)))?,
+        Exit::of_any_run,
+        summarise,
+    )
 }

@@ -36,7 +36,7 @@ const TOO_FINE: &str = "left out: finer than a run that took too long";
 pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
     let study = Study {
         plan,
-        grid: plan.conditions.grid_with(plan.external.as_ref()),
+        grid: plan.conditions.grid(),
     };
     let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
     for full in &plan.fulls {

@@ -56,7 +56,7 @@ pub fn run(args: &Stability, command: &str) -> Result<Answer, Refusal> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or(cores, |n| n as usize);
     let made = folder.run(plan.cells(), |runner| study(&plan, runner, threads));
-    let (results, timings) = made.map_err(|e| refuse_study(&scene, e))?;
+    let (results, timings) = made.map_err(|e| folder.refuse(refuse_study(&scene, e)))?;
     let answer = folder.finish(results, |_| Exit::Done, summarise)?;
     write_timings(folder.path(), &timings)?;
     Ok(answer)

@@ -78,5 +78,9 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
 
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Sweep.as_str())?;
     let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
-    folder.finish(made.map_err(refuse)?, Exit::of_every_run, summarise)
+    folder.finish(
+        made.map_err(|e| folder.refuse(refuse(e)))?,
+        Exit::of_every_run,
+        summarise,
+    )
 }

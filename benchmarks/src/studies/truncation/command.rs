@@ -34,5 +34,9 @@ pub fn run(args: &Truncation, command: &str) -> Result<Answer, Refusal> {
     let output = &args.run.bounded.output;
     let mut folder = StudyFolder::of(output, &scene, Study::Truncation.as_str())?;
     let made = folder.run(1, |runner| study(&plan, runner));
-    folder.finish(made.map_err(refuse_run)?, Exit::of_any_run, summarise)
+    folder.finish(
+        made.map_err(|e| folder.refuse(refuse_run(e)))?,
+        Exit::of_any_run,
+        summarise,
+    )
 }

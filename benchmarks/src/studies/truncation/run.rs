@@ -3,7 +3,7 @@
 use super::plan::{Case, FULL, Kept, Plan, WAYS};
 use crate::experiment::run::{Job, RunError, run};
 use crate::experiment::runner::Runner;
-use crate::experiment::thin::thin;
+use crate::experiment::thin::thin_row;
 use gearbench_reports::metrics::compare as measure;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run};
 use gearbench_reports::truncation::{LIMITS, ways};
@@ -16,7 +16,7 @@ const PATIENCE: u32 = 10;
 /// # Errors
 /// [`RunError`] when a model cannot be built, the full model does not reach the end, or the user interrupts.
 pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
-    let grid = plan.conditions.grid_with(plan.external.as_ref());
+    let grid = plan.conditions.grid();
     let cases = plan.cases();
     let mut total = 1 + cases.len();
     runner.tell(0, total, "full finite elements");
@@ -24,6 +24,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
     let job = Job {
         repeats: 0,
         timeout: PATIENCE * plan.conditions.timeout,
+        histories: true,
         ..(plan.conditions).job((&full.scene, &full.modelling), &plan.full_method, &grid)
     };
     let mut reference: Run = runner.piece(job.key(), || run(&job))?;
@@ -67,7 +68,10 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         runner.tell(results.runs.len(), total, &what);
         let modelling = plan.modelling(case);
         let method = plan.method(case);
-        let job = (plan.conditions).job((&plan.elastic.scene, &modelling), &method, &grid);
+        let job = Job {
+            histories: true,
+            ..(plan.conditions).job((&plan.elastic.scene, &modelling), &method, &grid)
+        };
         let mut row = runner.row(job.key().and(&held), &method, || {
             let mut row = run(&job)?;
             for r in &results.references {
@@ -75,7 +79,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                 row.metrics.extend(metrics);
             }
             row.contacts = None;
-            row.series = row.series.map(|s| thin(&s));
+            thin_row(&mut row);
             Ok::<_, RunError>(row)
         })?;
         row.model.clone_from(&plan.elastic.model);
@@ -160,6 +164,7 @@ fn keep_histories(results: &mut Results) {
     for (i, run) in results.runs.iter_mut().enumerate() {
         if !keep.contains(&i) {
             run.series = None;
+            run.histories = None;
         }
     }
 }

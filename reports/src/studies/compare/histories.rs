@@ -345,7 +345,10 @@ pub fn speeds(view: &View<'_>) -> Result<Option<Chart>, DrawError> {
             s.outlines.iter().map(|o| o.gear.as_str()).collect()
         });
     let label = |i: usize, name: &str| {
-        let symbol = name.replacen("omega", "\u{3c9}", 1).replace('_', " ");
+        let symbol = name
+            .replacen("omega", "\u{3c9}", 1)
+            .replacen("speed", "\u{3c9}", 1);
+        let symbol = symbol.replace('_', " ");
         match gears
             .get(i)
             .filter(|g| g.len() <= 10 && !symbol.ends_with(*g))

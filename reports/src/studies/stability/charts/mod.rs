@@ -249,7 +249,8 @@ mod tests {
 
     /// A map with every label in its own row.
     fn map(set: usize, integrator: &str, seconds: usize) -> Map {
-        let at: Vec<f64> = (0..10).map(|i| 1e-8 * 2_f64.powi(i)).collect();
+        let steps = 0..Status::ALL.len() as i32;
+        let at: Vec<f64> = steps.map(|i| 1e-8 * 2_f64.powi(i)).collect();
         let axis = |id: &str, n: usize| MapAxis {
             id: id.into(),
             name: format!("{id} <over> the scene's"),

@@ -154,7 +154,7 @@ impl Panel<'_> {
         let is_own = first + axis.own == map.own_row();
         if is_own {
             let own = strip(area, rows, axis.own);
-            c.frame(&own, Stroke::new(Ink::DARK, 1.1));
+            c.frame(&own, Stroke::new(Ink::ON_CELL, 1.4));
             if let Some(h) = map.limit().and_then(|l| l.unstable_s.and(l.stable_s)) {
                 found_mark(c, (x.place(h, area), 0.5 * (own.y0 + own.y1)));
             }

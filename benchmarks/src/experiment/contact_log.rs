@@ -1,0 +1,120 @@
+//! Tooth pairs in contact on the grid of a run, and contacts that close and open with the force on both sides.
+
+use gearbench_integrators::{Outputs, SecondOrderSystem, State, Touch};
+use gearbench_models::scene::{OfMesh, Scene};
+use gearbench_models::spec::{Body, SceneSpec};
+use gearbench_reports::histories::{ContactEvent, PairSample};
+
+/// Records contacts of a run.
+#[derive(Clone, Debug, Default)]
+pub struct ContactLog {
+    /// Numbers of teeth of both gears of each mesh.
+    teeth: Vec<[i64; 2]>,
+    /// Channels of the mesh forces.
+    forces: Vec<usize>,
+    /// Pairs that touch at times of the grid.
+    pub pairs: Vec<PairSample>,
+    /// Contacts that close and open.
+    pub events: Vec<ContactEvent>,
+    /// Forces of the meshes at the last time of the grid.
+    last_forces: Vec<f64>,
+    last: Vec<Touch>,
+    now: Vec<Touch>,
+    out: Outputs,
+}
+
+impl ContactLog {
+    /// Of a scene.
+    pub fn new(spec: &SceneSpec, scene: &Scene) -> Self {
+        let count = |i: usize| match &spec.gears[i].body {
+            Body::Gear(g) => i64::from(g.teeth()),
+            Body::Rack(r) => i64::from(r.teeth()),
+        };
+        ContactLog {
+            teeth: spec.meshes.iter().map(|m| m.gears.map(count)).collect(),
+            forces: scene.channels_of_meshes(OfMesh::Force),
+            last_forces: vec![0.0; spec.meshes.len()],
+            ..Self::default()
+        }
+    }
+
+    /// Teeth of a contact, counted from 1 within each gear.
+    fn numbers(&self, touch: &Touch) -> [i64; 2] {
+        let teeth = self.teeth[touch.group];
+        [0, 1].map(|k| touch.members[k].rem_euclid(teeth[k]) + 1)
+    }
+
+    fn mesh_forces(&self, channels: &[f64]) -> Vec<f64> {
+        self.forces.iter().map(|&c| channels[c]).collect()
+    }
+
+    /// At a time of the grid with its channels; without located events what changed since the last one is an event.
+    pub fn on_grid(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &State,
+        channels: &[f64],
+        located: bool,
+    ) {
+        let mut now = std::mem::take(&mut self.now);
+        if let Some(report) = sys.report() {
+            report.touches(s.at(), &mut now);
+        }
+        for touch in now.iter().filter(|t| t.force > 0.0) {
+            self.pairs.push(PairSample {
+                time_s: s.t,
+                mesh: touch.group + 1,
+                teeth: self.numbers(touch),
+                force_n: touch.force,
+            });
+        }
+        let forces = self.mesh_forces(channels);
+        if !located {
+            let last = std::mem::take(&mut self.last);
+            let before = std::mem::take(&mut self.last_forces);
+            self.compare(s.t, [&last, &now], [&before, &forces], false);
+            self.last = last;
+        }
+        self.last_forces = forces;
+        std::mem::swap(&mut self.last, &mut now);
+        self.now = now;
+    }
+
+    /// The state was switched at one instant.
+    pub fn switched(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        let (mut old, mut new) = (Vec::new(), Vec::new());
+        let Some(report) = sys.report() else { return };
+        report.touches(before.at(), &mut old);
+        report.touches(after.at(), &mut new);
+        let same = |a: &Touch, b: &Touch| (a.group, a.members) == (b.group, b.members);
+        if old.len() == new.len() && old.iter().zip(&new).all(|(a, b)| same(a, b)) {
+            return;
+        }
+        let mut out = std::mem::take(&mut self.out);
+        let [old_forces, new_forces] = [before, after].map(|s| {
+            sys.output(s.at(), &mut out);
+            self.mesh_forces(&out.channels)
+        });
+        self.out = out;
+        self.compare(after.t, [&old, &new], [&old_forces, &new_forces], true);
+    }
+
+    /// Events of what is in one list and not in the other.
+    fn compare(&mut self, time_s: f64, lists: [&[Touch]; 2], forces: [&[f64]; 2], located: bool) {
+        for (closes, [here, there]) in [(false, lists), (true, [lists[1], lists[0]])] {
+            for touch in here {
+                let same = |t: &Touch| (t.group, t.members) == (touch.group, touch.members);
+                if !there.iter().any(same) {
+                    self.events.push(ContactEvent {
+                        time_s,
+                        closes,
+                        mesh: touch.group + 1,
+                        teeth: self.numbers(touch),
+                        force_n: forces.map(|f| f.get(touch.group).copied().unwrap_or(0.0)),
+                        located,
+                    });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Histories as data: what the files of a run hold, whole and on an even grid.
+//!
+//! `results.json` keeps what charts need; these tables go to CSV files once, by the study that made the run, and are
+//! described in `docs/data.md`: `runNN-NAME.csv` (a row per time of the grid, strictly ascending), `-pairs.csv` (a row per
+//! tooth pair that touches at such a time), `-events.csv` (a row per contact that closes or opens, with the force on both
+//! sides of the instant).
+
+use crate::csv_table::{CsvTable, number};
+use crate::series::{Column, TimeSeries};
+use serde::{Deserialize, Serialize};
+
+/// What the names of its files add to that of a run: histories on the grid, tooth pairs, events.
+pub(crate) const ENDINGS: [&str; 3] = [".csv", "-pairs.csv", "-events.csv"];
+
+/// Force of a tooth pair at a time of the grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairSample {
+    /// Time \[s\].
+    pub time_s: f64,
+    /// Mesh, counted from 1 in the order of the scene.
+    pub mesh: usize,
+    /// Teeth of its two gears, counted from 1.
+    pub teeth: [i64; 2],
+    /// Magnitude of the vector sum of the pair's contact forces \[N\].
+    pub force_n: f64,
+}
+
+/// A contact that closes or opens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactEvent {
+    /// When \[s\].
+    pub time_s: f64,
+    /// It closes; else it opens.
+    pub closes: bool,
+    /// Mesh, counted from 1 in the order of the scene.
+    pub mesh: usize,
+    /// Teeth of its two gears, counted from 1.
+    pub teeth: [i64; 2],
+    /// Contact force of the whole mesh just before and just after \[N\].
+    pub force_n: [f64; 2],
+    /// The time is that of a located event, and the forces are both sides of it; else both are those of neighbouring
+    /// times of the grid.
+    pub located: bool,
+}
+
+/// What the files of a run hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Histories {
+    /// The whole series, once the record's own has been thinned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub series: Option<TimeSeries>,
+    /// Rows of the whole series that lie on the grid, ascending.
+    pub on_grid: Vec<usize>,
+    /// Further columns, on the grid alone.
+    pub further: Vec<Column>,
+    /// Tooth pairs that touch.
+    pub pairs: Vec<PairSample>,
+    /// Contacts that close and open.
+    pub events: Vec<ContactEvent>,
+}
+
+impl Histories {
+    /// The table of one of the [`ENDINGS`]; `kept` is the series that stands in the record.
+    pub(crate) fn table(&self, ending: usize, kept: Option<&TimeSeries>) -> CsvTable {
+        match ending {
+            0 => self.even(kept),
+            1 => pairs(&self.pairs),
+            _ => events(&self.events),
+        }
+    }
+
+    fn even(&self, kept: Option<&TimeSeries>) -> CsvTable {
+        let empty = TimeSeries::default();
+        let series = self.series.as_ref().or(kept).unwrap_or(&empty);
+        let rows: Vec<usize> = (self.on_grid.iter().copied())
+            .take_while(|&row| row < series.len())
+            .collect();
+        let of_series = std::iter::once(("time_s", series.time_s.as_slice()))
+            .chain(series.named_columns())
+            .collect::<Vec<_>>();
+        let names = of_series.iter().map(|(name, _)| (*name).to_owned());
+        let row = |(k, &i): (usize, &usize)| {
+            let known = of_series.iter().map(|(_, c)| c.get(i).copied());
+            let further = self.further.iter().map(|c| c.values.get(k).copied());
+            known.chain(further).map(number).collect()
+        };
+        CsvTable {
+            file: String::new(),
+            header: names
+                .chain(self.further.iter().map(|c| c.name.clone()))
+                .collect(),
+            rows: rows.iter().enumerate().map(row).collect(),
+        }
+    }
+}
+
+fn pairs(samples: &[PairSample]) -> CsvTable {
+    CsvTable::new(
+        "",
+        samples,
+        &[
+            ("time_s", &|s| number(s.time_s)),
+            ("mesh", &|s| s.mesh.to_string()),
+            ("tooth_1", &|s| s.teeth[0].to_string()),
+            ("tooth_2", &|s| s.teeth[1].to_string()),
+            ("pair_force_n", &|s| number(s.force_n)),
+        ],
+    )
+}
+
+fn events(events: &[ContactEvent]) -> CsvTable {
+    let event = |closes| if closes { "closes" } else { "opens" };
+    CsvTable::new(
+        "",
+        events,
+        &[
+            ("time_s", &|e| format!("{:.16e}", e.time_s)),
+            ("event", &|e| event(e.closes).to_owned()),
+            ("mesh", &|e| e.mesh.to_string()),
+            ("tooth_1", &|e| e.teeth[0].to_string()),
+            ("tooth_2", &|e| e.teeth[1].to_string()),
+            ("force_before_n", &|e| number(e.force_n[0])),
+            ("force_after_n", &|e| number(e.force_n[1])),
+            ("located", &|e| e.located.to_string()),
+        ],
+    )
+}
