@@ -301,8 +301,13 @@ pub trait Report {
     /// Energies, powers and channels at a state.
     fn output(&mut self, at: At<'_>, out: &mut Outputs);
 
-    /// The contacts that are closed at a state, each pair of members once, in order.
-    fn touches(&mut self, _at: At<'_>, out: &mut Vec<Touch>) {
+    /// Channels at a state, without the energies and powers, which may cost more than all channels.
+    fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+        self.output(at, out);
+    }
+
+    /// The contacts that are closed at the state that was last reported of, each pair of members once, in order.
+    fn touches(&mut self, out: &mut Vec<Touch>) {
         out.clear();
     }
 }
@@ -363,6 +368,13 @@ impl dyn SecondOrderSystem + '_ {
     /// [`Report::has_jumps`].
     pub fn has_jumps(&mut self) -> bool {
         self.report().is_none_or(|r| r.has_jumps())
+    }
+
+    /// [`Report::sample`].
+    pub fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+        if let Some(report) = self.report() {
+            report.sample(at, out);
+        }
     }
 
     /// [`Report::output`].

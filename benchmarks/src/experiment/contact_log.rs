@@ -48,7 +48,7 @@ impl ContactLog {
         self.forces.iter().map(|&c| channels[c]).collect()
     }
 
-    /// At a time of the grid with its channels; without located events what changed since the last one is an event.
+    /// At a time of the grid that was just reported of, with its channels; without located events what changed since the last one is an event.
     pub fn on_grid(
         &mut self,
         sys: &mut dyn SecondOrderSystem,
@@ -58,7 +58,7 @@ impl ContactLog {
     ) {
         let mut now = std::mem::take(&mut self.now);
         if let Some(report) = sys.report() {
-            report.touches(s.at(), &mut now);
+            report.touches(&mut now);
         }
         for touch in now.iter().filter(|t| t.force > 0.0) {
             self.pairs.push(PairSample {
@@ -82,18 +82,14 @@ impl ContactLog {
 
     /// The state was switched at one instant.
     pub fn switched(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
-        let (mut old, mut new) = (Vec::new(), Vec::new());
-        let Some(report) = sys.report() else { return };
-        report.touches(before.at(), &mut old);
-        report.touches(after.at(), &mut new);
-        let same = |a: &Touch, b: &Touch| (a.group, a.members) == (b.group, b.members);
-        if old.len() == new.len() && old.iter().zip(&new).all(|(a, b)| same(a, b)) {
-            return;
-        }
         let mut out = std::mem::take(&mut self.out);
-        let [old_forces, new_forces] = [before, after].map(|s| {
-            sys.output(s.at(), &mut out);
-            self.mesh_forces(&out.channels)
+        let [(old, old_forces), (new, new_forces)] = [before, after].map(|s| {
+            let mut touches = Vec::new();
+            if let Some(report) = sys.report() {
+                report.sample(s.at(), &mut out);
+                report.touches(&mut touches);
+            }
+            (touches, self.mesh_forces(&out.channels))
         });
         self.out = out;
         self.compare(after.t, [&old, &new], [&old_forces, &new_forces], true);

@@ -1,10 +1,10 @@
 //! The force of the first mesh between events: what the metrics of a run are taken from
 //! ([`gearbench_reports::force`] says why).
 //!
-//! A step is looked at in the nodes of its pieces; steps far shorter than a piece share one, so that what is kept follows
-//! the time in contact over the characteristic time of the scene and not the number of steps. A piece ends where the
-//! state or its branch changes between steps, which is where events were located. In steps without a force nothing is
-//! kept.
+//! A step is looked at in the nodes of its pieces. Where events are located, steps far shorter than a piece share one, so
+//! that what is kept follows the time in contact over the characteristic time of the scene and not the number of steps;
+//! bodies full of waves know no such time, and have a piece per step. A piece ends where the state or its branch changes
+//! between steps, which is where events were located. In steps without a force nothing is kept.
 //!
 //! | the force within a step | a piece |
 //! |---|---|
@@ -51,12 +51,12 @@ const SMOOTH: Rule = Rule {
 const CONTINUOUS: Rule = Rule {
     nodes: &PARABOLA,
     longest: f64::INFINITY,
-    full: 0.2,
+    full: 0.0,
 };
 const UNSEEN: Rule = Rule {
     nodes: &LINE,
     longest: 0.2,
-    full: 0.05,
+    full: 0.0,
 };
 
 /// Whether events were located in the run that a state is of.

@@ -104,7 +104,7 @@ impl History {
 
     /// Evaluates the sample; a row of it stays where it is to be kept, or frames the begin or end of a contact.
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool, on_grid: bool) {
-        sys.output(self.sample.at(), &mut self.out);
+        sys.sample(self.sample.at(), &mut self.out);
         let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());
         for &c in &self.least {
             self.least_normal = self.least_normal.min(self.out.channels[c]);
@@ -157,7 +157,7 @@ impl Sink for History {
         if let Some(pieces) = &mut pieces {
             let silent = &mut |sys: &mut dyn SecondOrderSystem, t: f64| {
                 self.look(step, t);
-                sys.output(self.sample.at(), &mut self.out);
+                sys.sample(self.sample.at(), &mut self.out);
                 self.is_silent()
             };
             pieces.looks(sys, step, silent, &mut looks);

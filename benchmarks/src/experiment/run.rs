@@ -185,7 +185,8 @@ fn timed_in(
     let mut work = Work::default();
     let begin = Instant::now();
     let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
-    let observed = begin.elapsed().as_secs_f64();
+    // What watching costs is no cost of the method.
+    let observed = begin.elapsed().saturating_sub(monitor.spent).as_secs_f64();
     match &outcome {
         Err(StepError::Unsupported { .. }) if scene.layout().n == 0 => {
             let why = "every gear is fixed or driven, nothing is left to integrate; free one of them, or take a method of fixed steps";

@@ -173,10 +173,9 @@ impl Scene {
             .collect()
     }
 
-    /// Closed contacts by mesh and tooth pair.
-    pub(super) fn fill_touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
+    /// Closed contacts of the last evaluation by mesh and tooth pair.
+    pub(super) fn fill_touches(&self, out: &mut Vec<Touch>) {
         out.clear();
-        self.evaluate_contacts(at);
         let mut sums: BTreeMap<(usize, [i64; 2]), Vec3> = BTreeMap::new();
         let mut add = |mesh: usize, teeth: [Tooth; 2], force: Vec3| {
             let key = (mesh, teeth.map(|t| t.index));

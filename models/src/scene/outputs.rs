@@ -25,7 +25,8 @@ fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
 }
 
 impl Scene {
-    pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs) {
+    /// Channels at a state; with `books` the energies and powers of the gears as well.
+    pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs, books: bool) {
         self.evaluate_contacts(at);
         let mut energy = Energy::default();
         let mut power = Power::default();
@@ -35,13 +36,15 @@ impl Scene {
 
         for (i, g) in self.gears.iter().enumerate() {
             let own = g.at(at);
-            let e = g.model.energy(own);
-            energy.kinetic += e.kinetic;
-            energy.strain += e.strain;
-            let p = g.model.powers(own);
-            power.dissipated += p.dissipated;
-            power.parametric += p.parametric;
-            power.external += p.external;
+            if books {
+                let e = g.model.energy(own);
+                energy.kinetic += e.kinetic;
+                energy.strain += e.strain;
+                let p = g.model.powers(own);
+                power.dissipated += p.dissipated;
+                power.parametric += p.parametric;
+                power.external += p.external;
+            }
             let hub = g.model.hub_state(own);
             if g.model.hub().coordinates() > 0 {
                 power.external += g.load(at.t, hub.speed) * hub.speed;

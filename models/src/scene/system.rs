@@ -183,10 +183,14 @@ impl Report for Scene {
     }
 
     fn output(&mut self, at: At<'_>, out: &mut Outputs) {
-        self.fill_output(at, out);
+        self.fill_output(at, out, true);
     }
 
-    fn touches(&mut self, at: At<'_>, out: &mut Vec<Touch>) {
-        self.fill_touches(at, out);
+    fn sample(&mut self, at: At<'_>, out: &mut Outputs) {
+        self.fill_output(at, out, false);
+    }
+
+    fn touches(&mut self, out: &mut Vec<Touch>) {
+        self.fill_touches(out);
     }
 }

@@ -29,6 +29,7 @@ use gearbench_models::spec::SceneSpec;
 use gearbench_reports::numbers::{digits_apart, short};
 use gearbench_reports::record::{Run, SELF, Status, Tolerance};
 use gearbench_reports::series::TimeSeries;
+use std::time::{Duration, Instant};
 pub use tunnelling::TunnellingDetector;
 
 /// Energy that the integration may make up, over the largest energy, before a run counts as growth.
@@ -113,6 +114,8 @@ pub struct RunMonitor {
     fixed: bool,
     /// Events are located.
     located: bool,
+    /// Wall time of watching.
+    pub spent: Duration,
 }
 
 impl RunMonitor {
@@ -127,6 +130,7 @@ impl RunMonitor {
             stopped: None,
             fixed: false,
             located: true,
+            spent: Duration::ZERO,
         }
     }
 
@@ -247,10 +251,13 @@ impl RunMonitor {
 
 impl Sink for RunMonitor {
     fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let begin = Instant::now();
         self.history.accepted(sys, step);
         self.ledger.accepted(sys, step);
         self.tunnelling.accepted(sys, step);
-        self.look(step.to.t)
+        let control = self.look(step.to.t);
+        self.spent += begin.elapsed();
+        control
     }
 
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
