@@ -24,7 +24,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     number(
         text,
         holds,
-        "expected a number of seconds above 0, at most 1e6",
+        "expected a positive number of seconds, at most 1e6",
     )
 }
 
@@ -42,7 +42,7 @@ pub const DEFAULT_POSITIONS: usize = 24;
 /// A positive number.
 pub fn positive_load(text: &str) -> Result<f64, String> {
     let holds = |x: &f64| *x > 0.0 && *x <= 1e9;
-    number(text, holds, "expected a number above 0, at most 1e9")
+    number(text, holds, "expected a positive number, at most 1e9")
 }
 
 /// Positions over a base pitch.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the journal in the folder of a study.
@@ -51,11 +51,27 @@ fn build() -> String {
     time.map_or_else(String::new, |t| format!(" {t:?}"))
 }
 
-/// A finished piece of work; its result as text, which is read when it is asked for.
-#[derive(Debug, Serialize, Deserialize)]
-struct Line {
+/// A finished piece of work.
+#[derive(Debug, Serialize)]
+struct Line<'a, R> {
+    key: &'a str,
+    result: &'a R,
+}
+
+/// The same as it is read: the result as text.
+#[derive(Debug, Deserialize)]
+struct ReadLine<'a> {
     key: String,
-    result: Box<RawValue>,
+    #[serde(borrow)]
+    result: &'a RawValue,
+}
+
+/// Where the line of a finished piece is; results are read from there when they are asked for.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    line: usize,
+    offset: u64,
+    length: usize,
 }
 
 /// Why a journal cannot be used.
@@ -95,9 +111,9 @@ impl From<JournalError> for String {
 pub struct Journal {
     path: PathBuf,
     file: File,
-    /// Results by name, with the number of their line.
-    results: HashMap<String, (usize, Box<RawValue>)>,
+    places: HashMap<String, Place>,
     lines: usize,
+    length: u64,
 }
 
 impl Journal {
@@ -130,12 +146,14 @@ impl Journal {
         let mut journal = Journal {
             path: path.to_owned(),
             file,
-            results: HashMap::new(),
+            places: HashMap::new(),
             lines: 1,
+            length: 0,
         };
         if whole == 0 {
             journal.append(&Header::own())?;
         } else {
+            journal.length = first as u64 + 1;
             journal.read(&bytes[first + 1..whole])?;
         }
         Ok(journal)
@@ -152,20 +170,34 @@ impl Journal {
     /// Takes the whole lines of a journal, the first one left out.
     fn read(&mut self, bytes: &[u8]) -> Result<(), JournalError> {
         for line in bytes.split_inclusive(|b| *b == b'\n') {
-            let found: Line =
+            let found: ReadLine<'_> =
                 serde_json::from_slice(line).map_err(|e| self.damaged(self.lines + 1, &e))?;
-            self.keep(found);
+            self.keep(found.key, line.len());
         }
         Ok(())
     }
 
-    fn keep(&mut self, line: Line) {
+    /// Takes note of the line that follows what is known.
+    fn keep(&mut self, key: String, length: usize) {
         self.lines += 1;
-        let kept = (self.lines, line.result);
-        self.results.entry(line.key).or_insert(kept);
+        let place = Place {
+            line: self.lines,
+            offset: self.length,
+            length,
+        };
+        self.length += length as u64;
+        self.places.entry(key).or_insert(place);
     }
 
-    fn append(&mut self, line: &impl Serialize) -> Result<(), JournalError> {
+    fn io(&self, source: std::io::Error) -> JournalError {
+        JournalError::Io {
+            path: self.path.clone(),
+            source,
+        }
+    }
+
+    /// Appends a line and returns its length.
+    fn write(&mut self, line: &impl Serialize) -> Result<usize, JournalError> {
         let io = |source| JournalError::Io {
             path: self.path.clone(),
             source,
@@ -173,7 +205,13 @@ impl Journal {
         let mut text = serde_json::to_string(line).map_err(|e| io(e.into()))?;
         text.push('\n');
         self.file.write_all(text.as_bytes()).map_err(io)?;
-        self.file.sync_data().map_err(io)
+        self.file.sync_data().map_err(io)?;
+        Ok(text.len())
+    }
+
+    fn append(&mut self, header: &Header) -> Result<(), JournalError> {
+        self.length = self.write(header)? as u64;
+        Ok(())
     }
 
     /// Stores the result of a piece of work.
@@ -181,37 +219,36 @@ impl Journal {
     /// # Errors
     /// [`JournalError::Io`] when the file refuses.
     pub fn store(&mut self, key: &str, result: &impl Serialize) -> Result<(), JournalError> {
-        let result = serde_json::value::to_raw_value(result).map_err(|e| JournalError::Io {
-            path: self.path.clone(),
-            source: e.into(),
-        })?;
-        let key = key.to_owned();
-        let line = Line { key, result };
-        self.append(&line)?;
-        self.keep(line);
+        let length = self.write(&Line { key, result })?;
+        self.keep(key.to_owned(), length);
         Ok(())
     }
 
     /// A result by its name.
     ///
     /// # Errors
-    /// [`JournalError::Damaged`] when it is none of this type.
-    pub fn get<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>, JournalError> {
-        let Some((line, text)) = self.results.get(key) else {
+    /// [`JournalError::Damaged`] when it is none of this type, [`JournalError::Io`] when the file refuses.
+    pub fn get<T: DeserializeOwned>(&mut self, key: &str) -> Result<Option<T>, JournalError> {
+        let Some(place) = self.places.get(key).copied() else {
             return Ok(None);
         };
-        let read = serde_json::from_str(text.get()).map_err(|e| self.damaged(*line, &e))?;
-        Ok(Some(read))
+        let mut bytes = vec![0; place.length];
+        (self.file.seek(SeekFrom::Start(place.offset)))
+            .and_then(|_| self.file.read_exact(&mut bytes))
+            .map_err(|e| self.io(e))?;
+        let read = serde_json::from_slice::<ReadLine<'_>>(&bytes)
+            .and_then(|line| serde_json::from_str(line.result.get()));
+        read.map(Some).map_err(|e| self.damaged(place.line, &e))
     }
 
     /// Number of finished pieces.
     pub fn len(&self) -> usize {
-        self.results.len()
+        self.places.len()
     }
 
     /// Whether nothing is finished.
     pub fn is_empty(&self) -> bool {
-        self.results.is_empty()
+        self.places.is_empty()
     }
 }
 
@@ -241,7 +278,7 @@ mod tests {
         // Torn at every byte, also in the header.
         for end in (0..whole.len()).rev() {
             std::fs::write(&file, &whole[..end]).unwrap();
-            let journal = open(&folder, false).unwrap();
+            let mut journal = open(&folder, false).unwrap();
             assert_eq!(journal.len(), usize::from(end >= second));
             let kept = journal.get::<f64>("a").unwrap();
             assert_eq!(kept, (end >= second).then_some(X));

@@ -95,7 +95,10 @@ fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
         ("spur_impact --fine-teeth 0", &["--fine-teeth"]),
         ("broken.inp", &["broken.inp"]),
         ("broken.inp --flank 3", &["--flank", "brings its own mesh"]),
-        ("spur_impact --vtu x.inp", &["asked for twice"]),
+        (
+            "spur_impact --vtu x.inp",
+            &["has to end in .vtu", "write --vtu x.vtu"],
+        ),
     ];
     for (arguments, words) in cases {
         folder.refuses(&format!("mesh {arguments} --out x.inp"), words);

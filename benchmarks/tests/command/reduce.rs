@@ -224,7 +224,12 @@ parameters = { flank_elements = 3, fillet_elements = 2, across_elements = 4, rim
     for stored in [&pinion, &rack] {
         // Chosen among many: not the lowest.
         assert!((10..=12).contains(&stored.basis.omega.len()));
-        assert!(stored.meta.asked.contains("flank-compliance of 400 modes"));
+        assert!(
+            stored
+                .meta
+                .asked
+                .contains("chosen by flank-compliance among 400 modes")
+        );
     }
     // Modes up to a frequency: all of them, and the same ones.
     folder.says("reduce small.toml --gear pinion --max-frequency 150e3 --out low.npz");

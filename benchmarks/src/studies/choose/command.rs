@@ -44,7 +44,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     if interruption::requested() {
         return Err(Refusal::Interrupted);
     }
-    let choice = choice.map_err(|e| refuse(&scene, &problem, e))?;
+    let choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
     let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
     (results.settings).extend(bores.into_iter().map(|said| ("assumed".into(), said)));
     let dir = folder.path().to_owned();

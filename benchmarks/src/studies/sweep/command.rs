@@ -2,7 +2,7 @@
 
 use super::arguments::Sweep;
 use super::summary::summarise;
-use super::{Plan, mesh_resonance, sweep};
+use super::{Plan, check, mesh_resonance, sweep};
 use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::study_folder::StudyFolder;
@@ -29,6 +29,8 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
             "the sweep from {from} to {to} Hz goes nowhere"
         )));
     }
+    let unbuilt = scene_file::load_for(&args.scene, Selection::None)?;
+    check(&unbuilt.name, &unbuilt.spec).map_err(|e| refuse_study(&unbuilt, e))?;
     let scene = scene_file::load_for(&args.scene, Selection::Labels(args.models.as_deref()))?;
     let choices = scene.select(args.models.as_deref())?;
     // Full models run far too long; they stand for the static limit.

@@ -13,4 +13,4 @@ pub mod steady;
 mod summary;
 
 pub use plan::Plan;
-pub use run::{mesh_resonance, sweep};
+pub use run::{check, mesh_resonance, sweep};

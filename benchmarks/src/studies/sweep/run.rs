@@ -125,8 +125,11 @@ impl Pair {
 
     /// That of a model, or why there is none.
     fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
-        Pair::of(&entry.scene).map_err(|why| {
-            let name = &plan.conditions.name;
+        Pair::in_scene(&plan.conditions.name, &entry.scene)
+    }
+
+    fn in_scene(name: &str, spec: &SceneSpec) -> Result<Self, StudyError> {
+        Pair::of(spec).map_err(|why| {
             let why = format!("the scene `{name}` cannot be swept: {why}");
             let help = "`gearbench init pair` writes a scene that can be swept, with comments";
             StudyError::Scene(why, help)
@@ -249,6 +252,14 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Study
         tangent_n_per_m: tangent,
         resonance_hz: resonance(entry, plan.conditions.models, tangent),
     })
+}
+
+/// Whether a scene can be swept at all, before any of its models is built.
+///
+/// # Errors
+/// [`StudyError`] when it is no loaded pair.
+pub fn check(name: &str, spec: &SceneSpec) -> Result<(), StudyError> {
+    Pair::in_scene(name, spec).map(|_| ())
 }
 
 /// Mesh resonance of a model at the loads of its scene [Hz]: for the choice of speeds.

@@ -42,9 +42,9 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
         true => FlankCompliance::Cyclic {
             teeth: teeth as usize,
             per_tooth: 10,
-            blocks: some(n * 10),
+            blocks: some(n * 10).into_iter().map(f64::abs).collect(),
         },
-        false => FlankCompliance::Full(some(n * n)),
+        false => FlankCompliance::Full(some(n * n).into_iter().map(f64::abs).collect()),
     };
     let basis = Basis {
         flanks: Flanks::new(grids),

@@ -50,6 +50,15 @@ fn refusals_name_array_expectation_and_way_out() {
         (
             refused(&with(
                 &bytes,
+                "flank_compliance_m_per_n",
+                &array("<f8", &[20, 20], &[-1e-9; 400]),
+            )),
+            StoreErrorKind::Value,
+            "`flank_compliance_m_per_n`: expected a positive compliance of every node at itself",
+        ),
+        (
+            refused(&with(
+                &bytes,
                 "hub_shapes",
                 &array("<f8", &[4], &[0.0, 1.0, f64::NAN, 0.0]),
             )),
