@@ -9,7 +9,8 @@
 //! | `model`, `calibrated`, [`calibration`] | `[[models]]`, fitted constants |
 //! | `contact`, `contact_points`, `stiffness` | `contact = { .. }` |
 //! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
-//! | `plausible` | what no solid can be, and what is only odd |
+//! | `plausible`, `usual` | what no solid can be, and what is only odd |
+//! | `selection` | models by their labels |
 //! | `solid` | solid gears as elastic bodies need them |
 //! | `formulas` | where a scene leaves the range of a stiffness formula |
 //! | `referenced` | a stored reference against the gears of the scene |
@@ -35,6 +36,7 @@ mod plausible;
 mod profile;
 pub(crate) mod reading;
 mod referenced;
+mod selection;
 pub mod shipped;
 mod solid;
 pub mod source;
@@ -42,6 +44,7 @@ mod stiffness;
 pub(crate) mod study_plan;
 #[cfg(test)]
 mod tests;
+mod usual;
 
 pub use calibrated::CalibrationUse;
 pub use calibration::Calibration;
@@ -59,9 +62,9 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{GearSpec, SceneSpec};
 use gearbench_reference::REFERENCES;
 use gearbench_reports::record::Tolerance;
+use reading::Document;
 use reading::keys::keys;
 use reading::values::{InOrder, Positive, ReferenceId};
-use reading::{Document, suggest};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
@@ -313,55 +316,6 @@ impl SceneFile {
     /// A model by its label.
     pub fn model(&self, label: &str) -> Option<&ModelChoice> {
         self.models.iter().find(|m| m.label == label)
-    }
-
-    /// Models asked for on the command line, by labels between commas; `None` takes those of the study.
-    ///
-    /// # Errors
-    /// [`SceneError`] lists the labels there are.
-    pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
-        let wanted: Vec<&str> = match labels {
-            Some(text) => text
-                .split(',')
-                .map(str::trim)
-                .filter(|l| !l.is_empty())
-                .collect(),
-            None => self.study.models.iter().map(String::as_str).collect(),
-        };
-        let known: Vec<&str> = self.models.iter().map(|m| m.label.as_str()).collect();
-        if wanted.is_empty() {
-            return Err(SceneError::plain(
-                "no model is named",
-                format!("`{}` has {}", self.name, known.join(", ")),
-            ));
-        }
-        // A label that stands twice is run once.
-        let mut once: Vec<&str> = Vec::new();
-        for label in wanted {
-            if !once.contains(&label) {
-                once.push(label);
-            }
-        }
-        once.iter()
-            .map(|label| {
-                self.model(label).ok_or_else(|| {
-                    let near = suggest::did_you_mean(label, &known);
-                    SceneError::plain(
-                        format!("the scene `{}` has no model `{label}`", self.name),
-                        format!("{near}it has {}", known.join(", ")),
-                    )
-                })
-            })
-            .collect()
-    }
-
-    /// The same for accuracy against cost, which may have models of its own by default.
-    ///
-    /// # Errors
-    /// [`SceneError`] lists the labels there are.
-    pub fn select_precision(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
-        let own = self.study.precision.models.join(",");
-        self.select(labels.or((!own.is_empty()).then_some(own.as_str())))
     }
 
     /// Gears and meshes as a model needs them: a calibration brings its own gap at the start.

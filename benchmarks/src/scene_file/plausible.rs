@@ -11,6 +11,10 @@
 
 use super::error::SceneError;
 use super::reading::Place;
+use super::usual::{
+    DAMPING_RATIO, DENSITY, DURATION, FACE_WIDTH, FRICTION, HELIX_ANGLE, INERTIA, MODULE, PENALTY,
+    PRESSURE_ANGLE, STIFFNESS, Usual, YOUNG,
+};
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::law::Damping;
@@ -18,125 +22,12 @@ use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, Profile, 
 use gearbench_models::stiffness::{Material, PairStiffness};
 use gearbench_reports::numbers::short;
 
-/// A quantity, its unit, where its values lie, and units that it is often given in by mistake with their factors.
-struct Usual {
-    unit: &'static str,
-    range: [f64; 2],
-    slips: &'static [(f64, &'static str)],
-}
-
-const MODULE: Usual = Usual {
-    unit: "m",
-    range: [5e-5, 0.1],
-    slips: &[(1e-3, "millimetres")],
-};
-const FACE_WIDTH: Usual = Usual {
-    unit: "m",
-    range: [1e-4, 3.0],
-    slips: &[(1e-3, "millimetres")],
-};
-const YOUNG: Usual = Usual {
-    unit: "Pa",
-    range: [1e7, 1.3e12],
-    slips: &[(1e9, "GPa"), (1e6, "MPa")],
-};
-const DENSITY: Usual = Usual {
-    unit: "kg/m^3",
-    range: [100.0, 25e3],
-    slips: &[(1e3, "g/cm^3"), (1e12, "t/mm^3")],
-};
-const FRICTION: Usual = Usual {
-    unit: "",
-    range: [0.0, 1.5],
-    slips: &[(0.01, "per cent")],
-};
-const DAMPING_RATIO: Usual = Usual {
-    unit: "",
-    range: [0.0, 1.0],
-    slips: &[(0.01, "per cent")],
-};
-const STIFFNESS: Usual = Usual {
-    unit: "N/m^2",
-    range: [1e7, 1e13],
-    slips: &[(1e9, "N/(mm um)")],
-};
-const PENALTY: Usual = Usual {
-    unit: "Pa/m",
-    range: [1e10, 1e20],
-    slips: &[(1e9, "MPa/mm")],
-};
-const DURATION: Usual = Usual {
-    unit: "s",
-    range: [1e-8, 1e4],
-    slips: &[(1e-3, "milliseconds"), (1e-6, "microseconds")],
-};
-const PRESSURE_ANGLE: Usual = Usual {
-    unit: "degrees",
-    range: [10.0, 35.0],
-    slips: &[(180.0 / std::f64::consts::PI, "radians")],
-};
-const HELIX_ANGLE: Usual = Usual {
-    unit: "degrees",
-    range: [1.0, 60.0],
-    slips: &[(180.0 / std::f64::consts::PI, "radians")],
-};
-/// Inertia over that of the toothing.
-const INERTIA: Usual = Usual {
-    unit: "times that of the toothing",
-    range: [1e-2, 1e5],
-    slips: &[],
-};
-
 /// Smallest pressure angle that a tool has [degrees].
 const LEAST_PRESSURE_ANGLE: f64 = 5.0;
 /// Surface speed above which hardly any gear runs [m/s].
 const FAST: f64 = 400.0;
 /// Nominal stress of a tooth over Young's modulus that hardly any steel carries.
 const HEAVY: f64 = 0.01;
-
-impl Usual {
-    /// What is odd about a value, if anything is, and the value in the unit that is probably meant.
-    fn odd(&self, place: &Place<'_>, key: &str, value: f64) -> Option<SceneError> {
-        let [least, most] = self.range;
-        if (least..=most).contains(&value) {
-            return None;
-        }
-        let unit = self.unit;
-        let meant = self
-            .slips
-            .iter()
-            .find(|(factor, _)| (least..=most).contains(&(value * factor)));
-        let help = match meant {
-            Some((factor, slip)) => {
-                let right = suggest_number(value * factor);
-                format!("if {value} is in {slip}, write {key} = {right}")
-            }
-            None => format!("usual are {least:e} to {most:e} {unit}")
-                .trim_end()
-                .to_owned(),
-        };
-        let message = format!(
-            "`{key}` = {} {unit} is far from what gears have",
-            plain(value)
-        );
-        Some(place.error(message.replace("  ", " "), "odd", help))
-    }
-}
-
-/// A number as one would write it.
-fn plain(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
-        format!("{x}")
-    } else {
-        format!("{x:e}")
-    }
-}
-
-/// A product of a number and a unit, without the digits of rounding.
-fn suggest_number(x: f64) -> String {
-    let digits: f64 = format!("{x:.11e}").parse().unwrap_or(x);
-    plain(digits)
-}
 
 /// A pressure angle that no tool has [rad]: most often one in radians.
 ///

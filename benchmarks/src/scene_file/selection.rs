@@ -1,0 +1,55 @@
+//! Models of a scene by their labels.
+
+use super::reading::suggest;
+use super::{ModelChoice, SceneError, SceneFile};
+
+impl SceneFile {
+    /// Models asked for on the command line, by labels between commas; `None` takes those of the study.
+    ///
+    /// # Errors
+    /// [`SceneError`] lists the labels there are.
+    pub fn select(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
+        let wanted: Vec<&str> = match labels {
+            Some(text) => text
+                .split(',')
+                .map(str::trim)
+                .filter(|l| !l.is_empty())
+                .collect(),
+            None => self.study.models.iter().map(String::as_str).collect(),
+        };
+        let known: Vec<&str> = self.models.iter().map(|m| m.label.as_str()).collect();
+        if wanted.is_empty() {
+            return Err(SceneError::plain(
+                "no model is named",
+                format!("`{}` has {}", self.name, known.join(", ")),
+            ));
+        }
+        // A label that stands twice is run once.
+        let mut once: Vec<&str> = Vec::new();
+        for label in wanted {
+            if !once.contains(&label) {
+                once.push(label);
+            }
+        }
+        once.iter()
+            .map(|label| {
+                self.model(label).ok_or_else(|| {
+                    let near = suggest::did_you_mean(label, &known);
+                    SceneError::plain(
+                        format!("the scene `{}` has no model `{label}`", self.name),
+                        format!("{near}it has {}", known.join(", ")),
+                    )
+                })
+            })
+            .collect()
+    }
+
+    /// The same for accuracy against cost, which may have models of its own by default.
+    ///
+    /// # Errors
+    /// [`SceneError`] lists the labels there are.
+    pub fn select_precision(&self, labels: Option<&str>) -> Result<Vec<&ModelChoice>, SceneError> {
+        let own = self.study.precision.models.join(",");
+        self.select(labels.or((!own.is_empty()).then_some(own.as_str())))
+    }
+}
