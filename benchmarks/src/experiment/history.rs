@@ -45,6 +45,8 @@ pub struct History {
     skipped: Option<(f64, Vec<f64>)>,
     in_contact: bool,
     sample: State,
+    /// The sample is the end of its step.
+    at_end: bool,
     out: Outputs,
     /// Times to look at in a step.
     looks: Vec<f64>,
@@ -88,7 +90,8 @@ impl History {
         let (t0, t1) = (step.from.t, step.to.t);
         self.sample.copy_from(step.from);
         let State { q, v, .. } = &mut self.sample;
-        if t >= t1 {
+        self.at_end = t >= t1;
+        if self.at_end {
             q.copy_from_slice(&step.to.q);
             v.copy_from_slice(&step.to.v);
         } else if t > t0 {
@@ -106,8 +109,12 @@ impl History {
     fn take(&mut self, sys: &mut dyn SecondOrderSystem, keep: bool, on_grid: bool) {
         sys.sample(self.sample.at(), &mut self.out);
         let force = self.force.map_or(0.0, |[c, _]| self.out.channels[c].abs());
-        for &c in &self.least {
-            self.least_normal = self.least_normal.min(self.out.channels[c]);
+        // Inside a coarse step the interpolant may dip below zero where the law never pulls: the states that the method
+        // itself computed tell.
+        if self.at_end {
+            for &c in &self.least {
+                self.least_normal = self.least_normal.min(self.out.channels[c]);
+            }
         }
         if force > self.peak {
             self.peak = force;

@@ -139,3 +139,37 @@ fn failure(panic: &(dyn Any + Send)) -> String {
         text.as_deref().unwrap_or("no reason given")
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::journal::JOURNAL;
+    use crate::experiment::run::RunError;
+    use gearbench_integrators::table::RK4;
+
+    #[test]
+    fn a_finished_piece_is_made_once_and_a_panic_is_a_row() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = || Journal::open(&folder.path().join(JOURNAL), false).unwrap();
+        let method = RK4.at_step(1e-6);
+        let [good, bad] = [Key::new("good"), Key::new("bad")];
+        for start in 0..2 {
+            let runner = Runner::new(open(), &silent);
+            let row = runner.row(good, &method, || {
+                assert_eq!(start, 0, "made again");
+                Ok::<_, RunError>(Run {
+                    steps: 7,
+                    ..Run::default()
+                })
+            });
+            assert_eq!(row.unwrap().steps, 7);
+            let row = runner.row(bad, &method, || -> Result<Run, RunError> {
+                panic!("no way")
+            });
+            let row = row.unwrap();
+            assert_eq!((row.status, row.step), (Status::Aborted, Some(1e-6)));
+            assert!(row.message.unwrap().contains("no way"));
+        }
+        assert_eq!(open().len(), 1);
+    }
+}

@@ -309,7 +309,7 @@ fn bad_input_is_refused_with_a_way_out() {
                 };
                 (p.width, p.rim) = (900, 900);
             }),
-            "more than 5e7; use fewer elements",
+            "use fewer elements, or raise the limit with --memory",
         ),
     ];
     for (found, expected) in cases {
