@@ -44,7 +44,7 @@ const PARTS: &[Part] = &[
     part(
         "compare",
         "impact",
-        "compare impact.toml --repeats 1 --timeout T --out OUT",
+        "compare impact.toml --any-reference --repeats 1 --timeout T --out OUT",
     ),
     part(
         "compare",
@@ -74,7 +74,7 @@ const PARTS: &[Part] = &[
     part(
         "truncation",
         "impact",
-        "truncation impact.toml --models elastic,fe --counts 0,5,20 --repeats 1 --timeout T --out OUT",
+        "truncation impact.toml --any-reference --models elastic,fe --counts 0,5,20 --repeats 1 --timeout T --out OUT",
     ),
     part(
         "penalty",
@@ -94,14 +94,14 @@ const PARTS: &[Part] = &[
     part(
         "precision",
         "impact",
-        "precision impact.toml --repeats 1 --timeout T --out OUT",
+        "precision impact.toml --any-reference --repeats 1 --timeout T --out OUT",
     ),
     part(
         "choose",
         "hammer",
         "choose hammer.toml --metric impulse --tolerance 0.05 --out OUT",
     ),
-    part("identify", "impact", "identify impact.toml --write"),
+    part("identify", "impact", "identify impact.toml --any-reference --write"),
     part(
         "stiffness",
         "loaded",
