@@ -3,7 +3,8 @@
 //! The clock also tells the pace: a run that has gone on for a while and would, from what it has done of its time,
 //! take a multiple of its limit, is stopped there and then and says how long it would have taken.
 
-use crate::method::{Bound, StepError, TimePlan, Work};
+use crate::method::{StepError, TimePlan, Work};
+use std::fmt;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -15,6 +16,35 @@ const LONG_STEPS: Duration = Duration::from_millis(1);
 const PACE_AFTER: (f64, f64) = (0.1, 1.0);
 /// So many times the limit a run may be estimated to take: the pace changes between flight and contact.
 const PACE_BEYOND: f64 = 2.0;
+
+/// A bound of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Number of attempted steps.
+    Steps(u64),
+    /// Wall clock [s].
+    Time(f64),
+    /// Wall clock [s], and the time that the whole run would have taken at its pace so far [s].
+    Pace {
+        /// The bound.
+        limit: f64,
+        /// The estimate.
+        estimate: f64,
+    },
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Bound::Steps(n) => write!(f, "{n} attempted steps are the limit"),
+            Bound::Time(limit) => write!(f, "{limit:.3} s of wall time are the limit"),
+            Bound::Pace { limit, estimate } => write!(
+                f,
+                "at this pace the run would take {estimate:.2e} s, where {limit:.3} s of wall time are the limit"
+            ),
+        }
+    }
+}
 
 /// Counts attempted steps against a plan.
 #[derive(Debug)]

@@ -114,11 +114,12 @@ pub mod stepped;
 pub mod system;
 pub mod table;
 
+pub use bounds::Bound;
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 pub use free_flight::FlightPath;
 pub use method::{
-    AcceptedStep, Bound, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter,
-    Resolution, Sink, StepError, Stepping, TimePlan, Work,
+    AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
+    Sink, StepError, Stepping, TimePlan, Work,
 };
 pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};

@@ -4,6 +4,7 @@
 //! problem, so a pull-style `step()` would be self-referential. One-step methods implement [`OneStep`] and
 //! get the loop, step control and event location from [`crate::stepped::Stepped`].
 
+use crate::bounds::Bound;
 use crate::system::{At, Coeffs, SecondOrderSystem, Singular, State};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -114,35 +115,6 @@ impl TimePlan<'_> {
             max_steps: u64::MAX,
             time_limit: None,
             cancel: None,
-        }
-    }
-}
-
-/// A bound of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bound {
-    /// Number of attempted steps.
-    Steps(u64),
-    /// Wall clock [s].
-    Time(f64),
-    /// Wall clock [s], and the time that the whole run would have taken at its pace so far [s].
-    Pace {
-        /// The bound.
-        limit: f64,
-        /// The estimate.
-        estimate: f64,
-    },
-}
-
-impl std::fmt::Display for Bound {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Bound::Steps(n) => write!(f, "{n} attempted steps are the limit"),
-            Bound::Time(limit) => write!(f, "{limit:.3} s of wall time are the limit"),
-            Bound::Pace { limit, estimate } => write!(
-                f,
-                "at this pace the run would take {estimate:.2e} s, where {limit:.3} s of wall time are the limit"
-            ),
         }
     }
 }

@@ -3,11 +3,12 @@
 
 use crate::problems::*;
 use crate::{split_off, unit_masses};
+use gearbench_integrators::Bound;
 use gearbench_integrators::explicit::runge_kutta::RungeKutta;
 use gearbench_integrators::explicit::semi_implicit_euler::SemiImplicitEuler;
 use gearbench_integrators::explicit::velocity_verlet::VelocityVerlet;
 use gearbench_integrators::implicit::generalised_alpha::GeneralisedAlpha;
-use gearbench_integrators::method::{Bound, Tolerance};
+use gearbench_integrators::method::Tolerance;
 use gearbench_integrators::modal::trigonometric::{Filter, Trigonometric};
 use gearbench_integrators::{
     At, Change, Events, Layout, METHODS, ModalSplit, OneStep, Resolution, SecondOrderSystem, State,

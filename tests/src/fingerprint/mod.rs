@@ -101,7 +101,11 @@ const PARTS: &[Part] = &[
         "hammer",
         "choose hammer.toml --metric impulse --tolerance 0.05 --out OUT",
     ),
-    part("identify", "impact", "identify impact.toml --any-reference --write"),
+    part(
+        "identify",
+        "impact",
+        "identify impact.toml --any-reference --write",
+    ),
     part(
         "stiffness",
         "loaded",

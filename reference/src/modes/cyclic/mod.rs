@@ -22,6 +22,7 @@ pub use sector::Sector;
 
 use super::{ModesError, Options, Report, Target};
 use crate::assembly::tie::HubMotion;
+use crate::limits;
 use crate::mesh::GearMesh;
 use crate::solve::Symbolic;
 use faer::{Mat, c64};
@@ -139,6 +140,9 @@ impl Hub {
 /// Factors are kept between rounds while all together stay below this [bytes].
 const KEEP_BELOW: usize = 800_000_000;
 
+/// Memory of an unknown of the sector in a mode: the complex vector, and the basis that it is found in [bytes].
+const VECTOR_BYTES: f64 = 48.0;
+
 /// The lowest `count` modes of the gear whose sector is given (one more if the last is half of a pair).
 pub fn lowest(
     sector: &GearMesh,
@@ -159,6 +163,14 @@ impl Sector {
             && wanted > unknowns
         {
             return Err(ModesError::TooMany { wanted, unknowns });
+        }
+        if let Target::Count(wanted) = target {
+            let what = format!(
+                "{wanted} modes of a sector with {} unknowns",
+                self.unknowns()
+            );
+            let bytes = VECTOR_BYTES * wanted as f64 * self.unknowns() as f64;
+            limits::check(what, bytes, "ask for fewer modes, or use fewer elements")?;
         }
         let symbolic = Arc::new(self.symbolic()?);
         let harmonics = teeth / 2 + 1;
