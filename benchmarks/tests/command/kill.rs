@@ -23,7 +23,7 @@ const QUICK: [&str; 5] = [
 /// Those that reduce finite elements first, or run them.
 const SLOW: [&str; 3] = [
     "penalty spur_impact --points 9 --positions 4",
-    "truncation spur_impact --modes 10,20,30,40 --no-refine --repeats 1",
+    "truncation spur_impact --counts 10,20,30,40 --no-refine --repeats 1",
     "choose spur_impact --metric peak --tolerance 0.05",
 ];
 
