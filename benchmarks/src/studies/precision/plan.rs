@@ -202,20 +202,10 @@ fn variants_of(
         None => match of_model {
             Some(methods) if choice.model == FULL => (series(methods), Vec::new()),
             Some(methods) => {
-                // Methods that are exact for modes are the model's own; those of the study run beside, else what else
-                // the model names.
-                let exact = |m: &&Scheme| m.method.info().linear_part;
-                let mut first: Vec<Scheme> = methods.iter().filter(exact).cloned().collect();
-                if first.is_empty() {
-                    first.extend(methods.iter().cloned());
-                }
-                let beside = match own.integrators.as_slice() {
-                    [] => methods,
-                    all => all,
-                };
-                let new = |m: &&Scheme| first.iter().all(|o| o.method != m.method);
-                let others: Vec<Scheme> = beside.iter().filter(new).cloned().collect();
-                (series(&first), series(&others))
+                let others = own.integrators.iter();
+                let others = others.filter(|o| methods.iter().all(|m| m.method != o.method));
+                let others: Vec<Scheme> = others.cloned().collect();
+                (series(methods), series(&others))
             }
             None if own.integrators.is_empty() => (series(&scene.study.integrators), Vec::new()),
             None => (series(&own.integrators), Vec::new()),
