@@ -3,7 +3,8 @@
 //! The clock also tells the pace: a run that has gone on for a while and would, from what it has done of its time,
 //! take a multiple of its limit, is stopped there and then and says how long it would have taken.
 
-use crate::method::{StepError, TimePlan, Work};
+use crate::error::StepError;
+use crate::method::{TimePlan, Work};
 use std::fmt;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};

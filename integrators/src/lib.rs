@@ -99,6 +99,7 @@ mod bounds;
 pub mod dense_solve;
 pub mod diffsol_adapter;
 pub mod equilibrium;
+pub mod error;
 mod events;
 pub mod explicit;
 pub mod free_flight;
@@ -116,10 +117,11 @@ pub mod table;
 
 pub use bounds::Bound;
 pub use equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
+pub use error::StepError;
 pub use free_flight::FlightPath;
 pub use method::{
     AcceptedStep, Control, Dense, Integrator, MethodInfo, NullSink, OneStep, Parameter, Resolution,
-    Sink, StepError, Stepping, TimePlan, Work,
+    Sink, Stepping, TimePlan, Work,
 };
 pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};

@@ -1,6 +1,5 @@
 //! How far a study is: a bar on a terminal, else a line a minute.
 
-use crate::experiment::conditions::Progress;
 use crate::experiment::parallel::lock;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -141,12 +140,6 @@ fn ticker(known: &Arc<Mutex<Known>>, begin: Instant) -> (Sender<()>, JoinHandle<
         }
     });
     (stop, thread)
-}
-
-/// Does something under a display of how far it is.
-pub fn with_progress<T>(length: usize, study: impl FnOnce(Progress<'_>) -> T) -> T {
-    let display = Display::new(length);
-    study(&|done, total, what| display.tell(done, total, what))
 }
 
 #[cfg(test)]

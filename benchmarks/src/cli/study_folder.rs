@@ -3,7 +3,7 @@
 use super::answer::Answer;
 use super::arguments::Output;
 use super::exit::Exit;
-use super::progress::with_progress;
+use super::progress::Display;
 use super::terminal::{Refusal, absolute, say};
 use crate::experiment::conditions::Progress;
 use crate::experiment::interruption;
@@ -75,7 +75,9 @@ impl StudyFolder {
 
     /// Does a study of some known number of runs.
     pub fn run<T>(&mut self, length: usize, study: impl FnOnce(&Runner<'_>) -> T) -> T {
-        with_progress(length, |progress| study(&self.runner(progress)))
+        let display = Display::new(length);
+        let progress = |done, total, what: &str| display.tell(done, total, what);
+        study(&self.runner(&progress))
     }
 
     /// What does the pieces of the study, once: it has the journal.

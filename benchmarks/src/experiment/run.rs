@@ -234,6 +234,10 @@ fn timed_in(
         let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut Work::default());
         walls.push(begin.elapsed().as_secs_f64());
     }
+    // A repeat that was cut short is no time.
+    if interruption::requested() {
+        return Err(RunError::Interrupted);
+    }
     let repeats = walls.len() as u32;
     if walls.is_empty() {
         walls.push(observed);

@@ -9,7 +9,7 @@ use crate::cli::terminal::{Refusal, absolute, say, warn};
 use crate::experiment::machine;
 use crate::scene_file::source::{changed, stand_in};
 use clap::Args;
-use gearbench_reports::record::Results;
+use gearbench_reports::record::{OF_THE_CLOCK, Results};
 use gearbench_reports::{ReportError, load_results};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -22,22 +22,8 @@ Examples:
 The command of the record runs again, with the scene and the calibrations that the record holds, and the new record is
 held against it: all but times has to be the same (exit code 1 where it is not).";
 
-/// What depends on the clock, on the machine, or on where it ran.
-const OF_THE_CLOCK: [&str; 13] = [
-    "wall_s",
-    "wall_spread_s",
-    "repeats",
-    "setup_s",
-    "cost_s",
-    "predicted_cost_s",
-    "cpu_s",
-    "created",
-    "machine",
-    "commit",
-    "command",
-    "source",
-    "reason",
-];
+/// What tells the two programs apart, beside what depends on the clock.
+const OF_THE_PROGRAM: [&str; 2] = ["commit", "source"];
 
 /// Arguments of `rerun`.
 #[derive(Args, Clone, Debug)]
@@ -191,7 +177,7 @@ fn differ(at: &str, a: &Value, b: &Value, total: &mut usize, found: &mut Vec<Str
         (Value::Object(x), Value::Object(y)) => {
             let new = y.keys().filter(|k| !x.contains_key(*k));
             for key in x.keys().chain(new) {
-                if OF_THE_CLOCK.contains(&key.as_str()) {
+                if (OF_THE_CLOCK.iter().chain(&OF_THE_PROGRAM)).any(|k| k == key) {
                     continue;
                 }
                 let [x, y] = [x, y].map(|m| m.get(key).unwrap_or(&Value::Null));

@@ -2,6 +2,7 @@
 
 use super::{Folder, stdout};
 use gearbench::experiment::journal::JOURNAL;
+use gearbench_reports::record::OF_THE_CLOCK;
 use serde_json::Value;
 use std::process::{Child, Stdio};
 use std::time::Duration;
@@ -27,31 +28,14 @@ const SLOW: [&str; 3] = [
     "choose spur_impact --metric peak --tolerance 0.05",
 ];
 
-/// What depends on the clock: times, and what is chosen or repeated by them.
-const OF_THE_CLOCK: [&str; 16] = [
-    "wall_s",
-    "wall_spread_s",
-    "repeats",
-    "setup_s",
-    "cost_s",
-    "cpu_s",
-    "created",
-    "machine",
-    "command",
-    "record",
-    "report",
-    "reason",
-    "predicted_cost_s",
-    "tried",
-    "chosen",
-    "cheapest",
-];
+/// What follows from times: what is chosen by them, and where it lies.
+const BY_THE_CLOCK: [&str; 5] = ["record", "report", "tried", "chosen", "cheapest"];
 
 /// The answer and the record of a study without what depends on the clock.
 fn without_clock(mut value: Value) -> Value {
     match &mut value {
         Value::Object(map) => {
-            OF_THE_CLOCK.iter().for_each(|key| {
+            OF_THE_CLOCK.iter().chain(&BY_THE_CLOCK).for_each(|key| {
                 map.remove(*key);
             });
             for v in map.values_mut() {

@@ -19,7 +19,8 @@
 mod kernel;
 mod session;
 
-use crate::method::{Integrator, MethodInfo, Sink, StepError, TimePlan, Tolerance, Work};
+use crate::error::StepError;
+use crate::method::{Integrator, MethodInfo, Sink, TimePlan, Tolerance, Work};
 use crate::stepped::{first_step, step_exponent, tolerance_of};
 use crate::system::{At, SecondOrderSystem, State};
 use diffsol::{NalgebraMat, OdeBuilder};

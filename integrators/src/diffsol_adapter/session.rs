@@ -3,9 +3,10 @@
 use super::Shared;
 use super::kernel::{Counts, Kernel, KernelDense, copy, read};
 use crate::bounds::Bounds;
+use crate::error::StepError;
 use crate::events::{Root, Watch};
 use crate::free_flight::{FlightDense, FlightProbe};
-use crate::method::{AcceptedStep, Control, Sink, StepError, TimePlan, Work};
+use crate::method::{AcceptedStep, Control, Sink, TimePlan, Work};
 use crate::stepped::{MAX_EVENTS_AT_ONCE, first_not_finite, resolution_of_time};
 use crate::system::{Change, State};
 use diffsol::error::OdeSolverError;

@@ -5,9 +5,10 @@
 //! fourth-order interpolant. W. Kutta (1901); J. R. Dormand, P. J. Prince, *J. Comp. Appl. Math.* 6 (1980)
 //! 19; interpolant from L. F. Shampine, *Math. Comp.* 46 (1986) 135.
 
+use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::Stability;
-use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
+use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
 use crate::system::{At, SecondOrderSystem, State};
 
 /// What RK4 declares.

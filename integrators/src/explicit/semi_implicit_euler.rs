@@ -3,7 +3,8 @@
 //! First order, symplectic for separable systems, one force per step. E. Hairer, C. Lubich, G. Wanner,
 //! *Geometric Numerical Integration*, I.1.2.
 
-use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
+use crate::error::StepError;
+use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
 use crate::system::{SecondOrderSystem, State};
 
 /// What the method declares.

@@ -4,8 +4,9 @@
 //! at the predicted `v0 + h a0`, which keeps order two. Symplectic for separable systems, stable for
 //! `omega h < 2`. L. Verlet, *Phys. Rev.* 159 (1967) 98; W. C. Swope et al., *J. Chem. Phys.* 76 (1982) 637.
 
+use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
-use crate::method::{MethodInfo, OneStep, StepError, Stepping, Tolerance, Work};
+use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
 use crate::system::{At, SecondOrderSystem, State};
 
 /// What the method declares.

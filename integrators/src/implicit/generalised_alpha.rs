@@ -20,9 +20,10 @@
 //! gamma. N. M. Newmark (1959); H. M. Hilber, T. J. R. Hughes, R. L. Taylor (1977); J. Chung,
 //! G. M. Hulbert, *J. Appl. Mech.* 60 (1993) 371.
 
+use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::linear_stability::{Flip, Stability};
-use crate::method::{MethodInfo, OneStep, Parameter, StepError, Stepping, Tolerance, Work};
+use crate::method::{MethodInfo, OneStep, Parameter, Stepping, Tolerance, Work};
 use crate::system::{At, Coeffs, SecondOrderSystem, State};
 
 /// What Newmark declares.

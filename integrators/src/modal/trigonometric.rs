@@ -31,10 +31,9 @@
 
 use super::propagator::{Tables, coefficients, quasi_static_of};
 use super::resonance::{SAFE, safe_step};
+use crate::error::StepError;
 use crate::free_flight::Patience;
-use crate::method::{
-    MethodInfo, OneStep, Parameter, Resolution, StepError, Stepping, Tolerance, Work,
-};
+use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolerance, Work};
 use crate::system::{At, ModalSplit, SecondOrderSystem, State};
 use std::cell::RefCell;
 

@@ -1,8 +1,9 @@
 //! One step: where it is to end, and how the state gets there.
 
 use super::{MethodDense, Run, Stepped, first_not_finite, resolution_of_time};
+use crate::error::StepError;
 use crate::free_flight::FlightDense;
-use crate::method::{AcceptedStep, Control, Dense, OneStep, Sink, StepError, Work};
+use crate::method::{AcceptedStep, Control, Dense, OneStep, Sink, Work};
 use crate::system::{SecondOrderSystem, State};
 
 /// Where a step is to end, and along what.

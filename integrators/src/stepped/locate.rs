@@ -1,8 +1,9 @@
 //! Where in a tentative step the first event lies, by the method itself.
 
 use super::{Run, Stepped, first_not_finite};
+use crate::error::StepError;
 use crate::events::Root;
-use crate::method::{OneStep, StepError, Work};
+use crate::method::{OneStep, Work};
 use crate::system::{SecondOrderSystem, State};
 
 /// A part of a step that is read from the interpolant instead of stepped when an event is located.

@@ -29,12 +29,12 @@ mod locate;
 mod resume;
 
 use crate::bounds::Bounds;
+use crate::error::StepError;
 use crate::events::Watch;
 use crate::free_flight::FlightProbe;
 pub use crate::interpolation::{hermite, hermite_with_acceleration};
 use crate::method::{
-    Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, StepError, Stepping, TimePlan,
-    Tolerance, Work,
+    Dense, Integrator, MethodInfo, OneStep, Resolution, Sink, Stepping, TimePlan, Tolerance, Work,
 };
 use crate::system::{SecondOrderSystem, State};
 use advance::Outcome;

@@ -2,7 +2,8 @@
 
 use super::advance::Aim;
 use super::{ERROR_AT_START, MAX_EVENTS_AT_ONCE, Run, Stepped, first_step};
-use crate::method::{OneStep, Sink, StepError, Work};
+use crate::error::StepError;
+use crate::method::{OneStep, Sink, Work};
 use crate::system::{Change, SecondOrderSystem, State};
 
 impl<M: OneStep> Stepped<M> {

@@ -19,6 +19,21 @@ pub use run::{Run, Status};
 use serde::{Deserialize, Serialize};
 pub use source::Source;
 
+/// Keys of what depends on the clock or on the machine: two records of one study differ in these, at every depth.
+pub const OF_THE_CLOCK: [&str; 11] = [
+    "wall_s",
+    "wall_spread_s",
+    "repeats",
+    "setup_s",
+    "cost_s",
+    "predicted_cost_s",
+    "cpu_s",
+    "created",
+    "machine",
+    "command",
+    "reason",
+];
+
 /// The schema this crate writes, and the newest it reads.
 pub const SCHEMA: u32 = 1;
 

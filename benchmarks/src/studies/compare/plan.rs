@@ -71,9 +71,4 @@ impl Plan<'_> {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-
-    /// Times to record at: an even grid, whatever the times of the reference are.
-    pub(super) fn grid(&self) -> Vec<f64> {
-        self.conditions.grid()
-    }
 }

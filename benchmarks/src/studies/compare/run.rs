@@ -19,7 +19,7 @@ use std::fmt::Display;
 /// # Errors
 /// [`RunError`] when a model cannot be built, or nothing of what is asked for can run.
 pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> {
-    let grid = plan.grid();
+    let grid = plan.conditions.grid();
     let tight = tight();
     let exact_modes = EXACT_MODES.map(|(rtol, steps)| (exact_for_modes(rtol), steps));
     let mut runs = Vec::with_capacity(plan.len());
@@ -54,7 +54,6 @@ pub fn compare(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError
             let held = (&references, &plan.tolerance);
             let mut make = || {
                 let mut row = run(&job(method))?;
-                entry.sign(&mut row);
                 row.published_s = entry.published;
                 // The first run says how large the model is.
                 let own = match &mut own {

@@ -3,7 +3,7 @@
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
-use gearbench_reports::record::Results;
+use gearbench_reports::record::{Results, SELF};
 
 /// The front against every reference, and who leads.
 pub fn summarise(results: &Results) {
@@ -54,13 +54,13 @@ pub fn summarise(results: &Results) {
     }
     if told.references.is_empty() {
         // Without a reference there is the integrators' own error.
+        let metric = told.headline_against(SELF);
         say(&format!(
-            "error against each model's own converged solution, {}",
-            told.headline()
+            "error against each model's own converged solution, {metric}"
         ));
         let sound = results.runs.iter().filter(|r| !r.status.is_failure());
         for r in sound {
-            let own = r.against("self").and_then(|m| m.get(told.headline()));
+            let own = r.against(SELF).and_then(|m| m.get(metric));
             say(&format!(
                 "  {:>10}  {:>9}  {} ({})",
                 own.map_or("unknown".into(), |e| format!("{} %", percent(e, 3))),
