@@ -46,7 +46,7 @@ keys! {
         /// reduction of the tooth thickness at the reference circle in metres, default 0
         #[serde(default)]
         thinning_m: f64,
-        /// bore radius in metres, default 0 (solid)
+        /// bore radius in metres, default 0 (solid: the elastic body then stands on a seat of half the root radius)
         #[serde(default)]
         bore_radius_m: f64,
         /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
