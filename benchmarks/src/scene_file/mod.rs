@@ -23,6 +23,7 @@ mod calibrated;
 pub mod calibration;
 mod contact;
 mod contact_points;
+mod deviations;
 mod error;
 mod formulas;
 mod gear;

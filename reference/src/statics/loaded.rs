@@ -98,6 +98,8 @@ pub struct LoadedPair {
     /// Displacement of each hub per path coordinate of its own.
     displacement_per_path: [f64; 2],
     effective_radius: f64,
+    /// By so much the approach may be negative: teeth stand ahead of their places [m].
+    ahead: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     equilibria: u64,
@@ -146,6 +148,10 @@ impl LoadedPair {
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
         };
         let displacement_per_path = [a, b].map(|i| sign / per_displacement(i));
+        let ahead = [a, b].map(|i| match &spec.gears[i].body {
+            Body::Gear(g) => g.greatest_tooth_deviation() / g.base_helix_angle().cos(),
+            Body::Rack(_) => 0.0,
+        });
         let scene = Scene::build(&spec, &modelling, models)?;
         let mut state = scene.initial();
         // The hubs rest from 1 s on.
@@ -157,6 +163,7 @@ impl LoadedPair {
             sign,
             displacement_per_path,
             effective_radius: effective_radii[0],
+            ahead: ahead[0] + ahead[1],
             start,
             equilibria: 0,
             iterations: 0,
@@ -217,12 +224,12 @@ impl LoadedPair {
             });
         }
         let most = LARGEST_APPROACH * self.layout.base_pitch;
-        // Approach and force of the bracket; the force grows with the approach.
+        // Approach, counted from where no tooth can touch, and force of the bracket; the force grows with it.
         let (mut low, mut high): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
         let mut slope = FIRST_GUESS * self.layout.face_width;
         let mut at = (force / slope).min(0.5 * most);
         for _ in 0..FORCE_TRIALS {
-            let found = self.at_approach(s, at)?;
+            let found = self.at_approach(s, at - self.ahead)?;
             let off = found.force - force;
             if off.abs() <= FORCE_TOLERANCE * force {
                 return Ok(found);
