@@ -1,6 +1,6 @@
 //! Evaluation of all contacts of a scene at one state.
 
-use super::active::{Active, fill_rows, slide, sliding_direction};
+use super::active::{Active, fill_rows, parts, slide, sliding_direction, tangent};
 use super::assembled::Scene;
 use super::members::parties;
 use crate::Vec3;
@@ -95,6 +95,7 @@ impl Scene {
                 rate,
                 impact_speed,
                 force,
+                on: parts(&law, c, c.gap, force.n),
                 friction: FrictionForce::default(),
                 sliding: 0.0,
                 prescribed,
@@ -109,7 +110,7 @@ impl Scene {
     #[inline]
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
         for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
-            rows[0].add_to(c.force.n, f);
+            rows[0].add_parts_to(c.on, f);
             if self.meshes[c.mesh].friction.is_some() {
                 rows[1].add_to(c.friction.f, f);
             }
@@ -119,18 +120,14 @@ impl Scene {
         }
     }
 
-    /// Derivative of the normal forces in a direction, one per active contact, into `work.rhs`.
-    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) {
+    /// Tangents of the active contacts at a state, into `work.tangents`.
+    pub(super) fn tangents_of_contacts(&mut self, at: At<'_>) {
         let work = &mut self.work;
-        work.rhs.clear();
-        for (c, rows) in work.active.iter().zip(&work.rows) {
-            let candidate = &work.candidates[c.candidate];
-            let along = -rows[0].dot_first(dq) / candidate.scale[0];
-            work.rhs.push(
-                c.force.dn_dg * rows[0].dot(dq)
-                    + c.force.dn_dgdot * rows[0].dot(dv)
-                    + c.force.dn_dk * candidate.stiffness_s * along,
-            );
+        work.tangents.clear();
+        for (a, rows) in work.active.iter().zip(&work.rows) {
+            let c = &work.candidates[a.candidate];
+            let law = &self.meshes[a.mesh].law;
+            work.tangents.push(tangent(law, c, a, &rows[0], at.v));
         }
     }
 

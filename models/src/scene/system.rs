@@ -1,6 +1,6 @@
 //! The scene as a second-order system: force, mass, tangent, capabilities.
 
-use super::active::transverse;
+use super::active::{along, transverse};
 use super::assembled::Scene;
 use super::members::SceneGear;
 use crate::gear::LargeGear;
@@ -117,17 +117,20 @@ impl SecondOrderSystem for Scene {
             }
         }
         self.evaluate_contacts(at);
-        self.normal_tangent(dq, dv);
+        self.tangents_of_contacts(at);
         let work = &self.work;
-        for (i, (a, rows)) in work.active.iter().zip(&work.rows).enumerate() {
-            rows[0].add_to(work.rhs[i], df);
+        for ((a, rows), t) in work.active.iter().zip(&work.rows).zip(&work.tangents) {
+            let d = rows[0].dot_parts(dq);
+            let of_rate = t.rate * rows[0].dot(dv);
+            let by = |row: [f64; 2]| row[0] * d[0] + row[1] * d[1] + of_rate;
+            rows[0].add_parts_to(t.on.map(by), df);
             if self.meshes[a.mesh].friction.is_some() {
                 // The contact point moves along the line of action and takes the sliding row with it.
                 let candidate = &work.candidates[a.candidate];
-                let ds = -rows[0].dot_first(dq) / (candidate.scale[0] * transverse(candidate));
+                let ds = along(candidate, d) / transverse(candidate);
                 let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
                 let dslide = rows[1].dot(dv) + ds * turn;
-                let dforce = a.friction.df_dn * work.rhs[i] + a.friction.df_dv * dslide;
+                let dforce = a.friction.df_dn * by(t.normal) + a.friction.df_dv * dslide;
                 rows[1].add_to(dforce - ds * a.friction.f, df);
                 rows[2].add_to(ds * a.friction.f, df);
             }

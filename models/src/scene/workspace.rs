@@ -1,6 +1,6 @@
 //! Buffers of a scene.
 
-use super::active::Active;
+use super::active::{Active, Tangent};
 use super::condensed::Condensed;
 use super::nodal::{Nodal, Reduced};
 use crate::contact::Candidate;
@@ -13,6 +13,8 @@ pub(super) struct Workspace {
     /// Candidates before a zone switch.
     pub listed: Vec<Candidate>,
     pub active: Vec<Active>,
+    /// Their tangents, where these were asked for.
+    pub tangents: Vec<Tangent>,
     /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
     pub rows: Vec<[Row; 3]>,
     pub condensed: Condensed,

@@ -1,6 +1,6 @@
 //! The lines of action of a mesh as data, and what a gear looks like to them.
 
-use super::deviation::Deviation;
+use super::separation::Separation;
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::ToothCoordinates;
@@ -20,8 +20,8 @@ pub struct Slice {
     pub weight: f64,
     /// Offset of the path coordinate of a left flank by the helix [m].
     pub offset: f64,
-    /// Modification of the flanks of both gears, if any.
-    pub deviation: [Option<Deviation>; 2],
+    /// How far the flanks of both gears stand off the involutes.
+    pub separation: [Separation; 2],
 }
 
 /// What a mesh of two gears looks like in its transverse plane.
@@ -57,6 +57,8 @@ pub struct LinesOfAction {
     pub slices: Vec<Slice>,
     /// Contact slots per line.
     pub pairs: usize,
+    /// Path coordinates `s_a` between which pairs may touch [m].
+    pub(super) zone: [f64; 2],
     pub(super) helix_cos: f64,
     pub(super) per_base_pitch: f64,
     pub(super) lines: Vec<Line>,
@@ -76,10 +78,13 @@ pub(super) struct Line {
     pub(super) map: [PathMap; 2],
     /// Whether the teeth count up with the pairs, for both gears.
     pub(super) ascending: [bool; 2],
-    /// Neither flank is modified, so teeth that move as one have one gap:
-    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`.
+    /// Neither flank is modified, so teeth that move as one have one gap,
+    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`, and beyond their tips a
+    /// larger one.
     pub(super) plain: bool,
     pub(super) slack: f64,
+    /// Path coordinates of both gears beyond which the edge of the tip touches [m].
+    pub(super) tips: [f64; 2],
 }
 
 /// Path coordinate of a flank as a linear function of its tooth's displacement and the pair's number.
@@ -131,6 +136,7 @@ pub(super) struct PairState {
     pub(super) s: [f64; 2],
     pub(super) gap: f64,
     pub(super) scale: [f64; 2],
+    pub(super) curvature: [f64; 2],
 }
 
 pub(super) const ZONE_EVENTS: usize = 4;

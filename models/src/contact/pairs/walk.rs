@@ -122,32 +122,27 @@ impl LinesOfAction {
     #[inline(always)]
     fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        let (mut gap, mut scale) = (
-            self.helix_cos * (self.mesh.length - s[0] - s[1]),
-            [1.0, 1.0],
-        );
-        if !line.plain {
-            (gap, scale) = self.modified(line, s, gap);
-        }
-        PairState {
+        let mut p = PairState {
             teeth,
             s,
-            gap,
-            scale,
+            gap: self.helix_cos * (self.mesh.length - s[0] - s[1]),
+            scale: [1.0; 2],
+            curvature: [0.0; 2],
+        };
+        if !(line.plain && s[0] <= line.tips[0] && s[1] <= line.tips[1]) {
+            self.separate(line, &mut p);
         }
+        p
     }
 
-    /// Gap and scales with the modifications of both flanks.
-    fn modified(&self, line: &Line, s: [f64; 2], mut gap: f64) -> (f64, [f64; 2]) {
-        let mut scale = [1.0, 1.0];
-        for (k, deviation) in self.slices[line.slice].deviation.iter().enumerate() {
-            if let Some(deviation) = deviation {
-                let (e, slope) = deviation.eval(s[k]);
-                gap += e;
-                scale[k] -= slope / self.helix_cos;
-            }
+    /// Adds what the flanks of a pair stand off their involutes.
+    fn separate(&self, line: &Line, p: &mut PairState) {
+        for (k, separation) in self.slices[line.slice].separation.iter().enumerate() {
+            let [e, slope, curvature] = separation.eval(p.s[k]);
+            p.gap += e;
+            p.scale[k] -= slope / self.helix_cos;
+            p.curvature[k] = curvature / (self.helix_cos * self.helix_cos);
         }
-        (gap, scale)
     }
 
     /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
@@ -167,12 +162,12 @@ impl LinesOfAction {
 
     #[inline(always)]
     fn points(&self, line: &Line, teeth: [Tooth; 2], s: [f64; 2]) -> [Point; 2] {
-        let x = line.origin + s[0] * line.transverse;
+        let x = line.origin + self.middle(s) * line.transverse;
         let zeta = self.slices[line.slice].zeta;
         let flank = |k: usize| {
             let radius = match self.mesh.views[k].base_radius {
                 Some(rb) => (rb * rb + s[k] * s[k]).sqrt(),
-                None => self.height_on_rack(k, s[0]),
+                None => self.height_on_rack(k, self.middle(s)),
             };
             Point {
                 tooth: teeth[k],
@@ -181,6 +176,12 @@ impl LinesOfAction {
             }
         };
         [flank(0), flank(1)]
+    }
+
+    /// Path coordinate of a contact on that of gear a, the same whichever gear is asked [m].
+    #[inline(always)]
+    fn middle(&self, s: [f64; 2]) -> f64 {
+        0.5 * (s[0] + self.mesh.length - s[1])
     }
 
     /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
@@ -210,17 +211,19 @@ impl LinesOfAction {
     fn candidate(&self, line: &Line, slot: usize, p: &PairState) -> Candidate {
         let weight = self.slices[line.slice].weight;
         let points = self.points(line, p.teeth, p.s);
-        let (k, k_s) = self.stiffness.eval(p.s[0]);
+        let s = self.middle(p.s);
+        let (k, k_s) = self.stiffness.eval(s);
         Candidate {
             slot,
             points,
             normal: line.normal,
             scale: p.scale,
+            curvature: p.curvature,
             gap: p.gap,
             stiffness: k * weight,
             stiffness_s: k_s * weight / self.helix_cos,
-            s: p.s[0],
-            share: 1.0,
+            s,
+            share: weight,
         }
     }
 
@@ -312,10 +315,10 @@ impl LinesOfAction {
     #[inline(always)]
     fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
         let scale = self.per_base_pitch;
-        event_functions[0] = (self.mesh.zone[1] - s[2]) * scale;
-        event_functions[1] = (s[1] - self.mesh.zone[0]) * scale;
-        event_functions[2] = (self.mesh.zone[0] - s[0]) * scale;
-        event_functions[3] = (s[3] - self.mesh.zone[1]) * scale;
+        event_functions[0] = (self.zone[1] - s[2]) * scale;
+        event_functions[1] = (s[1] - self.zone[0]) * scale;
+        event_functions[2] = (self.zone[0] - s[0]) * scale;
+        event_functions[3] = (s[3] - self.zone[1]) * scale;
     }
 
     /// Pairs that a line looks at: those in discrete state, or those in the zone now.
@@ -331,7 +334,7 @@ impl LinesOfAction {
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
             // rigid gears have its gap.
-            let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
+            let middle = 0.5 * (self.zone[0] + self.zone[1]);
             let s0 = self.path_coordinate(line, 0, a, 0);
             let pair = nearest((middle - s0) * self.per_base_pitch);
             (pair, pair)
@@ -345,7 +348,7 @@ impl LinesOfAction {
     /// First and last pair in the zone at a state.
     pub(super) fn zone_now(&self, line: &Line, a: &Mover<'_>) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
-        let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
+        let middle = 0.5 * (self.zone[0] + self.zone[1]);
         let s0 = self.path_coordinate(line, 0, a, 0);
         let guess = nearest((middle - s0) * self.per_base_pitch);
         // Two pairs on each side are all that a contact ratio below three has.
@@ -356,7 +359,7 @@ impl LinesOfAction {
             let s = known
                 .copied()
                 .unwrap_or_else(|| self.path_coordinate(line, 0, a, p));
-            s >= self.mesh.zone[0] && s <= self.mesh.zone[1]
+            s >= self.zone[0] && s <= self.zone[1]
         };
         let reach = self.pairs as i64 + 1;
         let (mut lo, mut hi) = (guess, guess);

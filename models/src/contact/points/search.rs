@@ -179,6 +179,7 @@ impl FlankPoints {
             points,
             normal,
             scale: [1.0, 1.0],
+            curvature: [0.0; 2],
             gap: hit.gap,
             stiffness: self.flanks.penalty[*k] * p.area,
             stiffness_s: 0.0,

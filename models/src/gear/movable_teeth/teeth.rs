@@ -245,7 +245,7 @@ impl MovableTeeth {
             Some(rb) => (s / rb - view.working_pressure_angle - view.half_angle_base).abs(),
             None => (view.half_angle_base - s / view.working_pressure_angle.cos()).abs(),
         };
-        let widest = reach(view.path[0]).max(reach(view.path[1])) / view.pitch;
+        let widest = reach(view.touching[0]).max(reach(view.touching[1])) / view.pitch;
         (widest - 0.5 + HYSTERESIS + MARGIN).ceil().max(0.0) as i64
     }
 
