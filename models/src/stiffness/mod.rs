@@ -27,7 +27,7 @@
 //! | [`foundation`] | compliance of the body under a tooth |
 //! | [`hertz`] | line contact |
 //! | [`pair`] | the series of all of them, as a table |
-//! | [`curve`] | interpolation in constant time |
+//! | [`curve`] | stiffness and coupling over the path, in constant time |
 
 pub mod curve;
 mod error;
@@ -36,17 +36,19 @@ pub mod hertz;
 pub mod iso6336;
 mod material;
 pub mod pair;
+mod spline;
 pub mod tooth;
 
 use std::f64::consts::PI;
 
-pub use curve::{Ends, Interpolation, PairOrMesh, StiffnessCurve};
+pub use curve::{PairOrMesh, StiffnessCurve};
 pub use error::{Property, StiffnessError, StiffnessWarning};
 pub use foundation::{Foundation, RootLength};
 pub use hertz::Hertz;
 pub use iso6336::{Iso6336, IsoGear, IsoInput, IsoVariation, N_PER_MM_UM, iso6336};
 pub use material::Material;
 pub use pair::{ComplianceRow, Path, compliance_table, load_shares, mesh_stiffness};
+pub use spline::{Ends, Interpolation};
 pub use tooth::ToothModel;
 
 use crate::geometry::{Gear, Mate, Pair};
