@@ -151,6 +151,10 @@ pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> [f64; 2] {
 pub(super) struct Tangent {
     /// Of the normal force [N/m].
     pub normal: [f64; 2],
+    /// Of the elastic part of the normal force, which is what neighbours feel [N/m].
+    pub elastic: [f64; 2],
+    /// Of [`Active::on`] by the gap [N/m].
+    pub by_gap: [f64; 2],
     /// Of [`Active::on`], first the gear whose part is multiplied [N/m].
     pub on: [[f64; 2]; 2],
     /// Of all of them by the gap rate [N s/m].
@@ -159,25 +163,40 @@ pub(super) struct Tangent {
     pub plain: bool,
 }
 
+/// What the force of a contact changes by when the elastic force of another one does, through the body that both bend.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer {
+    /// The contact that answers.
+    pub of: usize,
+    /// The one that it answers to.
+    pub to: usize,
+    /// Its normal force, and [`Active::on`].
+    pub normal: f64,
+    pub on: [f64; 2],
+}
+
 /// The tangent of a contact, but for how its stiffness curves along the path.
 pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]) -> Tangent {
     let force = &a.force;
     let plain = c.stiffness_s == 0.0 && c.curvature == [0.0; 2];
+    let elastic = law.undamped().smooth(a.gap, 0.0, 0.0, c.stiffness);
     if plain {
         return Tangent {
             normal: [force.dn_dg; 2],
+            elastic: [elastic.dn_dg; 2],
+            by_gap: [force.dn_dg; 2],
             on: [[force.dn_dg; 2]; 2],
             rate: force.dn_dgdot,
             plain,
         };
     }
     let of_stiffness = 0.5 * force.dn_dk * c.stiffness_s;
-    let elastic = law.undamped().smooth(a.gap, 0.0, a.impact_speed, 1.0).n;
-    let along = -0.5 * c.stiffness_s * elastic;
+    let along = -0.5 * c.stiffness_s * elastic.dn_dk;
     // How the rows turn.
     let turning = [0, 1].map(|k| c.curvature[k] / (c.scale[k] * c.scale[k]));
     let rates = row.dot_parts(v);
     let sign = [-1.0, 1.0];
+    let by_stiffness = 0.5 * elastic.dn_dk * c.stiffness_s;
     let normal = [0, 1].map(|j| {
         let rate = rates[j] + sign[j] * c.scale[j] * a.prescribed.points[j];
         force.dn_dg + sign[j] * of_stiffness / c.scale[j] + force.dn_dgdot * turning[j] * rate
@@ -190,6 +209,8 @@ pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]
     });
     Tangent {
         normal,
+        elastic: [0, 1].map(|j| elastic.dn_dg + sign[j] * by_stiffness / c.scale[j]),
+        by_gap: [0, 1].map(|k| force.dn_dg - sign[k] * along / c.scale[k]),
         on,
         rate: force.dn_dgdot,
         plain,

@@ -1,11 +1,11 @@
 //! Evaluation of all contacts of a scene at one state.
 
-use super::active::{Active, fill_rows, parts, slide, sliding_direction, tangent};
+use super::active::{Active, fill_rows, parts, slide, sliding_direction};
 use super::assembled::Scene;
 use super::members::parties;
 use crate::Vec3;
 use crate::contact::Wanted;
-use crate::contact::pairs::all_open;
+use crate::contact::pairs::{LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
@@ -104,6 +104,9 @@ impl Scene {
                 slide(mesh, at, rows, &mut work.active[i]);
             }
         }
+        if mesh.search.pairs().is_some_and(LinesOfAction::couples) {
+            self.add_coupling_along_path(m);
+        }
     }
 
     /// Applies `x += N w + F t` of all active contacts.
@@ -117,17 +120,6 @@ impl Scene {
         }
         if self.fields {
             self.work.nodal.add_forces(&self.gears, f);
-        }
-    }
-
-    /// Tangents of the active contacts at a state, into `work.tangents`.
-    pub(super) fn tangents_of_contacts(&mut self, at: At<'_>) {
-        let work = &mut self.work;
-        work.tangents.clear();
-        for (a, rows) in work.active.iter().zip(&work.rows) {
-            let c = &work.candidates[a.candidate];
-            let law = &self.meshes[a.mesh].law;
-            work.tangents.push(tangent(law, c, a, &rows[0], at.v));
         }
     }
 

@@ -8,7 +8,7 @@
 //! the path), and for each sliding force where there is friction. Many
 //! contacts of large gears, and those of gears with displacement fields, have forms of their own.
 
-use super::active::transverse;
+use super::active::{Answer, transverse};
 use super::assembled::Scene;
 use super::condensed::kappa;
 use gearbench_integrators::dense_solve::solve_in_place;
@@ -37,7 +37,7 @@ impl Scene {
             let contacts = (work.active.as_slice(), work.rows.as_slice());
             return (work.condensed).correct(&mut self.gears, contacts, at, c, rhs_to_x);
         }
-        self.tangents_of_contacts(at);
+        self.tangents_of_contacts(at)?;
         let plain = self.work.tangents[0].plain;
         if m == 1 && plain && self.meshes[self.work.active[0].mesh].friction.is_none() {
             return self.correct_one_contact(at, c, rhs_to_x);
@@ -160,6 +160,7 @@ impl Scene {
         for k in parts {
             let (in_v, in_z) = (grow(v), grow(z));
             rows[0].add_parts_to(by(t.on[k]), &mut v[in_v..]);
+            self.add_answers(i, c, |answer| answer.on[k], &mut v[in_v..]);
             let own = match (t.plain, k) {
                 (true, _) => [1.0, 1.0],
                 (false, 0) => [1.0, 0.0],
@@ -177,10 +178,25 @@ impl Scene {
         let along = [-0.5 / candidate.scale[0], 0.5 / candidate.scale[1]];
         let (in_v, in_z) = (grow(v), grow(z));
         rows[0].add_parts_to(by(t.normal).map(|x| a.friction.df_dn * x), &mut v[in_v..]);
+        self.add_answers(
+            i,
+            c,
+            |answer| a.friction.df_dn * answer.normal,
+            &mut v[in_v..],
+        );
         rows[1].add_to(c.d * a.friction.df_dv, &mut v[in_v..]);
         rows[0].add_parts_to(along.map(|x| per_s * x), &mut v[in_v..]);
         rows[1].add_to(1.0, &mut z[in_z..]);
         // The turning of the sliding row (dt/ds F) is left out of the Newton matrix: it is of the size of
         // F / r_b against a contact stiffness, and costs a further rank.
+    }
+
+    /// Adds to a row of contact `i` how it answers to its neighbours.
+    fn add_answers(&self, i: usize, c: Coeffs, by: impl Fn(&Answer) -> f64, row: &mut [f64]) {
+        for answer in self.work.answers.iter().filter(|answer| answer.of == i) {
+            let factor = c.k * by(answer);
+            let elastic = self.work.tangents[answer.to].elastic;
+            self.work.rows[answer.to][0].add_parts_to(elastic.map(|x| factor * x), row);
+        }
     }
 }

@@ -56,8 +56,11 @@ impl Events for Scene {
                     overlap |= *g <= 0.0;
                 }
             }
-            if (closed || overlap) && mesh.law.is_dissipative() {
-                let wanted = if overlap {
+            let coupled = closed && pairs.couples();
+            if (closed || overlap) && mesh.law.is_dissipative() || coupled {
+                let wanted = if coupled {
+                    Wanted::Watched(modes)
+                } else if overlap {
                     Wanted::Listed
                 } else {
                     Wanted::Closed(modes)
@@ -222,6 +225,7 @@ impl Scene {
         for c in &work.candidates {
             let (mode, stored) = (modes[2 * c.slot], modes[2 * c.slot + 1]);
             if mode == 0.0 && c.gap > 0.0 {
+                slots[c.slot] = c.gap;
                 continue;
             }
             let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);

@@ -3,7 +3,7 @@
 use crate::contact::{LineClearance, Party, Search};
 use crate::gear::GearModel;
 use crate::law::{Friction, Law};
-use crate::spec::{Load, Profile};
+use crate::spec::Load;
 use gearbench_integrators::system::At;
 
 /// A gear in the scene.
@@ -109,18 +109,6 @@ impl SceneGear {
             };
         }
         Some(sum)
-    }
-
-    /// Largest magnitude of a load.
-    pub(super) fn load_bound(&self, load: &Load) -> f64 {
-        match load {
-            Load::Applied(p) => match p {
-                Profile::Constant(x) => x.abs(),
-                Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
-                Profile::Table { value, .. } => value.iter().fold(0.0, |m, x| x.abs().max(m)),
-            },
-            Load::Viscous(_) => 0.0,
-        }
     }
 }
 

@@ -1,16 +1,16 @@
 //! A mesh from its settings: lines of action over slices, and the law of its contact.
 
 use super::placement::{engagement, views};
-use super::scales::{hub_mass, reduced_mass};
+use super::scales::{hub_mass, initial_speed, reduced_mass};
 use crate::Vec3;
 use crate::contact::pairs::{LinesOfAction, MeshGeometry, Separation, Slice};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::kinematics::{Hub, MeshView};
-use crate::law::{Damping, Law, LawError};
+use crate::law::{Damping, Law, LawError, MeshLoad};
 use crate::spec::{
-    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, stiffness_curve,
+    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, effective_radius,
+    stiffness_curve,
 };
-use crate::stiffness::PairOrMesh;
 
 /// Slices of a mesh whose contact varies over the width.
 const DEFAULT_SLICES: usize = 16;
@@ -61,7 +61,7 @@ pub(super) fn lines_of_action(
     contact: &ContactSpec,
     phases: &[f64],
     mesh_of_gear: [u8; 2],
-) -> Result<(LinesOfAction, MeshGeometry), BuildError> {
+) -> Result<(LinesOfAction, Law, MeshGeometry), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let curve =
@@ -98,7 +98,6 @@ pub(super) fn lines_of_action(
             }
         })
         .collect();
-    let whole_mesh = curve.of() == PairOrMesh::Mesh;
     let geometry = MeshGeometry {
         views,
         mesh_of_gear,
@@ -108,8 +107,9 @@ pub(super) fn lines_of_action(
         zone: l.path,
         base_helix,
     };
-    let search = LinesOfAction::new(geometry.clone(), curve, whole_mesh, slices);
-    Ok((search, geometry))
+    let law = law_of(spec, mesh, contact, curve.maximum().1)?;
+    let search = LinesOfAction::new(geometry.clone(), curve, &law, slices);
+    Ok((search, law, geometry))
 }
 
 pub(super) fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
@@ -162,7 +162,7 @@ fn law_error(gears: [&str; 2], e: &LawError) -> BuildError {
     BuildError::mesh(gears, part, e)
 }
 
-pub(super) fn law_of(
+fn law_of(
     spec: &SceneSpec,
     mesh: &MeshSpec,
     contact: &ContactSpec,
@@ -190,5 +190,27 @@ pub(super) fn law_of(
         }
         other => other,
     };
-    Law::new(contact.exponent, damping).map_err(|e| law_error([&a.name, &b.name], &e))
+    let load = MeshLoad {
+        force: load_of(spec, mesh),
+        stiffness: k,
+        mass: reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]),
+    };
+    Law::new(contact.exponent, damping)
+        .and_then(|law| law.under_load(load))
+        .map_err(|e| law_error([&a.name, &b.name], &e))
+}
+
+/// Largest force along the line of action that loads put on a mesh [N]: those on its own gears, else those on any gear
+/// of the scene, whose torque a train hands on.
+fn load_of(spec: &SceneSpec, mesh: &MeshSpec) -> f64 {
+    let of = |g: &GearSpec| {
+        let sum: f64 = g.loads.iter().map(|l| l.largest(initial_speed(g))).sum();
+        sum / effective_radius(&g.body)
+    };
+    let own = mesh.gears.map(|i| of(&spec.gears[i]));
+    let own = own[0].max(own[1]);
+    if own > 0.0 {
+        return own;
+    }
+    spec.gears.iter().map(of).fold(0.0, f64::max)
 }

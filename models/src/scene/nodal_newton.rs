@@ -19,7 +19,7 @@ impl Scene {
         if self.work.nodal.failed {
             return Err(Singular);
         }
-        self.tangents_of_contacts(at);
+        self.tangents_of_contacts(at)?;
         let mut b = std::mem::take(&mut self.work.reduced);
         let result = self.correct_reduced(at, c, x, &mut b);
         self.work.reduced = b;
@@ -45,6 +45,16 @@ impl Scene {
         b.respond(&mut work.nodal, c)?;
         for ((a, rows), t) in work.active.iter().zip(&work.rows).zip(&work.tangents) {
             b.add_contact(a, t, rows, c);
+        }
+        for answer in &work.answers {
+            let to = (&work.tangents[answer.to], &work.rows[answer.to][0]);
+            b.add_answer(
+                answer,
+                &work.rows[answer.of],
+                to,
+                &work.active[answer.of],
+                c,
+            );
         }
         let size = b.size;
         if size == 0 {

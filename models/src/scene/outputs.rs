@@ -80,6 +80,7 @@ impl Scene {
                     on[k] * effective_radius + a.friction.f * along;
             }
         }
+        self.each_coupling(|_, _, [c, _], [n, o]| energy.contact += c * n * o);
         if self.fields {
             self.add_nodal_output(at, out, &mut energy, &mut power);
         }

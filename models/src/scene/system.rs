@@ -117,20 +117,31 @@ impl SecondOrderSystem for Scene {
             }
         }
         self.evaluate_contacts(at);
-        self.tangents_of_contacts(at);
+        if self.tangents_of_contacts(at).is_err() {
+            df.fill(f64::NAN);
+        }
         let work = &self.work;
-        for ((a, rows), t) in work.active.iter().zip(&work.rows).zip(&work.tangents) {
+        for (i, (a, rows)) in work.active.iter().zip(&work.rows).enumerate() {
+            let t = &work.tangents[i];
             let d = rows[0].dot_parts(dq);
             let of_rate = t.rate * rows[0].dot(dv);
             let by = |row: [f64; 2]| row[0] * d[0] + row[1] * d[1] + of_rate;
-            rows[0].add_parts_to(t.on.map(by), df);
+            let (mut on, mut normal) = (t.on.map(by), by(t.normal));
+            for answer in work.answers.iter().filter(|answer| answer.of == i) {
+                let [k, l] = work.tangents[answer.to].elastic;
+                let d = work.rows[answer.to][0].dot_parts(dq);
+                let elastic = k * d[0] + l * d[1];
+                normal += answer.normal * elastic;
+                on = [0, 1].map(|k| on[k] + answer.on[k] * elastic);
+            }
+            rows[0].add_parts_to(on, df);
             if self.meshes[a.mesh].friction.is_some() {
                 // The contact point moves along the line of action and takes the sliding row with it.
                 let candidate = &work.candidates[a.candidate];
                 let ds = along(candidate, d) / transverse(candidate);
                 let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
                 let dslide = rows[1].dot(dv) + ds * turn;
-                let dforce = a.friction.df_dn * by(t.normal) + a.friction.df_dv * dslide;
+                let dforce = a.friction.df_dn * normal + a.friction.df_dv * dslide;
                 rows[1].add_to(dforce - ds * a.friction.f, df);
                 rows[2].add_to(ds * a.friction.f, df);
             }

@@ -63,6 +63,15 @@ impl Profile {
         }
     }
 
+    /// Largest magnitude at any time.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Profile::Constant(x) => x.abs(),
+            Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
+            Profile::Table { value, .. } => value.iter().fold(0.0, |m, x| x.abs().max(m)),
+        }
+    }
+
     /// Value at time `t` [s].
     pub fn value(&self, t: f64) -> f64 {
         match self {
@@ -146,6 +155,16 @@ pub enum Load {
     Applied(Profile),
     /// `-c v`, c in N m s/rad or N s/m.
     Viscous(f64),
+}
+
+impl Load {
+    /// Largest magnitude [N m] or [N], for a hub that moves at `speed`.
+    pub fn largest(&self, speed: f64) -> f64 {
+        match self {
+            Load::Applied(profile) => profile.largest(),
+            Load::Viscous(c) => c * speed.abs(),
+        }
+    }
 }
 
 #[cfg(test)]

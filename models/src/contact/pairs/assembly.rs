@@ -5,16 +5,13 @@ use super::separation::Separation;
 use crate::Vec3;
 use crate::contact::clearance::LineClearance;
 use crate::geometry::Side;
-use crate::stiffness::StiffnessCurve;
+use crate::law::Law;
+use crate::stiffness::{PairOrMesh, StiffnessCurve};
 
 impl LinesOfAction {
     /// Builds the lines of both flanks.
-    pub fn new(
-        g: MeshGeometry,
-        stiffness: StiffnessCurve,
-        whole_mesh: bool,
-        slices: Vec<Slice>,
-    ) -> Self {
+    pub fn new(g: MeshGeometry, stiffness: StiffnessCurve, law: &Law, slices: Vec<Slice>) -> Self {
+        let whole_mesh = stiffness.of() == PairOrMesh::Mesh;
         let view = &g.views[0];
         let (delta, alpha) = (view.direction, view.working_pressure_angle);
         let rb = view.base_radius.unwrap_or(0.0);
@@ -54,6 +51,7 @@ impl LinesOfAction {
         let mut loa = LinesOfAction {
             partner: [0, 0],
             stiffness,
+            elastic: law.undamped(),
             whole_mesh,
             slices,
             pairs,

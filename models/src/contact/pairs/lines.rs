@@ -6,6 +6,7 @@ use crate::contact::party::Party;
 use crate::gear::ToothCoordinates;
 use crate::geometry::Side;
 use crate::kinematics::{MeshView, Tooth};
+use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
 use gearbench_integrators::system::At;
 
@@ -51,6 +52,8 @@ pub struct LinesOfAction {
     pub partner: [i64; 2],
     /// Stiffness of a pair along `s_a`, whole width.
     pub stiffness: StiffnessCurve,
+    /// The law without its damping.
+    pub(super) elastic: Law,
     /// One spring for the mesh, whatever the number of pairs in contact.
     pub whole_mesh: bool,
     /// Slices over the width; one for a spur gear.

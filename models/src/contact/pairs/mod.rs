@@ -21,6 +21,7 @@
 //! `delta + sign (pi/2 - alpha_w)`, tangent point at angle `delta - sign alpha_w`.
 
 mod assembly;
+mod coupling;
 mod lines;
 mod search;
 mod separation;

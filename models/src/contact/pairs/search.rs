@@ -46,17 +46,22 @@ impl LinesOfAction {
         out: &mut Vec<Candidate>,
     ) {
         let movers = [&Mover::new(&a), &Mover::new(&b)];
+        let first = out.len();
         for (l, line) in self.lines.iter().enumerate() {
             let skip = match wanted {
                 Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
                 Wanted::Touching(reach) => self.clearly_open(line, movers, reach),
-                Wanted::Listed => false,
+                Wanted::Listed | Wanted::Watched(_) => false,
             };
             if skip {
                 continue;
             }
             self.collect(l, movers, discrete, wanted, out);
         }
+        self.couple(&mut out[first..], |slot| match wanted {
+            Wanted::Closed(modes) | Wanted::Watched(modes) => Some(modes[2 * slot] != 0.0),
+            Wanted::Listed | Wanted::Touching(_) => None,
+        });
     }
 
     /// Event functions of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as

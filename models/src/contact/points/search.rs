@@ -82,7 +82,7 @@ impl FlankPoints {
     ) {
         let limit = match wanted {
             Wanted::Closed(_) => 0.0,
-            Wanted::Listed => self.flanks.reach,
+            Wanted::Listed | Wanted::Watched(_) => self.flanks.reach,
             Wanted::Touching(gap) => gap.min(self.flanks.reach),
         };
         let parties = [&a, &b];

@@ -20,7 +20,7 @@
 use super::islands::Nodal;
 use crate::contact::nodal::UNUSED;
 use crate::kinematics::Row;
-use crate::scene::active::{Active, Tangent};
+use crate::scene::active::{Active, Answer, Tangent};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{Coeffs, Singular};
 
@@ -254,6 +254,30 @@ impl Reduced {
             add_outer(t, n, &sliding, &parts[j], of_normal);
         }
         add_outer(t, n, &sliding, &sliding, c.d * a.friction.df_dv);
+    }
+
+    /// Adds `T` of how a contact without fields answers to another one.
+    pub(in crate::scene) fn add_answer(
+        &mut self,
+        answer: &Answer,
+        rows: &[Row; 3],
+        (tangent, to): (&Tangent, &Row),
+        a: &Active,
+        c: Coeffs,
+    ) {
+        let (mut right, mut sliding) = (vec![], vec![]);
+        for (gear, by) in tangent.elastic.into_iter().enumerate() {
+            to.for_each_of(gear, |i, x| right.push((self.mark[i], by * x)));
+        }
+        rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
+        let (t, n) = (&mut self.response, self.size);
+        for (gear, by) in answer.on.into_iter().enumerate() {
+            let mut left = vec![];
+            rows[0].for_each_of(gear, |i, x| left.push((self.mark[i], x)));
+            add_outer(t, n, &left, &right, c.k * by);
+        }
+        let by = c.k * a.friction.df_dn * answer.normal;
+        add_outer(t, n, &sliding, &right, by);
     }
 }
 
