@@ -2,7 +2,7 @@
 
 use super::active::{along, transverse};
 use super::assembled::Scene;
-use super::members::SceneGear;
+use super::members::{SceneGear, SceneMesh};
 use crate::gear::LargeGear;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{
@@ -178,11 +178,9 @@ impl FreeFlight for Scene {
 impl Report for Scene {
     fn has_powers(&self) -> bool {
         let gear = |g: &SceneGear| g.model.hub().has_powers() || !g.loads.is_empty();
-        // Stiffness along the path puts power in; points of flanks have a constant penalty.
-        self.gears.iter().any(gear)
-            || self.meshes.iter().any(|m| {
-                m.search.pairs().is_some() || m.law.is_dissipative() || m.friction.is_some()
-            })
+        // Elastic contact has a potential.
+        let loses = |m: &SceneMesh| m.law.is_dissipative() || m.friction.is_some();
+        self.gears.iter().any(gear) || self.meshes.iter().any(loses)
     }
 
     fn has_jumps(&self) -> bool {

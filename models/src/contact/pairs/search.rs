@@ -27,10 +27,10 @@ impl LinesOfAction {
     }
 
     /// Sets the discrete state from a state.
-    pub fn begin(&self, a: Party<'_>, discrete: &mut [f64]) {
-        let a = Mover::new(&a);
+    pub fn begin(&self, a: Party<'_>, b: Party<'_>, discrete: &mut [f64]) {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
         for (line, m) in self.lines.iter().zip(discrete.chunks_exact_mut(2)) {
-            let (lo, hi) = self.zone_now(line, &a);
+            let (lo, hi) = self.zone_now(line, movers);
             m[0] = lo as f64;
             m[1] = hi as f64;
         }
@@ -77,7 +77,7 @@ impl LinesOfAction {
         let movers = [&Mover::new(&a), &Mover::new(&b)];
         if self.whole_mesh {
             for l in 0..self.lines.len() {
-                let range = self.pairs_of(l, movers[0], discrete, true);
+                let range = self.pairs_of(l, movers, discrete, true);
                 self.gaps_of_pairs(l, range, movers, gaps);
             }
             return;
