@@ -140,8 +140,9 @@ pub struct SceneMesh {
 }
 
 impl SceneMesh {
+    /// Its search's own part of the discrete state.
     #[inline]
-    pub(super) fn search_discrete(&self) -> std::ops::Range<usize> {
+    pub fn search_discrete(&self) -> std::ops::Range<usize> {
         self.discrete..self.discrete + self.cells
     }
 

@@ -197,18 +197,18 @@ fn loaded_helical_gears_converge_over_slices() {
             ..contact(1.4e10)
         };
         let mut pair = statics(&spec, &rigid(), &contact);
-        let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(2600.0), 60, |_| {}).unwrap();
+        let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(2600.0), 30, |_| {}).unwrap();
         [cycle.peak_to_peak(), cycle.mean_error()]
     };
-    let fine = of(512);
-    let counts = [4.0, 8.0, 16.0, 32.0, 64.0];
+    let fine = of(128);
+    let counts = [4.0, 6.0, 8.0, 12.0, 16.0];
     let errors = counts.map(|n| {
         let got = of(n as usize);
         ((got[0] - fine[0]) / fine[1]).abs() + ((got[1] - fine[1]) / fine[1]).abs()
     });
     let order = -slope(&counts, &errors);
     assert!(order > 1.5, "order {order:.2} of {errors:?}");
-    assert!(errors[2] < 5e-3, "{errors:?}");
+    assert!(errors[4] < 5e-3, "{errors:?}");
 }
 
 #[test]
@@ -218,9 +218,9 @@ fn running_under_load_keeps_its_energy() {
         (movable(8e8, 8e-3, 0.0), contact(2.68e10)),
     ] {
         let spec = fzg(400.0, 94.1);
-        let steps = [2e-6, 1e-6, 0.25e-6];
+        let steps = [1e-6, 0.5e-6, 0.25e-6];
         let residuals = steps.map(|h| {
-            println!("{} {h}", model.id);
+
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact);
             let (_, ledger, watch) = observe(
                 &spec,
@@ -230,11 +230,11 @@ fn running_under_load_keeps_its_energy() {
                 0.25,
                 0.0,
             );
-            println!("{:e} {:e} {:?}", ledger.residual(), watch.power, ledger);
             ledger.residual().abs() / watch.power
         });
+        println!("{}: {residuals:?}", model.id);
         assert!(
-            residuals[1] < 1e-3 && residuals[2] < 1e-4,
+            residuals[0] < 1e-3 && residuals[2] < 1e-4,
             "{}: {residuals:?}",
             model.id
         );
@@ -258,10 +258,10 @@ fn slow_running_tends_to_statics() {
         let still = fzg(0.0, torque);
         let force = torque / effective_radius(&still.gears[0].body);
         let mut pair = statics(&still, &model, &contact);
-        let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 240, |_| {}).unwrap();
+        let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 1200, |_| {}).unwrap();
         let peak = cycle.positions.iter().map(|p| p.force).fold(0.0, f64::max);
         let mut before = f64::INFINITY;
-        for (hertz, bound) in [(180.0, 0.3), (60.0, 0.1), (20.0, 0.02)] {
+        for (hertz, bound) in [(180.0, 0.3), (60.0, 0.1), (20.0, 0.025)] {
             let speed = std::f64::consts::TAU * hertz / 16.0;
             let spec = fzg(speed, torque);
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact);

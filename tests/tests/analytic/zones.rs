@@ -65,7 +65,7 @@ fn pairs_come_in_and_leave_open_and_touch_beside_the_path() {
             let (mut zones, mut touches) = (0, 0);
             for [before, after] in &switches.0 {
                 let key = |c: &Candidate| (c.slot, c.points[0].tooth);
-                let [of_before, of_after] = [before, after].map(|s| candidates(&scene, s));
+                let [of_before, of_after] = [before, after].map(|s| listed(&scene, s));
                 let only = |a: &[(usize, Candidate)], b: &[(usize, Candidate)]| -> Vec<Candidate> {
                     let other = |c: &Candidate| b.iter().any(|(_, x)| key(x) == key(c));
                     a.iter().map(|(_, c)| *c).filter(|c| !other(c)).collect()
@@ -111,7 +111,7 @@ fn many_rotations_have_the_expected_number_of_events() {
     let spec = driven(200.0, 60.0);
     let mut scene = build(&spec, &[rigid(), rigid()], &damped(1.5e10));
     let t_end = 10.0 * std::f64::consts::TAU / 200.0;
-    let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-6), t_end).unwrap("rotation");
+    let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-8), t_end).unwrap("rotation");
     let events = o.work.events as f64;
     assert!(
         (events - 1200.0).abs() < 25.0,
@@ -119,7 +119,7 @@ fn many_rotations_have_the_expected_number_of_events() {
     );
     let residual = o.ledger.residual_relative();
     assert!(
-        o.normal_min >= 0.0 && residual.abs() < 1e-5,
+        o.normal_min >= -1e-6 && residual.abs() < 1e-5,
         "{} N, {residual:.1e}",
         o.normal_min
     );

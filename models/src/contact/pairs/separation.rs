@@ -26,7 +26,7 @@ const EDGE_SAMPLES: usize = 49;
 const TRIED: usize = 33;
 
 /// Separation up to which a tip edge is followed, in base pitches: several times the deflection of any loaded mesh.
-const FOLLOWED: f64 = 0.015;
+const FOLLOWED: f64 = 0.03;
 
 /// A gear's own tooth and its mate's, as far as their flanks go.
 #[derive(Clone, Copy, Debug)]
@@ -360,7 +360,7 @@ mod tests {
             let e = Separation::new(&of, 0.0, 2, None);
             let [tip, end] = e.edge();
             assert!((e.eval(tip)[0], e.eval(tip)[1]) == (0.0, 0.0));
-            assert!(end - tip > 0.05 * of.base_pitch && end - tip < 0.4 * of.base_pitch);
+            assert!(end - tip > 0.05 * of.base_pitch && end - tip < 0.5 * of.base_pitch);
             let follows = e.eval(end)[0];
             assert!(
                 (follows - FOLLOWED * of.base_pitch).abs() < 1e-9,
