@@ -190,7 +190,7 @@ fn stiffness(s: &PairStiffness) -> Json {
             "hertz": hertz.id(),
             "reference_load_n": match hertz {
                 Hertz::Log { reference_load } | Hertz::WeberBanaschek { reference_load } => {
-                    Some(reference_load)
+                    *reference_load
                 }
                 Hertz::Linear | Hertz::Rigid => None,
             },

@@ -4,9 +4,7 @@ use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::spec::{Modelling, SceneSpec};
-use gearbench_models::stiffness::{
-    Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel,
-};
+use gearbench_models::stiffness::{Foundation, Hertz, IsoVariation, PairStiffness, ToothModel};
 
 /// A model to load.
 pub struct Entry {
@@ -55,11 +53,13 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
         ),
         with(
             "analytic",
-            "Weber-Banaschek tooth, Sainsot-Velex body, linear Hertz contact, in series",
+            "Weber-Banaschek tooth and Hertz contact at 100 N/mm, body as an elastic ring that all pairs share",
             PairStiffness::Compliance {
                 tooth: ToothModel::WeberBanaschek,
-                foundation: Foundation::SainsotVelex(RootLength::default()),
-                hertz: Hertz::Linear,
+                foundation: Foundation::Ring,
+                hertz: Hertz::WeberBanaschek {
+                    reference_load: None,
+                },
             },
         ),
     ]
