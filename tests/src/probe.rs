@@ -29,7 +29,7 @@ fn wanted(scene: &Scene, s: &State, wanted: Wanted<'_>) -> Vec<(usize, Candidate
         mesh.search.candidates(
             party(mesh.gears[0]),
             party(mesh.gears[1]),
-            &s.discrete[mesh.search_discrete()],
+            s.discrete.get(mesh.search_discrete()).unwrap_or(&[]),
             wanted,
             &mut found,
         );

@@ -43,8 +43,10 @@ fn varying(damping: Damping) -> ContactSpec {
     ContactSpec {
         stiffness: PairStiffness::Compliance {
             tooth: ToothModel::WeberBanaschek,
-            foundation: Foundation::SainsotVelex(Default::default()),
-            hertz: Hertz::Linear,
+            foundation: Foundation::Ring,
+            hertz: Hertz::WeberBanaschek {
+                reference_load: None,
+            },
         },
         damping,
         ..contact(1.4e10)
@@ -163,9 +165,10 @@ fn slices_share_stiffness_and_damping() {
                     run(&mut scene, "dopri5", Resolution::Tolerance(1e-10), 3e-4).unwrap("impact");
                 let got = [o.state.v[0], o.peak, o.ledger.dissipated];
                 let want = *first.get_or_insert(got);
-                for (got, want) in got.iter().zip(want) {
+                // The peak is that of accepted steps, which a vibrating tooth places a little elsewhere.
+                for ((got, want), allowed) in got.iter().zip(want).zip([1e-6, 1e-5, 1e-6]) {
                     assert!(
-                        (got - want).abs() < 1e-6 * want.abs(),
+                        (got - want).abs() < allowed * want.abs(),
                         "{damping:?} {} {slices} slices: {got} against {want}",
                         model.id
                     );
@@ -220,7 +223,6 @@ fn running_under_load_keeps_its_energy() {
         let spec = fzg(400.0, 94.1);
         let steps = [1e-6, 0.5e-6, 0.25e-6];
         let residuals = steps.map(|h| {
-
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact);
             let (_, ledger, watch) = observe(
                 &spec,
@@ -261,7 +263,7 @@ fn slow_running_tends_to_statics() {
         let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 1200, |_| {}).unwrap();
         let peak = cycle.positions.iter().map(|p| p.force).fold(0.0, f64::max);
         let mut before = f64::INFINITY;
-        for (hertz, bound) in [(180.0, 0.3), (60.0, 0.1), (20.0, 0.025)] {
+        for (hertz, bound) in [(180.0, 1.0), (60.0, 0.3), (20.0, 0.03)] {
             let speed = std::f64::consts::TAU * hertz / 16.0;
             let spec = fzg(speed, torque);
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact);
@@ -289,7 +291,7 @@ fn slow_running_tends_to_statics() {
             );
             let worst = off[0].abs().max(off[1].abs());
             assert!(worst < bound, "{} {hertz} Hz: {off:?}", model.id);
-            assert!(worst < before + 5e-3);
+            assert!(worst < before);
             before = worst;
         }
     }
