@@ -163,6 +163,18 @@ fn profile_text(profile: &Profile, unit: &str) -> String {
             ms(time.first().copied().unwrap_or(0.0)),
             ms(time.last().copied().unwrap_or(0.0))
         ),
+        Profile::Harmonic {
+            mean,
+            amplitude,
+            frequency,
+            phase,
+        } => format!(
+            "{} {unit} with {} {unit} cos at {} Hz, {} deg",
+            short(*mean, 5),
+            short(*amplitude, 5),
+            short(*frequency, 5),
+            short(phase.to_degrees(), 4)
+        ),
     }
 }
 

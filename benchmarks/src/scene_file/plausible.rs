@@ -18,7 +18,7 @@ use super::usual::{
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, Profile, effective_radius};
+use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, effective_radius};
 use gearbench_models::stiffness::{Material, PairStiffness};
 use gearbench_reports::numbers::short;
 
@@ -124,7 +124,7 @@ fn material(material: &Material, at: &Place<'_>, odd: &mut Vec<SceneError>) {
 /// Surface speed against the speed of sound.
 fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
     let driven = match &gear.mount {
-        Mount::Driven(motion) => Some(greatest(motion)),
+        Mount::Driven(motion) => Some(motion.greatest()),
         _ => None,
     };
     let place = match driven {
@@ -168,7 +168,7 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
         let Load::Applied(profile) = load else {
             continue;
         };
-        let force = greatest(profile) / effective_radius(&gear.body);
+        let force = profile.greatest() / effective_radius(&gear.body);
         let stress = force / (module * width);
         let place = at.key("loads").member(i);
         let what = format!(
@@ -189,15 +189,6 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
         }
     }
     Ok(())
-}
-
-/// Greatest magnitude of a profile.
-fn greatest(profile: &Profile) -> f64 {
-    match profile {
-        Profile::Constant(x) => x.abs(),
-        Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
-        Profile::Table { value, .. } => value.iter().fold(0.0, |a, x| x.abs().max(a)),
-    }
 }
 
 /// Gears lie in one plane: those that do not mesh must have room beside each other.

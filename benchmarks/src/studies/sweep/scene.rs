@@ -3,12 +3,13 @@
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
 use crate::scene_file::reading::keys::keys;
-use crate::scene_file::reading::values::{Count, Positive};
+use crate::scene_file::reading::values::{Count, Distinct, Positive};
+use gearbench_reports::sweep::Branch;
 
 keys! {
     /// Speeds at which a sweep runs.
     #[serde(default)]
-    #[derive(Copy, PartialEq)]
+    #[derive(PartialEq)]
     pub struct Sweep {
         /// lowest mesh frequency in hertz: teeth times turns per second
         from_hz: Option<Positive>,
@@ -20,6 +21,9 @@ keys! {
         cycles: Count<1, 1000>,
         /// time in seconds that a run is given to settle, default 0.005; at least four mesh cycles
         settle_s: Positive,
+        /// how runs come to their speed: a list of "up", "down" (each from the speed before) and "fresh" (from teeth
+        /// that touch unloaded), default ["up", "down"]
+        branches: Distinct<Branch>,
     }
 }
 
@@ -31,6 +35,7 @@ impl Default for Sweep {
             points: Count(40),
             cycles: Count(8),
             settle_s: Positive(5e-3),
+            branches: Distinct(vec![Branch::Up, Branch::Down]),
         }
     }
 }
@@ -54,6 +59,11 @@ impl Sweep {
     /// Time to settle [s].
     pub fn settle(&self) -> f64 {
         self.settle_s.0
+    }
+
+    /// How runs come to their speed.
+    pub fn branches(&self) -> &[Branch] {
+        &self.branches.0
     }
 
     /// Refuses what does not go together.

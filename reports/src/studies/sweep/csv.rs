@@ -28,6 +28,7 @@ fn speeds(runs: &[Settled<'_>]) -> CsvTable {
         &[
             ("model", &|(r, _)| r.model_label()),
             ("status", &|(r, _)| r.status.to_string()),
+            ("branch", &|(_, s)| s.branch.to_string()),
             ("mesh_frequency_hz", &|(_, s)| number(s.mesh_frequency_hz)),
             ("speed_rad_s", &|(_, s)| number(s.speed_rad_s)),
             ("cycles", &|(_, s)| number(s.cycles as f64)),
@@ -80,6 +81,7 @@ fn cycles(runs: &[Settled<'_>]) -> CsvTable {
         rows,
         &[
             ("model", &|(r, ..)| r.model_label()),
+            ("branch", &|(_, s, _)| s.branch.to_string()),
             ("mesh_frequency_hz", &|(_, s, _)| {
                 number(s.mesh_frequency_hz)
             }),

@@ -132,6 +132,7 @@ pub fn sweep_results() -> Results {
             let mut run = Run {
                 wall_s: 0.1,
                 steady: Some(Steady {
+                    branch: gearbench_reports::sweep::Branch::Up,
                     mesh_frequency_hz: f,
                     speed_rad_s: f / 16.0 * 2.0 * PI,
                     cycles: 8,
