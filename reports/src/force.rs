@@ -110,12 +110,10 @@ impl ForceHistory {
     pub fn within(&self, from: f64, to: f64) -> Within {
         let mut all = Within::default();
         for p in self.until(to).iter().filter(|p| p.end > from) {
-            let peak = if p.start >= from {
-                p.peak().1
-            } else {
-                let inner = p.nodes().filter(|n| n.0 > from).map(|n| n.1);
-                inner.fold(p.at(from), f64::max)
-            };
+            // Nodes lie far closer than anything swings; between them a polynomial may overshoot a kink.
+            let first = p.at(p.start.max(from));
+            let inner = p.nodes().filter(|n| n.0 > from).map(|n| n.1);
+            let peak = inner.fold(first, f64::max);
             let clipped = Piece {
                 start: p.start.max(from),
                 ..*p

@@ -182,7 +182,12 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
     let spec = scene.spec_for(choice);
     let mut parts = Vec::new();
     if let Some(c) = &choice.calibration {
-        parts.push(format!("calibration `{}` of scene {}", c.name, c.scene));
+        parts.push(format!(
+            "calibration `{}` of scene {}, for {}",
+            c.name,
+            c.scene,
+            c.fitted_to().holds_for()
+        ));
     } else {
         parts.push("constants as given in the scene".into());
     }

@@ -77,10 +77,39 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     for (i, model) in scene.models.iter().enumerate() {
         let at = root.key("models").member(i);
         contacts(model, &at.key("contact"), &mut odd);
+        odd.extend(calibrated(scene, model, &at));
         let own = model.integrators.as_deref().unwrap_or_default();
         steps(own, scene, &at.key("integrators"))?;
     }
     Ok(odd)
+}
+
+/// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.
+fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<SceneError> {
+    let calibration = model.calibration.as_ref()?;
+    let loaded = |g: &GearSpec| {
+        g.loads.iter().any(|l| match l {
+            Load::Applied(p) => p.settled() != 0.0,
+            Load::Viscous(c) => *c != 0.0,
+        })
+    };
+    let holds = |g: &GearSpec| loaded(g) || matches!(g.mount, Mount::Driven(_) | Mount::Fixed);
+    let gears = &scene.spec.gears;
+    let runs = gears.iter().any(loaded) && gears.iter().filter(|g| holds(g)).count() > 1;
+    (runs && !calibration.fitted_to().to_statics()).then(|| {
+        at.key("calibration").error(
+            format!(
+                "`{}` runs under load with a calibration for {}",
+                model.label,
+                calibration.fitted_to().holds_for()
+            ),
+            "odd",
+            format!(
+                "take \"running\" or \"static\": `gearbench identify {} --to running --write` fits it",
+                calibration.scene
+            ),
+        )
+    })
 }
 
 fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {

@@ -7,7 +7,7 @@
 //!
 //! **Growth** is judged by what vibrates: a gear that turns under load carries a thousand times the energy of its teeth,
 //! and nothing that these make up would show beside it. What no load paid for (the residual, and what switches brought
-//! in more than they took) is held against the largest energy of vibration seen, that is strain, contact, and the motion
+//! in beyond what damping took) is held against the largest energy of vibration seen, that is strain, contact, and the motion
 //! of bodies against each other ([`Rotation`]), and what the contacts took up since the start: energy that passed through
 //! them, of which an integrator may lose or make a part.
 
@@ -132,10 +132,15 @@ impl Ledger {
         (self.vibration + self.through_contact).max(ROUNDING * self.peak)
     }
 
+    /// What switches brought in beyond what they and damping took [J].
+    pub fn unpaid_jumps(&self) -> f64 {
+        (self.jumps - self.dissipated).max(0.0)
+    }
+
     /// What nothing paid for over what vibrated.
     pub fn growth(&self) -> f64 {
         let scale = self.vibrating();
-        let made_up = self.residual() + self.jumps.max(0.0);
+        let made_up = self.residual() + self.unpaid_jumps();
         if scale > 0.0 { made_up / scale } else { 0.0 }
     }
 

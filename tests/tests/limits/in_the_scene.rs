@@ -8,7 +8,7 @@ use gearbench::models::models;
 use gearbench::studies::stability::limits::{LineKind, Linearised};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
-use gearbench_reports::record::{Run, Status};
+use gearbench_reports::record::Run;
 
 fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
     let grid: Vec<f64> = (0..=200).map(|i| t_end * f64::from(i) / 200.0).collect();

@@ -239,7 +239,7 @@ impl RunMonitor {
             )
         } else {
             let ledger = &self.ledger;
-            let (jumps, residual) = (ledger.jumps.max(0.0), ledger.residual());
+            let (jumps, residual) = (ledger.unpaid_jumps(), ledger.residual());
             let by = if jumps > residual {
                 "by contacts that close with their whole force at once, which no step mends; use a contact whose force grows from zero"
             } else if self.fixed {

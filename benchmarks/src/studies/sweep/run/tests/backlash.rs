@@ -10,9 +10,11 @@ use gearbench_models::spec::Modelling;
 
 const Z: f64 = 0.05;
 const FM: f64 = 0.1;
-/// Half of the dead zone over the base pitch; the mean deflection is a tenth of it. Smaller ones drown in the rounding of
-/// angles, larger ones shift the teeth.
-const B: f64 = 1e-7;
+/// Half of the dead zone over the base pitch; the mean deflection is a tenth of it. Larger ones shift the teeth, by some
+/// 1e-6 of the answer; smaller ones drown in the rounding of hub angles after a thousand mesh cycles.
+const B: f64 = 2e-5;
+/// Periods to settle: between jumps, and where the branch ends, which takes the longest to leave.
+const PERIODS: [f64; 2] = [120.0, 400.0];
 
 /// A case of the oscillator.
 #[derive(Clone, Copy)]
@@ -165,18 +167,19 @@ impl Gears {
     }
 
     /// The rms over [`B`] of the oscillator at frequencies from state to state, by the runs of a sweep.
-    fn swept(&self, ws: &[f64], branch: Branch, periods: f64) -> Vec<f64> {
+    fn swept(&self, ws: &[f64], branch: Branch, last: f64) -> Vec<f64> {
         let mut from: Option<EndState> = None;
         let mut found = Vec::new();
         for &w in ws {
             let f = w * self.omega / TAU;
             let mut entry = Configuration::of(&self.scene, &self.scene.models[0]);
+            let periods = PERIODS[usize::from(w == last)];
             let speed = -self.sign * f * self.pitch / self.rb;
             self.load(&mut entry.scene, w, speed, 0.0);
             let plan = Plan {
                 method: RK4.at_step(1.0 / (f * 400.0)),
                 settle: periods / f,
-                ..super::plan(&self.scene, vec![f], 4, 0.0)
+                ..super::plan(&self.scene, vec![f], 8, 0.0)
             };
             let runner = Runner::default();
             let one = Branches {
@@ -197,7 +200,7 @@ impl Gears {
     }
 
     /// The same while nothing turns and the load shakes.
-    fn shaken(&self, ws: &[f64], periods: usize) -> Vec<f64> {
+    fn shaken(&self, ws: &[f64], last: f64) -> Vec<f64> {
         let modelling: &Modelling = &self.scene.models[0].modelling;
         let mut from: Option<State> = None;
         let (mut phase, mut before) = (0.0, 0.0);
@@ -210,7 +213,7 @@ impl Gears {
             before = w;
             self.load(&mut spec, w, 0.0, phase);
             let period = TAU / (w * self.omega);
-            let begin = t + period * periods as f64;
+            let begin = t + period * (2.0 * PERIODS[usize::from(w == last)]).round();
             let grid: Vec<f64> = (0..=256)
                 .map(|i| begin + period * f64::from(i) / 256.0)
                 .collect();
@@ -291,10 +294,10 @@ fn the_oscillator_jumps_where_it_is_known_to() {
 #[test]
 fn gears_are_the_parametric_oscillator_on_both_branches() {
     let gears = Gears::new(PARAMETRIC);
-    let up = gears.swept(&UP, Branch::Up, 150.0);
+    let up = gears.swept(&UP, Branch::Up, 0.907);
     near(&UP, &up, &KNOWN_UP, 1e-6);
     assert!(up[6] < 0.09 && up[7] > 0.11, "{up:?}");
-    let down = gears.swept(&DOWN, Branch::Down, 150.0);
+    let down = gears.swept(&DOWN, Branch::Down, 0.834);
     near(&DOWN, &down, &KNOWN_DOWN, 1e-6);
     assert!(down[6] > 0.14 && down[7] < 0.06, "{down:?}");
 }
@@ -304,7 +307,7 @@ fn gears_are_the_parametric_oscillator_on_both_branches() {
 fn gears_under_a_harmonic_load_are_the_forced_oscillator_on_both_branches() {
     let gears = Gears::new(FORCED);
     let ws = [0.75, 0.80, 0.815, 0.822, 0.825, 0.827, 0.828, 0.829, 0.85];
-    let up = gears.shaken(&ws, 150);
+    let up = gears.shaken(&ws, 0.829);
     near(
         &ws,
         &up,
@@ -315,7 +318,7 @@ fn gears_under_a_harmonic_load_are_the_forced_oscillator_on_both_branches() {
     let ws = [
         0.85, 0.80, 0.75, 0.73, 0.72, 0.714, 0.711, 0.71, 0.709, 0.708,
     ];
-    let down = gears.shaken(&ws, 150);
+    let down = gears.shaken(&ws, 0.708);
     near(&ws, &down, &[(0.80, 0.20225840), (0.75, 0.22472379)], 1e-6);
     assert!(down[8] > 0.2 && down[9] < 0.05, "{down:?}");
 }
