@@ -28,7 +28,7 @@ pub enum FittedTo {
     /// The force history of one impact.
     #[default]
     Impact,
-    /// The static transmission error of finite elements over a mesh cycle.
+    /// The static compliance of finite elements over a mesh cycle.
     Static,
     /// Both at once.
     Running,
@@ -70,7 +70,7 @@ impl FittedTo {
         self != FittedTo::Static
     }
 
-    /// Whether the static transmission error took part.
+    /// Whether the static compliance took part.
     pub fn to_statics(self) -> bool {
         self != FittedTo::Impact
     }

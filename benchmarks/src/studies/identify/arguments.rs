@@ -38,7 +38,7 @@ pub struct Identify {
     /// What to fit to: impact, static or running (both at once)
     #[arg(long, value_name = "WHAT", default_value = "impact", value_parser = fitted_to())]
     pub to: FittedTo,
-    /// Model at rest that static transmission errors are fitted to [default: the first of finite elements]
+    /// Model at rest whose compliance is fitted [default: the first of finite elements]
     #[arg(long, value_name = "LABEL")]
     pub against: Option<String>,
     /// Load at rest over the common face width [N/mm]

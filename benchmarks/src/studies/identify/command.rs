@@ -132,7 +132,7 @@ fn history_of(scene: &mut SceneFile, args: &Identify) -> Result<ExternalReferenc
     )))
 }
 
-/// The model at rest that is fitted, and its transmission errors.
+/// The model at rest that is fitted, and its compliances.
 fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarget), Refusal> {
     let choice = match &args.against {
         Some(label) => scene.select(Some(label))?.into_iter().next(),
@@ -180,7 +180,7 @@ fn write(
             .collect();
         let errors = [
             ("force history", r.force_l2),
-            ("static transmission error", r.static_l2),
+            ("static compliance", r.static_l2),
         ];
         let errors = errors
             .into_iter()

@@ -10,7 +10,7 @@
 //! | `movable-teeth` | stiffness of a tooth pair per width, tooth stiffness, tooth mass, gap |
 //!
 //! An impact is over before the bodies have given way, so that what fits it is too stiff for gears that run under load:
-//! there static transmission errors of finite elements are fitted in its place (the stiffness of a tooth pair, which is
+//! there compliances of finite elements at rest are fitted in its place (the stiffness of a tooth pair, which is
 //! all that they tell), or both at once.
 
 pub(crate) mod arguments;

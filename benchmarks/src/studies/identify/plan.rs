@@ -27,13 +27,14 @@ pub struct Target<'a> {
     pub statics: Option<StaticTarget>,
 }
 
-/// Transmission errors at even positions over one base pitch.
+/// Compliances of the mesh under a load at even positions over one base pitch: tangents, as facets of finite-element
+/// flanks shift the transmission error itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticTarget {
     /// Force along the line of action [N].
     pub force: f64,
-    /// Transmission error at each position [m].
-    pub error: Vec<f64>,
+    /// Tangent compliance along the line of action at each position [m/N].
+    pub compliance: Vec<f64>,
 }
 
 impl StaticTarget {
@@ -51,7 +52,7 @@ impl StaticTarget {
         let cycle = MeshCycle::solve(&mut pair, Load::Force(force), positions, |_| {})?;
         Ok(StaticTarget {
             force,
-            error: cycle.positions.iter().map(|p| p.approach).collect(),
+            compliance: cycle.tangent.iter().map(|k| k.recip()).collect(),
         })
     }
 }
@@ -63,7 +64,7 @@ pub struct Identification {
     pub parameters: Vec<Identified>,
     /// Relative L2 error of the force history with them, where it was fitted.
     pub force_l2: Option<f64>,
-    /// Relative L2 error of the static transmission error over a mesh cycle, where it was fitted.
+    /// Relative L2 error of the static compliance over a mesh cycle, where it was fitted.
     pub static_l2: Option<f64>,
     /// Integrations done.
     pub evaluations: u32,

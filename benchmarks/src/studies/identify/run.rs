@@ -71,9 +71,9 @@ pub fn identify(
                 }
             }
             if let Some(wanted) = &target.statics {
-                let count = wanted.error.len();
+                let count = wanted.compliance.len();
                 let own = StaticTarget::of((&spec, &modelling), models, wanted.force, count);
-                found.extend(own.map_err(|e| e.to_string())?.error);
+                found.extend(own.map_err(|e| e.to_string())?.compliance);
             }
             Ok(found)
         });
@@ -84,8 +84,12 @@ pub fn identify(
                     .map(|(a, b)| (a - b) / force_size)
                     .collect();
                 if let Some(wanted) = &target.statics {
-                    let whole = size(&wanted.error);
-                    r.extend(e.iter().zip(&wanted.error).map(|(a, b)| (a - b) / whole));
+                    let whole = size(&wanted.compliance);
+                    r.extend(
+                        e.iter()
+                            .zip(&wanted.compliance)
+                            .map(|(a, b)| (a - b) / whole),
+                    );
                 }
                 count += 1;
                 progress(count, size(&r));

@@ -10,7 +10,7 @@ pub fn summarise(label: &str, reference: &str, r: &Identification) {
     };
     let parts = [
         part("force history", r.force_l2),
-        part("static transmission error", r.static_l2),
+        part("static compliance", r.static_l2),
     ];
     say(&format!(
         "{label}: {} of {reference}, {} trials",

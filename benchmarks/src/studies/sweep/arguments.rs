@@ -25,6 +25,7 @@ balance, or on one while the other is driven or, where loads are viscous, given 
 Results (--out DIR, default out/SCENE/sweep/), beside report and record:
   sweep.csv         one line per speed: transmission error, forces, harmonics
   sweep_cycles.csv  one mean mesh cycle of each run
+  sweep_orders.csv  transmission error at the orders of the shafts, where whole turns were measured (--turns)
   statics.csv       the static transmission error";
 
 /// A branch by its word.
@@ -58,6 +59,9 @@ pub struct Sweep {
     /// Whole mesh cycles that are measured
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub cycles: Option<u32>,
+    /// Whole turns of the first gear that are measured in place of cycles: gives the orders of its shaft
+    #[arg(long, value_name = "N", conflicts_with = "cycles", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub turns: Option<u32>,
     /// How runs come to their speed, between commas: up, down (each from the speed before), fresh [default: up,down]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = branch())]
     pub branches: Option<Vec<Branch>>,

@@ -1,6 +1,7 @@
 //! `gearbench sweep SCENE`: loaded running over the speed.
 
 use super::arguments::Sweep;
+use super::pair::Pair;
 use super::summary::summarise;
 use super::{Plan, check, mesh_resonance, sweep};
 use crate::cli::answer::Answer;
@@ -66,7 +67,11 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
             }
             None => told.branches().to_vec(),
         },
-        cycles: args.cycles.map_or(told.cycles(), |n| n as usize),
+        cycles: match (args.cycles, args.turns.map(|n| n as usize).or(told.turns())) {
+            (Some(cycles), _) => cycles as usize,
+            (None, Some(turns)) => Pair::cycles_of(&scene.spec, turns),
+            (None, None) => told.cycles(),
+        },
         settle: told.settle(),
         positions: args.positions,
     };

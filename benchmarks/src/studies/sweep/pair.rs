@@ -92,7 +92,8 @@ pub struct Pair {
     pub layout: MeshLayout,
     /// Effective base radii of both gears [m].
     pub effective_radii: [f64; 2],
-    teeth: f64,
+    /// Numbers of teeth.
+    pub teeth: [usize; 2],
     /// Of the flank in contact, as the first gear turns.
     pub sign: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
@@ -113,7 +114,7 @@ impl Pair {
                 spec.meshes.len()
             ));
         };
-        let (Body::Gear(first), Body::Gear(_)) = (&a.body, &b.body) else {
+        let (Body::Gear(first), Body::Gear(second)) = (&a.body, &b.body) else {
             return Err("a sweep is of two gears; a rack comes to its end".into());
         };
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
@@ -146,7 +147,7 @@ impl Pair {
             }
             _ => None,
         };
-        let teeth = f64::from(first.teeth());
+        let teeth = [first, second].map(|g| g.teeth() as usize);
         let pair = Pair {
             start: mesh.start.path_coordinate.unwrap_or(layout.pitch_point),
             layout,
@@ -155,7 +156,7 @@ impl Pair {
             sign,
             loads,
             holds,
-            own: teeth * a.speed.abs() / TAU,
+            own: teeth[0] as f64 * a.speed.abs() / TAU,
         };
         // What a viscous load presses depends on the speeds that are swept.
         let rest = pair.own_force();
@@ -165,6 +166,14 @@ impl Pair {
             ));
         }
         Ok(pair)
+    }
+
+    /// Mesh cycles in so many turns of the first gear of a scene.
+    pub fn cycles_of(spec: &SceneSpec, turns: usize) -> usize {
+        match spec.gears.first().map(|g| &g.body) {
+            Some(Body::Gear(first)) => turns * first.teeth() as usize,
+            _ => turns,
+        }
     }
 
     /// That of a model, or why there is none.
@@ -215,7 +224,7 @@ impl Pair {
 
     /// Speeds of both gears at a mesh frequency [rad/s].
     fn speeds(&self, frequency: f64) -> [f64; 2] {
-        let first = self.sign * TAU * frequency / self.teeth;
+        let first = self.sign * TAU * frequency / self.teeth[0] as f64;
         [
             first,
             -first * self.effective_radii[0] / self.effective_radii[1],

@@ -80,6 +80,7 @@ impl Pair {
                 error: &error,
                 force: &series.contact_force_n,
                 pieces: series.force.as_ref(),
+                gears: [0, 1].map(|k| (gears[k].0, self.teeth[k])),
                 speed: &series.omega1_rad_s,
                 bearings,
             },
@@ -224,7 +225,10 @@ impl Branches<'_, '_> {
             self.runner.tell(runs.len(), self.total, &what);
             let (row, end) = self.one(branch, frequency, from.as_ref())?;
             runs.push(row);
-            from = end.filter(|_| branch != Branch::Fresh);
+            // A run that failed leaves nothing: the branch goes on from the last that did.
+            if branch != Branch::Fresh {
+                from = end.or(from);
+            }
         }
         Ok(from)
     }

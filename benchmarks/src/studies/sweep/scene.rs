@@ -19,6 +19,9 @@ keys! {
         points: Count<2, 10_000>,
         /// whole mesh cycles that are measured, default 8
         cycles: Count<1, 1000>,
+        /// whole turns of the first gear that are measured in place of mesh cycles, for the orders of its shaft (and of the
+        /// other's, where it makes whole turns as well)
+        turns: Option<Count<1, 1000>>,
         /// time in seconds that a run is given to settle, default 0.005; at least four mesh cycles
         settle_s: Positive,
         /// how runs come to their speed: a list of "up", "down" (each from the speed before) and "fresh" (from teeth
@@ -34,6 +37,7 @@ impl Default for Sweep {
             to_hz: None,
             points: Count(40),
             cycles: Count(8),
+            turns: None,
             settle_s: Positive(5e-3),
             branches: Distinct(vec![Branch::Up, Branch::Down]),
         }
@@ -54,6 +58,11 @@ impl Sweep {
     /// Whole mesh cycles that are measured.
     pub fn cycles(&self) -> usize {
         self.cycles.0
+    }
+
+    /// Whole turns of the first gear to measure, in place of mesh cycles.
+    pub fn turns(&self) -> Option<usize> {
+        self.turns.map(|n| n.0)
     }
 
     /// Time to settle [s].

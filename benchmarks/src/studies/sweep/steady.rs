@@ -2,12 +2,15 @@
 
 use gearbench_reports::force::ForceHistory;
 use gearbench_reports::record::{Bearing, Steady};
+use gearbench_reports::sweep::ShaftOrders;
 use std::f64::consts::TAU;
 
 /// Samples of a mean mesh cycle.
 const PER_CYCLE: usize = 128;
 /// Harmonics of the mesh frequency that are kept.
 pub const HARMONICS: usize = 24;
+/// Orders of a shaft that are kept beyond twice that of the mesh.
+const SIDEBANDS: usize = 4;
 /// Contact force below this part of its mean counts as none.
 const APART: f64 = 1e-6;
 
@@ -25,6 +28,8 @@ pub struct Histories<'a> {
     pub pieces: Option<&'a ForceHistory>,
     /// Speed of the first gear [rad/s].
     pub speed: &'a [f64],
+    /// Names and teeth of both gears.
+    pub gears: [(&'a str, usize); 2],
     /// Bearing forces: gear, whether they contain its own inertia, x and y [N].
     pub bearings: Vec<(String, bool, &'a [f64], &'a [f64])>,
 }
@@ -77,6 +82,18 @@ pub fn measure(h: &Histories<'_>, [cycles, per_cycle]: [usize; 2]) -> Option<Ste
             }
         })
         .collect();
+    // Over whole turns of a shaft every tooth has its own share; what repeats is a mesh cycle otherwise.
+    let turns = |teeth: usize| teeth > 0 && cycles.is_multiple_of(teeth);
+    let whole: Vec<(&str, usize)> = h.gears.into_iter().filter(|g| turns(g.1)).collect();
+    let shaft_orders = (whole.iter())
+        .map(|(gear, teeth)| ShaftOrders {
+            gear: (*gear).to_owned(),
+            teeth: *teeth,
+            error_m: (1..=2 * teeth + SIDEBANDS)
+                .map(|n| amplitude(&error, n * (cycles / teeth)))
+                .collect(),
+        })
+        .collect();
     let cycle = mean_cycle(&error, per_cycle);
     let regular = rms(&cycle);
     let deviations: Vec<f64> = (error.iter().enumerate())
@@ -90,6 +107,8 @@ pub fn measure(h: &Histories<'_>, [cycles, per_cycle]: [usize; 2]) -> Option<Ste
         error_rms_m: rms(&error),
         error_peak_to_peak_m: range(&error),
         error_harmonics_m: amplitudes(&error, cycles),
+        error_long_peak_to_peak_m: range(&running_mean(&error, per_cycle)),
+        shaft_orders,
         force_mean_n: mean_force,
         force_peak_n: within
             .map_or_else(|| force.iter().copied().fold(0.0, f64::max), |w| w.peak_n),
@@ -97,7 +116,7 @@ pub fn measure(h: &Histories<'_>, [cycles, per_cycle]: [usize; 2]) -> Option<Ste
             || share(&force, |f| f <= APART * mean_force),
             |w| (1.0 - w.contact_s / lasts).max(0.0),
         ),
-        irregular: if regular > 0.0 {
+        irregular: if regular > 0.0 && whole.is_empty() {
             rms(&deviations) / regular
         } else {
             0.0
@@ -190,19 +209,31 @@ fn resample_smooth(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
 /// Amplitudes of the harmonics `1 .. HARMONICS` of the cycle in samples over whole cycles: sums over all samples, so
 /// that no window is needed and other harmonics do not leak.
 pub fn amplitudes(x: &[f64], cycles: usize) -> Vec<f64> {
+    (1..=HARMONICS).map(|k| amplitude(x, k * cycles)).collect()
+}
+
+/// Amplitude of what repeats so many times over all samples.
+fn amplitude(x: &[f64], times: usize) -> f64 {
     let n = x.len() as f64;
-    (1..=HARMONICS)
-        .map(|k| {
-            let turn = TAU * (k * cycles) as f64 / n;
-            let (mut re, mut im) = (0.0, 0.0);
-            for (i, x) in x.iter().enumerate() {
-                let (sin, cos) = (turn * i as f64).sin_cos();
-                re += x * cos;
-                im += x * sin;
-            }
-            2.0 / n * re.hypot(im)
-        })
-        .collect()
+    let turn = TAU * times as f64 / n;
+    let (mut re, mut im) = (0.0, 0.0);
+    for (i, x) in x.iter().enumerate() {
+        let (sin, cos) = (turn * i as f64).sin_cos();
+        re += x * cos;
+        im += x * sin;
+    }
+    2.0 / n * re.hypot(im)
+}
+
+/// Means over windows of a length, at every place where one fits.
+fn running_mean(x: &[f64], length: usize) -> Vec<f64> {
+    let mut sum: f64 = x[..length].iter().sum();
+    let mut means = vec![sum / length as f64];
+    for (out, new) in x.iter().zip(&x[length..]) {
+        sum += new - out;
+        means.push(sum / length as f64);
+    }
+    means
 }
 
 #[cfg(test)]
@@ -237,6 +268,7 @@ mod tests {
                     error: &error,
                     force: &force,
                     pieces: None,
+                    gears: [("a", 3), ("b", 4)],
                     speed: &speed,
                     bearings: vec![("a".into(), false, &force, &error)],
                 },
@@ -267,6 +299,50 @@ mod tests {
         }
     }
 
+    /// A pitch deviation of every third tooth and a run-out stand at their orders.
+    #[test]
+    fn whole_turns_have_the_orders_of_their_shaft() {
+        let time: Vec<f64> = (0..6000).map(|i| f64::from(i) * 5e-6).collect();
+        let position: Vec<f64> = time.iter().map(|t| 0.21 + 1000.0 * t).collect();
+        let wave = |p: f64| {
+            1e-6 * (0.5 * (TAU * p).sin()
+                + 0.2 * (TAU * p / 12.0).cos()
+                + 0.1 * (TAU * p / 3.0).sin())
+        };
+        let error: Vec<f64> = position.iter().map(|p| wave(*p)).collect();
+        let force = vec![100.0; time.len()];
+        let s = measure(
+            &Histories {
+                time: &time,
+                position: &position,
+                error: &error,
+                force: &force,
+                pieces: None,
+                gears: [("pinion", 12), ("wheel", 17)],
+                speed: &force,
+                bearings: Vec::new(),
+            },
+            [24, 128],
+        )
+        .unwrap();
+        let [orders] = s.shaft_orders.as_slice() else {
+            panic!("{:?}", s.shaft_orders);
+        };
+        assert_eq!((orders.gear.as_str(), orders.teeth), ("pinion", 12));
+        for (i, a) in orders.error_m.iter().enumerate() {
+            let expected = match i + 1 {
+                1 => 0.2e-6,
+                4 => 0.1e-6,
+                12 => 0.5e-6,
+                _ => 0.0,
+            };
+            assert!((a - expected).abs() < 1e-10, "{}: {a}", i + 1);
+        }
+        // The mesh cycle itself is averaged away, slow waves hardly.
+        assert!((s.error_long_peak_to_peak_m / 1e-6 - 0.53).abs() < 0.05);
+        assert_eq!(s.irregular, 0.0);
+    }
+
     #[test]
     fn too_few_cycles_and_turning_back_are_refused() {
         let [time, mut position, error, force, speed] = histories(1000.0, 0.0, 1.0);
@@ -278,6 +354,7 @@ mod tests {
                     error: &error,
                     force: &force,
                     pieces: None,
+                    gears: [("a", 3), ("b", 4)],
                     speed: &speed,
                     bearings: Vec::new(),
                 },

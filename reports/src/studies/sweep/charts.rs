@@ -68,6 +68,7 @@ pub fn sweep(
     charts.extend(spectra(all)?);
     charts.extend(harmonics(all, &x)?);
     charts.extend(cycles(statics, all)?);
+    charts.extend(shaft_orders(all)?);
     Ok(charts)
 }
 
@@ -352,6 +353,51 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     );
     let title = "Transmission error over two mesh cycles";
     chart("sweep_cycles.svg", title, caption, &names, &panels).map(Some)
+}
+
+/// Transmission error at the orders of the shafts, at the lowest speed: what deviations from tooth to tooth excite.
+fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
+    let shown: Vec<(&Swept<'_>, &Steady)> = (all.iter())
+        .filter(|s| s.first)
+        .filter_map(|s| Some((s, s.runs.first()?.0)))
+        .filter(|(_, r)| !r.shaft_orders.is_empty())
+        .collect();
+    let Some((_, first)) = shown.first() else {
+        return Ok(None);
+    };
+    let mut panels = Vec::new();
+    for (k, orders) in first.shaft_orders.iter().enumerate() {
+        let x = Axis::linear(0.0, (orders.error_m.len() + 1) as f64);
+        let curves = shown.iter().filter_map(|(s, r)| {
+            let of = r.shaft_orders.get(k)?;
+            let points = of.error_m.iter().enumerate();
+            let points = points
+                .map(|(i, a)| ((i + 1) as f64, UM * a))
+                .filter(|p| p.1 > 0.0);
+            Some(Curve::points(look(s.style), 2.6, true, points.collect()))
+        });
+        let mut panel = Panel::new(200.0, &x, "TE amplitude [\u{b5}m]").curves(curves);
+        panel.y = top_decades(&panel, 6.0);
+        panel.verticals = (1..=2)
+            .map(|n| ((n * orders.teeth) as f64, format!("{n} x mesh")))
+            .filter(|v| v.0 <= x.max)
+            .collect();
+        panel.x_name = Some(format!(
+            "order: times the turns per second of {}",
+            orders.gear
+        ));
+        panels.push(panel);
+    }
+    let caption = format!(
+        "At a mesh frequency of {}, over whole turns. Orders between those of the mesh are what differs from tooth to tooth; \
+         without deviations they are rounding.",
+        quantity(first.mesh_frequency_hz, "Hz", 3)
+    );
+    let title = "Orders of the transmission error";
+    let names: Vec<Entry> = (shown.iter())
+        .map(|(s, _)| Entry::marked(&s.label, look(s.style), true))
+        .collect();
+    chart("sweep_orders.svg", title, caption, &names, &panels).map(Some)
 }
 
 /// Look of a model that was not swept.

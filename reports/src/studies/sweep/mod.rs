@@ -11,7 +11,9 @@ use crate::record::Run;
 use crate::studies::StudyReport;
 use crate::view::View;
 use maud::html;
-pub use record::{Bearing, Bistable, Branch, StaticCycle, Steady, SweepRecord, bistable};
+pub use record::{
+    Bearing, Bistable, Branch, ShaftOrders, StaticCycle, Steady, SweepRecord, bistable,
+};
 
 /// A model with its runs by mesh frequency, in one way of coming to the speed.
 pub struct Swept<'a> {

@@ -114,6 +114,11 @@ pub struct Steady {
     pub error_peak_to_peak_m: f64,
     /// Harmonics \[m\].
     pub error_harmonics_m: Vec<f64>,
+    /// Greatest less least of its mean over a running mesh cycle \[m\]: what deviations from tooth to tooth make of it.
+    pub error_long_peak_to_peak_m: f64,
+    /// Amplitudes at the orders of the shafts, where whole turns were measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shaft_orders: Vec<ShaftOrders>,
     /// Mean contact force \[N\].
     pub force_mean_n: f64,
     /// Greatest contact force \[N\].
@@ -130,6 +135,18 @@ pub struct Steady {
     pub error_cycle_m: Vec<f64>,
     /// Contact force there, mean of the cycles \[N\].
     pub force_cycle_n: Vec<f64>,
+}
+
+/// Transmission error at multiples of the speed of a shaft.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShaftOrders {
+    /// Name of the gear.
+    pub gear: String,
+    /// Its number of teeth, the order of the mesh frequency.
+    pub teeth: usize,
+    /// Amplitudes at one, two, ... times its turns per second \[m\].
+    pub error_m: Vec<f64>,
 }
 
 /// Force of a gear on its bearing over whole mesh cycles.
@@ -180,6 +197,7 @@ impl Steady {
             self.error_mean_m,
             self.error_rms_m,
             self.error_peak_to_peak_m,
+            self.error_long_peak_to_peak_m,
             self.force_mean_n,
             self.force_peak_n,
             self.separated,
@@ -195,9 +213,14 @@ impl Steady {
             let of = [b.mean_n, b.rms_n];
             of.into_iter().chain(b.harmonics_n.iter().copied())
         });
+        let orders = self
+            .shaft_orders
+            .iter()
+            .flat_map(|o| o.error_m.iter().copied());
         (single.into_iter())
             .chain(lists.into_iter().flatten().copied())
             .chain(bearings)
+            .chain(orders)
             .all(f64::is_finite)
     }
 }

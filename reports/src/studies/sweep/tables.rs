@@ -139,6 +139,9 @@ pub fn speeds(all: &[Swept<'_>]) -> Markup {
         .result()
         .numbers("TE peak to peak", "m", 3, |(_, r)| r.error_peak_to_peak_m)
         .result()
+        .numbers("TE long-period", "m", 3, |(_, r)| {
+            Some(r.error_long_peak_to_peak_m).filter(|_| !r.shaft_orders.is_empty())
+        })
         .numbers("Contact force, mean", "N", 4, |(_, r)| r.force_mean_n)
         .numbers("Contact force, greatest", "N", 4, |(_, r)| r.force_peak_n)
         .result()
@@ -153,7 +156,7 @@ pub fn speeds(all: &[Swept<'_>]) -> Markup {
         });
     }
     let remark = note(
-        "Over whole mesh cycles of steady running. Contact lost: time without contact force. Irregular: what does not repeat from \
+        "Over whole mesh cycles of steady running. Contact lost: time without contact force. TE long-period: peak to peak of its mean over a running mesh cycle, where whole turns were measured. Irregular: what does not repeat from \
          cycle to cycle over what does.",
     );
     section("Every speed", html! { (table) (remark) })
