@@ -103,7 +103,7 @@ impl SceneGear {
         let mut sum = 0.0;
         for load in &self.loads {
             sum += match load {
-                Load::Applied(p) if p.slope(t) == 0.0 => p.value(t),
+                Load::Applied(p) if p.is_steady(t) => p.value(t),
                 Load::Viscous(0.0) => 0.0,
                 _ => return None,
             };

@@ -204,7 +204,7 @@ fn law_of(
 /// of the scene, whose torque a train hands on.
 fn load_of(spec: &SceneSpec, mesh: &MeshSpec) -> f64 {
     let of = |g: &GearSpec| {
-        let sum: f64 = g.loads.iter().map(|l| l.largest(initial_speed(g))).sum();
+        let sum: f64 = g.loads.iter().map(|l| l.greatest(initial_speed(g))).sum();
         sum / effective_radius(&g.body)
     };
     let own = mesh.gears.map(|i| of(&spec.gears[i]));

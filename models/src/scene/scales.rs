@@ -31,7 +31,7 @@ impl Scales {
         let along = sides.map(|(s, _)| {
             let speed = initial_speed(s);
             let force =
-                s.loads.iter().map(|l| l.largest(0.0)).sum::<f64>() / effective_radius(&s.body);
+                s.loads.iter().map(|l| l.greatest(0.0)).sum::<f64>() / effective_radius(&s.body);
             (speed * effective_radius(&s.body), force)
         });
         let fastest = along[0].0.abs().max(along[1].0.abs());

@@ -12,28 +12,6 @@ use gearbench_models::spec::{
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 
-/// A profile times a factor.
-fn scaled(profile: &Profile, by: f64) -> Profile {
-    match profile {
-        Profile::Constant(x) => Profile::Constant(by * x),
-        Profile::Ramp {
-            from,
-            to,
-            start,
-            end,
-        } => Profile::Ramp {
-            from: by * from,
-            to: by * to,
-            start: *start,
-            end: *end,
-        },
-        Profile::Table { time, value } => Profile::Table {
-            time: time.clone(),
-            value: value.iter().map(|x| by * x).collect(),
-        },
-    }
-}
-
 /// A pair with its teeth apart on both flanks, for motions without contact.
 fn free(load: Load) -> Scene {
     let mut spec = case_a(30e-6);
@@ -42,7 +20,7 @@ fn free(load: Load) -> Scene {
     // The wheel turns along, so that the flanks stay apart however far the pinion goes.
     spec.gears[1].inertia = spec.gears[0].inertia.map(|j| j * 1.5 * 1.5);
     spec.gears[1].loads = vec![match &load {
-        Load::Applied(profile) => Load::Applied(scaled(profile, -1.5)),
+        Load::Applied(profile) => Load::Applied(profile.scaled(-1.5)),
         Load::Viscous(c) => Load::Viscous(2.25 * c),
     }];
     build(&spec, &[rigid(), rigid()], &contact(1e10))
@@ -184,7 +162,7 @@ fn driven_gears_put_their_power_into_the_ledger() {
                     let mut spec = case_a(2e-6);
                     let other = 1 - driven;
                     let sign = if driven == 0 { 1.0 } else { -1.0 };
-                    spec.gears[driven].mount = Mount::Driven(scaled(profile, sign));
+                    spec.gears[driven].mount = Mount::Driven(profile.scaled(sign));
                     if driven == 1 {
                         // The wheel drives with its other flanks.
                         spec.meshes[0].start = start(Side::Right, 2e-6);
