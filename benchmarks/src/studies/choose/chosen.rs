@@ -142,7 +142,9 @@ fn contact(c: &ContactSpec) -> Json {
     let damping = match c.damping {
         Damping::None => Json::Null,
         Damping::KelvinVoigt { c } => json!({ "law": law, "damping_ns_per_m": c }),
-        Damping::KelvinVoigtRatio { ratio } => json!({ "law": law, "ratio": ratio }),
+        Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
+            json!({ "law": law, "ratio": ratio })
+        }
         Damping::HuntCrossley { e }
         | Damping::LankaraniNikravesh { e }
         | Damping::Flores { e }
