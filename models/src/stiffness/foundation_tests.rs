@@ -70,7 +70,7 @@ fn warnings_name_gear_and_factor() {
     let text: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     assert!(text.iter().all(|t| t.contains("gear 2")), "{text:?}");
     assert!(
-        text[0].contains("35.000") && text[1].contains("0.34"),
+        text[0].contains("17.500") && text[1].contains("0.34"),
         "{text:?}"
     );
 }

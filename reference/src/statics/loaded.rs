@@ -19,6 +19,8 @@ const FORCE_TOLERANCE: f64 = 1e-7;
 const FORCE_TRIALS: u32 = 100;
 /// Width of a bracket over the approach below which the force jumps inside it.
 const EDGE: f64 = 1e-10;
+/// How far surfaces through nodes may stand before the flanks, over the base pitch.
+const AHEAD: f64 = 1e-4;
 /// First guess of the mesh stiffness over the width [N/m^2]: a steel pair.
 const FIRST_GUESS: f64 = 1.4e10;
 /// Part of the base pitch that an approach may reach: a hundredth is far beyond elastic teeth.
@@ -102,7 +104,7 @@ pub struct LoadedPair {
     /// Displacement of each hub per path coordinate of its own.
     displacement_per_path: [f64; 2],
     effective_radius: f64,
-    /// By so much the approach may be negative: teeth stand ahead of their places [m].
+    /// By so much the approach may be negative: teeth deviate, and surfaces through nodes bulge [m].
     ahead: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
@@ -156,6 +158,7 @@ impl LoadedPair {
             Body::Gear(g) => g.greatest_tooth_deviation() / g.base_helix_angle().cos(),
             Body::Rack(_) => 0.0,
         });
+        let base_pitch = layout.base_pitch;
         let scene = Scene::build(&spec, &modelling, models)?;
         let mut state = scene.initial();
         // The hubs rest from 1 s on.
@@ -167,7 +170,7 @@ impl LoadedPair {
             sign,
             displacement_per_path,
             effective_radius: effective_radii[0],
-            ahead: ahead[0] + ahead[1],
+            ahead: ahead[0] + ahead[1] + AHEAD * base_pitch,
             start,
             equilibria: 0,
             iterations: 0,
