@@ -212,6 +212,8 @@ impl LinesOfAction {
         let points = self.points(line, p.teeth, p.s);
         let (k, k_s) = self.stiffness.eval(p.s[0]);
         Candidate {
+            aside: [crate::Vec3::zeros(); 2],
+            fade: 1.0,
             slot,
             points,
             normal: line.normal,
