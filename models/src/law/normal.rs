@@ -272,6 +272,38 @@ impl Law {
         force
     }
 
+    /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
+    /// elastic force, `|N_d| <= N_e`.
+    ///
+    /// A constant dashpot alone would act with a jump at touch, where nothing is compressed yet, and pull at the end
+    /// (K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440): an implicit step then has no solution where a
+    /// point just closes. Bounded both ways the force grows from zero and ends at zero.
+    #[inline]
+    pub fn at_point(&self, g: f64, g_rate: f64, k: f64) -> LawForce {
+        if g >= 0.0 {
+            return LawForce::default();
+        }
+        let (power, slope) = self.powers(-g);
+        let (elastic, dashpot) = (k * power, -self.c * g_rate);
+        if dashpot > elastic {
+            LawForce {
+                n: 2.0 * elastic,
+                dn_dg: -2.0 * k * slope,
+                dn_dgdot: 0.0,
+                dn_dk: 2.0 * power,
+            }
+        } else if dashpot < -elastic {
+            LawForce::default()
+        } else {
+            LawForce {
+                n: elastic + dashpot,
+                dn_dg: -k * slope,
+                dn_dgdot: -self.c,
+                dn_dk: power,
+            }
+        }
+    }
+
     /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
     #[inline]
     pub fn potential(&self, g: f64, k: f64) -> f64 {

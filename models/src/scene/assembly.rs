@@ -245,6 +245,14 @@ impl Scene {
                 .is_some()
         };
         let oscillators = gears.iter().all(linear);
+        let one_mass = |i: &usize| {
+            let model = &gears[*i].model;
+            model.displacement().is_some() || (model.teeth().is_none() && model.flanks().is_none())
+        };
+        let mut damped = meshes.iter().filter(|m| m.nodal && m.law.is_dissipative());
+        let implicit_dashpots = diagonal
+            && damped.clone().next().is_some()
+            && damped.all(|m| m.gears.iter().all(one_mass));
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         Scene {
             gears,
@@ -260,6 +268,7 @@ impl Scene {
             event_functions,
             fields,
             condenses,
+            implicit_dashpots,
             locates,
             tracks,
             inverse_mass: if diagonal {

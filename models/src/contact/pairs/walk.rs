@@ -214,6 +214,8 @@ impl LinesOfAction {
         let s = self.middle(p.s);
         let (k, k_s) = self.stiffness.eval(s);
         Candidate {
+            aside: [crate::Vec3::zeros(); 2],
+            fade: 1.0,
             slot,
             points,
             normal: line.normal,
