@@ -91,7 +91,7 @@ impl Scene {
                 body: &g.body,
                 material: g.material,
                 hub: &hub,
-                added_inertia: g.added_inertia,
+                added_inertia: g.added_inertia + g.body.core_inertia(g.material.density),
                 placement: Placement::new(&hub, phases[gears.len()]),
                 effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
