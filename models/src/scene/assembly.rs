@@ -16,7 +16,7 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
+use crate::spec::{Body, Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -137,6 +137,18 @@ impl Scene {
                         ),
                     ));
                 }
+            }
+            let deviates =
+                |i: &usize| matches!(&spec.gears[*i].body, Body::Gear(g) if g.deviates());
+            if search.whole_mesh && mesh.gears.iter().any(deviates) {
+                return Err(BuildError::mesh(
+                    mesh.gears.map(|i| spec.gears[i].name.as_str()),
+                    MeshPart::Stiffness,
+                    (
+                        "one stiffness for the whole mesh needs equal teeth, but teeth deviate from each other",
+                        "give the stiffness of a tooth pair",
+                    ),
+                ));
             }
             let k_max = search.stiffness.maximum().1;
             scales.add(spec, mesh, &gears, k_max);

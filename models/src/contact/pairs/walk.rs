@@ -143,6 +143,14 @@ impl LinesOfAction {
             p.scale[k] -= slope / self.helix_cos;
             p.curvature[k] = curvature / (self.helix_cos * self.helix_cos);
         }
+        for (k, gear) in self.mesh.deviating.iter().enumerate() {
+            let Some(gear) = gear else { continue };
+            let [e, slope, curvature] =
+                gear.tooth_deviation_at_roll(p.teeth[k].index, line.side, p.s[k]);
+            p.gap += e;
+            p.scale[k] -= slope / self.helix_cos;
+            p.curvature[k] += curvature / (self.helix_cos * self.helix_cos);
+        }
     }
 
     /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
