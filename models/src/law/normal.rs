@@ -272,6 +272,11 @@ impl Law {
         force
     }
 
+    /// Whether the force is linear in gap and gap rate, piece by piece.
+    pub fn is_piecewise_linear(&self) -> bool {
+        self.exponent == 1.0 && self.chi == 0.0
+    }
+
     /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
     /// elastic force, `|N_d| <= N_e`.
     ///
@@ -284,7 +289,15 @@ impl Law {
             return LawForce::default();
         }
         let (power, slope) = self.powers(-g);
-        let (elastic, dashpot) = (k * power, -self.c * g_rate);
+        // A damper that grows with the force is known by its load: no speed of touch is.
+        let per_speed = if self.load_speed > 0.0 {
+            self.chi / self.load_speed
+        } else {
+            0.0
+        };
+        let elastic = k * power;
+        let c = self.c + elastic * per_speed;
+        let (dashpot, factor) = (-c * g_rate, 1.0 - per_speed * g_rate);
         if dashpot > elastic {
             LawForce {
                 n: 2.0 * elastic,
@@ -297,9 +310,9 @@ impl Law {
         } else {
             LawForce {
                 n: elastic + dashpot,
-                dn_dg: -k * slope,
-                dn_dgdot: -self.c,
-                dn_dk: power,
+                dn_dg: -k * slope * factor,
+                dn_dgdot: -c,
+                dn_dk: power * factor,
             }
         }
     }

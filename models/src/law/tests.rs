@@ -390,6 +390,22 @@ fn a_ratio_at_load_is_that_of_small_vibrations_and_needs_a_load() {
         let f = loaded.smooth(-deflection, 0.0, 0.0, k);
         let got = -f.dn_dgdot / (2.0 * (-f.dn_dg * MASS).sqrt());
         assert!((got - ratio).abs() < 1e-12, "{got}");
+        // A point of a flank has the same, as many of them as there are.
+        let share = 0.25;
+        let point = loaded.at_point(-deflection, 1e-6, share * k);
+        let all = loaded.at_point(-deflection, 1e-6, k);
+        assert!((point.dn_dgdot - share * all.dn_dgdot).abs() < 1e-12 * all.dn_dgdot.abs());
+        assert!((all.dn_dgdot / f.dn_dgdot - 1.0).abs() < 1e-12);
+        for rate in [-0.9, -1e-3, 1e-3, 0.9] {
+            let h = 1e-6;
+            let n = |g: f64, r: f64| loaded.at_point(g, r, k).n;
+            let d = loaded.at_point(-deflection, rate, k);
+            let by_rate = (n(-deflection, rate + h) - n(-deflection, rate - h)) / (2.0 * h);
+            let h = 1e-6 * deflection;
+            let by_gap = (n(-deflection + h, rate) - n(-deflection - h, rate)) / (2.0 * h);
+            assert!((by_rate - d.dn_dgdot).abs() < 1e-6 * all.dn_dgdot.abs());
+            assert!((by_gap - d.dn_dg).abs() < 1e-6 * all.dn_dg.abs());
+        }
         // It grows from nothing where a contact closes.
         assert_eq!(loaded.smooth(0.0, -1.0, 0.0, k).n, 0.0);
         let none = MeshLoad { force: 0.0, ..load };

@@ -159,8 +159,15 @@ impl Scene {
                 .any(|i| gears[*i].model.flanks().is_some());
             let (search, law, clearances): (Search, Law, _) = if with_flanks {
                 let lines = Side::BOTH.map(|side| search.line(side));
-                let (search, law) =
-                    flank_points(spec, mesh, contact, &gears, &phases, &geometry, lines)?;
+                let (search, law) = flank_points(
+                    spec,
+                    mesh,
+                    contact,
+                    &gears,
+                    &phases,
+                    &geometry,
+                    (lines, law),
+                )?;
                 // Nodes may stand off the involute: the foremost ones count.
                 let clearances = search
                     .clearance([0.0; 2])
