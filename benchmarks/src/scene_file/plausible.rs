@@ -308,7 +308,9 @@ fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
         .friction
         .map(|f| look(&FRICTION, ["friction", "mu"], f.mu()));
     let damping = match contact.damping {
-        Damping::KelvinVoigtRatio { ratio } => look(&DAMPING_RATIO, ["damping", "ratio"], ratio),
+        Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
+            look(&DAMPING_RATIO, ["damping", "ratio"], ratio)
+        }
         _ => None,
     };
     let stiffness = match &contact.stiffness {

@@ -21,6 +21,9 @@ use super::involute::{inv, inv_inverse, inv_of_tangent};
 use super::parameters::GearParams;
 use super::quantity::Quantity;
 
+/// Seat over root radius of a solid gear: that of a gear on a shaft with a key.
+const SEAT: f64 = 0.5;
+
 /// An external involute gear that can be cut: parameters and derived quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gear {
@@ -203,6 +206,13 @@ impl Gear {
     /// Root radius (m).
     pub fn r_root(&self) -> f64 {
         self.r_root
+    }
+
+    /// Radius at which the body is held (m): the bore, or for a solid gear the seat that stands for
+    /// its shaft, half the root radius.
+    pub fn seat_radius(&self) -> f64 {
+        let bore = self.params.bore_radius;
+        if bore > 0.0 { bore } else { SEAT * self.r_root }
     }
 
     /// Form radius (m): where the fillet ends and the involute begins.

@@ -4,7 +4,7 @@ use super::assembled::Scene;
 use super::assembly_points::flank_points;
 use super::channels;
 use super::members::{SceneGear, SceneMesh};
-use super::mesh_assembly::{hub_of, law_of, lines_of_action};
+use super::mesh_assembly::{hub_of, lines_of_action};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
@@ -116,7 +116,8 @@ impl Scene {
         for ((mesh, l), contact) in spec.meshes.iter().zip(&layouts).zip(&modelling.contacts) {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
-            let (search, geometry) = lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
+            let (search, law, geometry) =
+                lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
             for i in mesh.gears {
                 seen[i] += 1;
             }
@@ -154,7 +155,6 @@ impl Scene {
                     .map_or_else(Vec::new, |c| c.lines().to_vec());
                 (Search::Points(Box::new(search)), law, clearances)
             } else {
-                let law = law_of(spec, mesh, contact, k_max)?;
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();

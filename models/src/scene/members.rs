@@ -110,14 +110,6 @@ impl SceneGear {
         }
         Some(sum)
     }
-
-    /// Largest magnitude of a load.
-    pub(super) fn load_bound(&self, load: &Load) -> f64 {
-        match load {
-            Load::Applied(p) => p.greatest(),
-            Load::Viscous(_) => 0.0,
-        }
-    }
 }
 
 /// A mesh in the scene.
@@ -148,8 +140,9 @@ pub struct SceneMesh {
 }
 
 impl SceneMesh {
+    /// Its search's own part of the discrete state.
     #[inline]
-    pub(super) fn search_discrete(&self) -> std::ops::Range<usize> {
+    pub fn search_discrete(&self) -> std::ops::Range<usize> {
         self.discrete..self.discrete + self.cells
     }
 

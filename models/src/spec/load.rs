@@ -250,6 +250,16 @@ pub enum Load {
     Viscous(f64),
 }
 
+impl Load {
+    /// Greatest magnitude [N m] or [N], for a hub that moves at `speed`.
+    pub fn greatest(&self, speed: f64) -> f64 {
+        match self {
+            Load::Applied(profile) => profile.greatest(),
+            Load::Viscous(c) => c * speed.abs(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

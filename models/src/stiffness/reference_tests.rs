@@ -42,7 +42,7 @@ fn single_pair_stiffness_lies_where_finite_elements_put_it() {
     let (one, two, pair) = case_a();
     // The load per width of the finite-element secant is 210 to 450 N/mm.
     let load = Hertz::WeberBanaschek {
-        reference_load: 3300.0,
+        reference_load: Some(3300.0),
     };
     let models = [
         (compliance(ToothModel::Energy, RING, Hertz::Linear), 13.93),
@@ -85,7 +85,7 @@ fn curve_interpolates_the_compliances() {
             ToothModel::Cornell,
             Foundation::Cornell,
             Hertz::Log {
-                reference_load: 1e3,
+                reference_load: Some(1e3),
             },
         ),
     ] {
@@ -258,7 +258,7 @@ fn rack_is_the_limit_of_large_gears() {
     let pair = Pair::new(&gear, &large, distance).unwrap();
     let steel = [Material::STEEL; 2];
     let hertz = Hertz::WeberBanaschek {
-        reference_load: 3e3,
+        reference_load: Some(3e3),
     };
     let model = (
         ToothModel::WeberBanaschek,
@@ -285,7 +285,7 @@ fn rack_is_the_limit_of_large_gears() {
         ToothModel::Energy,
         Foundation::Rigid,
         Hertz::Log {
-            reference_load: 1e3,
+            reference_load: Some(1e3),
         },
     );
     let refused = build(&log, &gear, &rack, &rack_pair, steel, 10e-3);

@@ -210,11 +210,14 @@ fn rack_and_pinion_exchange_momentum() {
     for side in Side::BOTH {
         for model in [rigid(), movable(5e8, 5e-3, 0.0)] {
             let mut spec = pair_of(
-                gear("pinion", spur(20), 0.0, 20.0 * side.sign()),
+                gear("pinion", spur(20), 0.0, 4.0 * side.sign()),
                 rack("rack", 40, 0.0401, 0.0),
                 start(side, 3e-6),
             );
             spec.gears[1].inertia = Some(0.4);
+            // In the middle of where one pair alone touches, and gently: edges of tips would turn the force.
+            let at = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+            spec.meshes[0].start.path_coordinate = Some(0.5 * (at.path[0] + at.path[1]));
             let effective_radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact(2e10));
             let inertia = [0, 1].map(|i| scene.gears()[i].model.hub().inertia);
@@ -241,7 +244,7 @@ fn rack_and_pinion_exchange_momentum() {
             let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-9), 1.3e-4).unwrap("rack");
             let after = momenta(&mut scene, &o.state);
             let impulse = after[0] - before[0];
-            assert!(impulse.abs() > 0.1, "{before:?} {after:?}");
+            assert!(impulse.abs() > 0.02, "{before:?} {after:?}");
             // Gear and rack go along: the sum is kept.
             let drift = (after[0] + after[1] - before[0] - before[1]) / impulse;
             assert!(
@@ -251,7 +254,7 @@ fn rack_and_pinion_exchange_momentum() {
             );
             let energy = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
             assert!(energy.abs() < 1e-6, "energy {energy:.2e}");
-            assert!(channel(&mut scene, &o.state, "hub_speed:rack") * side.sign() > 0.5);
+            assert!(channel(&mut scene, &o.state, "hub_speed:rack") * side.sign() > 0.1);
         }
     }
 }

@@ -6,7 +6,7 @@ use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::geometry::{Mate, Pair};
 use gearbench_models::spec::{Body, Modelling, PointRule, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{
-    Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel, iso_of,
+    Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
 
 /// A model to load.
@@ -63,11 +63,13 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
         },
         with(
             "analytic",
-            "Weber-Banaschek tooth, Sainsot-Velex body, linear Hertz contact, in series",
+            "Weber-Banaschek tooth and Hertz contact at 100 N/mm, body as an elastic ring that all pairs share",
             PairStiffness::Compliance {
                 tooth: ToothModel::WeberBanaschek,
-                foundation: Foundation::SainsotVelex(RootLength::default()),
-                hertz: Hertz::Linear,
+                foundation: Foundation::Ring,
+                hertz: Hertz::WeberBanaschek {
+                    reference_load: None,
+                },
             },
         ),
     ]
