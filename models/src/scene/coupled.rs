@@ -9,6 +9,7 @@
 
 use super::active::{Active, Answer, tangent};
 use super::assembled::Scene;
+use crate::contact::pairs::MOST_ON_LINE as MOST;
 use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Singular};
 
@@ -76,60 +77,88 @@ impl Scene {
             let law = &self.meshes[a.mesh].law;
             work.tangents.push(tangent(law, c, a, &rows[0], at.v));
         }
-        let mut couplings = Vec::new();
-        self.each_coupling(|i, j, c, n| couplings.push((i, j, c, n)));
-        if couplings.is_empty() {
+        let mut first = 0;
+        while first < self.work.active.len() {
+            let n = self.on_line_from(first);
+            if n > 1 {
+                self.answers_of_line(first, n)?;
+            }
+            first += n;
+        }
+        Ok(())
+    }
+
+    /// How many active contacts from `first` on bend the same bodies: those of its line, at least itself.
+    fn on_line_from(&self, first: usize) -> usize {
+        let active = &self.work.active[first..];
+        let a = &active[0];
+        let Some(pairs) = self.meshes[a.mesh].search.pairs().filter(|p| p.couples()) else {
+            return 1;
+        };
+        let of = |x: &Active| &self.work.candidates[x.candidate];
+        let same = |b: &&Active| b.mesh == a.mesh && pairs.on_one_line(of(a), of(b));
+        active.iter().take(MOST).take_while(same).count()
+    }
+
+    /// How the contacts of a line answer to each other.
+    fn answers_of_line(&mut self, first: usize, n: usize) -> Result<(), Singular> {
+        let Some(pairs) = self.meshes[self.work.active[first].mesh].search.pairs() else {
             return Ok(());
-        }
-        let mut coupled: Vec<usize> = couplings.iter().flat_map(|c| [c.0, c.1]).collect();
-        coupled.sort_unstable();
-        coupled.dedup();
-        let n = coupled.len();
-        let place = |i: usize| coupled.partition_point(|&x| x < i);
-        let mut compliance = vec![0.0; n * n];
-        for &(i, j, [c, _], _) in &couplings {
-            let (i, j) = (place(i), place(j));
-            (compliance[i * n + j], compliance[j * n + i]) = (c, c);
-        }
-        let k: Vec<f64> = (coupled.iter().map(|&i| &self.work.active[i]))
-            .map(|a| {
-                let c = &self.work.candidates[a.candidate];
-                let law = self.meshes[a.mesh].law.undamped();
-                law.smooth(a.gap, 0.0, 0.0, c.stiffness).dn_dg
-            })
-            .collect();
-        // Columns of G, then how elastic forces answer: H = I + K G.
-        let mut g = vec![0.0; n * n];
-        for column in 0..n {
-            let mut matrix: Vec<f64> = (0..n * n)
-                .map(|e| f64::from(u8::from(e / n == e % n)) - compliance[e] * k[e % n])
-                .collect();
-            let mut rhs: Vec<f64> = (0..n).map(|i| compliance[i * n + column]).collect();
-            solve_in_place(&mut matrix, &mut rhs)?;
-            for (i, x) in rhs.into_iter().enumerate() {
-                g[i * n + column] = x;
+        };
+        let (mut c, mut slopes) = ([0.0; MOST * MOST], [0.0; MOST * MOST]);
+        let (mut k, mut force) = ([0.0; MOST], [0.0; MOST]);
+        for i in 0..n {
+            let a = &self.work.active[first + i];
+            let of_a = &self.work.candidates[a.candidate];
+            let law = self.meshes[a.mesh].law.undamped();
+            let elastic = law.smooth(a.gap, 0.0, 0.0, of_a.stiffness);
+            (k[i], force[i]) = (elastic.dn_dg, elastic.n);
+            for j in 0..i {
+                let of_b = &self.work.candidates[self.work.active[first + j].candidate];
+                if let Some((value, slope)) = pairs.compliance(of_a, of_b) {
+                    (c[i * n + j], c[j * n + i]) = (value, value);
+                    (slopes[i * n + j], slopes[j * n + i]) = (slope, slope);
+                }
             }
         }
-        let h = |i: usize, l: usize| f64::from(u8::from(i == l)) + k[i] * g[i * n + l];
-        let work = &mut self.work;
-        for (i, &of) in coupled.iter().enumerate() {
-            let t = &mut work.tangents[of];
-            t.plain = false;
-            let scale = work.candidates[work.active[of].candidate].scale;
-            for (l, &to) in coupled.iter().enumerate() {
-                let by = g[i * n + l];
-                let mut on = t.by_gap.map(|x| x * by);
-                for &(a, b, [_, slope], forces) in &couplings {
-                    if a != of && b != of {
-                        continue;
-                    }
-                    let (a, b) = (place(a), place(b));
-                    let along = -0.25 * slope * (forces[1] * h(a, l) + forces[0] * h(b, l));
-                    on[0] += along / scale[0];
-                    on[1] -= along / scale[1];
+        // Columns of G, then how elastic forces answer: H = I + K G.
+        let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let mut g = [0.0; MOST * MOST];
+        for column in 0..n {
+            let (mut matrix, mut rhs) = ([0.0; MOST * MOST], [0.0; MOST]);
+            for i in 0..n {
+                rhs[i] = c[i * n + column];
+                for j in 0..n {
+                    matrix[i * n + j] = unit(i, j) - c[i * n + j] * k[j];
                 }
-                let normal = work.active[of].force.dn_dg * by;
-                work.answers.push(Answer { of, to, normal, on });
+            }
+            solve_in_place(&mut matrix[..n * n], &mut rhs[..n])?;
+            for i in 0..n {
+                g[i * n + column] = rhs[i];
+            }
+        }
+        let h = |i: usize, l: usize| unit(i, l) + k[i] * g[i * n + l];
+        let work = &mut self.work;
+        for i in 0..n {
+            let t = &mut work.tangents[first + i];
+            t.plain = false;
+            let a = &work.active[first + i];
+            let scale = work.candidates[a.candidate].scale;
+            for l in 0..n {
+                let by = g[i * n + l];
+                let along: f64 = (0..n)
+                    .map(|j| slopes[i * n + j] * (force[j] * h(i, l) + force[i] * h(j, l)))
+                    .sum();
+                let along = -0.25 * along;
+                work.answers.push(Answer {
+                    of: first + i,
+                    to: first + l,
+                    normal: a.force.dn_dg * by,
+                    on: [
+                        t.by_gap[0] * by + along / scale[0],
+                        t.by_gap[1] * by - along / scale[1],
+                    ],
+                });
             }
         }
         Ok(())

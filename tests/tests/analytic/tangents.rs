@@ -7,8 +7,10 @@ use gearbench_models::Vec3;
 use gearbench_models::kinematics::Row;
 use gearbench_models::law::{Damping, Friction};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{ContactSpec, Load, ModelSpec};
-use gearbench_models::stiffness::{Ends, Interpolation, IsoVariation, PairOrMesh, PairStiffness};
+use gearbench_models::spec::{ContactSpec, Load, ModelSpec, effective_radius, mesh_layout};
+use gearbench_models::stiffness::{
+    Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, ToothModel,
+};
 use gearbench_tests::*;
 
 fn laws() -> Vec<(f64, Damping)> {
@@ -67,9 +69,22 @@ fn pressed(
     located: bool,
     depth: f64,
 ) -> (Scene, State) {
+    pressed_at(models, contact, located, depth, None)
+}
+
+/// The same with the pair of the start somewhere else on the path, or before it [m].
+fn pressed_at(
+    models: &[ModelSpec; 2],
+    contact: &ContactSpec,
+    located: bool,
+    depth: f64,
+    along: Option<f64>,
+) -> (Scene, State) {
     let mut spec = case_a(0.0);
     spec.gears[1].loads = vec![Load::Viscous(0.3)];
     spec.gears[0].loads = vec![Load::Viscous(0.2)];
+    let path = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap().path;
+    spec.meshes[0].start.path_coordinate = along.map(|x| path[0] + x.max(0.0));
     let mut scene = build(&spec, models, contact);
     let mut s = scene.initial();
     let mut numbers = Numbers::new(11);
@@ -77,6 +92,14 @@ fn pressed(
     for i in 0..s.q.len() {
         s.q[i] += 0.02 * sq[i] * numbers.draw();
         s.v[i] += 0.02 * sv[i] * numbers.draw();
+    }
+    // Back before the start of the path, both gears together.
+    if let Some(back) = along.filter(|x| *x < 0.0) {
+        let radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
+        for (g, sign) in [(0, 1.0), (1, -1.0)] {
+            let range = scene.gears()[g].range();
+            range.for_each(|i| s.q[i] += sign * back / radii[g]);
+        }
     }
     // Hub and teeth of the pinion go forward by the depth.
     let range = scene.gears()[0].range();
@@ -165,6 +188,55 @@ fn tangent_is_the_derivative_of_the_force() {
         }
     }
     assert_eq!(cases, 6 * 3 * 9 * 2 * 2);
+}
+
+/// Two pairs that bend one body, on the path and with the edge of a tip before it: the tangent is complete, and the Newton
+/// correction its inverse.
+#[test]
+fn coupled_pairs_and_edges_of_tips_have_their_tangent() {
+    let teeth = movable(5.3e8, 4.8e-3, 20.0);
+    let of_edge = |scene: &Scene, s: &State| {
+        let found = candidates(scene, s);
+        let pressed: Vec<_> = found.iter().filter(|(_, c)| c.gap < 0.0).collect();
+        assert!(pressed.len() > 1, "{} pairs", pressed.len());
+        pressed.iter().any(|(_, c)| c.curvature != [0.0; 2])
+    };
+    for models in [
+        [rigid(), rigid()],
+        [teeth.clone(), teeth.clone()],
+        [rigid(), web(0.02)],
+    ] {
+        for damping in [Damping::None, Damping::KelvinVoigt { c: 300.0 }] {
+            for (along, edge) in [(1e-3, false), (-2e-4, true)] {
+                for located in [false, true] {
+                    let contact = ContactSpec {
+                        stiffness: PairStiffness::Compliance {
+                            tooth: ToothModel::WeberBanaschek,
+                            foundation: Foundation::Ring,
+                            hertz: Hertz::WeberBanaschek {
+                                reference_load: None,
+                            },
+                        },
+                        damping,
+                        friction: Some(Friction::new(0.08, 0.02).unwrap()),
+                        ..contact(1.5e10)
+                    };
+                    let (mut scene, s) = pressed_at(&models, &contact, located, 8e-6, Some(along));
+                    let what = format!(
+                        "{} {}, {damping:?}, {along}, located {located}",
+                        models[0].id, models[1].id
+                    );
+                    assert_eq!(of_edge(&scene, &s), edge, "{what}");
+                    let error = tangent_error(&mut scene, &s);
+                    assert!(error < 2e-5, "{what}: {error:.2e}");
+                    for c in COEFFICIENTS {
+                        let error = correct_error(&mut scene, &s, c);
+                        assert!(error < 1e-8, "{what}, {c:?}: {error:.2e}");
+                    }
+                }
+            }
+        }
+    }
 }
 
 #[test]

@@ -164,14 +164,25 @@ fn write(
     let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
     // Calibrations of other names or labels stay as they are.
     let mut calibration = match std::fs::read_to_string(&path) {
-        Ok(text) => Calibration::parse(&path.display().to_string(), &text)?,
+        Ok(text) => {
+            let mut calibration = Calibration::parse(&path.display().to_string(), &text)?;
+            let comments = text.lines().map_while(|l| l.strip_prefix('#'));
+            calibration.header = comments.map(|l| l.trim().to_owned()).collect();
+            calibration
+        }
         Err(_) => Calibration::default(),
     };
-    calibration.header = vec![
-        format!("Written by: {command}"),
-        format!("Fitted to: {reference}; for {}", to.holds_for()),
-        format!("Commit {}, {}", machine::COMMIT, machine::now()),
-    ];
+    // Every line of the header says which calibration it is of.
+    let own = |line: String| format!("{}: {line}", to.as_str());
+    let tag = own(String::new());
+    calibration
+        .header
+        .retain(|l| !l.starts_with(tag.trim_end()));
+    calibration.header.extend([
+        own(format!("written by {command}")),
+        own(format!("fitted to {reference}; for {}", to.holds_for())),
+        own(format!("commit {}, {}", machine::COMMIT, machine::now())),
+    ]);
     for (label, r) in found {
         let intervals: Vec<String> = r
             .parameters
@@ -185,11 +196,11 @@ fn write(
         let errors = errors
             .into_iter()
             .filter_map(|(what, e)| Some(format!("{what} {:.4}", e?)));
-        calibration.header.push(format!(
+        calibration.header.push(own(format!(
             "{label}: relative L2 error of the {}; 95 % intervals: {}",
             errors.collect::<Vec<_>>().join(", of the "),
             intervals.join(", ")
-        ));
+        )));
         let mut constants = Constants::of(r.parameters.iter().map(|p| (p.key, p.value)));
         // What was not fitted stays as the calibration that the model asks for has it.
         let before = scene

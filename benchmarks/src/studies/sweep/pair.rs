@@ -2,7 +2,9 @@
 //!
 //! What acts on a hub is a constant torque, harmonics, and a viscous load at the speed that is swept. The loads of two
 //! free gears balance, or the speed would drift. Constant torques do at every speed or at none; a viscous load grows with
-//! it, and then the other gear, the one that drives, is given the torque that holds the speed.
+//! it, and then the other gear, the one that drives, is given the torque that holds the speed. What damping takes from
+//! the vibration of two free gears comes from their rotation: while they settle their speed is brought back now and then,
+//! and both are driven by what they lost, in proportion to their inertias, which presses nothing ([`Pair::govern`]).
 
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
@@ -59,6 +61,8 @@ pub struct EndState {
     frequency: f64,
     /// How far driven gears have turned [rad]; 0 of others.
     driven: [f64; 2],
+    /// What holds the speed of free gears: an acceleration of the first and with it of the second [rad/s^2].
+    drive: f64,
 }
 
 impl EndState {
@@ -67,8 +71,13 @@ impl EndState {
         self.t
     }
 
-    /// The end of a run in a scene at a mesh frequency [Hz], unless it is none to go on from.
-    pub fn of(state: &State, spec: &SceneSpec, frequency: f64) -> Option<Self> {
+    /// What held the speed [rad/s^2].
+    pub fn drive(&self) -> f64 {
+        self.drive
+    }
+
+    /// The end of a run in a scene at a mesh frequency [Hz] under a drive [rad/s^2], unless it is none to go on from.
+    pub fn of(state: &State, spec: &SceneSpec, frequency: f64, drive: f64) -> Option<Self> {
         let turned = |gear: &GearSpec| match &gear.mount {
             Mount::Driven(speed) => speed.integral(state.t),
             _ => 0.0,
@@ -80,6 +89,7 @@ impl EndState {
             discrete: state.discrete.clone(),
             frequency,
             driven: [0, 1].map(|i| turned(&spec.gears[i])),
+            drive,
         };
         let numbers = [&end.q, &end.v, &end.discrete].into_iter().flatten();
         let finite = numbers.chain([&end.t]).all(|x| x.is_finite());
@@ -101,6 +111,8 @@ pub struct Pair {
     loads: [MeanLoad; 2],
     /// The gear whose load does not press the flanks as it stands: it is driven, or holds the speed.
     holds: Option<usize>,
+    /// Both gears are free to turn.
+    free: bool,
     /// Mesh frequency at the scene's own speed [Hz].
     own: f64,
 }
@@ -156,6 +168,7 @@ impl Pair {
             sign,
             loads,
             holds,
+            free: [a, b].iter().all(|g| matches!(g.mount, Mount::Revolute)),
             own: teeth[0] as f64 * a.speed.abs() / TAU,
         };
         // What a viscous load presses depends on the speeds that are swept.
@@ -279,6 +292,45 @@ impl Pair {
             }
         }
         spec
+    }
+
+    /// Whether no motion is prescribed, so that what is lost to damping slows the gears down.
+    pub fn is_free(&self) -> bool {
+        self.free
+    }
+
+    /// The scene with torques that drive both gears alike, by their inertias, so that they press nothing: an acceleration
+    /// of the first gear [rad/s^2]. `built` tells the inertias.
+    pub fn driven_by(&self, spec: &SceneSpec, built: &Scene, drive: f64) -> SceneSpec {
+        let mut spec = spec.clone();
+        if drive != 0.0 {
+            for ((gear, ratio), of) in spec.gears.iter_mut().zip(self.ratios()).zip(built.gears()) {
+                let torque = of.model.hub().hub.inertia * ratio * drive;
+                gear.loads.push(Load::Applied(Profile::Constant(torque)));
+            }
+        }
+        spec
+    }
+
+    /// Brings the common rotation of free gears to a mesh frequency; the gears vibrate on as they did. Returns what the
+    /// first gear was too fast [rad/s].
+    pub fn govern(&self, scene: &Scene, state: &mut State, frequency: f64) -> f64 {
+        let ratios = self.ratios();
+        let (mut momentum, mut inertia) = (0.0, 0.0);
+        for (gear, ratio) in scene.gears().iter().zip(ratios) {
+            momentum += ratio * gear.model.hub_state(gear.at(state.at())).momentum;
+            inertia += gear.model.hub().hub.inertia * ratio * ratio;
+        }
+        let off = momentum / inertia - self.speeds(frequency)[0];
+        for (gear, ratio) in scene.gears().iter().zip(ratios) {
+            state.v[gear.range().start] -= ratio * off;
+        }
+        off
+    }
+
+    /// Speeds of both gears by unit speed of the first.
+    fn ratios(&self) -> [f64; 2] {
+        [1.0, -self.effective_radii[0] / self.effective_radii[1]]
     }
 
     /// The state in which a run in a scene of this mesh starts: assembled, or as another left it, turning at the new

@@ -31,6 +31,8 @@ const OF_RESONANCE: f64 = 16.0;
 const MOST_SAMPLES: f64 = 65_536.0;
 /// Part of the settling time in which the loads rise.
 const RISE: f64 = 1.0 / 3.0;
+/// Parts of the settling time, after each of which the speed of free gears is brought back.
+const GOVERNED: usize = 3;
 /// Mesh cycles of settling at least.
 const LEAST_CYCLES: f64 = 4.0;
 /// What does not repeat, over what does, beyond which a run counts as unsettled.
@@ -264,18 +266,57 @@ impl Branches<'_, '_> {
                 .conditions
                 .job((&scene, &entry.modelling), self.method, &grid)
         };
-        let key = job.key().and(&(plan.cycles, branch, from));
+        let key = job.key().and(&(plan.cycles, branch, from, GOVERNED));
         let made = self.runner.row_with(key, self.method, || {
-            let started = Instant::now();
-            let mut built = Scene::build(&scene, &entry.modelling, plan.conditions.models)
-                .map_err(RunError::from)?;
+            let build = |spec: &SceneSpec| {
+                let models = plan.conditions.models;
+                Scene::build(spec, &entry.modelling, models).map_err(RunError::from)
+            };
+            let mut started = Instant::now();
+            let mut built = build(&scene)?;
             let mut state = pair.start(&built, frequency, from);
+            let mut drive = from.map_or(0.0, EndState::drive);
+            // What a part of the settling loses is given to the next, and the lost speed back.
+            let parts = if pair.is_free() { GOVERNED } else { 0 };
+            let mut spent = Run::default();
+            for part in 1..=parts {
+                let spec = pair.driven_by(&scene, &built, drive);
+                let mut settling = build(&spec)?;
+                let until = begin + settle * part as f64 / parts as f64;
+                let job = Job {
+                    t_end: until,
+                    grid: &[until],
+                    forces: false,
+                    scene: &spec,
+                    ..job
+                };
+                let since = state.t;
+                let row = run_from(&job, &mut settling, &mut state, started.elapsed())?;
+                if row.status.is_failure() {
+                    let way = (branch, frequency, settle, 0);
+                    return Ok::<_, StudyError>((settled(plan, entry, pair, way, row), None));
+                }
+                drive -= pair.govern(&settling, &mut state, frequency) / (until - since);
+                spent.steps += row.steps;
+                spent.wall_s = spent.wall_s.max(0.0) + row.wall_s;
+                started = Instant::now();
+            }
+            let spec = pair.driven_by(&scene, &built, drive);
+            if parts > 0 {
+                built = build(&spec)?;
+            }
+            let job = Job {
+                scene: &spec,
+                ..job
+            };
             let mut row = run_from(&job, &mut built, &mut state, started.elapsed())?;
+            row.steps += spent.steps;
+            row.wall_s += spent.wall_s.max(0.0);
             row.simulated_s -= begin;
             row.end_s = row.end_s.map(|t| t - begin);
             let whole = !row.status.is_failure();
             let end = whole
-                .then(|| EndState::of(&state, &scene, frequency))
+                .then(|| EndState::of(&state, &spec, frequency, drive))
                 .flatten();
             let per_cycle = (0.5 * per_cycle) as usize;
             let way = (branch, frequency, settle, per_cycle);

@@ -16,7 +16,8 @@ use crate::contact::candidate::Candidate;
 use gearbench_integrators::dense_solve::solve_in_place;
 
 /// Pairs of a line that are solved for together: more are never in contact at once.
-const MOST: usize = 6;
+pub const MOST_ON_LINE: usize = 6;
+const MOST: usize = MOST_ON_LINE;
 
 /// Corrections of the gaps before a pair's state is held to be settled.
 const MAX_ITERATIONS: usize = 40;

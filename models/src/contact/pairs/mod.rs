@@ -27,6 +27,7 @@ mod search;
 mod separation;
 mod walk;
 
+pub(crate) use coupling::MOST_ON_LINE;
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
 pub use separation::{Engagement, Separation};
