@@ -185,6 +185,12 @@ const GEARS: &str = r##"
     bore too large | smaller bore
 10: teeth = 20 => teeth = 20\naddendum_factor = 3
     pointed
+10: teeth = 20 => teeth = 20\ndeviations = { class = 6, seed = 1, runout_m = 1e-5 }
+    `runout_m` stands beside `class`
+10: teeth = 20 => teeth = 20\ndeviations = { seed = 1 }
+    `seed` stands without `class`
+10: teeth = 20 => teeth = 20\ndeviations = { left = { cumulative_pitch_m = [1e-6, 2e-6] } }
+    2 values | one for each of the 20 teeth
 10: teeth = 20 => teeth = 20\nthinning_m = 0.01
     no tooth left
 10: teeth = 20 => teeth = 20\ntip_radius_factor = 0.9
