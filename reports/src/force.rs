@@ -106,6 +106,26 @@ impl ForceHistory {
         }
     }
 
+    /// Greatest force \[N\], impulse \[N s\] and time in contact \[s\] between two times \[s\].
+    pub fn within(&self, from: f64, to: f64) -> Within {
+        let mut all = Within::default();
+        for p in self.until(to).iter().filter(|p| p.end > from) {
+            // Nodes lie far closer than anything swings; between them a polynomial may overshoot a kink.
+            let first = p.at(p.start.max(from));
+            let inner = p.nodes().filter(|n| n.0 > from).map(|n| n.1);
+            let peak = inner.fold(first, f64::max);
+            let clipped = Piece {
+                start: p.start.max(from),
+                ..*p
+            };
+            all.peak_n = all.peak_n.max(peak);
+            all.contact_s += clipped.end - clipped.start;
+            let parts = clipped.quadrature().map(|(t, w)| w * clipped.at(t));
+            all.impulse_ns += parts.sum::<f64>();
+        }
+        all
+    }
+
     /// The pieces up to a time \[s\].
     pub(crate) fn until(&self, end: f64) -> Vec<Piece<'_>> {
         let ends = (self.first.iter().skip(1).copied()).chain([self.time_s.len()]);
@@ -118,6 +138,17 @@ impl ForceHistory {
             })
             .collect()
     }
+}
+
+/// What a force does between two times.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Within {
+    /// Greatest force \[N\].
+    pub peak_n: f64,
+    /// Its integral \[N s\].
+    pub impulse_ns: f64,
+    /// How long it acts \[s\].
+    pub contact_s: f64,
 }
 
 /// Integral of the polynomial through nodes, times \[s\] with values, ascending and at most [`MOST_NODES`]; 0 where they
@@ -288,6 +319,22 @@ mod tests {
         let mut jump = ForceHistory::default();
         jump.push(&[(0.0, 7.0), (1.0, 1.0)]);
         assert_eq!(jump.until(9.0)[0].peak(), (0.0, 7.0));
+    }
+
+    #[test]
+    fn a_window_cuts_pieces_at_both_ends() {
+        let mut history = ForceHistory::default();
+        history.push(&[(0.0, 0.0), (1.0, 4.0), (2.0, 0.0)]);
+        history.push(&[(3.0, 2.0), (5.0, 4.0)]);
+        // The parabola 4 - 4 (t - 1)^2 from 1.5 on, then nothing, then 2 to 3 over one second.
+        let w = history.within(1.5, 4.0);
+        assert!((w.peak_n - 3.0).abs() < 1e-14 && (w.contact_s - 1.5).abs() < 1e-14);
+        assert!(
+            (w.impulse_ns - (2.0 - 4.0 / 3.0 * 0.875 + 2.5)).abs() < 1e-13,
+            "{w:?}"
+        );
+        assert_eq!(history.within(2.0, 3.0), Within::default());
+        assert!((history.within(0.0, 9.0).peak_n - 4.0).abs() < 1e-14);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::metrics::Metric;
 use crate::numbers::{per_cent, quantity, round_quantity};
-use crate::record::{ReferenceSeries, Results, Run, SELF, Status, Study};
+use crate::record::{ReferenceSeries, Results, Run, SELF, Study};
 
 /// A relative error below this is rounding, not a result.
 pub const NOTHING: f64 = 1e-10;
@@ -129,7 +129,7 @@ impl<'a> View<'a> {
 
     /// Whether a run ended well and its error, if one is asked for, is within the tolerance.
     pub fn adequate(&self, run: &Run) -> bool {
-        run.status == Status::Converged
+        run.status.holds()
             && match &self.results.tolerance {
                 Some(t) => self.error(run).is_some_and(|e| e <= t.limit),
                 None => true,

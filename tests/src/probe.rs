@@ -7,6 +7,15 @@ use gearbench_models::scene::Scene;
 
 /// All candidates of a scene at a state, whatever their gap, with the index of their mesh.
 pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
+    wanted(scene, s, Wanted::Touching(f64::INFINITY))
+}
+
+/// Those that the discrete state of a located run lists.
+pub fn listed(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
+    wanted(scene, s, Wanted::Listed)
+}
+
+fn wanted(scene: &Scene, s: &State, wanted: Wanted<'_>) -> Vec<(usize, Candidate)> {
     let mut all = Vec::new();
     for (m, mesh) in scene.meshes().iter().enumerate() {
         let party = |i: usize| {
@@ -17,11 +26,10 @@ pub fn candidates(scene: &Scene, s: &State) -> Vec<(usize, Candidate)> {
             }
         };
         let mut found = Vec::new();
-        let wanted = Wanted::Touching(f64::INFINITY);
         mesh.search.candidates(
             party(mesh.gears[0]),
             party(mesh.gears[1]),
-            &[],
+            s.discrete.get(mesh.search_discrete()).unwrap_or(&[]),
             wanted,
             &mut found,
         );

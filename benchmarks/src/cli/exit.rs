@@ -80,7 +80,7 @@ impl Exit {
     /// subject, and only one without any sound run has failed.
     pub fn of_any_run(results: &Results) -> Exit {
         let mut statuses = results.runs.iter().map(|r| r.status);
-        if results.runs.is_empty() || statuses.clone().any(|s| s == Status::Converged) {
+        if results.runs.is_empty() || statuses.clone().any(Status::holds) {
             Exit::Done
         } else if statuses.any(|s| s == Status::Inaccurate) {
             Exit::FellShort

@@ -63,7 +63,7 @@ impl Configuration {
 /// The reference to whose history the constants of a model were fitted.
 fn fitted_to(scene: &SceneFile, choice: &ModelChoice) -> Option<String> {
     let calibration = choice.calibration.as_ref()?;
-    let here = calibration.name == "impact" && calibration.scene == scene.name;
+    let here = calibration.fitted_to().to_history() && calibration.scene == scene.name;
     let id = scene.reference.as_deref().filter(|_| here)?;
     Some(id.split('/').next().unwrap_or(id).to_owned())
 }

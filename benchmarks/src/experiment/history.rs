@@ -35,6 +35,8 @@ pub struct History {
     pub contacts: Option<ContactLog>,
     /// The force between events; `None` where nobody asks.
     pub pieces: Option<ForceRecorder>,
+    /// Steps that begin earlier leave no pieces [s].
+    pub pieces_from: f64,
     /// State at the largest force.
     pub peak_state: Option<State>,
     /// Largest force [N].
@@ -161,7 +163,8 @@ impl Sink for History {
         let mut looks = std::mem::take(&mut self.looks);
         looks.clear();
         let mut pieces = self.pieces.take();
-        if let Some(pieces) = &mut pieces {
+        let recorded = step.from.t >= self.pieces_from;
+        if let Some(pieces) = pieces.as_mut().filter(|_| recorded) {
             let silent = &mut |sys: &mut dyn SecondOrderSystem, t: f64| {
                 self.look(step, t);
                 sys.sample(self.sample.at(), &mut self.out);

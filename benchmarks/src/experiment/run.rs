@@ -11,7 +11,7 @@ use super::record::{
 };
 use super::status::RunMonitor;
 use gearbench_integrators::modal::resonance::{resonances, safe_step};
-use gearbench_integrators::system::SecondOrderSystem;
+use gearbench_integrators::system::{SecondOrderSystem, State};
 use gearbench_integrators::{
     Integrator, MethodError, NullSink, Resolution, Scheme, Sink, StepError, TimePlan, Work,
 };
@@ -161,6 +161,27 @@ fn timed_in(
     setup: Duration,
     together: Duration,
 ) -> Result<Run, RunError> {
+    let mut state = scene.initial();
+    timed_from(job, scene, &mut state, setup, together)
+}
+
+/// [`run_in`] from a state of the scene, which becomes the one that the run ends in.
+pub fn run_from(
+    job: &Job<'_>,
+    scene: &mut Scene,
+    state: &mut State,
+    setup: Duration,
+) -> Result<Run, RunError> {
+    timed_from(job, scene, state, setup, Duration::ZERO)
+}
+
+fn timed_from(
+    job: &Job<'_>,
+    scene: &mut Scene,
+    state: &mut State,
+    setup: Duration,
+    together: Duration,
+) -> Result<Run, RunError> {
     let info = job.method.method.info();
     let mut method = job.method.method.build();
     if info.linear_part && scene.modal().is_none() {
@@ -179,18 +200,18 @@ fn timed_in(
 
     let mut monitor =
         RunMonitor::new(job.scene, scene, job.grid.to_vec(), job.also_steps).under(&job.plan());
-    // Whoever looks at the components of forces looks at them on the grid.
+    // Whoever looks at the components of forces looks at settled running, which the grid begins with.
     if job.forces {
-        monitor.history.pieces = None;
+        monitor.history.pieces_from = job.grid.first().copied().unwrap_or(0.0);
     }
     if job.histories {
         monitor.history.contacts = Some(ContactLog::new(job.scene, scene));
     }
-    let mut state = scene.initial();
-    let start_momenta = momenta(scene, &state);
+    let start = state.clone();
+    let start_momenta = momenta(scene, state);
     let mut work = Work::default();
     let begin = Instant::now();
-    let outcome = method.run(scene, &mut state, &job.plan(), &mut monitor, &mut work);
+    let outcome = method.run(scene, state, &job.plan(), &mut monitor, &mut work);
     // What watching costs is no cost of the method.
     let observed = begin.elapsed().saturating_sub(monitor.spent).as_secs_f64();
     match &outcome {
@@ -203,12 +224,12 @@ fn timed_in(
         _ => {}
     }
 
-    let (status, mut message) = monitor.status(scene, &state, &outcome);
+    let (status, mut message) = monitor.status(scene, state, &outcome);
     let RunMonitor {
         history, ledger, ..
     } = &monitor;
     let series = time_series(job, scene, history);
-    let end_momenta = momenta(scene, &state);
+    let end_momenta = momenta(scene, state);
 
     if message.is_none() {
         message = resonance_note(job, scene, info.linear_part);
@@ -228,7 +249,7 @@ fn timed_in(
         walls.len() < repeats as usize || (repeats > 0 && short)
     };
     while more(&walls) {
-        let mut s = scene.initial();
+        let mut s = start.clone();
         let plan = job.plan();
         let begin = Instant::now();
         let _ = method.run(scene, &mut s, &plan, &mut NullSink, &mut Work::default());

@@ -100,6 +100,24 @@ impl<'a> Runner<'a> {
         method: &Scheme,
         make: impl FnOnce() -> Result<Run, E>,
     ) -> Result<Run, E> {
+        let made = self.row_with(key, method, || make().map(|row| (row, ())));
+        made.map(|(row, ())| row)
+    }
+
+    /// [`Runner::row`] with what the next row needs of it; the default where there is none.
+    ///
+    /// # Errors
+    /// Those of the work, and [`JournalError`].
+    pub fn row_with<X, E>(
+        &self,
+        key: Key,
+        method: &Scheme,
+        make: impl FnOnce() -> Result<(Run, X), E>,
+    ) -> Result<(Run, X), E>
+    where
+        X: Default + Serialize + DeserializeOwned,
+        E: From<JournalError>,
+    {
         let not_made = |status, message: String| Run {
             integrator: method.method.to_string(),
             implicit: method.method.info().implicit,
@@ -114,7 +132,7 @@ impl<'a> Runner<'a> {
         };
         let interrupted = || {
             let why = "not made: the study was interrupted";
-            Ok(not_made(Status::Interrupted, why.into()))
+            Ok((not_made(Status::Interrupted, why.into()), X::default()))
         };
         if let Some(found) = self.finished(key)? {
             return Ok(found);
@@ -125,7 +143,7 @@ impl<'a> Runner<'a> {
         match catch_unwind(AssertUnwindSafe(make)) {
             Ok(Err(_)) if interruption::requested() => interrupted(),
             Ok(row) => Ok(self.keep(key, row?)?),
-            Err(panic) => Ok(not_made(Status::Aborted, failure(&*panic))),
+            Err(panic) => Ok((not_made(Status::Aborted, failure(&*panic)), X::default())),
         }
     }
 }

@@ -163,6 +163,18 @@ fn profile_text(profile: &Profile, unit: &str) -> String {
             ms(time.first().copied().unwrap_or(0.0)),
             ms(time.last().copied().unwrap_or(0.0))
         ),
+        Profile::Harmonic {
+            mean,
+            amplitude,
+            frequency,
+            phase,
+        } => format!(
+            "{} {unit} with {} {unit} cos at {} Hz, {} deg",
+            short(*mean, 5),
+            short(*amplitude, 5),
+            short(*frequency, 5),
+            short(phase.to_degrees(), 4)
+        ),
     }
 }
 
@@ -170,7 +182,12 @@ fn model_text(scene: &SceneFile, choice: &ModelChoice) -> String {
     let spec = scene.spec_for(choice);
     let mut parts = Vec::new();
     if let Some(c) = &choice.calibration {
-        parts.push(format!("calibration `{}` of scene {}", c.name, c.scene));
+        parts.push(format!(
+            "calibration `{}` of scene {}, for {}",
+            c.name,
+            c.scene,
+            c.fitted_to().holds_for()
+        ));
     } else {
         parts.push("constants as given in the scene".into());
     }

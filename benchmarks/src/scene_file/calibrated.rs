@@ -1,6 +1,6 @@
 //! `calibration` of a model: whose fitted constants it takes.
 
-use super::calibration::{Calibration, Constants};
+use super::calibration::{Calibration, Constants, FittedTo};
 use super::error::SceneError;
 use super::model::Context;
 use super::reading::keys::keys;
@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 keys! {
     pub(super) struct CalibrationKeys {
-        /// "impact" or "static"
+        /// "impact", "static" or "running"
         name: CalibrationName,
         /// scene whose calibration is taken, default this one
         scene: Option<String>,
@@ -31,7 +31,7 @@ pub(super) enum CalibrationChoice {
 /// A calibration asked for by a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationUse {
-    /// `impact` or `static`.
+    /// `impact`, `static` or `running`.
     pub name: String,
     /// Scene it was fitted in.
     pub scene: String,
@@ -39,6 +39,13 @@ pub struct CalibrationUse {
     pub label: String,
     /// The constants that were applied; `None` when the scene was loaded without calibrations.
     pub constants: Option<Constants>,
+}
+
+impl CalibrationUse {
+    /// What it was fitted to.
+    pub fn fitted_to(&self) -> FittedTo {
+        FittedTo::named(&self.name).unwrap_or_default()
+    }
 }
 
 /// Finds the calibrations of a scene by its name, if there are any.
@@ -76,10 +83,16 @@ pub(super) fn calibration(
                 true => String::new(),
                 false => format!("; there is one for {}", suggest::words(&labels)),
             };
+            let way = match FittedTo::named(&name) {
+                None | Some(FittedTo::Impact) => String::new(),
+                Some(other) => format!(" --to {}", other.as_str()),
+            };
             return at.refuse(
                 format!("there is no calibration \"{name}\" of `{label}` in scene `{scene}`"),
                 "not there",
-                format!("fit it with `gearbench identify {from} --model {label} --write`{there}"),
+                format!(
+                    "fit it with `gearbench identify {from} --model {label}{way} --write`{there}"
+                ),
             );
         };
         let mut found = found.clone();

@@ -1,7 +1,7 @@
 //! Calibrations: constants of models fitted to a reference, kept in generated files.
 //!
 //! `gearbench identify SCENE --write` writes them, a model with `calibration = "impact"` reads them; they
-//! are never typed in. A file has a header of comments (command, fit figures) and one table per calibration
+//! are never typed in. What they were fitted to says what they hold for ([`FittedTo`]). A file has a header of comments (command, fit figures) and one table per calibration
 //! and model label:
 //!
 //! ```toml
@@ -22,8 +22,66 @@ use gearbench_models::stiffness::{PairOrMesh, PairStiffness};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+/// What constants were fitted to: the name of a calibration, and what it holds for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FittedTo {
+    /// The force history of one impact.
+    #[default]
+    Impact,
+    /// The static compliance of finite elements over a mesh cycle.
+    Static,
+    /// Both at once.
+    Running,
+}
+
+impl FittedTo {
+    /// All.
+    pub const ALL: [FittedTo; 3] = [FittedTo::Impact, FittedTo::Static, FittedTo::Running];
+
+    /// The name in files and on the command line.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            FittedTo::Impact => "impact",
+            FittedTo::Static => "static",
+            FittedTo::Running => "running",
+        }
+    }
+
+    /// That with a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.as_str() == name)
+    }
+
+    /// What the constants hold for, in words.
+    pub fn holds_for(self) -> &'static str {
+        match self {
+            FittedTo::Impact => {
+                "single impacts; under a load that stays it is too stiff, as an impact is over before the bodies give way"
+            }
+            FittedTo::Static => "standing and slow running under load; impacts are too soft",
+            FittedTo::Running => {
+                "running under load with impacts, as well as one set of constants can"
+            }
+        }
+    }
+
+    /// Whether the force history of the scene's reference took part.
+    pub fn to_history(self) -> bool {
+        self != FittedTo::Static
+    }
+
+    /// Whether the static compliance took part.
+    pub fn to_statics(self) -> bool {
+        self != FittedTo::Impact
+    }
+}
+
 /// The names a calibration can have.
-pub(super) const NAMES: [&str; 2] = ["impact", "static"];
+pub(super) const NAMES: [&str; 3] = [
+    FittedTo::Impact.as_str(),
+    FittedTo::Static.as_str(),
+    FittedTo::Running.as_str(),
+];
 
 /// Fitted constants of one model.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -35,7 +35,7 @@ keys! {
         integrators: Option<Vec<IntegratorKeys>>,
         /// time in seconds that others publish for such a model, for the timing table
         published_s: Option<f64>,
-        /// "impact" or "static", or { name, scene, label } to take another one's
+        /// "impact", "static" or "running", or { name, scene, label } to take another one's
         calibration: Option<CalibrationChoice>,
     }
 

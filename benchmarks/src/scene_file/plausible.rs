@@ -18,7 +18,7 @@ use super::usual::{
 use super::{ModelChoice, SceneFile};
 use gearbench_integrators::{Resolution, Scheme};
 use gearbench_models::law::Damping;
-use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, Profile, effective_radius};
+use gearbench_models::spec::{Body, ContactSpec, GearSpec, Load, Mount, effective_radius};
 use gearbench_models::stiffness::{Material, PairStiffness};
 use gearbench_reports::numbers::short;
 
@@ -77,10 +77,39 @@ pub(super) fn check(scene: &SceneFile) -> Result<Vec<SceneError>, SceneError> {
     for (i, model) in scene.models.iter().enumerate() {
         let at = root.key("models").member(i);
         contacts(model, &at.key("contact"), &mut odd);
+        odd.extend(calibrated(scene, model, &at));
         let own = model.integrators.as_deref().unwrap_or_default();
         steps(own, scene, &at.key("integrators"))?;
     }
     Ok(odd)
+}
+
+/// Constants of an impact in a scene that runs under load: the mesh is then far too stiff.
+fn calibrated(scene: &SceneFile, model: &ModelChoice, at: &Place<'_>) -> Option<SceneError> {
+    let calibration = model.calibration.as_ref()?;
+    let loaded = |g: &GearSpec| {
+        g.loads.iter().any(|l| match l {
+            Load::Applied(p) => p.settled() != 0.0,
+            Load::Viscous(c) => *c != 0.0,
+        })
+    };
+    let holds = |g: &GearSpec| loaded(g) || matches!(g.mount, Mount::Driven(_) | Mount::Fixed);
+    let gears = &scene.spec.gears;
+    let runs = gears.iter().any(loaded) && gears.iter().filter(|g| holds(g)).count() > 1;
+    (runs && !calibration.fitted_to().to_statics()).then(|| {
+        at.key("calibration").error(
+            format!(
+                "`{}` runs under load with a calibration for {}",
+                model.label,
+                calibration.fitted_to().holds_for()
+            ),
+            "odd",
+            format!(
+                "take \"running\" or \"static\": `gearbench identify {} --to running --write` fits it",
+                calibration.scene
+            ),
+        )
+    })
 }
 
 fn toothing(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) {
@@ -124,7 +153,7 @@ fn material(material: &Material, at: &Place<'_>, odd: &mut Vec<SceneError>) {
 /// Surface speed against the speed of sound.
 fn speed(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(), SceneError> {
     let driven = match &gear.mount {
-        Mount::Driven(motion) => Some(greatest(motion)),
+        Mount::Driven(motion) => Some(motion.greatest()),
         _ => None,
     };
     let place = match driven {
@@ -168,7 +197,7 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
         let Load::Applied(profile) = load else {
             continue;
         };
-        let force = greatest(profile) / effective_radius(&gear.body);
+        let force = profile.greatest() / effective_radius(&gear.body);
         let stress = force / (module * width);
         let place = at.key("loads").member(i);
         let what = format!(
@@ -189,15 +218,6 @@ fn loads(gear: &GearSpec, at: &Place<'_>, odd: &mut Vec<SceneError>) -> Result<(
         }
     }
     Ok(())
-}
-
-/// Greatest magnitude of a profile.
-fn greatest(profile: &Profile) -> f64 {
-    match profile {
-        Profile::Constant(x) => x.abs(),
-        Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
-        Profile::Table { value, .. } => value.iter().fold(0.0, |a, x| x.abs().max(a)),
-    }
 }
 
 /// Gears lie in one plane: those that do not mesh must have room beside each other.
@@ -288,7 +308,9 @@ fn contact_of(contact: &ContactSpec, at: &Place<'_>) -> Vec<SceneError> {
         .friction
         .map(|f| look(&FRICTION, ["friction", "mu"], f.mu()));
     let damping = match contact.damping {
-        Damping::KelvinVoigtRatio { ratio } => look(&DAMPING_RATIO, ["damping", "ratio"], ratio),
+        Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
+            look(&DAMPING_RATIO, ["damping", "ratio"], ratio)
+        }
         _ => None,
     };
     let stiffness = match &contact.stiffness {

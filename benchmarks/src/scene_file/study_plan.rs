@@ -37,7 +37,7 @@ keys! {
         reference_model: Option<Label>,
         /// where the times `published_s` of the models were published
         published: Option<String>,
-        /// speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, settle_s }
+        /// speeds of `gearbench sweep`: { from_hz, to_hz, points, cycles, turns, settle_s, branches }
         #[serde(default)]
         sweep: Sweep,
         /// maps of `gearbench stability`, one set or a list: { models, integrators, duration_s, step_s, axes }

@@ -4,6 +4,12 @@
 //! step by three-point Gauss quadrature on the method's interpolant; `J` books the jumps of energy where a
 //! branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
 //! dissipated. The residual is the integration error (and that of the quadrature), in joule.
+//!
+//! **Growth** is judged by what vibrates: a gear that turns under load carries a thousand times the energy of its teeth,
+//! and nothing that these make up would show beside it. What no load paid for (the residual, and what switches brought
+//! in beyond what damping took) is held against the largest energy of vibration seen, that is strain, contact, and the motion
+//! of bodies against each other ([`Rotation`]), and what the contacts took up since the start: energy that passed through
+//! them, of which an integrator may lose or make a part.
 
 use crate::method::{AcceptedStep, Control, Sink};
 use crate::system::{At, Energy, Outputs, SecondOrderSystem, State};
@@ -17,6 +23,50 @@ const GAUSS: [(f64, f64); 3] = [
 
 /// Steps of a system without powers between two looks at its energy.
 const LOOK_EVERY: u32 = 16;
+
+/// Part of the total energy below which nothing is told from rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A body in a common motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Member {
+    /// Channel of its speed [rad/s] or [m/s].
+    pub channel: usize,
+    /// Its inertia [kg m^2] or mass [kg].
+    pub inertia: f64,
+    /// Its speed by unit speed of the common motion.
+    pub ratio: f64,
+    /// Its motion is prescribed.
+    pub held: bool,
+}
+
+/// Bodies that turn together as gears in mesh do: speeds in fixed ratios. What they deviate from that is vibration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rotation {
+    /// The bodies.
+    pub members: Vec<Member>,
+}
+
+impl Rotation {
+    /// Kinetic energy of the motion of the bodies against each other [J]: about that of their prescribed motion, else
+    /// about the common one of their momentum.
+    pub fn vibration(&self, channels: &[f64]) -> f64 {
+        let speed = |m: &Member| channels.get(m.channel).copied().unwrap_or(0.0);
+        let common = match self.members.iter().find(|m| m.held) {
+            Some(lead) => speed(lead) / lead.ratio,
+            None => {
+                let (momentum, inertia) = self.members.iter().fold((0.0, 0.0), |(p, j), m| {
+                    let weight = m.inertia * m.ratio;
+                    (p + weight * speed(m), j + weight * m.ratio)
+                });
+                momentum / inertia
+            }
+        };
+        let free = self.members.iter().filter(|m| !m.held);
+        free.map(|m| 0.5 * m.inertia * (speed(m) - m.ratio * common).powi(2))
+            .sum()
+    }
+}
 
 /// Accumulates the energy balance of a run.
 #[derive(Clone, Debug, Default)]
@@ -33,8 +83,16 @@ pub struct Ledger {
     pub parametric: f64,
     /// Jumps of energy at switches [J].
     pub jumps: f64,
+    /// Those of them that brought energy in [J].
+    pub gained: f64,
     /// Largest total energy seen [J].
     pub peak: f64,
+    /// Motions that are no vibration.
+    rotations: Vec<Rotation>,
+    /// Largest energy of vibration seen: strain, contact, and motion of bodies against each other [J].
+    pub vibration: f64,
+    /// What the contacts took up [J].
+    pub through_contact: f64,
     q: Vec<f64>,
     v: Vec<f64>,
     out: Outputs,
@@ -42,12 +100,48 @@ pub struct Ledger {
 }
 
 impl Ledger {
+    /// One of bodies that turn together.
+    pub fn of(rotations: Vec<Rotation>) -> Self {
+        Ledger {
+            rotations,
+            ..Ledger::default()
+        }
+    }
+
     /// Looks at the energy of the last state of a run.
     pub fn close(&mut self, sys: &mut dyn SecondOrderSystem, s: &State) {
         sys.output(s.at(), &mut self.out);
-        self.end = self.out.energy;
-        self.peak = self.peak.max(self.end.total());
+        self.looked();
         self.unseen = 0;
+    }
+
+    /// Takes the energies of the outputs as those of the last state.
+    fn looked(&mut self) {
+        let energy = self.out.energy;
+        self.through_contact += (energy.contact - self.end.contact).max(0.0);
+        self.end = energy;
+        self.peak = self.peak.max(energy.total());
+        let channels = &self.out.channels;
+        let rotations = self.rotations.iter().map(|r| r.vibration(channels));
+        let vibrating = energy.strain + energy.contact + rotations.sum::<f64>();
+        self.vibration = self.vibration.max(vibrating);
+    }
+
+    /// Energy that took part in vibration so far [J]: the largest there was at a time, and what passed through contacts.
+    pub fn vibrating(&self) -> f64 {
+        (self.vibration + self.through_contact).max(ROUNDING * self.peak)
+    }
+
+    /// What switches brought in beyond what they and damping took [J].
+    pub fn unpaid_jumps(&self) -> f64 {
+        (self.jumps - self.dissipated).max(0.0)
+    }
+
+    /// What nothing paid for over what vibrated.
+    pub fn growth(&self) -> f64 {
+        let scale = self.vibrating();
+        let made_up = self.residual() + self.unpaid_jumps();
+        if scale > 0.0 { made_up / scale } else { 0.0 }
     }
 
     /// A step in which nothing touched, exact and maybe long beside the periods of what swings in it: a quadrature of
@@ -76,8 +170,7 @@ impl Ledger {
         }
         let before = self.end.total();
         sys.output(step.to.at(), &mut self.out);
-        self.end = self.out.energy;
-        self.peak = self.peak.max(self.end.total());
+        self.looked();
         self.external += external;
         self.parametric += parametric;
         if damped {
@@ -114,7 +207,7 @@ impl Sink for Ledger {
             sys.output(step.from.at(), &mut self.out);
             self.start = Some(self.out.energy);
             self.end = self.out.energy;
-            self.peak = self.out.energy.total();
+            self.looked();
         }
         if !sys.has_powers() {
             // Nothing to integrate; the end is looked at by [`Self::close`].
@@ -143,8 +236,7 @@ impl Sink for Ledger {
             self.parametric += weight * h * self.out.power.parametric;
         }
         sys.output(step.to.at(), &mut self.out);
-        self.end = self.out.energy;
-        self.peak = self.peak.max(self.end.total());
+        self.looked();
         Control::Continue
     }
 
@@ -157,6 +249,8 @@ impl Sink for Ledger {
         }
         sys.output(after.at(), &mut self.out);
         self.end = self.out.energy;
-        self.jumps += self.end.total() - e0;
+        let jump = self.end.total() - e0;
+        self.jumps += jump;
+        self.gained += jump.max(0.0);
     }
 }

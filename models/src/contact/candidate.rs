@@ -17,18 +17,21 @@ pub struct Candidate {
     pub fade: f64,
     /// What is added to the normal for the motion of either gear's point: how the factor of the gap changes.
     pub aside: [Vec3; 2],
-    /// `dg = -scale_a d(x_a . n) + scale_b d(x_b . n)`: 1 on the unmodified flank, 1 minus the slope of the
-    /// flank's deviation otherwise.
+    /// `dg = -scale_a d(x_a . n) + scale_b d(x_b . n)`: 1 on the plain involute, 1 minus the slope of the
+    /// flank's separation otherwise.
     pub scale: [f64; 2],
+    /// How the scale falls with `x_a . n`, or rises with `x_b . n` [1/m]: curvature of the separations.
+    pub curvature: [f64; 2],
     /// Gap [m], positive when open.
     pub gap: f64,
     /// Stiffness of the law at this point, [N/m] for a linear law.
     pub stiffness: f64,
-    /// Derivative of the stiffness by the path coordinate of the first gear [N/m^2].
+    /// Derivative of the stiffness by `x . n`, by half for either gear [N/m^2].
     pub stiffness_s: f64,
-    /// Path coordinate on the line of action from the first gear's tangent point [m].
+    /// Path coordinate on the line of action from the first gear's tangent point [m], in the middle of what both gears
+    /// say where flanks overlap.
     pub s: f64,
-    /// What the law's constant damper is multiplied by: 1 for tooth pairs, the area [m^2] of a flank point,
-    /// whose law has a damper per area.
+    /// What the law's constant damper is multiplied by: the share of a slice in the face width, the area [m^2] of a flank
+    /// point, whose law has a damper per area.
     pub share: f64,
 }

@@ -17,8 +17,10 @@ pub struct Party<'a> {
 pub enum Wanted<'a> {
     /// Pairs in the search's discrete state whose slot is closed; per slot `(mode, impact speed)`.
     Closed(&'a [f64]),
-    /// All pairs in the search's discrete state.
+    /// All pairs in the search's discrete state, open or closed as their gaps tell.
     Listed,
+    /// The same, open or closed as their slots say.
+    Watched(&'a [f64]),
     /// Pairs that lie in the contact zone at this state, discrete state aside, with a gap [m] of at most so much.
     Touching(f64),
 }

@@ -124,10 +124,16 @@ impl Row {
         self.dot_of(self.all(), x)
     }
 
-    /// The part of `row . x` that belongs to the first gear.
+    /// The parts of `row . x` that belong to the first and to the second gear.
     #[inline]
-    pub fn dot_first(&self, x: &[f64]) -> f64 {
-        self.dot_of(self.split, x)
+    pub fn dot_parts(&self, x: &[f64]) -> [f64; 2] {
+        let first = self.dot_of(self.split, x);
+        if self.spans.is_empty() {
+            let rest = &self.singles[self.split.0 as usize..self.count as usize];
+            let second = rest.iter().map(|&(i, value)| value * x[i as usize]).sum();
+            return [first, second];
+        }
+        [first, self.dot(x) - first]
     }
 
     /// `y += factor row`.
@@ -136,10 +142,13 @@ impl Row {
         self.add_of(self.all(), factor, y);
     }
 
-    /// `y += factor` times the part of the row that belongs to the first gear.
+    /// `y +=` the parts of the row that belong to the first and to the second gear, each with a factor of its own.
     #[inline]
-    pub fn add_first_to(&self, factor: f64, y: &mut [f64]) {
-        self.add_of(self.split, factor, y);
+    pub fn add_parts_to(&self, factors: [f64; 2], y: &mut [f64]) {
+        self.add_of(self.all(), factors[1], y);
+        if factors[0] != factors[1] {
+            self.add_of(self.split, factors[0] - factors[1], y);
+        }
     }
 
     /// Calls `f` with each coordinate of the scene and its value; a coordinate may come more than once.
@@ -155,12 +164,20 @@ impl Row {
         }
     }
 
-    /// The same for the part of the row that belongs to the first gear.
-    pub fn for_each_first(&self, mut f: impl FnMut(usize, f64)) {
-        for &(i, value) in &self.singles[..self.split.0 as usize] {
+    /// The same for the part of the row that belongs to the first gear (0) or to the second (1).
+    pub fn for_each_of(&self, gear: usize, mut f: impl FnMut(usize, f64)) {
+        let (singles, spans) = (self.split.0 as usize, self.split.1 as usize);
+        let of_gear = if gear == 0 {
+            &self.singles[..singles]
+        } else {
+            &self.singles[singles..self.count as usize]
+        };
+        for &(i, value) in of_gear {
             f(i as usize, value);
         }
-        for (start, values) in self.spans(self.split.1) {
+        let own = |span: usize| (span < spans) == (gear == 0);
+        let all = self.spans(self.spans.len() as u32).enumerate();
+        for (_, (start, values)) in all.filter(|(span, _)| own(*span)) {
             for (i, value) in (start..).zip(values) {
                 f(i, *value);
             }
@@ -188,14 +205,19 @@ mod tests {
         row.push_span(1, [3.0, 4.0]);
         let x = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5];
         assert_eq!(row.dot(&x), -20.0 + 3e4 + 4e5);
-        assert_eq!(row.dot_first(&x), -20.0);
+        assert_eq!(row.dot_parts(&x), [-20.0, 3e4 + 4e5]);
         let mut y = [0.0; 6];
         row.add_to(0.5, &mut y);
-        row.add_first_to(1.0, &mut y);
+        row.add_parts_to([1.0, 0.0], &mut y);
         assert_eq!(y, [0.0, -3.0, 0.0, 0.0, 1.5, 2.0]);
         let mut each = vec![];
         row.for_each(|i, value| each.push((i, value)));
         assert_eq!(each, [(1, -2.0), (4, 3.0), (5, 4.0)]);
+        for (gear, want) in [(0, vec![(1, -2.0)]), (1, vec![(4, 3.0), (5, 4.0)])] {
+            let mut part = vec![];
+            row.for_each_of(gear, |i, value| part.push((i, value)));
+            assert_eq!(part, want);
+        }
     }
 
     #[test]
@@ -213,7 +235,7 @@ mod tests {
         }
         let x = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5];
         assert_eq!(row.dot(&x), 2.0 * 654321.0);
-        assert_eq!(row.dot_first(&x), 2.0 * 54321.0);
+        assert_eq!(row.dot_parts(&x)[0], 2.0 * 54321.0);
         let mut y = [0.0; 6];
         row.add_to(1.0, &mut y);
         assert_eq!(y, [2.0, 4.0, 6.0, 8.0, 10.0, 12.0]);

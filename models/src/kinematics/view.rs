@@ -16,6 +16,8 @@ pub struct MeshView {
     pub half_angle_base: f64,
     /// Range of the gear's own path coordinate (from its own tangent point) over the path of contact [m].
     pub path: [f64; 2],
+    /// The same with the edges of both tips before and behind the path of contact, as far as they may touch [m].
+    pub touching: [f64; 2],
     /// Angle [rad] (or displacement [m]) between teeth.
     pub pitch: f64,
     /// Angle (or displacement) of tooth 0 at the assembled position.

@@ -17,6 +17,12 @@ pub enum Damping {
         /// Damping ratio (-).
         ratio: f64,
     },
+    /// Damper that grows with the force and has a ratio to critical damping at the load of the mesh,
+    /// `N = k d^n (1 + d'/v_L)`: smooth where a contact opens and closes.
+    RatioAtLoad {
+        /// Damping ratio at the load (-).
+        ratio: f64,
+    },
     /// Hunt and Crossley with restitution `e` (-).
     HuntCrossley {
         /// Coefficient of restitution aimed at, in (0, 1].
@@ -41,10 +47,11 @@ pub enum Damping {
 
 impl Damping {
     /// Every id [`Damping::id`] can return.
-    pub const IDS: [&'static str; 7] = [
+    pub const IDS: [&'static str; 8] = [
         "none",
         "kelvin-voigt",
         "kelvin-voigt-ratio",
+        "ratio-at-load",
         "hunt-crossley",
         "lankarani-nikravesh",
         "flores",
@@ -57,15 +64,16 @@ impl Damping {
             Damping::None => 0,
             Damping::KelvinVoigt { .. } => 1,
             Damping::KelvinVoigtRatio { .. } => 2,
-            Damping::HuntCrossley { .. } => 3,
-            Damping::LankaraniNikravesh { .. } => 4,
-            Damping::Flores { .. } => 5,
-            Damping::Gonthier { .. } => 6,
+            Damping::RatioAtLoad { .. } => 3,
+            Damping::HuntCrossley { .. } => 4,
+            Damping::LankaraniNikravesh { .. } => 5,
+            Damping::Flores { .. } => 6,
+            Damping::Gonthier { .. } => 7,
         };
         Self::IDS[index]
     }
 
-    /// The same damping with a ratio turned into `c = 2 ratio sqrt(k m)` (N s/m); every other kind
+    /// The same damping with a ratio of critical turned into `c = 2 ratio sqrt(k m)` (N s/m); every other kind
     /// is returned as it is. `stiffness` (N/m) is the linear contact stiffness, `reduced_mass`
     /// (kg) that of the two bodies along the line of action.
     ///
@@ -102,14 +110,29 @@ impl Damping {
         })
     }
 
-    /// The factor chi of `1 + chi d'/v0`, zero for laws without it.
+    /// Ratio to critical damping that the law has for small vibrations about a load: what a restitution `e` loses in half a
+    /// period of a linear oscillator, `zeta = -ln(e)/pi`; zero for laws that know no load.
+    pub(super) fn ratio_at_load(&self) -> f64 {
+        match *self {
+            Damping::RatioAtLoad { ratio } => ratio,
+            _ => self
+                .restitution()
+                .map_or(0.0, |e| -e.ln() / std::f64::consts::PI),
+        }
+    }
+
+    /// The factor chi of `1 + chi d'/v`, zero for laws without it.
     pub(super) fn chi(&self) -> f64 {
         match *self {
             Damping::HuntCrossley { e } => 1.5 * (1.0 - e),
             Damping::LankaraniNikravesh { e } => 0.75 * (1.0 - e * e),
             Damping::Flores { e } => 1.6 * (1.0 - e) / e,
             Damping::Gonthier { e } => (1.0 - e * e) / e,
-            Damping::None | Damping::KelvinVoigt { .. } | Damping::KelvinVoigtRatio { .. } => 0.0,
+            // A ratio at load has a factor once the load is known.
+            Damping::None
+            | Damping::KelvinVoigt { .. }
+            | Damping::KelvinVoigtRatio { .. }
+            | Damping::RatioAtLoad { .. } => 0.0,
         }
     }
 
@@ -119,7 +142,10 @@ impl Damping {
             | Damping::LankaraniNikravesh { e }
             | Damping::Flores { e }
             | Damping::Gonthier { e } => Some(e),
-            Damping::None | Damping::KelvinVoigt { .. } | Damping::KelvinVoigtRatio { .. } => None,
+            Damping::None
+            | Damping::KelvinVoigt { .. }
+            | Damping::KelvinVoigtRatio { .. }
+            | Damping::RatioAtLoad { .. } => None,
         }
     }
 }

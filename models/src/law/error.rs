@@ -12,6 +12,8 @@ pub enum LawError {
     Restitution { law: &'static str, value: f64 },
     /// A Kelvin-Voigt coefficient or ratio is negative or not finite.
     KelvinVoigt { what: &'static str, value: f64 },
+    /// A damping ratio at the load of a mesh without load.
+    NoLoad,
     /// A damping ratio reached a law before it became a coefficient.
     UnresolvedRatio,
     /// A damping ratio was given for a nonlinear law.
@@ -41,6 +43,12 @@ impl LawError {
             Self::KelvinVoigt { what, value } => (
                 format!("Kelvin-Voigt damping {what} is {value}"),
                 "it must be finite and not negative".to_owned(),
+            ),
+            Self::NoLoad => (
+                "a damping ratio at the load of the mesh needs a load, but no gear of the scene has one"
+                    .to_owned(),
+                "give a gear a torque, or take the law kelvin-voigt-ratio, or one with a restitution"
+                    .to_owned(),
             ),
             Self::UnresolvedRatio => (
                 "a damping ratio needs stiffness and reduced mass".to_owned(),

@@ -2,14 +2,15 @@
 //!
 //! Convention, stated here once: the gap `g` (m) is positive when open, the penetration is
 //! `d = -g`, the gap rate `g' < 0` while the bodies approach, and the normal force `N >= 0` is
-//! compressive. `v0 > 0` is the approach speed `-g'` at the instant of first touch.
+//! compressive. `v0 >= 0` is the approach speed `-g'` at the instant of first touch.
 //!
 //! The normal force is
 //!
 //! ```text
 //! none            N = k d^n
 //! Kelvin-Voigt    N = k d^n + c d'
-//! all others      N = k d^n (1 + chi d' / v0)
+//! ratio at load   N = k d^n (1 + d' / v_L)
+//! all others      N = k d^n (1 + chi d' / v),    v = max(v0 + v_L, |d'|)
 //! ```
 //!
 //! | damping | chi | source |
@@ -22,6 +23,19 @@
 //! The restitution `r` such a law really gives in a free impact is the same for every exponent:
 //! it solves `chi (1 + r) = ln((1 + chi) / (1 - chi r))` ([`realised_restitution`]). The first two
 //! factors meet `r = e` only near `e = 1`; the last two stay close to it over the whole range.
+//!
+//! **Under load.** A contact that closes under load has hardly any approach speed, so `d'/v0` alone would damp it by any
+//! amount. The load speed `v_L` is what the speed of vibration under the load of the mesh is measured by: with the force
+//! `F` of the load, `d_0 = (F/k)^(1/n)`, `k_t = n F / d_0` and the reduced mass `m` of both gears,
+//!
+//! ```text
+//! v_L = chi F / (2 zeta sqrt(k_t m)),    zeta = -ln(e)/pi   (or the ratio at load)
+//! ```
+//!
+//! so that small vibrations about the load have the damping ratio `zeta`, which is what a restitution `e` loses in half a
+//! period; with `e` near 1 it is near none. A free impact has `v_L = 0`: it loses what it always lost, at any speed. A
+//! contact that is squeezed faster than it was touched takes that speed: no force is more than `1 + chi` times the elastic
+//! one. Kelvin-Voigt damping is the same under any load; a ratio of it is that of the stiffest pair.
 //!
 //! Event-located integration needs a branch that stays smooth while a root is sought, so
 //! [`Law::smooth`] continues the law oddly into the open gap and does not clip; the force that acts
@@ -37,4 +51,4 @@ mod tests;
 pub use damping::Damping;
 pub use error::LawError;
 pub use friction::{Friction, FrictionForce};
-pub use normal::{Law, LawForce, realised_restitution};
+pub use normal::{Law, LawForce, MeshLoad, realised_restitution};

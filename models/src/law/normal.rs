@@ -3,9 +3,19 @@
 use super::damping::Damping;
 use super::error::LawError;
 
-/// Floor of the impact speed `v0` (m/s). A contact that closes from rest under load has `v0 = 0` and `d'/v0` would be
-/// infinite, so `v0` enters as `max(v0, floor)`; impacts slower than the floor are damped less than `e` asks for.
-const SPEED_FLOOR: f64 = 1e-3;
+/// Below this speed (m/s) nothing moves: only keeps a quotient finite.
+const LEAST_SPEED: f64 = 1e-15;
+
+/// The load of a mesh, about which its contacts vibrate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshLoad {
+    /// Force along the line of action (N); 0 without a load.
+    pub force: f64,
+    /// Stiffness of a contact (N/m^n).
+    pub stiffness: f64,
+    /// Reduced mass of both gears along the line of action (kg).
+    pub mass: f64,
+}
 
 /// Normal force of a law and its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -36,6 +46,8 @@ pub struct Law {
     power: Power,
     c: f64,
     chi: f64,
+    /// What is added to the approach speed (m/s).
+    load_speed: f64,
 }
 
 impl Default for Law {
@@ -66,6 +78,14 @@ impl Law {
             Damping::KelvinVoigtRatio { .. } => return Err(LawError::UnresolvedRatio),
             _ => 0.0,
         };
+        if let Damping::RatioAtLoad { ratio } = damping
+            && !(ratio.is_finite() && ratio >= 0.0)
+        {
+            return Err(LawError::KelvinVoigt {
+                what: "ratio at load",
+                value: ratio,
+            });
+        }
         if let Some(value) = damping.restitution().filter(|e| !(*e > 0.0 && *e <= 1.0)) {
             return Err(LawError::Restitution {
                 law: damping.id(),
@@ -85,6 +105,7 @@ impl Law {
             power,
             c,
             chi: damping.chi(),
+            load_speed: 0.0,
         })
     }
 
@@ -96,7 +117,32 @@ impl Law {
             power: Power::One,
             c: 0.0,
             chi: 0.0,
+            load_speed: 0.0,
         }
+    }
+
+    /// The law in a mesh that carries a load: see the module for what its damping then means.
+    ///
+    /// # Errors
+    /// [`LawError::NoLoad`] for a damping ratio at load without one.
+    pub fn under_load(self, load: MeshLoad) -> Result<Law, LawError> {
+        let zeta = self.damping.ratio_at_load();
+        let loaded = load.force > 0.0 && load.mass.is_finite();
+        let by_load = matches!(self.damping, Damping::RatioAtLoad { .. });
+        if zeta == 0.0 || !(loaded || by_load) {
+            return Ok(self);
+        }
+        if !loaded {
+            return Err(LawError::NoLoad);
+        }
+        let chi = if by_load { 1.0 } else { self.chi };
+        let deflection = (load.force / load.stiffness).powf(1.0 / self.exponent);
+        let stiffness = self.exponent * load.force / deflection;
+        Ok(Law {
+            chi,
+            load_speed: chi * load.force / (2.0 * zeta * (stiffness * load.mass).sqrt()),
+            ..self
+        })
     }
 
     /// The elastic part of the law.
@@ -105,6 +151,7 @@ impl Law {
             damping: Damping::None,
             c: 0.0,
             chi: 0.0,
+            load_speed: 0.0,
             ..*self
         }
     }
@@ -133,7 +180,7 @@ impl Law {
         self.damping
     }
 
-    /// Factor chi of `1 + chi d'/v0`; zero for elastic and Kelvin-Voigt contact.
+    /// Factor chi of `1 + chi d'/v`; zero for elastic and Kelvin-Voigt contact.
     pub fn chi(&self) -> f64 {
         self.chi
     }
@@ -145,7 +192,33 @@ impl Law {
 
     /// Whether the law uses the speed stored at first touch.
     pub fn needs_impact_speed(&self) -> bool {
-        self.chi > 0.0
+        self.damping.restitution().is_some() && self.chi > 0.0
+    }
+
+    /// Speed by which vibration under the load of the mesh is measured (m/s); 0 without a load.
+    pub fn load_speed(&self) -> f64 {
+        self.load_speed
+    }
+
+    /// `chi / v` and its derivative by the gap rate.
+    #[inline]
+    fn per_speed(&self, g_rate: f64, v0: f64) -> (f64, f64) {
+        if self.chi == 0.0 {
+            return (0.0, 0.0);
+        }
+        // Neither a NaN, which an unset slot of the discrete state holds, nor a speed of parting counts.
+        let touched = if self.damping.restitution().is_some() {
+            v0.max(0.0)
+        } else {
+            0.0
+        };
+        let v = touched + self.load_speed;
+        let speed = g_rate.abs();
+        if self.damping.restitution().is_some() && speed > v {
+            (self.chi / speed, -self.chi / (speed * g_rate))
+        } else {
+            (self.chi / v.max(LEAST_SPEED), 0.0)
+        }
     }
 
     /// Whether a closed-open cycle loses energy.
@@ -175,13 +248,12 @@ impl Law {
     #[inline]
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
         let (power, slope) = self.powers(-g);
-        // `max` returns the floor for a NaN v0, which is what an unset discrete state slot holds.
-        let per_speed = self.chi / v0.max(SPEED_FLOOR);
+        let (per_speed, slope_of_it) = self.per_speed(g_rate, v0);
         let factor = 1.0 - per_speed * g_rate;
         LawForce {
             n: k * power * factor - self.c * g_rate,
             dn_dg: -k * slope * factor,
-            dn_dgdot: -k * power * per_speed - self.c,
+            dn_dgdot: -k * power * (per_speed + g_rate * slope_of_it) - self.c,
             dn_dk: power * factor,
         }
     }
@@ -200,6 +272,11 @@ impl Law {
         force
     }
 
+    /// Whether the force is linear in gap and gap rate, piece by piece.
+    pub fn is_piecewise_linear(&self) -> bool {
+        self.exponent == 1.0 && self.chi == 0.0
+    }
+
     /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
     /// elastic force, `|N_d| <= N_e`.
     ///
@@ -212,7 +289,15 @@ impl Law {
             return LawForce::default();
         }
         let (power, slope) = self.powers(-g);
-        let (elastic, dashpot) = (k * power, -self.c * g_rate);
+        // A damper that grows with the force is known by its load: no speed of touch is.
+        let per_speed = if self.load_speed > 0.0 {
+            self.chi / self.load_speed
+        } else {
+            0.0
+        };
+        let elastic = k * power;
+        let c = self.c + elastic * per_speed;
+        let (dashpot, factor) = (-c * g_rate, 1.0 - per_speed * g_rate);
         if dashpot > elastic {
             LawForce {
                 n: 2.0 * elastic,
@@ -225,9 +310,9 @@ impl Law {
         } else {
             LawForce {
                 n: elastic + dashpot,
-                dn_dg: -k * slope,
-                dn_dgdot: -self.c,
-                dn_dk: power,
+                dn_dg: -k * slope * factor,
+                dn_dgdot: -c,
+                dn_dk: power * factor,
             }
         }
     }

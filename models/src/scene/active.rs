@@ -4,7 +4,7 @@ use super::members::{SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::{Candidate, Party};
 use crate::kinematics::Row;
-use crate::law::{FrictionForce, LawForce};
+use crate::law::{FrictionForce, Law, LawForce};
 use gearbench_integrators::system::At;
 
 /// A contact that carries (or may carry) a force.
@@ -19,6 +19,9 @@ pub(super) struct Active {
     pub rate: f64,
     pub impact_speed: f64,
     pub force: LawForce,
+    /// What the parts of both gears in the contact row are multiplied by: the normal force, and what the potential
+    /// changes by along the path [N].
+    pub on: [f64; 2],
     pub friction: FrictionForce,
     /// Sliding speed of gear b over gear a [m/s].
     pub sliding: f64,
@@ -28,8 +31,8 @@ pub(super) struct Active {
 /// Speeds that driven mounts prescribe [m/s].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Prescribed {
-    /// Of the first gear's point along the normal.
-    pub first: f64,
+    /// Of the points of both gears along the normal.
+    pub points: [f64; 2],
     /// Of the gap.
     pub gap: f64,
     /// Of sliding.
@@ -52,10 +55,10 @@ pub(super) fn fill_rows(
 ) -> Prescribed {
     let offset = |k: usize| gears[mesh.gears[k]].offset;
     let row = &mut rows[0];
-    let [first, gap] = gap_row(gears, mesh, [a, b], c, row);
+    let points = gap_row(gears, mesh, [a, b], c, row);
     let mut prescribed = Prescribed {
-        first,
-        gap,
+        points,
+        gap: c.scale[1] * points[1] - c.scale[0] * points[0],
         sliding: 0.0,
     };
     if mesh.friction.is_none() {
@@ -82,8 +85,7 @@ pub(super) fn fill_rows(
     prescribed
 }
 
-/// The row `dg/dq` of a candidate; returns the prescribed speed of the first gear's point along the normal, and of the
-/// gap.
+/// The row `dg/dq` of a candidate; returns the prescribed speeds of the points of both gears along the normal.
 #[inline]
 pub(super) fn gap_row(
     gears: &[SceneGear],
@@ -98,7 +100,7 @@ pub(super) fn gap_row(
     row.mark_split();
     row.target(gears[mesh.gears[1]].offset, c.scale[1]);
     let of_b = (b.gear).row(b.at, &c.points[1], &(c.normal + c.aside[1]), row);
-    [of_a, c.scale[1] * of_b - c.scale[0] * of_a]
+    [of_a, of_b]
 }
 
 pub(super) fn gap_rate(
@@ -109,13 +111,110 @@ pub(super) fn gap_rate(
     row: &mut Row,
 ) -> f64 {
     let (a, b) = parties(gears, mesh, at);
-    let [_, prescribed] = gap_row(gears, mesh, [&a, &b], c, row);
-    row.dot(at.v) + prescribed
+    let [of_a, of_b] = gap_row(gears, mesh, [&a, &b], c, row);
+    row.dot(at.v) + c.scale[1] * of_b - c.scale[0] * of_a
 }
 
 /// Length of the transverse part of a candidate's normal.
 pub(super) fn transverse(c: &Candidate) -> f64 {
     c.normal.x.hypot(c.normal.y)
+}
+
+/// How far a contact moves along the normal when the parts of its row move by so much: by half with either gear, in the
+/// directions in which its stiffness and its place follow.
+#[inline]
+pub(super) fn along(c: &Candidate, [a, b]: [f64; 2]) -> f64 {
+    0.5 * (b / c.scale[1] - a / c.scale[0])
+}
+
+/// Half of what the elastic energy of a contact changes by along the path [N]: the force of the parametric term on each
+/// gear.
+#[inline]
+pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
+    if c.stiffness_s == 0.0 {
+        return 0.0;
+    }
+    0.5 * law.d_potential_dk(gap) * c.stiffness_s
+}
+
+/// Multipliers of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the force is
+/// `-dV/dq = n dg/dq - dW/dk k'(s) ds/dq`.
+#[inline]
+pub(super) fn parts(law: &Law, c: &Candidate, gap: f64, n: f64) -> [f64; 2] {
+    let along = along_path(law, c, gap);
+    [n + along / c.scale[0], n - along / c.scale[1]]
+}
+
+/// Derivatives of the force of a contact by the two parts of its row applied to a change of coordinates, and to one of
+/// velocities.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tangent {
+    /// Of the normal force [N/m].
+    pub normal: [f64; 2],
+    /// Of the elastic part of the normal force, which is what neighbours feel [N/m].
+    pub elastic: [f64; 2],
+    /// Of [`Active::on`] by the gap [N/m].
+    pub by_gap: [f64; 2],
+    /// Of [`Active::on`], first the gear whose part is multiplied [N/m].
+    pub on: [[f64; 2]; 2],
+    /// Of all of them by the gap rate [N s/m].
+    pub rate: f64,
+    /// The rows of both gears change alike: one direction is enough.
+    pub plain: bool,
+}
+
+/// What the force of a contact changes by when the elastic force of another one does, through the body that both bend.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer {
+    /// The contact that answers.
+    pub of: usize,
+    /// The one that it answers to.
+    pub to: usize,
+    /// Its normal force, and [`Active::on`].
+    pub normal: f64,
+    pub on: [f64; 2],
+}
+
+/// The tangent of a contact, but for how its stiffness curves along the path.
+pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]) -> Tangent {
+    let force = &a.force;
+    let plain = c.stiffness_s == 0.0 && c.curvature == [0.0; 2];
+    let elastic = law.undamped().smooth(a.gap, 0.0, 0.0, c.stiffness);
+    if plain {
+        return Tangent {
+            normal: [force.dn_dg; 2],
+            elastic: [elastic.dn_dg; 2],
+            by_gap: [force.dn_dg; 2],
+            on: [[force.dn_dg; 2]; 2],
+            rate: force.dn_dgdot,
+            plain,
+        };
+    }
+    let of_stiffness = 0.5 * force.dn_dk * c.stiffness_s;
+    let along = -0.5 * c.stiffness_s * elastic.dn_dk;
+    // How the rows turn.
+    let turning = [0, 1].map(|k| c.curvature[k] / (c.scale[k] * c.scale[k]));
+    let rates = row.dot_parts(v);
+    let sign = [-1.0, 1.0];
+    let by_stiffness = 0.5 * elastic.dn_dk * c.stiffness_s;
+    let normal = [0, 1].map(|j| {
+        let rate = rates[j] + sign[j] * c.scale[j] * a.prescribed.points[j];
+        force.dn_dg + sign[j] * of_stiffness / c.scale[j] + force.dn_dgdot * turning[j] * rate
+    });
+    let on = [0, 1].map(|k| {
+        [0, 1].map(|j| {
+            let own = if j == k { a.force.n * turning[k] } else { 0.0 };
+            normal[j] - sign[k] * along / c.scale[k] + own
+        })
+    });
+    Tangent {
+        normal,
+        elastic: [0, 1].map(|j| elastic.dn_dg + sign[j] * by_stiffness / c.scale[j]),
+        by_gap: [0, 1].map(|k| force.dn_dg - sign[k] * along / c.scale[k]),
+        on,
+        rate: force.dn_dgdot,
+        plain,
+    }
 }
 
 pub(super) fn slide(mesh: &SceneMesh, at: At<'_>, rows: &[Row; 3], active: &mut Active) {

@@ -4,7 +4,7 @@ use super::assembled::Scene;
 use super::assembly_points::flank_points;
 use super::channels;
 use super::members::{SceneGear, SceneMesh};
-use super::mesh_assembly::{hub_of, law_of, lines_of_action};
+use super::mesh_assembly::{hub_of, lines_of_action};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
@@ -16,7 +16,7 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
+use crate::spec::{Body, Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -91,7 +91,7 @@ impl Scene {
                 body: &g.body,
                 material: g.material,
                 hub: &hub,
-                added_inertia: g.added_inertia,
+                added_inertia: g.added_inertia + g.body.core_inertia(g.material.density),
                 placement: Placement::new(&hub, phases[gears.len()]),
                 effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
@@ -116,7 +116,8 @@ impl Scene {
         for ((mesh, l), contact) in spec.meshes.iter().zip(&layouts).zip(&modelling.contacts) {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
-            let (search, geometry) = lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
+            let (search, law, geometry) =
+                lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
             for i in mesh.gears {
                 seen[i] += 1;
             }
@@ -137,6 +138,18 @@ impl Scene {
                     ));
                 }
             }
+            let deviates =
+                |i: &usize| matches!(&spec.gears[*i].body, Body::Gear(g) if g.deviates());
+            if search.whole_mesh && mesh.gears.iter().any(deviates) {
+                return Err(BuildError::mesh(
+                    mesh.gears.map(|i| spec.gears[i].name.as_str()),
+                    MeshPart::Stiffness,
+                    (
+                        "one stiffness for the whole mesh needs equal teeth, but teeth deviate from each other",
+                        "give the stiffness of a tooth pair",
+                    ),
+                ));
+            }
             let k_max = search.stiffness.maximum().1;
             scales.add(spec, mesh, &gears, k_max);
             let on_lines = search.clearances();
@@ -146,15 +159,21 @@ impl Scene {
                 .any(|i| gears[*i].model.flanks().is_some());
             let (search, law, clearances): (Search, Law, _) = if with_flanks {
                 let lines = Side::BOTH.map(|side| search.line(side));
-                let (search, law) =
-                    flank_points(spec, mesh, contact, &gears, &phases, &geometry, lines)?;
+                let (search, law) = flank_points(
+                    spec,
+                    mesh,
+                    contact,
+                    &gears,
+                    &phases,
+                    &geometry,
+                    (lines, law),
+                )?;
                 // Nodes may stand off the involute: the foremost ones count.
                 let clearances = search
                     .clearance([0.0; 2])
                     .map_or_else(Vec::new, |c| c.lines().to_vec());
                 (Search::Points(Box::new(search)), law, clearances)
             } else {
-                let law = law_of(spec, mesh, contact, k_max)?;
                 (Search::Pairs(Box::new(search)), law, on_lines)
             };
             let has_field = |i: &usize| gears[*i].model.displacement().is_some();

@@ -1,11 +1,11 @@
 //! Evaluation of all contacts of a scene at one state.
 
-use super::active::{Active, fill_rows, slide, sliding_direction};
+use super::active::{Active, fill_rows, parts, slide, sliding_direction};
 use super::assembled::Scene;
 use super::members::parties;
 use crate::Vec3;
 use crate::contact::Wanted;
-use crate::contact::pairs::all_open;
+use crate::contact::pairs::{LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
@@ -97,6 +97,7 @@ impl Scene {
                 rate,
                 impact_speed,
                 force,
+                on: parts(&law, c, c.gap, force.n),
                 friction: FrictionForce::default(),
                 sliding: 0.0,
                 prescribed,
@@ -105,34 +106,22 @@ impl Scene {
                 slide(mesh, at, rows, &mut work.active[i]);
             }
         }
+        if mesh.search.pairs().is_some_and(LinesOfAction::couples) {
+            self.add_coupling_along_path(m);
+        }
     }
 
     /// Applies `x += N w + F t` of all active contacts.
     #[inline]
     pub(super) fn add_contact_forces(&self, f: &mut [f64]) {
         for (c, rows) in self.work.active.iter().zip(&self.work.rows) {
-            rows[0].add_to(c.force.n, f);
+            rows[0].add_parts_to(c.on, f);
             if self.meshes[c.mesh].friction.is_some() {
                 rows[1].add_to(c.friction.f, f);
             }
         }
         if self.fields {
             self.work.nodal.add_forces(&self.gears, f);
-        }
-    }
-
-    /// Derivative of the normal forces in a direction, one per active contact, into `work.rhs`.
-    pub(super) fn normal_tangent(&mut self, dq: &[f64], dv: &[f64]) {
-        let work = &mut self.work;
-        work.rhs.clear();
-        for (c, rows) in work.active.iter().zip(&work.rows) {
-            let candidate = &work.candidates[c.candidate];
-            let along = -rows[0].dot_first(dq) / candidate.scale[0];
-            work.rhs.push(
-                c.force.dn_dg * rows[0].dot(dq)
-                    + c.force.dn_dgdot * rows[0].dot(dv)
-                    + c.force.dn_dk * candidate.stiffness_s * along,
-            );
         }
     }
 

@@ -4,10 +4,11 @@
 //! A = A0 - U V,    x = x0 + Z y,    (I - V Z) y = V x0,    Z = A0^-1 U
 //! ```
 //!
-//! with a row `V` and a column `U` for each normal force, and for each sliding force where there is friction. Many
+//! with a row `V` and a column `U` for each normal force (for each of both gears, where stiffness or separation changes along
+//! the path), and for each sliding force where there is friction. Many
 //! contacts of large gears, and those of gears with displacement fields, have forms of their own.
 
-use super::active::transverse;
+use super::active::{Answer, transverse};
 use super::assembled::Scene;
 use super::condensed::kappa;
 use gearbench_integrators::dense_solve::solve_in_place;
@@ -36,39 +37,22 @@ impl Scene {
             let contacts = (work.active.as_slice(), work.rows.as_slice());
             return (work.condensed).correct(&mut self.gears, contacts, at, c, rhs_to_x);
         }
-        if m == 1 && self.meshes[self.work.active[0].mesh].friction.is_none() {
+        self.tangents_of_contacts(at)?;
+        let plain = self.work.tangents[0].plain;
+        if m == 1 && plain && self.meshes[self.work.active[0].mesh].friction.is_none() {
             return self.correct_one_contact(at, c, rhs_to_x);
         }
-        let friction = self
-            .work
-            .active
-            .iter()
-            .any(|a| self.meshes[a.mesh].friction.is_some());
-        let terms = if friction { 2 * m } else { m };
 
         // Rows V (how the forces answer to x) and columns Z = A0^-1 U (how x answers to the forces).
         let mut v = std::mem::take(&mut self.work.v);
         let mut z = std::mem::take(&mut self.work.z);
         v.clear();
-        v.resize(terms * n, 0.0);
         z.clear();
-        z.resize(terms * n, 0.0);
-        for (i, (a, rows)) in self.work.active.iter().zip(&self.work.rows).enumerate() {
-            let candidate = &self.work.candidates[a.candidate];
-            let row = &mut v[i * n..][..n];
-            rows[0].add_to(c.k * a.force.dn_dg + c.d * a.force.dn_dgdot, row);
-            rows[0].add_first_to(
-                -c.k * a.force.dn_dk * candidate.stiffness_s / candidate.scale[0],
-                row,
-            );
-            rows[0].add_to(1.0, &mut z[i * n..][..n]);
+        for i in 0..m {
+            self.terms_of_contact(at, c, i, &mut v, &mut z);
         }
+        let terms = v.len() / n;
         let mut result = Ok(());
-        if friction {
-            for i in 0..m {
-                self.friction_terms(at, c, i, m, &mut v, &mut z);
-            }
-        }
         let mut small = std::mem::take(&mut self.work.small);
         let mut rhs = std::mem::take(&mut self.work.rhs);
         small.clear();
@@ -109,7 +93,8 @@ impl Scene {
             && self.work.active.iter().all(|a| {
                 let candidate = &self.work.candidates[a.candidate];
                 self.meshes[a.mesh].friction.is_none()
-                    && a.force.dn_dk * candidate.stiffness_s == 0.0
+                    && candidate.stiffness_s == 0.0
+                    && candidate.curvature == [0.0; 2]
                     && kappa(a.force.dn_dg, a.force.dn_dgdot, c) >= 0.0
             })
     }
@@ -137,17 +122,8 @@ impl Scene {
         self.work.rows[0][0].add_to(1.0, &mut z);
         let solved = self.correct_gears(at, c, &mut z);
         let (force, row) = (&self.work.active[0].force, &self.work.rows[0][0]);
-        let candidate = &self.work.candidates[self.work.active[0].candidate];
         let per_gap = c.k * force.dn_dg + c.d * force.dn_dgdot;
-        let per_path = -c.k * force.dn_dk * candidate.stiffness_s / candidate.scale[0];
-        let v_dot = |x: &[f64]| {
-            let along = if per_path == 0.0 {
-                0.0
-            } else {
-                per_path * row.dot_first(x)
-            };
-            per_gap * row.dot(x) + along
-        };
+        let v_dot = |x: &[f64]| per_gap * row.dot(x);
         let pivot = 1.0 - v_dot(&z);
         let singular = pivot == 0.0 || !pivot.is_finite();
         let y = v_dot(x) / pivot;
@@ -158,34 +134,69 @@ impl Scene {
         if singular { Err(Singular) } else { solved }
     }
 
-    /// Rows of the sliding force of contact `i` in the Newton correction: terms `m..2m`.
-    fn friction_terms(
-        &mut self,
+    /// Appends rows and columns of contact `i`: one where both gears feel the same change of force, else one for each,
+    /// and one of the sliding force.
+    fn terms_of_contact(
+        &self,
         at: At<'_>,
         c: Coeffs,
         i: usize,
-        m: usize,
-        v: &mut [f64],
-        z: &mut [f64],
+        v: &mut Vec<f64>,
+        z: &mut Vec<f64>,
     ) {
         let n = self.n;
-        let (a, rows) = (&self.work.active[i], &self.work.rows[i]);
+        let (a, rows, t) = (
+            &self.work.active[i],
+            &self.work.rows[i],
+            &self.work.tangents[i],
+        );
+        let by = |row: [f64; 2]| row.map(|k| c.k * k + c.d * t.rate);
+        let grow = |x: &mut Vec<f64>| {
+            let from = x.len();
+            x.resize(from + n, 0.0);
+            from
+        };
+        let parts = if t.plain { 0..1 } else { 0..2 };
+        for k in parts {
+            let (in_v, in_z) = (grow(v), grow(z));
+            rows[0].add_parts_to(by(t.on[k]), &mut v[in_v..]);
+            self.add_answers(i, c, |answer| answer.on[k], &mut v[in_v..]);
+            let own = match (t.plain, k) {
+                (true, _) => [1.0, 1.0],
+                (false, 0) => [1.0, 0.0],
+                (false, _) => [0.0, 1.0],
+            };
+            rows[0].add_parts_to(own, &mut z[in_z..]);
+        }
         if self.meshes[a.mesh].friction.is_none() {
             return;
         }
+        // dF = df_dn dN + df_dv dslide on the sliding row; dslide follows the contact point.
         let candidate = &self.work.candidates[a.candidate];
-        let per_s = -1.0 / (candidate.scale[0] * transverse(candidate));
         let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
-        // dF = df_dn dN + df_dv dslide on the sliding row; dt F follows the contact point.
-        let (normal, sliding) = v.split_at_mut(m * n);
-        let row = &mut sliding[i * n..][..n];
-        for (x, y) in row.iter_mut().zip(&normal[i * n..][..n]) {
-            *x = a.friction.df_dn * y;
-        }
-        rows[1].add_to(c.d * a.friction.df_dv, row);
-        rows[0].add_first_to(c.k * a.friction.df_dv * turn * per_s, row);
-        rows[1].add_to(1.0, &mut z[(m + i) * n..][..n]);
+        let per_s = c.k * a.friction.df_dv * turn / transverse(candidate);
+        let along = [-0.5 / candidate.scale[0], 0.5 / candidate.scale[1]];
+        let (in_v, in_z) = (grow(v), grow(z));
+        rows[0].add_parts_to(by(t.normal).map(|x| a.friction.df_dn * x), &mut v[in_v..]);
+        self.add_answers(
+            i,
+            c,
+            |answer| a.friction.df_dn * answer.normal,
+            &mut v[in_v..],
+        );
+        rows[1].add_to(c.d * a.friction.df_dv, &mut v[in_v..]);
+        rows[0].add_parts_to(along.map(|x| per_s * x), &mut v[in_v..]);
+        rows[1].add_to(1.0, &mut z[in_z..]);
         // The turning of the sliding row (dt/ds F) is left out of the Newton matrix: it is of the size of
         // F / r_b against a contact stiffness, and costs a further rank.
+    }
+
+    /// Adds to a row of contact `i` how it answers to its neighbours.
+    fn add_answers(&self, i: usize, c: Coeffs, by: impl Fn(&Answer) -> f64, row: &mut [f64]) {
+        for answer in self.work.answers.iter().filter(|answer| answer.of == i) {
+            let factor = c.k * by(answer);
+            let elastic = self.work.tangents[answer.to].elastic;
+            self.work.rows[answer.to][0].add_parts_to(elastic.map(|x| factor * x), row);
+        }
     }
 }

@@ -56,8 +56,11 @@ impl Events for Scene {
                     overlap |= *g <= 0.0;
                 }
             }
-            if (closed || overlap) && mesh.law.is_dissipative() {
-                let wanted = if overlap {
+            let coupled = closed && pairs.couples();
+            if (closed || overlap) && mesh.law.is_dissipative() || coupled {
+                let wanted = if coupled {
+                    Wanted::Watched(modes)
+                } else if overlap {
                     Wanted::Listed
                 } else {
                     Wanted::Closed(modes)
@@ -101,8 +104,8 @@ impl Events for Scene {
             let range = mesh.search_discrete();
             if let Some(pairs) = mesh.search.pairs() {
                 let mut zone = vec![0.0; range.len()];
-                let (a, _) = parties(&self.gears, mesh, s.at());
-                pairs.begin(a, &mut zone);
+                let (a, b) = parties(&self.gears, mesh, s.at());
+                pairs.begin(a, b, &mut zone);
                 s.discrete[range].copy_from_slice(&zone);
             }
             for slot in 0..mesh.slots {
@@ -222,15 +225,17 @@ impl Scene {
         for c in &work.candidates {
             let (mode, stored) = (modes[2 * c.slot], modes[2 * c.slot + 1]);
             if mode == 0.0 && c.gap > 0.0 {
+                slots[c.slot] = c.gap;
                 continue;
             }
             let rate = gap_rate(gears, mesh, c, at, &mut work.scratch);
             let v0 = if stored > 0.0 { stored } else { -rate };
+            let law = mesh.law.shared(c.share);
             slots[c.slot] = if mode != 0.0 {
-                let n = mesh.law.smooth(c.gap, rate, v0, c.stiffness).n;
-                as_length(&mesh.law, n, c.stiffness)
+                let n = law.smooth(c.gap, rate, v0, c.stiffness).n;
+                as_length(&law, n, c.stiffness)
             } else {
-                open_event(&mesh.law, c, c.gap, rate, v0)
+                open_event(&law, c, c.gap, rate, v0)
             };
         }
     }
@@ -248,7 +253,8 @@ impl Scene {
                 }
                 let mesh = &self.meshes[m];
                 let rate = gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch);
-                let pushes = mesh.law.clipped(c.gap, rate, -rate, c.stiffness).n > 0.0
+                let law = mesh.law.shared(c.share);
+                let pushes = law.clipped(c.gap, rate, -rate, c.stiffness).n > 0.0
                     // Touching and approaching counts as closed, or the first step would start open.
                     || (c.gap <= 0.0 && rate < 0.0);
                 if pushes {

@@ -3,7 +3,7 @@
 use crate::contact::{LineClearance, Party, Search};
 use crate::gear::GearModel;
 use crate::law::{Friction, Law};
-use crate::spec::{Load, Profile};
+use crate::spec::Load;
 use gearbench_integrators::system::At;
 
 /// A gear in the scene.
@@ -103,24 +103,12 @@ impl SceneGear {
         let mut sum = 0.0;
         for load in &self.loads {
             sum += match load {
-                Load::Applied(p) if p.slope(t) == 0.0 => p.value(t),
+                Load::Applied(p) if p.is_steady(t) => p.value(t),
                 Load::Viscous(0.0) => 0.0,
                 _ => return None,
             };
         }
         Some(sum)
-    }
-
-    /// Largest magnitude of a load.
-    pub(super) fn load_bound(&self, load: &Load) -> f64 {
-        match load {
-            Load::Applied(p) => match p {
-                Profile::Constant(x) => x.abs(),
-                Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
-                Profile::Table { value, .. } => value.iter().fold(0.0, |m, x| x.abs().max(m)),
-            },
-            Load::Viscous(_) => 0.0,
-        }
     }
 }
 
@@ -152,8 +140,9 @@ pub struct SceneMesh {
 }
 
 impl SceneMesh {
+    /// Its search's own part of the discrete state.
     #[inline]
-    pub(super) fn search_discrete(&self) -> std::ops::Range<usize> {
+    pub fn search_discrete(&self) -> std::ops::Range<usize> {
         self.discrete..self.discrete + self.cells
     }
 

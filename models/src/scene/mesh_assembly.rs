@@ -1,32 +1,48 @@
 //! A mesh from its settings: lines of action over slices, and the law of its contact.
 
-use super::placement::views;
-use super::scales::{hub_mass, reduced_mass};
+use super::placement::{engagement, views};
+use super::scales::{hub_mass, initial_speed, reduced_mass};
 use crate::Vec3;
-use crate::contact::pairs::{Deviation, LinesOfAction, MeshGeometry, Slice};
+use crate::contact::pairs::{LinesOfAction, MeshGeometry, Separation, Slice};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
-use crate::kinematics::Hub;
-use crate::law::{Damping, Law, LawError};
+use crate::kinematics::{Hub, MeshView};
+use crate::law::{Damping, Law, LawError, MeshLoad};
 use crate::spec::{
-    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, stiffness_curve,
+    Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, effective_radius,
+    stiffness_curve,
 };
-use crate::stiffness::PairOrMesh;
 
 /// Slices of a mesh whose contact varies over the width.
 const DEFAULT_SLICES: usize = 16;
 
-/// Samples of a flank modification along the path.
-const DEVIATION_SAMPLES: usize = 257;
+/// Samples of a modified flank along the path.
+const FLANK_SAMPLES: usize = 257;
 
-fn deviation(body: &Body, own_path: [f64; 2], zeta: f64) -> Option<Deviation> {
-    let Body::Gear(g) = body else { return None };
-    if g.params().modifications.is_none() {
-        return None;
+/// Separation of the flanks of gear `k` of a mesh in the middle of the width.
+fn separation(
+    l: &MeshLayout,
+    gears: [&GearSpec; 2],
+    views: &[MeshView; 2],
+    k: usize,
+) -> Separation {
+    let of = engagement(l, gears[0], views, k);
+    let start = views[k].touching[0];
+    match &gears[k].body {
+        Body::Gear(g) if !g.params().modifications.is_none() => {
+            let rb = g.r_base();
+            let removed = |s: f64| g.flank_deviation(rb.hypot(s), 0.0);
+            Separation::new(&of, start, FLANK_SAMPLES, Some(&removed))
+        }
+        _ => Separation::new(&of, start, FLANK_SAMPLES, None),
     }
-    let rb = g.r_base();
-    Some(Deviation::sample(own_path, DEVIATION_SAMPLES, |s| {
-        g.flank_deviation(rb.hypot(s), zeta)
-    }))
+}
+
+/// What is removed at a place of the width more than in its middle [m].
+fn lead(body: &Body, zeta: f64) -> f64 {
+    match body {
+        Body::Gear(g) => g.params().modifications.lead_crowning * zeta * zeta,
+        Body::Rack(_) => 0.0,
+    }
 }
 
 fn varies_over_width(body: &Body) -> bool {
@@ -45,7 +61,7 @@ pub(super) fn lines_of_action(
     contact: &ContactSpec,
     phases: &[f64],
     mesh_of_gear: [u8; 2],
-) -> Result<(LinesOfAction, MeshGeometry), BuildError> {
+) -> Result<(LinesOfAction, Law, MeshGeometry), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
     let curve =
@@ -65,6 +81,7 @@ pub(super) fn lines_of_action(
         Body::Gear(g) => g.base_helix_angle(),
         Body::Rack(r) => r.base_helix_angle(),
     };
+    let separations = [0, 1].map(|k| separation(l, [a, b], &views, k));
     let slices = (0..count)
         .map(|i| {
             let zeta = (2 * i + 1) as f64 / count as f64 - 1.0;
@@ -74,14 +91,13 @@ pub(super) fn lines_of_action(
                 z,
                 weight: 1.0 / count as f64,
                 offset: z * base_helix.tan(),
-                deviation: [
-                    deviation(&a.body, views[0].path, zeta),
-                    deviation(&b.body, views[1].path, zeta),
+                separation: [
+                    separations[0].raised(lead(&a.body, zeta)),
+                    separations[1].raised(lead(&b.body, zeta)),
                 ],
             }
         })
         .collect();
-    let whole_mesh = curve.of() == PairOrMesh::Mesh;
     let geometry = MeshGeometry {
         views,
         mesh_of_gear,
@@ -90,9 +106,14 @@ pub(super) fn lines_of_action(
         base_pitch: l.base_pitch,
         zone: l.path,
         base_helix,
+        deviating: [a, b].map(|g| match &g.body {
+            Body::Gear(gear) if gear.deviates() => Some(gear.clone()),
+            _ => None,
+        }),
     };
-    let search = LinesOfAction::new(geometry.clone(), curve, whole_mesh, slices);
-    Ok((search, geometry))
+    let law = law_of(spec, mesh, contact, curve.maximum().1)?;
+    let search = LinesOfAction::new(geometry.clone(), curve, &law, slices);
+    Ok((search, law, geometry))
 }
 
 pub(super) fn hub_of(g: &GearSpec) -> Result<Hub, BuildError> {
@@ -145,7 +166,7 @@ fn law_error(gears: [&str; 2], e: &LawError) -> BuildError {
     BuildError::mesh(gears, part, e)
 }
 
-pub(super) fn law_of(
+fn law_of(
     spec: &SceneSpec,
     mesh: &MeshSpec,
     contact: &ContactSpec,
@@ -173,5 +194,27 @@ pub(super) fn law_of(
         }
         other => other,
     };
-    Law::new(contact.exponent, damping).map_err(|e| law_error([&a.name, &b.name], &e))
+    let load = MeshLoad {
+        force: load_of(spec, mesh),
+        stiffness: k,
+        mass: reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]),
+    };
+    Law::new(contact.exponent, damping)
+        .and_then(|law| law.under_load(load))
+        .map_err(|e| law_error([&a.name, &b.name], &e))
+}
+
+/// Largest force along the line of action that loads put on a mesh [N]: those on its own gears, else those on any gear
+/// of the scene, whose torque a train hands on.
+fn load_of(spec: &SceneSpec, mesh: &MeshSpec) -> f64 {
+    let of = |g: &GearSpec| {
+        let sum: f64 = g.loads.iter().map(|l| l.greatest(initial_speed(g))).sum();
+        sum / effective_radius(&g.body)
+    };
+    let own = mesh.gears.map(|i| of(&spec.gears[i]));
+    let own = own[0].max(own[1]);
+    if own > 0.0 {
+        return own;
+    }
+    spec.gears.iter().map(of).fold(0.0, f64::max)
 }

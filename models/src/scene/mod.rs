@@ -17,6 +17,7 @@ pub mod channels;
 mod condensed;
 mod contacts;
 mod correction;
+mod coupled;
 mod events;
 mod free_flight;
 mod members;

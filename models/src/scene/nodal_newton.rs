@@ -19,6 +19,7 @@ impl Scene {
         if self.work.nodal.failed {
             return Err(Singular);
         }
+        self.tangents_of_contacts(at)?;
         let mut b = std::mem::take(&mut self.work.reduced);
         let result = self.correct_reduced(at, c, x, &mut b);
         self.work.reduced = b;
@@ -42,10 +43,18 @@ impl Scene {
         b.collect(gears, &work.nodal, &work.rows[..contacts], x.len());
         b.rows(gears, meshes, &work.nodal);
         b.respond(&mut work.nodal, c)?;
-        for (a, rows) in work.active.iter().zip(&work.rows) {
-            let candidate = &work.candidates[a.candidate];
-            let along_path = -candidate.stiffness_s / candidate.scale[0];
-            b.add_contact(a, along_path, rows, c);
+        for ((a, rows), t) in work.active.iter().zip(&work.rows).zip(&work.tangents) {
+            b.add_contact(a, t, rows, c);
+        }
+        for answer in &work.answers {
+            let to = (&work.tangents[answer.to], &work.rows[answer.to][0]);
+            b.add_answer(
+                answer,
+                &work.rows[answer.of],
+                to,
+                &work.active[answer.of],
+                c,
+            );
         }
         let size = b.size;
         if size == 0 {

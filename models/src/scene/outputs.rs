@@ -60,9 +60,8 @@ impl Scene {
             let elastic = mesh.law.smooth(a.gap, 0.0, a.impact_speed, c.stiffness).n;
             energy.contact += mesh.law.potential(a.gap, c.stiffness);
             power.dissipated -= (a.force.n - elastic) * a.rate;
-            power.external -= a.force.n * a.prescribed.gap;
-            let ds = a.prescribed.first - rows[0].dot_first(at.v) / c.scale[0];
-            power.parametric += mesh.law.d_potential_dk(a.gap) * c.stiffness_s * ds;
+            let on = [a.on[0] * c.scale[0], a.on[1] * c.scale[1]];
+            power.external += on[0] * a.prescribed.points[0] - on[1] * a.prescribed.points[1];
             let mut force = a.force.n * c.normal;
             if mesh.friction.is_some() {
                 power.dissipated -= a.friction.f * a.sliding;
@@ -78,9 +77,10 @@ impl Scene {
                 let along =
                     hub.effective_radius(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
                 out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
-                    a.force.n * c.scale[k] * effective_radius + a.friction.f * along;
+                    on[k] * effective_radius + a.friction.f * along;
             }
         }
+        self.each_coupling(|_, _, [c, _], [n, o]| energy.contact += c * n * o);
         if self.fields && books {
             let nodal = &self.work.nodal;
             power.dissipated += nodal.dissipated(&self.gears, &self.meshes, at);

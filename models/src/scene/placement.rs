@@ -1,6 +1,6 @@
 //! Where gears stand at the start: initial angles mesh by mesh, and how their meshes see them.
 
-use crate::contact::pairs::LinesOfAction;
+use crate::contact::pairs::{Engagement, LinesOfAction};
 use crate::error::{BuildError, MeshPart};
 use crate::geometry::{Gear, Side};
 use crate::kinematics::MeshView;
@@ -14,6 +14,7 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
         working_pressure_angle: l.working_pressure_angle,
         half_angle_base: g.half_angle_base(),
         path,
+        touching: path,
         pitch: g.pitch_angle(),
         assembled,
     };
@@ -30,11 +31,40 @@ pub(super) fn views(l: &MeshLayout, a: &GearSpec, b: &GearSpec, phase: [f64; 2])
             working_pressure_angle: l.working_pressure_angle,
             half_angle_base: r.half_thickness_reference(),
             path: other,
+            touching: other,
             pitch: r.pitch(),
             assembled: l.rack_offset + phase[1],
         },
     };
-    [first, second]
+    let mut views = [first, second];
+    let followed = [0, 1].map(|k| engagement(l, a, &views, k).followed());
+    for (k, view) in views.iter_mut().enumerate() {
+        view.touching = [view.path[0] - followed[1 - k], view.path[1] + followed[k]];
+    }
+    views
+}
+
+/// How far the flanks of gear `k` of a mesh and of its mate go.
+pub(super) fn engagement(
+    l: &MeshLayout,
+    a: &GearSpec,
+    views: &[MeshView; 2],
+    k: usize,
+) -> Engagement {
+    let base_helix = match &a.body {
+        Body::Gear(g) => g.base_helix_angle(),
+        Body::Rack(r) => r.base_helix_angle(),
+    };
+    Engagement {
+        base_radius: views[k].base_radius,
+        mate_base_radius: views[1 - k].base_radius,
+        length: l.length,
+        tip: views[k].path[1],
+        mate_tip: views[1 - k].path[1],
+        pressure_angle: l.working_pressure_angle,
+        helix_cos: base_helix.cos(),
+        base_pitch: l.base_pitch,
+    }
 }
 
 /// Angle (or displacement) that puts a flank of tooth 0 at a path coordinate of its own.

@@ -1,8 +1,8 @@
 //! The scene as a second-order system: force, mass, tangent, capabilities.
 
-use super::active::transverse;
+use super::active::{along, transverse};
 use super::assembled::Scene;
-use super::members::SceneGear;
+use super::members::{SceneGear, SceneMesh};
 use crate::gear::LargeGear;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{
@@ -118,17 +118,31 @@ impl SecondOrderSystem for Scene {
             }
         }
         self.evaluate_contacts(at);
-        self.normal_tangent(dq, dv);
+        if self.tangents_of_contacts(at).is_err() {
+            df.fill(f64::NAN);
+        }
         let work = &self.work;
         for (i, (a, rows)) in work.active.iter().zip(&work.rows).enumerate() {
-            rows[0].add_to(work.rhs[i], df);
+            let t = &work.tangents[i];
+            let d = rows[0].dot_parts(dq);
+            let of_rate = t.rate * rows[0].dot(dv);
+            let by = |row: [f64; 2]| row[0] * d[0] + row[1] * d[1] + of_rate;
+            let (mut on, mut normal) = (t.on.map(by), by(t.normal));
+            for answer in work.answers.iter().filter(|answer| answer.of == i) {
+                let [k, l] = work.tangents[answer.to].elastic;
+                let d = work.rows[answer.to][0].dot_parts(dq);
+                let elastic = k * d[0] + l * d[1];
+                normal += answer.normal * elastic;
+                on = [0, 1].map(|k| on[k] + answer.on[k] * elastic);
+            }
+            rows[0].add_parts_to(on, df);
             if self.meshes[a.mesh].friction.is_some() {
                 // The contact point moves along the line of action and takes the sliding row with it.
                 let candidate = &work.candidates[a.candidate];
-                let ds = -rows[0].dot_first(dq) / (candidate.scale[0] * transverse(candidate));
+                let ds = along(candidate, d) / transverse(candidate);
                 let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
                 let dslide = rows[1].dot(dv) + ds * turn;
-                let dforce = a.friction.df_dn * work.rhs[i] + a.friction.df_dv * dslide;
+                let dforce = a.friction.df_dn * normal + a.friction.df_dv * dslide;
                 rows[1].add_to(dforce - ds * a.friction.f, df);
                 rows[2].add_to(ds * a.friction.f, df);
             }
@@ -191,11 +205,9 @@ impl FreeFlight for Scene {
 impl Report for Scene {
     fn has_powers(&self) -> bool {
         let gear = |g: &SceneGear| g.model.hub().has_powers() || !g.loads.is_empty();
-        // Stiffness along the path puts power in; points of flanks have a constant penalty.
-        self.gears.iter().any(gear)
-            || self.meshes.iter().any(|m| {
-                m.search.pairs().is_some() || m.law.is_dissipative() || m.friction.is_some()
-            })
+        // Elastic contact has a potential.
+        let loses = |m: &SceneMesh| m.law.is_dissipative() || m.friction.is_some();
+        self.gears.iter().any(gear) || self.meshes.iter().any(loses)
     }
 
     fn has_jumps(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Buffers of a scene.
 
-use super::active::Active;
+use super::active::{Active, Answer, Tangent};
 use super::condensed::Condensed;
 use super::nodal::{Nodal, Reduced};
 use crate::contact::Candidate;
@@ -13,6 +13,10 @@ pub(super) struct Workspace {
     /// Candidates before a zone switch.
     pub listed: Vec<Candidate>,
     pub active: Vec<Active>,
+    /// Their tangents, where these were asked for.
+    pub tangents: Vec<Tangent>,
+    /// How they answer to each other through bodies.
+    pub answers: Vec<Answer>,
     /// Three rows per active contact: normal, sliding, sliding one metre further along the normal.
     pub rows: Vec<[Row; 3]>,
     pub condensed: Condensed,
@@ -25,6 +29,8 @@ pub(super) struct Workspace {
     pub z: Vec<f64>,
     pub small: Vec<f64>,
     pub rhs: Vec<f64>,
+    /// Forces along the path by compliance between contacts: whose, and how much.
+    pub along_path: Vec<(usize, f64)>,
     /// Row for a gap rate on its own.
     pub scratch: Row,
 }

@@ -1,9 +1,11 @@
-//! Loads on a hub and prescribed motions: constant, ramp, table, viscous.
+//! Loads on a hub and prescribed motions: constant, ramp, table, harmonic, viscous.
 //!
-//! A profile is piecewise linear in time. Its breakpoints are reported, so that integrators land on them and a
-//! kink never lies inside a step.
+//! A profile is piecewise linear in time, or a constant with a harmonic on it. Its breakpoints are reported, so that
+//! integrators land on them and a kink never lies inside a step.
 
-/// A piecewise linear function of time.
+use std::f64::consts::TAU;
+
+/// A function of time: piecewise linear, or harmonic.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
     /// The same value at all times.
@@ -25,6 +27,17 @@ pub enum Profile {
         time: Vec<f64>,
         /// Values at the times.
         value: Vec<f64>,
+    },
+    /// `mean + amplitude cos(2 pi frequency t + phase)`.
+    Harmonic {
+        /// Mean value.
+        mean: f64,
+        /// Half of peak to peak.
+        amplitude: f64,
+        /// Frequency [Hz], positive.
+        frequency: f64,
+        /// Phase at the time 0 [rad].
+        phase: f64,
     },
 }
 
@@ -60,6 +73,20 @@ impl Profile {
                         .map(|w| format!("times must ascend, but {} s follows {} s", w[1], w[0]))
                 }
             }
+            Profile::Harmonic {
+                mean,
+                amplitude,
+                frequency,
+                phase,
+            } => {
+                if ![mean, amplitude, frequency, phase].into_iter().all(finite) {
+                    Some("a harmonic needs finite numbers".into())
+                } else {
+                    (*frequency <= 0.0).then(|| {
+                        format!("a harmonic of {frequency} Hz is none; expected more than 0")
+                    })
+                }
+            }
         }
     }
 
@@ -84,11 +111,77 @@ impl Profile {
                     value[i - 1] + w * (value[i] - value[i - 1])
                 }
             }
+            Profile::Harmonic {
+                mean,
+                amplitude,
+                frequency,
+                phase,
+            } => mean + amplitude * (TAU * frequency * t + phase).cos(),
         }
     }
 
-    /// Integral from 0 to `t`, exact for the piecewise linear function.
+    /// What it comes to in the mean after the last breakpoint: the value of a constant, the end of a ramp or table, the
+    /// mean of a harmonic.
+    pub fn settled(&self) -> f64 {
+        match self {
+            Profile::Harmonic { mean, .. } => *mean,
+            linear => linear.value(f64::INFINITY),
+        }
+    }
+
+    /// Greatest magnitude at any time.
+    pub fn greatest(&self) -> f64 {
+        match self {
+            Profile::Constant(x) => x.abs(),
+            Profile::Ramp { from, to, .. } => from.abs().max(to.abs()),
+            Profile::Table { value, .. } => value.iter().fold(0.0, |m, x| x.abs().max(m)),
+            Profile::Harmonic {
+                mean, amplitude, ..
+            } => mean.abs() + amplitude.abs(),
+        }
+    }
+
+    /// The same function times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        match &mut scaled {
+            Profile::Constant(x) => *x *= factor,
+            Profile::Ramp { from, to, .. } => {
+                *from *= factor;
+                *to *= factor;
+            }
+            Profile::Table { value, .. } => value.iter_mut().for_each(|x| *x *= factor),
+            Profile::Harmonic {
+                mean, amplitude, ..
+            } => {
+                *mean *= factor;
+                *amplitude *= factor;
+            }
+        }
+        scaled
+    }
+
+    /// Whether it keeps its value from `t` until the next breakpoint.
+    pub fn is_steady(&self, t: f64) -> bool {
+        match self {
+            Profile::Harmonic { amplitude, .. } => *amplitude == 0.0,
+            linear => linear.slope(t) == 0.0,
+        }
+    }
+
+    /// Integral from 0 to `t`, exact.
     pub fn integral(&self, t: f64) -> f64 {
+        if let Profile::Harmonic {
+            mean,
+            amplitude,
+            frequency,
+            phase,
+        } = self
+        {
+            let omega = TAU * frequency;
+            return mean * t + amplitude / omega * ((omega * t + phase).sin() - phase.sin());
+        }
         // Breakpoints up to t, then the trapezoid rule, which is exact between breakpoints.
         let mut sum = 0.0;
         let mut a = 0.0_f64.min(t);
@@ -120,13 +213,22 @@ impl Profile {
                     (value[i] - value[i - 1]) / (time[i] - time[i - 1])
                 }
             }
+            Profile::Harmonic {
+                amplitude,
+                frequency,
+                phase,
+                ..
+            } => {
+                let omega = TAU * frequency;
+                -amplitude * omega * (omega * t + phase).sin()
+            }
         }
     }
 
     /// Next breakpoint after `t` [s], or infinity.
     pub fn next_breakpoint(&self, t: f64) -> f64 {
         match self {
-            Profile::Constant(_) => f64::INFINITY,
+            Profile::Constant(_) | Profile::Harmonic { .. } => f64::INFINITY,
             Profile::Ramp { start, end, .. } => [*start, *end]
                 .into_iter()
                 .find(|&k| k > t)
@@ -146,6 +248,16 @@ pub enum Load {
     Applied(Profile),
     /// `-c v`, c in N m s/rad or N s/m.
     Viscous(f64),
+}
+
+impl Load {
+    /// Greatest magnitude [N m] or [N], for a hub that moves at `speed`.
+    pub fn greatest(&self, speed: f64) -> f64 {
+        match self {
+            Load::Applied(profile) => profile.greatest(),
+            Load::Viscous(c) => c * speed.abs(),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -170,6 +282,35 @@ mod tests {
         };
         assert!((r.integral(3.0) - (2.0 + 6.0)).abs() < 1e-14);
         assert_eq!(r.value(2.0), 3.0);
+    }
+
+    #[test]
+    fn a_harmonic_is_the_derivative_of_its_integral() {
+        let p = Profile::Harmonic {
+            mean: 2.0,
+            amplitude: 3.0,
+            frequency: 50.0,
+            phase: 0.4,
+        };
+        let h = 1e-6;
+        for t in [0.0, 1e-3, 0.0173, 2.0] {
+            let rate = (p.integral(t + h) - p.integral(t - h)) / (2.0 * h);
+            assert!((rate - p.value(t)).abs() < 1e-6, "{rate}");
+            let slope = (p.value(t + h) - p.value(t - h)) / (2.0 * h);
+            assert!((slope - p.slope(t)).abs() < 1e-4 * 942.0, "{slope}");
+        }
+        assert_eq!(
+            (p.integral(0.0), p.settled(), p.greatest()),
+            (0.0, 2.0, 5.0)
+        );
+        // Its slope is zero now and then; it is never steady.
+        let still = Profile::Harmonic {
+            mean: 1.0,
+            amplitude: 1.0,
+            frequency: 1.0,
+            phase: 0.0,
+        };
+        assert!(still.slope(0.0) == 0.0 && !still.is_steady(0.0));
     }
 
     #[test]

@@ -171,7 +171,7 @@ impl fmt::Display for StiffnessWarning {
             ),
             Self::FoundationRatioHeld { gear, ratio, used } => write!(
                 f,
-                "Sainsot-Velex foundation of gear {gear}: root/bore radius {ratio:.3} lies beyond the fit, {used} is used, which is too soft for a solid gear; take foundation = \"weber-banaschek\", or give the bore"
+                "Sainsot-Velex foundation of gear {gear}: root/bore radius {ratio:.3} lies beyond the fit, {used} is used, which leaves out most of the torsion of the disc; foundation = \"ring\" holds for every bore"
             ),
             Self::FoundationPoisson { gear, poisson } => write!(
                 f,

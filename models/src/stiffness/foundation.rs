@@ -73,7 +73,9 @@ impl RootLength {
 /// Which gear body carries the teeth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Foundation {
-    /// Elastic ring clamped at the bore; a rack has none and its foundation is left out.
+    /// Elastic ring held at the bore or seat, solved exactly (see the module `ring`); a rack likewise.
+    Ring,
+    /// The published fit of the ring under one tooth; a rack has none and its foundation is left out.
     SainsotVelex(RootLength),
     /// Elastic half-plane under the root chord.
     WeberBanaschek,
@@ -87,6 +89,7 @@ impl Foundation {
     /// The name used in scenes and reports.
     pub fn id(self) -> &'static str {
         match self {
+            Foundation::Ring => "ring",
             Foundation::SainsotVelex(_) => "sainsot-velex",
             Foundation::WeberBanaschek => "weber-banaschek",
             Foundation::Cornell => "cornell",
@@ -111,7 +114,7 @@ impl Foundation {
         }
     }
 
-    /// Compliance (m/N) of the half-plane foundations and of the rigid one; `None` for the ring.
+    /// Compliance (m/N) of the half-plane foundations and of the rigid one; `None` for rings.
     pub(super) fn half_plane(
         self,
         profile: &ToothProfile,
@@ -125,7 +128,7 @@ impl Foundation {
         let nu = material.poisson;
         let (tan2, cos2) = (load.beta.tan().powi(2), load.beta.cos().powi(2));
         let bracket = match self {
-            Foundation::SainsotVelex(_) => return None,
+            Foundation::Ring | Foundation::SainsotVelex(_) => return None,
             Foundation::Rigid => 0.0,
             Foundation::WeberBanaschek => {
                 (1.0 - nu * nu)
@@ -191,9 +194,9 @@ pub fn sainsot_velex_factors(theta_f: f64, h: f64) -> [f64; 4] {
     })
 }
 
-/// The ring under the teeth of one gear.
+/// The fit of Sainsot and Velex for the teeth of one gear.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Ring {
+pub(super) struct RingFit {
     factors: [f64; 4],
     root_length: f64,
     r_root: f64,
@@ -203,7 +206,7 @@ pub(super) struct Ring {
     number: usize,
 }
 
-impl Ring {
+impl RingFit {
     /// `number` is 1 or 2, for the messages.
     pub(super) fn new(
         gear: &Gear,
@@ -211,9 +214,9 @@ impl Ring {
         material: &Material,
         number: usize,
         warnings: &mut Vec<StiffnessWarning>,
-    ) -> Ring {
+    ) -> RingFit {
         let theta_f = gear.half_angle_at(gear.r_root());
-        let ratio = gear.r_root() / gear.params().bore_radius;
+        let ratio = gear.r_root() / gear.seat_radius();
         let used = ratio.min(GREATEST_RATIO);
         if ratio > used {
             warnings.push(StiffnessWarning::FoundationRatioHeld {
@@ -239,7 +242,7 @@ impl Ring {
                 });
             }
         }
-        Ring {
+        RingFit {
             factors,
             root_length: convention.length(gear, theta_f),
             r_root: gear.r_root(),

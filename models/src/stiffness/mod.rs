@@ -1,33 +1,40 @@
 //! Stiffness of one tooth pair along the path of contact, and the material of the gears.
 //!
 //! Owns what turns two gears and their material into a curve `k(s)` (N/m) over the path coordinate `s`
-//! (see [`crate::geometry`]), for the whole face width and in the direction of the transverse line of
-//! action. The compliances of a pair stand in series,
+//! (see [`crate::geometry`]), for the whole face width and on the gap along the normal of the flanks: in a
+//! spur pair that is the line of action; in a helical one the gap is `cos(beta_b)` of the approach in the
+//! transverse plane, and so is the part of the force there, so that the mesh is `cos^2(beta_b) k` stiff in
+//! that plane. Elastic helical gears side with this (within 2 % up to 30 degrees). The compliances of a pair stand in series,
 //!
 //! ```text
 //! 1/k = 1/k_tooth1 + 1/k_body1 + 1/k_tooth2 + 1/k_body2 + 1/k_Hertz
 //! ```
 //!
-//! and the pairs in contact in parallel ([`mesh_stiffness`]). A stiffness always says whether it is that
+//! and the pairs in contact share the load ([`mesh_stiffness`]). A stiffness always says whether it is that
 //! of a pair or of the mesh ([`PairOrMesh`]): published values called "c" are both. A helical mesh is cut
 //! into slices by the caller, each with its share of the width of the transverse curve; only the ISO
 //! value contains `cos(beta)`.
 //!
-//! Known limit: two pairs in contact act on one gear body, whose compliance the series counts once per
-//! pair. The mesh stiffness with two pairs is then too great, by about a fifth in the stored
-//! finite-element case (a test pins it); the ISO curve has the coupling in its mean.
+//! The pairs in contact bend the same two gear bodies: the approach of a pair is that of the series
+//! under its own force and, for the force of each neighbour, a compliance through the bodies that both
+//! stand on ([`StiffnessCurve::coupling`]; module `ring`). [`mesh_stiffness`] and [`load_shares`] solve
+//! for both. Only analytic compliances know the coupling. ISO 6336-1 gives a mean mesh stiffness
+//! `c_gamma_alpha = c' (0.75 epsilon_alpha + 0.25)`, which is less than the sum of its pairs: the curve
+//! through it ([`IsoVariation::IsoMean`]) has the coupling in its mean and no coupling of its own (the
+//! other two curves through c' leave it out). Tables are what their pairs carry beside each other.
 //!
-//! Rack teeth are treated like gear teeth with their own profile. The ring foundation of Sainsot and
-//! Velex does not exist for a rack and is left out (with a warning); the half-plane foundations apply.
+//! Rack teeth are treated like gear teeth with their own profile and a body held at its back. The fit of
+//! Sainsot and Velex does not exist for a rack and is left out (with a warning).
 //!
 //! | module | owns |
 //! |---|---|
 //! | [`mod@iso6336`] | c', c_gamma_alpha and their variation along the path |
 //! | [`tooth`] | beam compliance of a tooth from its outline |
 //! | [`foundation`] | compliance of the body under a tooth |
+//! | `ring` | compliance of the body between teeth, bore and torsion of the disc included |
 //! | [`hertz`] | line contact |
 //! | [`pair`] | the series of all of them, as a table |
-//! | [`curve`] | interpolation in constant time |
+//! | [`curve`] | stiffness and coupling over the path, in constant time |
 
 pub mod curve;
 mod error;
@@ -36,17 +43,20 @@ pub mod hertz;
 pub mod iso6336;
 mod material;
 pub mod pair;
+mod ring;
+mod spline;
 pub mod tooth;
 
 use std::f64::consts::PI;
 
-pub use curve::{Ends, Interpolation, PairOrMesh, StiffnessCurve};
+pub use curve::{PairOrMesh, StiffnessCurve};
 pub use error::{Property, StiffnessError, StiffnessWarning};
 pub use foundation::{Foundation, RootLength};
 pub use hertz::Hertz;
 pub use iso6336::{Iso6336, IsoGear, IsoInput, IsoVariation, N_PER_MM_UM, iso6336};
 pub use material::Material;
-pub use pair::{ComplianceRow, Path, compliance_table, load_shares, mesh_stiffness};
+pub use pair::{ComplianceRow, Coupling, Path, compliance_table, load_shares, mesh_stiffness};
+pub use spline::{Ends, Interpolation};
 pub use tooth::ToothModel;
 
 use crate::geometry::{Gear, Mate, Pair};
@@ -132,7 +142,10 @@ impl PairStiffness {
             } => {
                 let load = match hertz {
                     Hertz::Log { reference_load } | Hertz::WeberBanaschek { reference_load } => {
-                        format!(" at {reference_load} N")
+                        match reference_load {
+                            Some(load) => format!(" at {load} N"),
+                            None => format!(" at {} N/mm", hertz::USUAL_LOAD / 1e3),
+                        }
                     }
                     Hertz::Linear | Hertz::Rigid => String::new(),
                 };
@@ -208,17 +221,21 @@ pub fn build_with_warnings<'a>(
             hertz,
         } => {
             let model = (*tooth, *foundation, *hertz);
-            let table = pair::table(gear, (mate, pair), model, materials, width, SAMPLES)?;
+            let table = compliance_table(gear, (mate, pair), model, materials, width, SAMPLES)?;
             warnings = table.warnings;
             let (s, k): (Vec<f64>, Vec<f64>) =
                 table.rows.iter().map(|r| (r.s, r.stiffness())).unzip();
-            StiffnessCurve::interpolate(
+            let mut curve = StiffnessCurve::interpolate(
                 &s,
                 &k,
                 PairOrMesh::Pair,
                 Ends::Clamped,
                 Interpolation::Cubic,
-            )?
+            )?;
+            for c in &table.coupling {
+                curve.couple(&c.s, &c.compliance)?;
+            }
+            curve
         }
         PairStiffness::Table {
             s,
@@ -331,5 +348,7 @@ pub fn hertz_limit(material: &Material) -> f64 {
     PI * material.plane_strain() / 4.0
 }
 
+#[cfg(test)]
+mod coupling_tests;
 #[cfg(test)]
 mod reference_tests;

@@ -9,9 +9,10 @@ use crate::geometry::{Gear, Mate, Pair, Rack};
 
 use super::curve::{PairOrMesh, StiffnessCurve};
 use super::error::{StiffnessError, StiffnessWarning, positive};
-use super::foundation::{Foundation, Ring};
+use super::foundation::{Foundation, RingFit};
 use super::hertz::{Hertz, HertzPoint};
 use super::material::Material;
+use super::ring::RingBody;
 use super::tooth::{ToothLoad, ToothModel, ToothProfile};
 
 /// The path of contact: what a stiffness curve needs of a pair.
@@ -67,31 +68,83 @@ impl Path {
     }
 }
 
-/// Stiffness of the mesh (N/m) when one pair stands at `s` (m): the sum over the pairs in contact, or
-/// the curve itself when it is that of the mesh.
+/// Stiffness of the mesh (N/m) when one pair stands at `s` (m): the force of all pairs in contact per
+/// common approach, or the curve itself when it is that of the mesh.
 pub fn mesh_stiffness(curve: &StiffnessCurve, path: impl Into<Path>, s: f64) -> f64 {
     match curve.of() {
         PairOrMesh::Mesh => curve.eval(s).0,
-        PairOrMesh::Pair => path
-            .into()
-            .pairs_in_contact(s)
-            .map(|at| curve.eval(at).0)
-            .sum(),
+        PairOrMesh::Pair => {
+            let at: Vec<f64> = path.into().pairs_in_contact(s).collect();
+            pressed_together(curve, &at).iter().sum()
+        }
     }
 }
 
 /// Path coordinate (m) and share of the load of every pair in contact when one pair stands at `s` (m),
 /// flanks without deviations; equal shares for the stiffness of a mesh.
 pub fn load_shares(curve: &StiffnessCurve, path: impl Into<Path>, s: f64) -> Vec<(f64, f64)> {
-    let weight = |at: f64| match curve.of() {
-        PairOrMesh::Mesh => 1.0,
-        PairOrMesh::Pair => curve.eval(at).0,
+    let at: Vec<f64> = path.into().pairs_in_contact(s).collect();
+    let weights = match curve.of() {
+        PairOrMesh::Mesh => vec![1.0; at.len()],
+        PairOrMesh::Pair => pressed_together(curve, &at),
     };
-    let path = path.into();
-    let total: f64 = path.pairs_in_contact(s).map(weight).sum();
-    path.pairs_in_contact(s)
-        .map(|at| (at, weight(at) / total))
+    let total: f64 = weights.iter().sum();
+    at.into_iter()
+        .zip(weights.iter().map(|w| w / total))
         .collect()
+}
+
+/// Forces (N/m) of the pairs at the path coordinates `at` (m), successive by one base pitch, per common
+/// approach: the solution of `C N = 1` with the compliances of the pairs and between them, over the
+/// pairs that press.
+fn pressed_together(curve: &StiffnessCurve, at: &[f64]) -> Vec<f64> {
+    let mut pressing: Vec<usize> = (0..at.len()).collect();
+    loop {
+        let n = pressing.len();
+        let mut c = vec![0.0; n * n];
+        for (row, &i) in pressing.iter().enumerate() {
+            c[row * n + row] = 1.0 / curve.eval(at[i]).0;
+            for (column, &j) in pressing.iter().enumerate().take(row) {
+                let (between, _) = curve.coupling(i - j, 0.5 * (at[i] + at[j]));
+                c[row * n + column] = between;
+                c[column * n + row] = between;
+            }
+        }
+        let mut forces = vec![1.0; n];
+        eliminate(&mut c, &mut forces);
+        // A pair that its neighbours bend away from its mate carries nothing.
+        let lifted = (0..n).min_by(|&i, &j| forces[i].total_cmp(&forces[j]));
+        match lifted {
+            Some(row) if forces[row] < 0.0 && n > 1 => {
+                pressing.remove(row);
+            }
+            _ => {
+                let mut all = vec![0.0; at.len()];
+                for (&i, force) in pressing.iter().zip(forces) {
+                    all[i] = force;
+                }
+                return all;
+            }
+        }
+    }
+}
+
+/// Gaussian elimination of a small symmetric positive definite system, row by row.
+fn eliminate(c: &mut [f64], b: &mut [f64]) {
+    let n = b.len();
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = c[i * n + k] / c[k * n + k];
+            for j in k..n {
+                c[i * n + j] -= factor * c[k * n + j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| c[k * n + j] * b[j]).sum();
+        b[k] = (b[k] - known) / c[k * n + k];
+    }
 }
 
 /// Compliances of a tooth pair at one point of the path (m/N), for the whole face width.
@@ -128,8 +181,19 @@ impl ComplianceRow {
 pub struct ComplianceTable {
     /// Equally spaced from the start to the end of contact.
     pub rows: Vec<ComplianceRow>,
+    /// Between pairs one, two, ... base pitches apart.
+    pub coupling: Vec<Coupling>,
     /// Limits of the formulas that are not kept.
     pub warnings: Vec<StiffnessWarning>,
+}
+
+/// Compliance between two pairs a given number of base pitches apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coupling {
+    /// Means of their path coordinates (m), equally spaced where both stand on the path.
+    pub s: Vec<f64>,
+    /// Approach of one per force on the other (m/N).
+    pub compliance: Vec<f64>,
 }
 
 /// The compliances at `points` (at least two) equally spaced points of the path, for reports.
@@ -138,129 +202,208 @@ pub struct ComplianceTable {
 /// [`StiffnessError`] names the value or the formula that fails.
 pub fn compliance_table(
     gear: &Gear,
-    mate: (Mate<'_>, &Pair),
+    (mate, pair): (Mate<'_>, &Pair),
     model: (ToothModel, Foundation, Hertz),
     materials: [Material; 2],
     width: f64,
     points: usize,
 ) -> Result<ComplianceTable, StiffnessError> {
     positive("face width [m]", width)?;
-    Path::from(mate.1).check()?;
-    table(gear, mate, model, materials, width, points)
-}
-
-pub(super) fn table(
-    gear: &Gear,
-    (mate, pair): (Mate<'_>, &Pair),
-    (tooth, foundation, hertz): (ToothModel, Foundation, Hertz),
-    materials: [Material; 2],
-    width: f64,
-    points: usize,
-) -> Result<ComplianceTable, StiffnessError> {
+    let path = Path::from(pair);
+    path.check()?;
     for m in &materials {
         m.check()?;
     }
+    let (tooth, foundation, hertz) = model;
+    let pitches = path.contact_ratio().ceil() as usize;
     let mut warnings = Vec::new();
-    let one = Side::of_gear(gear, foundation, materials[0], 1, &mut warnings);
+    let one = Side::of_gear(
+        gear,
+        foundation,
+        (materials[0], width),
+        pitches,
+        1,
+        &mut warnings,
+    );
     let two = match mate {
-        Mate::Gear(two) => Side::of_gear(two, foundation, materials[1], 2, &mut warnings),
-        Mate::Rack(rack) => Side::of_rack(rack, foundation, materials[1], &mut warnings),
+        Mate::Gear(two) => Side::of_gear(
+            two,
+            foundation,
+            (materials[1], width),
+            pitches,
+            2,
+            &mut warnings,
+        ),
+        Mate::Rack(rack) => Side::of_rack(
+            rack,
+            foundation,
+            (materials[1], width),
+            pitches,
+            &mut warnings,
+        ),
     };
-    let path = Path::from(pair);
-    let last = points.max(2) - 1;
-    let rows = (0..=last)
-        .map(|i| {
-            let s = path.start + (path.end - path.start) * i as f64 / last as f64;
-            let load1 = one.profile.load_on_gear(gear, gear.r_base().hypot(s));
-            let (load2, curvature) = match mate {
-                Mate::Gear(two_gear) => {
-                    let s2 = pair.line_length() - s;
-                    let r2 = two_gear.r_base().hypot(s2);
-                    (two.profile.load_on_gear(two_gear, r2), s2)
-                }
-                Mate::Rack(rack) => {
-                    let (sin, cos) = pair.working_pressure_angle().sin_cos();
-                    let height = pair.centre_distance() - gear.r_base() * cos - s * sin;
-                    (two.profile.load_on_rack(rack, height), f64::INFINITY)
-                }
-            };
+    let loads = |s: f64| {
+        let first = one.profile.load_on_gear(gear, gear.r_base().hypot(s));
+        let (second, curvature) = match mate {
+            Mate::Gear(two_gear) => {
+                let s2 = pair.line_length() - s;
+                let r2 = two_gear.r_base().hypot(s2);
+                (two.profile.load_on_gear(two_gear, r2), s2)
+            }
+            Mate::Rack(rack) => {
+                let (sin, cos) = pair.working_pressure_angle().sin_cos();
+                let height = pair.centre_distance() - gear.r_base() * cos - s * sin;
+                (two.profile.load_on_rack(rack, height), f64::INFINITY)
+            }
+        };
+        ([first, second], curvature)
+    };
+    let rows = spaced(path.start, path.end, points)
+        .map(|s| {
+            let ([load1, load2], curvature) = loads(s);
             let point = HertzPoint {
                 curvature: [s, curvature],
                 depth: [load1.depth(), load2.depth()],
             };
             Ok(ComplianceRow {
                 s,
-                tooth1: one.tooth(tooth, width, &load1),
-                foundation1: one.body(width, &load1)?,
-                tooth2: two.tooth(tooth, width, &load2),
-                foundation2: two.body(width, &load2)?,
+                tooth1: one.tooth(tooth, &load1),
+                foundation1: one.body(&load1)?,
+                tooth2: two.tooth(tooth, &load2),
+                foundation2: two.body(&load2)?,
                 hertz: hertz.compliance(&materials, width, &point)?,
             })
         })
         .collect::<Result<Vec<_>, StiffnessError>>()?;
-    Ok(ComplianceTable { rows, warnings })
+    let coupling = (1..=pitches)
+        .map(|m| {
+            let half = 0.5 * m as f64 * path.base_pitch;
+            // Neighbours that cannot both be on the path touch beyond its ends, as its ends do.
+            let middle = 0.5 * (path.start + path.end);
+            let reach = (0.5 * (path.end - path.start) - half).max(1e-3 * half);
+            let s: Vec<f64> = spaced(middle - reach, middle + reach, points).collect();
+            let compliance = s
+                .iter()
+                .map(|s| {
+                    let on_path = |s: f64| loads(s.clamp(path.start, path.end)).0;
+                    let ([a1, a2], [b1, b2]) = (on_path(s - half), on_path(s + half));
+                    // The path coordinate of gear 2 runs the other way.
+                    Ok(one.between(m, &a1, &b1)? + two.between(m, &b2, &a2)?)
+                })
+                .collect::<Result<_, StiffnessError>>()?;
+            Ok(Coupling { s, compliance })
+        })
+        .collect::<Result<_, StiffnessError>>()?;
+    Ok(ComplianceTable {
+        rows,
+        coupling,
+        warnings,
+    })
+}
+
+/// `points` (at least two) equally spaced values from `first` to `last`.
+fn spaced(first: f64, last: f64, points: usize) -> impl Iterator<Item = f64> {
+    let steps = points.max(2) - 1;
+    (0..=steps).map(move |i| first + (last - first) * i as f64 / steps as f64)
 }
 
 /// One gear or rack of a pair: its tooth and its body.
 struct Side {
     profile: ToothProfile,
     foundation: Foundation,
-    ring: Option<Ring>,
+    fit: Option<RingFit>,
+    /// The body as all teeth feel it; none for a rigid one.
+    body: Option<RingBody>,
     material: Material,
+    width: f64,
 }
 
 impl Side {
     fn of_gear(
         gear: &Gear,
         foundation: Foundation,
-        material: Material,
+        (material, width): (Material, f64),
+        pitches: usize,
         number: usize,
         warnings: &mut Vec<StiffnessWarning>,
     ) -> Side {
-        let ring = match foundation {
+        let fit = match foundation {
             Foundation::SainsotVelex(convention) => {
-                Some(Ring::new(gear, convention, &material, number, warnings))
+                Some(RingFit::new(gear, convention, &material, number, warnings))
             }
             _ => None,
         };
         Side {
             profile: ToothProfile::of_gear(gear),
             foundation,
-            ring,
+            fit,
+            body: (foundation != Foundation::Rigid)
+                .then(|| RingBody::of_gear(gear, &material, pitches)),
             material,
+            width,
         }
     }
 
     fn of_rack(
         rack: &Rack,
         foundation: Foundation,
-        material: Material,
+        (material, width): (Material, f64),
+        pitches: usize,
         warnings: &mut Vec<StiffnessWarning>,
     ) -> Side {
+        // The fit knows no rack, and the rack then no body at all.
+        let none = matches!(foundation, Foundation::SainsotVelex(_) | Foundation::Rigid);
         if matches!(foundation, Foundation::SainsotVelex(_)) {
             warnings.push(StiffnessWarning::RackFoundationOmitted);
         }
         Side {
             profile: ToothProfile::of_rack(rack),
             foundation,
-            ring: None,
+            fit: None,
+            body: (!none).then(|| RingBody::of_rack(rack, &material, pitches)),
             material,
+            width,
         }
     }
 
-    fn tooth(&self, model: ToothModel, width: f64, load: &ToothLoad) -> f64 {
+    fn tooth(&self, model: ToothModel, load: &ToothLoad) -> f64 {
         let from = self.foundation.root_section(&self.profile);
         self.profile
-            .compliance(model, &self.material, width, load, from)
+            .compliance(model, &self.material, self.width, load, from)
     }
 
-    fn body(&self, width: f64, load: &ToothLoad) -> Result<f64, StiffnessError> {
-        if let Some(ring) = &self.ring {
-            return ring.compliance(&self.material, width, load.beta);
+    /// Compliance of the body under one tooth (m/N).
+    fn body(&self, load: &ToothLoad) -> Result<f64, StiffnessError> {
+        if let Some(fit) = &self.fit {
+            return fit.compliance(&self.material, self.width, load.beta);
         }
         Ok(self
             .foundation
-            .half_plane(&self.profile, &self.material, width, load)
-            .unwrap_or(0.0))
+            .half_plane(&self.profile, &self.material, self.width, load)
+            .unwrap_or_else(|| self.ring(0, load, load)))
+    }
+
+    /// Compliance of the elastic ring (m/N) between two teeth `pitches` apart.
+    fn ring(&self, pitches: usize, lower: &ToothLoad, upper: &ToothLoad) -> f64 {
+        self.body.as_ref().map_or(0.0, |body| {
+            let root = |load: &ToothLoad| body.root_load(self.profile.lever(load), load.beta);
+            body.between(pitches, &root(lower), &root(upper), self.width)
+        })
+    }
+
+    /// Compliance of the body between two teeth (m/N): the ring's, in proportion to the compliances
+    /// that the chosen formula has under either tooth, so that the whole stays positive definite.
+    fn between(
+        &self,
+        pitches: usize,
+        lower: &ToothLoad,
+        upper: &ToothLoad,
+    ) -> Result<f64, StiffnessError> {
+        if self.body.is_none() {
+            return Ok(0.0);
+        }
+        let own = |load: &ToothLoad| Ok(self.body(load)? / self.ring(0, load, load));
+        let scale: f64 = own(lower)? * own(upper)?;
+        Ok(self.ring(pitches, lower, upper) * scale.sqrt())
     }
 }

@@ -84,6 +84,8 @@ impl ToothLoad {
 pub struct ToothProfile {
     /// Distance of the root chord from the gear centre (0 for a rack) (m).
     origin: f64,
+    /// Height of the root circle on the centreline above the root chord; 0 for a rack (m).
+    crown: f64,
     x: Vec<f64>,
     t: Vec<f64>,
     /// Running integrals of 1, x, x^2 over I/b, and of 1 over A/b.
@@ -107,7 +109,9 @@ impl ToothProfile {
             let theta = gear.half_angle_at(r);
             (r * theta.cos(), r * theta.sin())
         });
-        Self::from_points(points)
+        let mut profile = Self::from_points(points);
+        profile.crown = root - profile.origin;
+        profile
     }
 
     /// The profile of a rack, transverse section.
@@ -122,6 +126,7 @@ impl ToothProfile {
     fn from_points(points: impl Iterator<Item = (f64, f64)>) -> ToothProfile {
         let mut profile = ToothProfile {
             origin: 0.0,
+            crown: 0.0,
             x: Vec::new(),
             t: Vec::new(),
             sums: Vec::new(),
@@ -186,6 +191,12 @@ impl ToothProfile {
     /// 75 degrees with the centreline; the root chord itself where the fillet never gets so flat.
     pub fn cornell_section(&self) -> f64 {
         self.cornell
+    }
+
+    /// Height above the root circle (above the root line of a rack) at which the line of action crosses
+    /// the centreline (m).
+    pub(super) fn lever(&self, load: &ToothLoad) -> f64 {
+        load.crossing() - self.crown
     }
 
     fn locate(&self, x: f64) -> usize {

@@ -15,8 +15,10 @@ use gearbench_models::spec::{
 const TOLERANCE: f64 = 1e-9;
 /// The force asked for is met to this part of it.
 const FORCE_TOLERANCE: f64 = 1e-7;
-/// Equilibria that a force may take.
-const FORCE_TRIALS: u32 = 40;
+/// Equilibria that a force may take: halving alone comes to the edge with fewer.
+const FORCE_TRIALS: u32 = 100;
+/// Width of a bracket over the approach below which the force jumps inside it.
+const EDGE: f64 = 1e-10;
 /// First guess of the mesh stiffness over the width [N/m^2]: a steel pair.
 const FIRST_GUESS: f64 = 1.4e10;
 /// Part of the base pitch that an approach may reach: a hundredth is far beyond elastic teeth.
@@ -79,6 +81,8 @@ pub struct LoadedContact {
     pub force: f64,
     /// Pairs that carry something, by their offset.
     pub pairs: Vec<PairForce>,
+    /// A pair comes into contact, or leaves it, with its whole force at this very approach, and carries a part of it.
+    pub on_edge: bool,
 }
 
 impl LoadedContact {
@@ -98,6 +102,8 @@ pub struct LoadedPair {
     /// Displacement of each hub per path coordinate of its own.
     displacement_per_path: [f64; 2],
     effective_radius: f64,
+    /// By so much the approach may be negative: teeth stand ahead of their places [m].
+    ahead: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     equilibria: u64,
@@ -146,6 +152,10 @@ impl LoadedPair {
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
         };
         let displacement_per_path = [a, b].map(|i| sign / per_displacement(i));
+        let ahead = [a, b].map(|i| match &spec.gears[i].body {
+            Body::Gear(g) => g.greatest_tooth_deviation() / g.base_helix_angle().cos(),
+            Body::Rack(_) => 0.0,
+        });
         let scene = Scene::build(&spec, &modelling, models)?;
         let mut state = scene.initial();
         // The hubs rest from 1 s on.
@@ -157,6 +167,7 @@ impl LoadedPair {
             sign,
             displacement_per_path,
             effective_radius: effective_radii[0],
+            ahead: ahead[0] + ahead[1],
             start,
             equilibria: 0,
             iterations: 0,
@@ -206,7 +217,10 @@ impl LoadedPair {
     }
 
     /// Equilibrium at a position `s` [m] under a force [N] along the line of action, by the approach that carries
-    /// it (secant, held inside a bracket).
+    /// it: secants inside a bracket, halved wherever they are slow.
+    ///
+    /// Where a law lets a pair come into contact with its whole force at once, the force asked for may lie between the
+    /// two sides of that approach: the balance stands there, on the edge, the pair carrying the part that is missing.
     pub fn under_force(&mut self, s: f64, force: f64) -> Result<LoadedContact, StaticsError> {
         finite("the force [N]", force)?;
         if force <= 0.0 {
@@ -217,68 +231,83 @@ impl LoadedPair {
             });
         }
         let most = LARGEST_APPROACH * self.layout.base_pitch;
-        // Approach and force of the bracket; the force grows with the approach.
-        let (mut low, mut high): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);
-        let mut slope = FIRST_GUESS * self.layout.face_width;
-        let mut at = (force / slope).min(0.5 * most);
-        for _ in 0..FORCE_TRIALS {
-            let found = self.at_approach(s, at)?;
-            let off = found.force - force;
-            if off.abs() <= FORCE_TOLERANCE * force {
+        let met = |found: &LoadedContact| (found.force - force).abs() <= FORCE_TOLERANCE * force;
+        let mut low = LoadedContact {
+            s,
+            approach: -self.ahead,
+            force: 0.0,
+            pairs: Vec::new(),
+            on_edge: false,
+        };
+        // A bracket: the approach grows from where no tooth can touch until it carries the force.
+        let mut at = (force / (FIRST_GUESS * self.layout.face_width)).min(0.5 * most);
+        let mut high = loop {
+            let found = self.at_approach(s, at - self.ahead)?;
+            if met(&found) {
                 return Ok(found);
             }
-            let last = (at, found.force);
-            if off < 0.0 {
-                if at >= most {
-                    return Err(StaticsError::Force {
-                        s,
-                        force,
-                        approach: at,
-                        reached: found.force,
-                    });
-                }
-                // The slope from the end of the bracket on the same side is that of the contact's present branch.
-                if last.1 > low.1 && low.0 > 0.0 {
-                    slope = (last.1 - low.1) / (last.0 - low.0);
-                }
-                low = last;
-            } else {
-                if let Some(h) = high
-                    && h.1 > last.1
-                {
-                    slope = (h.1 - last.1) / (h.0 - last.0);
-                }
-                high = Some(last);
+            if found.force > force {
+                break found;
             }
-            if let Some(h) = high
-                && low.0 > 0.0
-                && low.1 > 0.0
-            {
-                slope = (h.1 - low.1) / (h.0 - low.0);
+            if at >= most {
+                return Err(StaticsError::Force {
+                    s,
+                    force,
+                    approach: at,
+                    reached: found.force,
+                });
             }
-            let newton = at - off / slope;
-            let (bottom, top) = (low.0, high.map_or(most, |h| h.0));
-            at = if newton > bottom && newton < top {
-                newton
-            } else if high.is_some() {
-                0.5 * (bottom + top)
+            // The secant through nothing overshoots a little, so that it ends on the other side.
+            let secant = at * force / found.force.max(f64::MIN_POSITIVE);
+            at = (1.05 * secant).clamp(1.1 * at, 2.0 * at).min(most);
+            low = found;
+        };
+        // Widths of the bracket now and two trials ago.
+        let mut widths = [f64::INFINITY; 2];
+        for _ in 0..FORCE_TRIALS {
+            let width = high.approach - low.approach;
+            if width <= EDGE * (high.approach + self.ahead) {
+                return Ok(on_edge(&low, high, force));
+            }
+            let slope = (high.force - low.force) / width;
+            let secant = low.approach + (force - low.force) / slope;
+            let slow = width > 0.5 * widths[0];
+            widths = [widths[1], width];
+            let inside = secant > low.approach && secant < high.approach;
+            let at = if slow || !inside {
+                0.5 * (low.approach + high.approach)
             } else {
-                (2.0 * at).min(most)
+                secant
             };
+            let found = self.at_approach(s, at)?;
+            if met(&found) {
+                return Ok(found);
+            }
+            if found.force < force {
+                low = found;
+            } else {
+                high = found;
+            }
         }
         Err(StaticsError::Force {
             s,
             force,
-            approach: at,
-            reached: low.1,
+            approach: high.approach,
+            reached: low.force,
         })
     }
 
-    /// Tangent stiffness `dF/dd` [N/m] at an equilibrium, by central differences of half a per cent.
+    /// Tangent stiffness `dF/dd` [N/m] at an equilibrium, by central differences of half a per cent; on an edge the mean
+    /// of those on its two sides.
     pub fn tangent(&mut self, at: &LoadedContact) -> Result<f64, StaticsError> {
         let h = TANGENT_STEP * at.approach;
-        let above = self.at_approach(at.s, at.approach + h)?.force;
-        let below = self.at_approach(at.s, at.approach - h)?.force;
+        let mut force =
+            |d: f64| Ok::<_, StaticsError>(self.at_approach(at.s, at.approach + d)?.force);
+        let (above, below) = (force(h)?, force(-h)?);
+        if at.on_edge {
+            let sides = (force(2.0 * h)? - above) + (below - force(-2.0 * h)?);
+            return Ok(sides / (2.0 * h));
+        }
         Ok((above - below) / (2.0 * h))
     }
 
@@ -304,7 +333,37 @@ impl LoadedPair {
             approach,
             force: pairs.iter().map(|p| p.force).sum(),
             pairs,
+            on_edge: false,
         }
+    }
+}
+
+/// The balance between two sides of an approach at which the force jumps: what is missing on the lower side is carried
+/// by what the upper side has more.
+fn on_edge(low: &LoadedContact, high: LoadedContact, force: f64) -> LoadedContact {
+    let part = (force - low.force) / (high.force - low.force);
+    let mut pairs = high.pairs;
+    for p in &mut pairs {
+        let below = low.pair(p.offset);
+        p.force = below + part * (p.force - below);
+    }
+    let gone = low
+        .pairs
+        .iter()
+        .filter(|l| !pairs.iter().any(|p| p.offset == l.offset));
+    let gone: Vec<PairForce> = gone
+        .map(|l| PairForce {
+            force: (1.0 - part) * l.force,
+            ..*l
+        })
+        .collect();
+    pairs.extend(gone);
+    pairs.sort_by_key(|p| p.offset);
+    LoadedContact {
+        force,
+        pairs,
+        on_edge: true,
+        ..high
     }
 }
 

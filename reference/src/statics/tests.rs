@@ -243,3 +243,23 @@ fn refusals_say_what_to_do() {
         Err(StaticsError::Value { .. })
     ));
 }
+
+/// Where the force jumps over the approach there is a balance for every force, the ones in the jump on its edge.
+#[test]
+fn every_load_has_a_balance_at_every_position() {
+    let (spec, modelling) = (pair(Side::Left), rigid(iso(), 1.0));
+    let mut loaded = LoadedPair::new(&spec, &modelling, MODELS).unwrap();
+    for force in [30.0, 300.0, 3e3, 1e4] {
+        for count in [48, 480] {
+            let cycle = MeshCycle::solve(&mut loaded, Load::Force(force), count, |_| {}).unwrap();
+            for p in &cycle.positions {
+                assert!((p.force / force - 1.0).abs() < 1e-6, "{} {}", p.s, p.force);
+                let sum: f64 = p.pairs.iter().map(|x| x.force).sum();
+                assert!((sum / force - 1.0).abs() < 1e-6, "{} {sum}", p.s);
+            }
+            // The mean tangent is that of one and two pairs, whatever stands on an edge.
+            let tangent = cycle.mesh_tangent() / cycle.mesh_stiffness();
+            assert!((tangent - 1.0).abs() < 0.05, "{force} {count}: {tangent}");
+        }
+    }
+}

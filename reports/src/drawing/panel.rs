@@ -128,6 +128,8 @@ pub struct Panel {
     pub limits: Vec<(f64, String)>,
     /// Vertical lines with their names.
     pub verticals: Vec<(f64, String)>,
+    /// Ranges of the abscissa that are tinted.
+    pub bands: Vec<([f64; 2], Ink)>,
     /// Points with names.
     pub marks: Vec<((f64, f64), String)>,
 }
@@ -146,6 +148,7 @@ impl Panel {
             curves: Vec::new(),
             limits: Vec::new(),
             verticals: Vec::new(),
+            bands: Vec::new(),
             marks: Vec::new(),
         }
     }
@@ -221,6 +224,10 @@ impl Panel {
             self.x_ticks.clone()
         };
         let name = self.x_name.as_deref();
+        for ([a, b], ink) in &self.bands {
+            let [x0, x1] = [a, b].map(|x| frame.at(*x, frame.y.min).0.clamp(area.x0, area.x1));
+            c.fill(&Rect::new(x0, area.y0, x1.max(x0 + 2.0), area.y1), *ink);
+        }
         frame.paint_at(c, &ticks, name.unwrap_or(""), &self.y_name, name.is_some());
         let heading = !self.remark.is_empty();
         if heading {

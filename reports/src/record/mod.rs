@@ -298,12 +298,19 @@ pub struct Ledger {
     /// Work of stiffness that varies along the path of contact \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub parametric_work_j: Option<f64>,
+    /// What switches brought in, such as a pair of teeth that comes into contact with its whole force \[J\].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub jumps_j: Option<f64>,
     /// What the balance leaves over: the integrator's doing \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_j: Option<f64>,
     /// The residual over the largest energy in the ledger [-].
     #[serde(skip_serializing_if = "not_a_number")]
     pub residual_rel: Option<f64>,
+    /// What growth is judged by: the largest energy of strain, contact and motion of the gears against each other, and
+    /// what passed through contacts \[J\].
+    #[serde(skip_serializing_if = "not_a_number")]
+    pub vibrating_j: Option<f64>,
     /// Impulse of the contact force along the line of action [N s].
     #[serde(skip_serializing_if = "not_a_number")]
     pub impulse_ns: Option<f64>,

@@ -9,12 +9,14 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 words! {
-    /// How a run ended. All but [`Status::Converged`] are drawn as what they are.
+    /// How a run ended. All but those that hold are drawn as what they are.
     pub enum Status {
-        /// Reached the end within the scene's tolerance.
+        /// Reached the end, and an error estimate is within the tolerance: that of the method itself, or a comparison.
         #[default]
         Converged = "converged",
-        /// Reached the end beyond the scene's tolerance.
+        /// Reached the end with a sound energy balance; nothing tells its error.
+        Unchecked = "unchecked",
+        /// Reached the end beyond the tolerance.
         Inaccurate = "inaccurate",
         /// The energy ledger gained what nothing put in.
         EnergyGrowth = "energy growth",
@@ -40,9 +42,14 @@ words! {
 }
 
 impl Status {
-    /// Whether the run's numbers must not be used: everything but converged and inaccurate.
+    /// Whether the run's numbers must not be used: it did not reach its end soundly.
     pub fn is_failure(self) -> bool {
-        !matches!(self, Self::Converged | Self::Inaccurate)
+        !matches!(self, Self::Converged | Self::Unchecked | Self::Inaccurate)
+    }
+
+    /// Whether nothing is known against the run.
+    pub fn holds(self) -> bool {
+        matches!(self, Self::Converged | Self::Unchecked)
     }
 }
 

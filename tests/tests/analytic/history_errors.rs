@@ -145,7 +145,7 @@ fn errors_of_a_jumping_force_fall_with_the_order_of_the_method() {
         (
             "dopri5",
             [1e-4, 1e-6, 1e-8, 1e-10].map(|r| (r, DOPRI5.at_tolerance(r))),
-            0.85,
+            0.8,
         ),
     ] {
         let found: Vec<(f64, Metrics)> = (schemes.iter())

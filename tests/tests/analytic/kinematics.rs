@@ -55,7 +55,7 @@ fn base_radii(spec: &SceneSpec) -> [f64; 2] {
 }
 
 #[test]
-fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
+fn the_torque_ratio_is_the_tooth_ratio_in_the_mean_of_a_mesh_cycle() {
     // Loaded rotation over five pitches, both flanks, every stiffness, with profile shift and damping as well.
     let shifted = || {
         let (a, b) = (
@@ -91,12 +91,16 @@ fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
                         damping,
                         ..contact(1.5e10)
                     };
+                    let constant = matches!(stiffness, PairStiffness::Constant { .. });
                     let mut scene = build(&spec, &[rigid(), rigid()], &contact);
                     let [r1, r2] = base_radii(&spec);
                     let depth = side.sign() * 4e-6;
-                    let mut loaded = 0;
-                    for place in 0..200 {
-                        let roll = 0.0079 * f64::from(place);
+                    let (mut sums, mut on_path) = ([0.0; 2], 0);
+                    // One pitch of the pinion in equal steps.
+                    let places = 400;
+                    let step = std::f64::consts::TAU / z[0] / f64::from(places);
+                    for place in 0..places {
+                        let roll = step * f64::from(place);
                         let mut s = scene.initial();
                         s.q = vec![roll + depth / r1, -roll * r1 / r2];
                         s.v = vec![side.sign() * 3.0, -side.sign() * 2.9 * r1 / r2];
@@ -108,26 +112,37 @@ fn torque_ratio_is_the_tooth_ratio_at_every_angle() {
                         let force = channel(&mut scene, &s, "force:0");
                         assert!(force > 100.0, "{} at {roll}: {force} N", stiffness.id());
                         // Both torques have one sign: the driver is held back, the wheel is driven backwards.
-                        let ratio = t[1] / t[0];
-                        assert!(
-                            (ratio / (z[1] / z[0]) - 1.0).abs() < 1e-9,
-                            "{} {side:?} {roll}: {ratio}",
-                            stiffness.id()
-                        );
+                        let ratio = t[1] / t[0] / (z[1] / z[0]);
+                        // On the path, with constant stiffness, the ratio holds at every angle.
+                        let pressed = candidates(&scene, &s);
+                        let mut pressed = pressed.iter().filter(|(_, c)| c.gap < 0.0);
+                        if constant && pressed.all(|(_, c)| c.scale == [1.0; 2]) {
+                            on_path += 1;
+                            assert!(
+                                (ratio - 1.0).abs() < 1e-9,
+                                "{} {side:?} {roll}: {ratio}",
+                                stiffness.id()
+                            );
+                            assert!(
+                                (t[0].abs() / (force * r1) - 1.0).abs() < 1e-9,
+                                "force off the line of action"
+                            );
+                        }
+                        assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
                         assert!(t[0] * side.sign() < 0.0);
-                        assert!(
-                            (t[0].abs() / (force * r1) - 1.0).abs() < 1e-9,
-                            "force off the line of action"
-                        );
+                        sums = [sums[0] + t[0], sums[1] + t[1]];
                         // The channel is what acts on the coordinates.
                         let mut f = vec![0.0; 2];
                         scene.force(s.at(), &mut f);
                         assert!(
                             (f[0] / t[0] - 1.0).abs() < 1e-12 && (f[1] / t[1] - 1.0).abs() < 1e-12
                         );
-                        loaded += 1;
                     }
-                    assert_eq!(loaded, 200);
+                    assert!(!constant || on_path > 300, "{on_path}");
+                    // Elastic contact does no work over a cycle; a damper does, as flanks part and close.
+                    let mean = sums[1] / sums[0] / (z[1] / z[0]);
+                    let allowed = if damping == Damping::None { 2e-5 } else { 2e-3 };
+                    assert!((mean - 1.0).abs() < allowed, "{}: {mean}", stiffness.id());
                 }
             }
         }
@@ -194,8 +209,8 @@ fn on_modified_flanks_the_torques_follow_the_slope_of_the_flank() {
 
 #[test]
 fn pairs_in_contact_share_the_load() {
-    // Constant stiffness: the force is k d times the number of pairs on the path of contact, which on average
-    // is the contact ratio.
+    // Constant stiffness: the force is k d times the number of pairs on the path of contact, which on average is the
+    // contact ratio; the edges of tips beside the path carry more the deeper the flanks overlap, with the root of it.
     let spec = case_a(0.0);
     let [r1, r2] = base_radii(&spec);
     let (Body::Gear(a), Body::Gear(b)) = (&spec.gears[0].body, &spec.gears[1].body) else {
@@ -203,27 +218,29 @@ fn pairs_in_contact_share_the_load() {
     };
     let ratio = Pair::new(a, b, 0.1001).unwrap().contact_ratio();
     let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
-    let depth = 4e-6;
-    let (mut sum, n) = (0.0, 5000);
-    for i in 0..n {
-        let roll = 3.0 * a.pitch_angle() * (f64::from(i) + 0.5) / f64::from(n);
-        let mut s = scene.initial();
-        s.q = vec![roll + depth / r1, -roll * r1 / r2];
-        let pairs = channel(&mut scene, &s, "force:0") / (1.5e8 * depth);
-        assert!((pairs - pairs.round()).abs() < 1e-9, "{pairs}");
-        assert!((1.0 - 1e-9..=2.0 + 1e-9).contains(&pairs), "{pairs} pairs");
-        sum += pairs;
-    }
-    let mean = sum / f64::from(n);
+    let beside = [4e-6, 4e-8].map(|depth| {
+        let (mut sum, n) = (0.0, 20_000);
+        for i in 0..n {
+            let roll = a.pitch_angle() * (f64::from(i) + 0.5) / f64::from(n);
+            let mut s = scene.initial();
+            s.q = vec![roll + depth / r1, -roll * r1 / r2];
+            let pairs = channel(&mut scene, &s, "force:0") / (1.5e8 * depth);
+            assert!((1.0 - 1e-9..=2.0 + 1e-9).contains(&pairs), "{pairs} pairs");
+            sum += pairs;
+        }
+        sum / f64::from(n) - ratio
+    });
+    assert!(beside[0] > 0.0 && beside[0] < 0.05, "{beside:?}");
     assert!(
-        (mean - ratio).abs() < 2e-3,
-        "mean number of pairs {mean}, contact ratio {ratio}"
+        (beside[0] / beside[1] / 10.0 - 1.0).abs() < 0.1,
+        "{beside:?}"
     );
 }
 
 #[test]
 fn helical_slices_share_one_stiffness() {
-    // A helical pair pressed together at any angle: the force is k d times the length of the contact lines.
+    // A helical pair pressed together at any angle: the force is k d times the length of the contact lines, and a little
+    // beside their ends.
     let beta = 15f64.to_radians();
     let helix = |b: f64, z: u32| GearParams {
         helix_angle: b,
@@ -241,8 +258,8 @@ fn helical_slices_share_one_stiffness() {
     };
     let pair = Pair::new(a, b, x).unwrap();
     let mut scene = build(&spec, &[rigid(), rigid()], &contact(1.5e10));
-    let depth = 4e-6;
-    let mut sum = 0.0;
+    let depth = 4e-8;
+    let (mut sum, mut sums) = (0.0, [0.0; 2]);
     let n = 800;
     for i in 0..n {
         let roll = a.pitch_angle() * (f64::from(i) + 0.5) / f64::from(n);
@@ -250,14 +267,15 @@ fn helical_slices_share_one_stiffness() {
         s.q = vec![roll + depth / a.r_base(), -roll * a.r_base() / b.r_base()];
         let mut f = vec![0.0; 2];
         scene.force(s.at(), &mut f);
-        let ratio = f[1] / f[0];
-        assert!((ratio / 1.5 - 1.0).abs() < 1e-9, "{ratio}");
+        sums = [sums[0] + f[0], sums[1] + f[1]];
         // Normal gap and the effective base radius of the normal force carry a cosine of the base helix angle each.
         sum += -f[0] / (3e8 * depth * a.r_base() * a.base_helix_angle().cos().powi(2));
     }
+    let ratio = sums[1] / sums[0];
+    assert!((ratio / 1.5 - 1.0).abs() < 1e-6, "{ratio}");
     let mean = sum / f64::from(n);
     assert!(
-        (mean - pair.contact_ratio()).abs() < 5e-3,
+        (mean - pair.contact_ratio()).abs() < 1e-2,
         "{mean} against {}",
         pair.contact_ratio()
     );

@@ -16,6 +16,7 @@ mod nodal;
 mod records;
 mod refusals;
 mod rows;
+mod running;
 mod statics;
 mod tangents;
 mod tooth_springs;

@@ -12,28 +12,6 @@ use gearbench_models::spec::{
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use gearbench_tests::*;
 
-/// A profile times a factor.
-fn scaled(profile: &Profile, by: f64) -> Profile {
-    match profile {
-        Profile::Constant(x) => Profile::Constant(by * x),
-        Profile::Ramp {
-            from,
-            to,
-            start,
-            end,
-        } => Profile::Ramp {
-            from: by * from,
-            to: by * to,
-            start: *start,
-            end: *end,
-        },
-        Profile::Table { time, value } => Profile::Table {
-            time: time.clone(),
-            value: value.iter().map(|x| by * x).collect(),
-        },
-    }
-}
-
 /// A pair with its teeth apart on both flanks, for motions without contact.
 fn free(load: Load) -> Scene {
     let mut spec = case_a(30e-6);
@@ -42,7 +20,7 @@ fn free(load: Load) -> Scene {
     // The wheel turns along, so that the flanks stay apart however far the pinion goes.
     spec.gears[1].inertia = spec.gears[0].inertia.map(|j| j * 1.5 * 1.5);
     spec.gears[1].loads = vec![match &load {
-        Load::Applied(profile) => Load::Applied(scaled(profile, -1.5)),
+        Load::Applied(profile) => Load::Applied(profile.scaled(-1.5)),
         Load::Viscous(c) => Load::Viscous(2.25 * c),
     }];
     build(&spec, &[rigid(), rigid()], &contact(1e10))
@@ -184,7 +162,7 @@ fn driven_gears_put_their_power_into_the_ledger() {
                     let mut spec = case_a(2e-6);
                     let other = 1 - driven;
                     let sign = if driven == 0 { 1.0 } else { -1.0 };
-                    spec.gears[driven].mount = Mount::Driven(scaled(profile, sign));
+                    spec.gears[driven].mount = Mount::Driven(profile.scaled(sign));
                     if driven == 1 {
                         // The wheel drives with its other flanks.
                         spec.meshes[0].start = start(Side::Right, 2e-6);
@@ -232,11 +210,14 @@ fn rack_and_pinion_exchange_momentum() {
     for side in Side::BOTH {
         for model in [rigid(), movable(5e8, 5e-3, 0.0)] {
             let mut spec = pair_of(
-                gear("pinion", spur(20), 0.0, 20.0 * side.sign()),
+                gear("pinion", spur(20), 0.0, 4.0 * side.sign()),
                 rack("rack", 40, 0.0401, 0.0),
                 start(side, 3e-6),
             );
             spec.gears[1].inertia = Some(0.4);
+            // In the middle of where one pair alone touches, and gently: edges of tips would turn the force.
+            let at = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+            spec.meshes[0].start.path_coordinate = Some(0.5 * (at.path[0] + at.path[1]));
             let effective_radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
             let mut scene = build(&spec, &[model.clone(), model.clone()], &contact(2e10));
             let inertia = [0, 1].map(|i| scene.gears()[i].model.hub().inertia);
@@ -263,7 +244,7 @@ fn rack_and_pinion_exchange_momentum() {
             let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-9), 1.3e-4).unwrap("rack");
             let after = momenta(&mut scene, &o.state);
             let impulse = after[0] - before[0];
-            assert!(impulse.abs() > 0.1, "{before:?} {after:?}");
+            assert!(impulse.abs() > 0.02, "{before:?} {after:?}");
             // Gear and rack go along: the sum is kept.
             let drift = (after[0] + after[1] - before[0] - before[1]) / impulse;
             assert!(
@@ -273,7 +254,7 @@ fn rack_and_pinion_exchange_momentum() {
             );
             let energy = o.ledger.end.total() / o.ledger.start.unwrap().total() - 1.0;
             assert!(energy.abs() < 1e-6, "energy {energy:.2e}");
-            assert!(channel(&mut scene, &o.state, "hub_speed:rack") * side.sign() > 0.5);
+            assert!(channel(&mut scene, &o.state, "hub_speed:rack") * side.sign() > 0.1);
         }
     }
 }

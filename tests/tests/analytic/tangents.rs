@@ -240,7 +240,7 @@ fn turning(scene: &mut Scene, s: &State) -> Vec<f64> {
         };
         let both = [(0, -1.0), (1, 1.0)];
         let (here, there) = (row_at(0.0, &t, &both), row_at(1.0, &t, &both));
-        let path = row_at(0.0, &c.normal, &[(0, 1.0)]);
+        let path = row_at(0.0, &c.normal, &[(0, 0.5), (1, 0.5)]);
         for i in 0..n {
             for j in 0..n {
                 k[i * n + j] -= friction * (there[i] - here[i]) * path[j];

@@ -155,7 +155,7 @@ fn by_radius(damping: f64) -> ModelSpec {
 }
 
 #[test]
-fn stiffness_over_the_radius_books_its_jumps_and_work() {
+fn stiffness_over_the_radius_has_a_potential_and_books_its_jumps() {
     // Under load over several pitches: teeth enter and leave, each time between k0 and k(r).
     for model in [by_radius(60.0), all_teeth(by_radius(60.0))] {
         let spec = loaded(1.0, 60.0, 20.0);
@@ -164,11 +164,6 @@ fn stiffness_over_the_radius_books_its_jumps_and_work() {
         let plan = TimePlan::new(0.01, Resolution::Tolerance(1e-9));
         let (s, work) = watched(&mut scene, start, "dopri5", &plan, &mut ledger);
         assert!(work.events > 10, "{} events", work.events);
-        assert!(
-            ledger.parametric.abs() > 1e-7,
-            "parametric {:e}",
-            ledger.parametric
-        );
         assert!(ledger.jumps.abs() > 1e-7, "jumps {:e}", ledger.jumps);
         let residual = ledger.residual_relative();
         assert!(

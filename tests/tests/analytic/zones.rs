@@ -3,6 +3,7 @@
 use gearbench_integrators::{
     AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
+use gearbench_models::contact::Candidate;
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
@@ -28,21 +29,21 @@ fn damped(per_width: f64) -> ContactSpec {
     }
 }
 
-/// States at which the run was switched or handed over.
+/// States before and after the run was switched or handed over.
 #[derive(Default)]
-struct Switches(Vec<State>);
+struct Switches(Vec<[State; 2]>);
 
 impl Sink for Switches {
     fn accepted(&mut self, _sys: &mut dyn SecondOrderSystem, _step: &AcceptedStep<'_>) -> Control {
         Control::Continue
     }
-    fn restarted(&mut self, _sys: &mut dyn SecondOrderSystem, before: &State, _after: &State) {
-        self.0.push(before.clone());
+    fn restarted(&mut self, _sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
+        self.0.push([before.clone(), after.clone()]);
     }
 }
 
 #[test]
-fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
+fn pairs_come_in_and_leave_open_and_touch_beside_the_path() {
     for speed in [80.0, -80.0] {
         for id in [
             "rk4",
@@ -61,58 +62,67 @@ fn pairs_enter_and_leave_exactly_at_the_ends_of_the_path() {
             let t_end = pitches * std::f64::consts::TAU / 20.0 / speed.abs();
             let plan = TimePlan::new(t_end, resolution(row, 2e-6, 1e-6));
             watched(&mut scene, start, id, &plan, &mut switches);
-            let mut at_ends = 0;
-            for s in &switches.0 {
-                // A pinion's tooth at either end of the path, on either flank.
-                let off = candidates_beyond(&scene, s, l.base_pitch)
-                    .into_iter()
-                    .map(|x| (x - l.path[0]).abs().min((x - l.path[1]).abs()))
-                    .fold(f64::INFINITY, f64::min);
-                let touch = candidates(&scene, s)
-                    .iter()
-                    .map(|(_, c)| c.gap.abs())
-                    .fold(f64::INFINITY, f64::min);
-                assert!(
-                    off < 1e-12 || touch < 1e-12,
-                    "{id}: switched {off:.1e} m off an end, {touch:.1e} m off touch"
-                );
-                at_ends += usize::from(off < 1e-12);
+            let (mut zones, mut touches) = (0, 0);
+            for [before, after] in &switches.0 {
+                let key = |c: &Candidate| (c.slot, c.points[0].tooth);
+                let [of_before, of_after] = [before, after].map(|s| listed(&scene, s));
+                let only = |a: &[(usize, Candidate)], b: &[(usize, Candidate)]| -> Vec<Candidate> {
+                    let other = |c: &Candidate| b.iter().any(|(_, x)| key(x) == key(c));
+                    a.iter().map(|(_, c)| *c).filter(|c| !other(c)).collect()
+                };
+                let mut changed = only(&of_before, &of_after);
+                changed.extend(only(&of_after, &of_before));
+                zones += changed.len();
+                for c in &changed {
+                    // Far beyond the path, and as far open as an edge is followed.
+                    let beyond = (l.path[0] - c.s).max(c.s - l.path[1]);
+                    assert!(
+                        c.gap > 1e-4 && beyond > 5e-4,
+                        "{id}: {:.1e} m, {beyond:.1e} m",
+                        c.gap
+                    );
+                }
+                if changed.is_empty() {
+                    // Where the force is nothing, or nearly so: a damper releases flanks that still overlap.
+                    let nearest = (of_before.iter())
+                        .map(|(_, c)| c.gap.abs())
+                        .fold(f64::INFINITY, f64::min);
+                    assert!(nearest < 1e-5, "{id}: {nearest:.1e} m off touch");
+                    touches += 1;
+                }
             }
-            // Each pitch one pair enters and one leaves on each flank; the load never lets the flanks part.
+            // Each pitch one pair comes in and one leaves on each flank; on the loaded flank it touches and parts.
             assert!(
-                (at_ends as f64 - 4.0 * pitches).abs() <= 2.0,
-                "{id}: {at_ends} ends in {pitches} pitches"
+                (zones as f64 - 4.0 * pitches).abs() <= 2.0,
+                "{id}: {zones} ends in {pitches} pitches"
+            );
+            assert!(
+                (f64::from(touches) - 2.0 * pitches).abs() <= 6.0,
+                "{id}: {touches} touches in {pitches} pitches"
             );
         }
     }
 }
 
-/// Path coordinates of listed pairs and their neighbours on both flanks.
-fn candidates_beyond(
-    scene: &gearbench_models::scene::Scene,
-    s: &State,
-    base_pitch: f64,
-) -> Vec<f64> {
-    let mut all = Vec::new();
-    for (_, c) in candidates(scene, s) {
-        all.extend([c.s - base_pitch, c.s, c.s + base_pitch]);
-    }
-    all
-}
-
 #[test]
 fn many_rotations_have_the_expected_number_of_events() {
-    // Ten revolutions: 200 pitches with four ends each, and nothing else once the start has settled.
+    // Ten revolutions: 200 pitches, in each of which a pair is looked at, touches, parts and is left on the loaded flank,
+    // and looked at and left on the other; nothing else once the start has settled.
     let spec = driven(200.0, 60.0);
     let mut scene = build(&spec, &[rigid(), rigid()], &damped(1.5e10));
     let t_end = 10.0 * std::f64::consts::TAU / 200.0;
-    let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-6), t_end).unwrap("rotation");
+    let o = run(&mut scene, "dopri5", Resolution::Tolerance(1e-8), t_end).unwrap("rotation");
     let events = o.work.events as f64;
     assert!(
-        (events - 800.0).abs() < 25.0,
+        (events - 1200.0).abs() < 25.0,
         "{events} events in 200 pitches"
     );
-    assert!(o.normal_min >= 0.0 && o.ledger.residual_relative().abs() < 1e-5);
+    let residual = o.ledger.residual_relative();
+    assert!(
+        o.normal_min >= -1e-6 && residual.abs() < 1e-5,
+        "{} N, {residual:.1e}",
+        o.normal_min
+    );
     let wheel = o.state.q[0] * 1.5 / (10.0 * std::f64::consts::TAU);
     assert!((wheel + 1.0).abs() < 1e-4, "{wheel}");
 }
@@ -169,7 +179,7 @@ fn hammering_in_the_backlash_keeps_the_energy() {
         let (_, work) = watched(&mut scene, start, "dopri5", &plan, &mut switches);
         // Both flanks take part, again and again.
         let mut flanks = [0, 0];
-        for s in &switches.0 {
+        for [s, _] in &switches.0 {
             let touching = |side: Side| {
                 candidates(&scene, s).iter().any(|(m, c)| {
                     c.gap.abs() < 1e-13 && scene.meshes()[*m].search.flank_of(c).1 == side
@@ -263,7 +273,7 @@ fn impact_speeds_belong_to_their_own_impact() {
         watched(&mut scene, s, "dopri5", &plan, &mut switches);
         // Free flights between impacts: their relative speeds fall by r each time.
         let mut speeds: Vec<f64> = Vec::new();
-        for s in &switches.0 {
+        for [s, _] in &switches.0 {
             let gap = candidates(&scene, s)
                 .iter()
                 .map(|(_, c)| c.gap.abs())

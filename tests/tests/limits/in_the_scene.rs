@@ -8,7 +8,7 @@ use gearbench::models::models;
 use gearbench::studies::stability::limits::{LineKind, Linearised};
 use gearbench_integrators::Resolution;
 use gearbench_integrators::Scheme;
-use gearbench_reports::record::{Run, Status};
+use gearbench_reports::record::Run;
 
 fn run_with(entry: &Configuration, text: &str, step: f64, t_end: f64) -> Run {
     let grid: Vec<f64> = (0..=200).map(|i| t_end * f64::from(i) / 200.0).collect();
@@ -55,19 +55,14 @@ fn explicit_methods_fail_where_implicit_ones_hold() {
             above.status,
             above.simulated_s
         );
-        assert_eq!(
-            below.status,
-            Status::Converged,
-            "{text}: {:?}",
-            below.message
-        );
+        assert!(below.status.holds(), "{text}: {:?}", below.message);
         assert!(above.status.is_failure(), "{text}: {:?}", above.message);
     }
     for text in ["newmark", "hht-alpha", "generalised-alpha(rho_inf=0.8)"] {
         let step = 5e-6;
         let held = run_with(&e, text, step, t_end);
         println!("{text:34} {step:.3e} s: {}", held.status);
-        assert_eq!(held.status, Status::Converged, "{text}: {:?}", held.message);
+        assert!(held.status.holds(), "{text}: {:?}", held.message);
     }
 }
 
@@ -93,12 +88,7 @@ fn elastic_gears_fail_in_the_scene_where_theory_says() {
             above.status,
             above.simulated_s
         );
-        assert_eq!(
-            below.status,
-            Status::Converged,
-            "{text}: {:?}",
-            below.message
-        );
+        assert!(below.status.holds(), "{text}: {:?}", below.message);
         assert!(above.status.is_failure(), "{text}: {:?}", above.message);
     }
 }

@@ -7,29 +7,33 @@
 //! | chatter | contacts open and close at one instant without end |
 //! | timeout | the bound of wall-clock time or of steps was reached |
 //! | blow-up | a coordinate or an energy is not finite, or the energy has grown [`BLOWN_UP`]-fold |
-//! | energy growth | more than [`ENERGY_GROWTH`] of the energy at the end is made up by the integration, or [`HOPELESS`] of it on the way |
+//! | energy growth | more than [`ENERGY_GROWTH`] of the energy that vibrates ([`Ledger::growth`]) is made up at the end, or [`HOPELESS`] of all energy on the way |
 //! | tunnelling | teeth passed through each other, or stood in each other without a force, or a step went over a contact |
 //! | adhesive force | a contact pulled |
-//! | inaccurate | the run reached its end beyond the tolerance of its scene |
-//! | converged | none of these |
+//! | inaccurate | the run reached its end beyond the tolerance of its scene, or [`OWN_ERROR`] off its model's converged solution |
+//! | converged | none of these, and an error estimate says so: within the tolerance of the scene or of the converged solution, or the method controls its own error |
+//! | unchecked | none of these, but a fixed step, and nothing to hold it against |
 //!
 //! What an integrator says of itself ([`status_of`]) comes first; what only the whole run shows comes next, by a
 //! [`RunMonitor`] that watches it: whatever went wrong first names the run, because what follows is its consequence. What
-//! only a comparison shows comes last ([`against_tolerance`], [`against_contact`]).
+//! only a comparison shows comes last ([`against_tolerance`], [`against_contact`], [`against_itself`]).
 
+mod compared;
 mod tunnelling;
 
 use super::history::History;
-use gearbench_integrators::observers::ledger::Ledger;
+use super::record::approach;
+use gearbench_integrators::observers::ledger::{Ledger, Member, Rotation};
 use gearbench_integrators::{
     AcceptedStep, Control, Resolution, SecondOrderSystem, Sink, State, StepError, TimePlan,
 };
-use gearbench_models::scene::{OfMesh, Scene};
+use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
 use gearbench_models::spec::SceneSpec;
-use gearbench_reports::numbers::{digits_apart, short};
-use gearbench_reports::record::{Run, SELF, Status, Tolerance};
-use gearbench_reports::series::TimeSeries;
+use gearbench_reports::numbers::short;
+use gearbench_reports::record::Status;
 use std::time::{Duration, Instant};
+
+pub use compared::{OWN_ERROR, against_contact, against_itself, against_tolerance};
 pub use tunnelling::TunnellingDetector;
 
 /// Energy that the integration may make up, over the largest energy, before a run counts as growth.
@@ -123,7 +127,7 @@ impl RunMonitor {
     pub fn new(spec: &SceneSpec, scene: &Scene, grid: Vec<f64>, also_steps: bool) -> Self {
         RunMonitor {
             history: History::whole(scene, grid, also_steps),
-            ledger: Ledger::default(),
+            ledger: Ledger::of(rotations(spec, scene)),
             tunnelling: TunnellingDetector::new(spec, scene),
             forces: scene.channels_of_meshes(OfMesh::Force),
             growth: None,
@@ -146,13 +150,13 @@ impl RunMonitor {
     }
 
     fn look(&mut self, t: f64) -> Control {
-        let made_up = self.ledger.residual_relative();
         // The energy of symplectic methods swings within each contact and comes back: growth is what stays.
-        if made_up <= ENERGY_GROWTH {
+        if self.ledger.growth() <= ENERGY_GROWTH {
             self.growth = None;
         } else {
             self.growth.get_or_insert(t);
         }
+        let made_up = self.ledger.residual_relative();
         if made_up <= HOPELESS {
             return Control::Continue;
         }
@@ -184,6 +188,7 @@ impl RunMonitor {
             }
             (Err(e), _) => (status_of(e), Some(message_of(e, self.fixed))),
             (Ok(()), Some(f)) => (f.status, Some(f.message)),
+            (Ok(()), None) if self.fixed => (Status::Unchecked, None),
             (Ok(()), None) => (Status::Converged, None),
         }
     }
@@ -233,11 +238,21 @@ impl RunMonitor {
                 ),
             )
         } else {
+            let ledger = &self.ledger;
+            let (jumps, residual) = (ledger.unpaid_jumps(), ledger.residual());
+            let by = if jumps > residual {
+                "by contacts that close with their whole force at once, which no step mends; use a contact whose force grows from zero"
+            } else if self.fixed {
+                "by the integration; use a smaller step"
+            } else {
+                "by the integration; use a smaller tolerance"
+            };
             (
                 Status::EnergyGrowth,
                 format!(
-                    "{:.1} % of the energy at t = {t:.4e} s is made up by the integration; use a smaller step",
-                    made_up * 100.0
+                    "{:.2e} J at t = {t:.4e} s, {} % of the energy that vibrates, are made up {by}",
+                    residual + jumps,
+                    short(100.0 * ledger.growth(), 3),
                 ),
             )
         };
@@ -247,6 +262,50 @@ impl RunMonitor {
             message,
         }
     }
+}
+
+/// The gears of a scene that turn together: those that meshes join.
+fn rotations(spec: &SceneSpec, scene: &Scene) -> Vec<Rotation> {
+    let mut ratios: Vec<Option<f64>> = vec![None; spec.gears.len()];
+    let mut all = Vec::new();
+    for first in 0..spec.gears.len() {
+        if ratios[first].is_some() {
+            continue;
+        }
+        ratios[first] = Some(1.0);
+        let mut joined = vec![first];
+        let mut next = 0;
+        while let Some(&gear) = joined.get(next) {
+            next += 1;
+            for mesh in spec.meshes.iter().filter(|m| m.gears.contains(&gear)) {
+                let along = approach(mesh.start.side, mesh.gears.map(|i| &spec.gears[i].body));
+                let rates = [along(1.0, 0.0), along(0.0, 1.0)];
+                let (here, there) = if mesh.gears[0] == gear {
+                    (0, 1)
+                } else {
+                    (1, 0)
+                };
+                let other = mesh.gears[there];
+                if let (None, Some(ratio)) = (ratios[other], ratios[gear]) {
+                    ratios[other] = Some(-ratio * rates[here] / rates[there]);
+                    joined.push(other);
+                }
+            }
+        }
+        let member = |&i: &usize| {
+            let hub = scene.gears()[i].model.hub();
+            Some(Member {
+                channel: scene.channel(Channel::Gear(i, OfGear::Speed))?,
+                inertia: hub.hub.inertia,
+                ratio: ratios[i]?,
+                held: hub.hub.coordinates() == 0,
+            })
+        };
+        all.push(Rotation {
+            members: joined.iter().filter_map(member).collect(),
+        });
+    }
+    all
 }
 
 impl Sink for RunMonitor {
@@ -263,77 +322,5 @@ impl Sink for RunMonitor {
     fn restarted(&mut self, sys: &mut dyn SecondOrderSystem, before: &State, after: &State) {
         self.history.restarted(sys, before, after);
         self.ledger.restarted(sys, before, after);
-    }
-}
-
-/// Labels a run that converged but lies beyond the tolerance of its scene, once its metrics are there. A metric that
-/// cannot be told of the run, as the relative error of a force that should not be there, is beyond any tolerance.
-pub fn against_tolerance(run: &mut Run, tolerance: &Tolerance) {
-    if run.status != Status::Converged {
-        return;
-    }
-    let Some(metrics) = run.against(&tolerance.against) else {
-        return;
-    };
-    let Tolerance {
-        metric,
-        against,
-        limit,
-        ..
-    } = tolerance;
-    let digits = |x: f64| digits_apart(&[x, *limit], 3);
-    let message = match metrics.get(*metric) {
-        Some(x) if x.abs() <= *limit => return,
-        Some(x) => format!(
-            "{metric} against {against} is {}, beyond the scene's {}; use a smaller step or tolerance, or a finer model",
-            short(x, digits(x.abs())),
-            short(*limit, digits(x.abs()))
-        ),
-        None => format!("{metric} against {against} cannot be told of this run"),
-    };
-    run.status = Status::Inaccurate;
-    run.message = Some(message);
-}
-
-/// Errors in the L1 norm from which on a reader wants to know whether it is another sequence of contacts [-].
-const OTHER_CONTACTS: f64 = 0.01;
-
-/// When the force of a history first acts [s].
-fn first_touch(series: &TimeSeries) -> Option<f64> {
-    match &series.force {
-        Some(force) => force.begins(),
-        None => {
-            let first = series.contact_force_n.iter().position(|f| f.abs() > 0.0);
-            first.map(|i| series.time_s[i])
-        }
-    }
-}
-
-/// Labels a run without any contact whose reference, of the same model, has one: its steps went over it. Where both
-/// touch but not as often, later contacts are others than those of the reference, and a large error says so.
-pub fn against_contact(run: &mut Run, reference: &TimeSeries) {
-    if run.status.is_failure() {
-        return;
-    }
-    let (Some(series), Some(at)) = (&run.series, first_touch(reference)) else {
-        return;
-    };
-    if first_touch(series).is_none() && at <= run.simulated_s {
-        run.status = Status::Tunnelling;
-        run.message = Some(format!(
-            "no contact at all, where the teeth touch at t = {at:.4e} s: the steps went over it; use smaller ones"
-        ));
-        return;
-    }
-    let (Some(own), Some(wanted)) = (&series.force, &reference.force) else {
-        return;
-    };
-    let error = run.against(SELF).and_then(|m| m.force_l1);
-    if own.spells() != wanted.spells() && error.is_some_and(|e| e > OTHER_CONTACTS) {
-        run.message.get_or_insert(format!(
-            "{} spells of contact, where the converged solution has {}: another sequence of impacts, so that errors are of the order of one from the first that differs on",
-            own.spells(),
-            wanted.spells()
-        ));
     }
 }

@@ -98,7 +98,7 @@ words_of_the_scene! {
 }
 
 /// A list in which nothing stands twice.
-#[derive(Clone, Debug, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 #[serde(rename = "<distinct>")]
 pub(crate) struct Distinct<T>(pub(crate) Vec<T>);
 

@@ -34,7 +34,7 @@ fn stiffness() {
                 tooth: ToothModel::Cornell,
                 foundation: Foundation::SainsotVelex(RootLength::TwoRbThetaF),
                 hertz: Hertz::WeberBanaschek {
-                    reference_load: 1000.0,
+                    reference_load: Some(1000.0),
                 },
             },
         ),

@@ -59,8 +59,8 @@ const MODELS: &str = r##"
     `path_coordinate_m` is missing
 32: stiffness = "iso6336" => stiffness = { kind = "table", path_coordinate_m = [0.0, 0.0], stiffness_n_per_m = [1e8, 1e8] }
     table
-32: stiffness = "iso6336" => stiffness = { kind = "compliance", hertz = "log" }
-    `reference_load_n` is missing
+32: stiffness = "iso6336" => stiffness = { kind = "compliance", hertz = "linear", reference_load_n = 1000.0 }
+    does not belong
 32: stiffness = "iso6336" => stiffness = { kind = "compliance", foundation = "rigid", root_length = "2 rf theta" }
     does not belong
 32: contact = { stiffness = "iso6336" } => contact = [{ stiffness = "iso6336" }, { stiffness = "iso6336" }]

@@ -142,7 +142,9 @@ fn contact(c: &ContactSpec) -> Json {
     let damping = match c.damping {
         Damping::None => Json::Null,
         Damping::KelvinVoigt { c } => json!({ "law": law, "damping_ns_per_m": c }),
-        Damping::KelvinVoigtRatio { ratio } => json!({ "law": law, "ratio": ratio }),
+        Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
+            json!({ "law": law, "ratio": ratio })
+        }
         Damping::HuntCrossley { e }
         | Damping::LankaraniNikravesh { e }
         | Damping::Flores { e }
@@ -188,7 +190,7 @@ fn stiffness(s: &PairStiffness) -> Json {
             "hertz": hertz.id(),
             "reference_load_n": match hertz {
                 Hertz::Log { reference_load } | Hertz::WeberBanaschek { reference_load } => {
-                    Some(reference_load)
+                    *reference_load
                 }
                 Hertz::Linear | Hertz::Rigid => None,
             },

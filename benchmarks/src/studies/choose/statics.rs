@@ -21,7 +21,7 @@ use gearbench_models::spec::{
 };
 use gearbench_models::stiffness::{
     ComplianceRow, Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness,
-    RootLength, ToothModel, compliance_table,
+    ToothModel, compliance_table,
 };
 use gearbench_reference::statics::{LoadedPair, StaticsError};
 
@@ -44,8 +44,10 @@ pub fn norm() -> PairStiffness {
 
 const ANALYTIC: (ToothModel, Foundation, Hertz) = (
     ToothModel::WeberBanaschek,
-    Foundation::SainsotVelex(RootLength::TwoRfThetaF),
-    Hertz::Linear,
+    Foundation::Ring,
+    Hertz::WeberBanaschek {
+        reference_load: None,
+    },
 );
 
 /// Stiffness from analytic compliances.

@@ -6,7 +6,7 @@ use crate::experiment::converged::{EXACT_MODES, exact_for_modes, of_model, tight
 use crate::experiment::key::Key;
 use crate::experiment::run::{Job, LEFT_OUT, RunError, run};
 use crate::experiment::runner::Runner;
-use crate::experiment::status::{against_contact, against_tolerance};
+use crate::experiment::status::{against_contact, against_itself, against_tolerance};
 use crate::experiment::thin::thin_row;
 use gearbench_reports::comparison::CompareRecord;
 use gearbench_reports::metrics::compare as measure;
@@ -146,6 +146,7 @@ fn measure_against(
     if let Some(t) = &plan.tolerance {
         against_tolerance(row, t);
     }
+    against_itself(row, plan.tolerance.as_ref());
 }
 
 #[cfg(test)]

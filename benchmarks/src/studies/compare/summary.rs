@@ -37,11 +37,14 @@ pub fn summarise(results: &Results) {
             format!("{:.2} s", r.wall_s)
         };
         let outcome = match (r.status, r.against(against)) {
-            (Status::Converged, Some(m)) => (m.get(metric))
+            (Status::Converged | Status::Unchecked, Some(m)) => (m.get(metric))
                 .map_or("reached its end; no force to compare".into(), |e| {
                     format!("{} %", short(100.0 * e, 3))
                 }),
-            (Status::Converged, None) => "reached its end; nothing to hold it against".into(),
+            (Status::Converged, None) => "reached its end within its own tolerance".into(),
+            (Status::Unchecked, None) => {
+                "unchecked: reached its end; nothing to hold it against".into()
+            }
             (status, _) => format!(
                 "{status}: {}",
                 r.message.as_deref().unwrap_or("no reason given")

@@ -2,45 +2,54 @@
 
 use super::arguments::Identify;
 use super::summary::summarise;
-use super::{Identification, IdentifyError, identify};
+use super::{Identification, IdentifyError, StaticTarget, Target, identify};
 use crate::cli::answer::Answer;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, say, stored_reference};
+use crate::cli::terminal::{Refusal, absolute, refuse_study, say, stored_reference};
 use crate::experiment::conditions::silent;
+use crate::experiment::error::StudyError;
 use crate::experiment::interruption;
 use crate::experiment::machine;
 use crate::models::models;
-use crate::scene_file::calibration::Constants;
+use crate::scene_file::calibration::{Constants, FittedTo};
 use crate::scene_file::{self, Calibration, SceneFile, Selection};
 use gearbench_models::gear::table::properties_of;
+use gearbench_models::spec::mesh_layout;
+use gearbench_reference::ExternalReference;
 use std::path::PathBuf;
 
-/// Name of the calibration that an impact gives.
-const NAME: &str = "impact";
+/// Positions of a mesh cycle that statics are fitted at.
+const POSITIONS: usize = 24;
 
 /// Fits the models of a scene that have something to fit.
 pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
-    // What is identified is built by its fits.
-    let mut scene = scene_file::load_uncalibrated(&args.scene, Selection::None)?;
-    let Some(reference) = stored_reference(&mut scene, &args.insist)? else {
-        let way_out = match scene.fitting() {
-            Some(fitting) => format!("give it a line `{fitting}`"),
-            None => {
-                "no stored reference is of these gears, speeds and loads: `gearbench list`".into()
-            }
-        };
-        return Err(Refusal::Input(miette::miette!(
-            help = way_out,
-            "the scene `{}` has no reference to identify against",
-            scene.name
-        )));
+    // What is identified is built by its fits; statics leave all constants but one as the impact has them.
+    let mut scene = match args.to.to_history() {
+        true => scene_file::load_uncalibrated(&args.scene, Selection::None)?,
+        false => scene_file::load_for(&args.scene, Selection::None)?,
     };
-    let id = reference.id;
-    let history = &reference.history;
+    let reference = match args.to.to_history() {
+        true => Some(history_of(&mut scene, args)?),
+        false => None,
+    };
     // Beyond the scene's duration the reference may lack what the scene has, as the other flanks.
-    let n = history.time.partition_point(|&t| t <= scene.duration);
-    let (time, force) = (&history.time[..n], &history.contact_force[..n]);
+    let history = reference.as_ref().map(|r| {
+        let history = &r.history;
+        let n = history.time.partition_point(|&t| t <= scene.duration);
+        (&history.time[..n], &history.contact_force[..n])
+    });
+    let mut names: Vec<String> = reference.iter().map(|r| r.id.to_owned()).collect();
+    let statics = match args.to.to_statics() {
+        true => {
+            let (label, target) = statics_of(&scene, args)?;
+            names.push(format!("`{label}` at rest under {} N/mm", args.load));
+            Some(target)
+        }
+        false => None,
+    };
+    let target = Target { history, statics };
+    let id = names.join(" and ");
 
     let choices = scene.select(args.model.as_deref())?;
     let fitted: Vec<_> = choices
@@ -66,7 +75,7 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             &scene.spec_for(choice),
             &choice.modelling,
             models(),
-            (time, force),
+            &target,
             &runner,
             |n, error| {
                 display.message(&format!(
@@ -85,30 +94,69 @@ pub fn run(args: &Identify, command: &str) -> Result<Answer, Refusal> {
             IdentifyError::Model(..) => Refusal::Input(miette::miette!("{e}")),
             other => Refusal::Failed(other.to_string()),
         })?;
-        summarise(&choice.label, id, &result);
+        summarise(&choice.label, &id, &result);
         found.push((choice.label.clone(), result));
     }
     folder.close();
     let models: Vec<_> = found.iter().map(|(label, r)| r.told(label)).collect();
-    let answer = (Answer::done().with("reference", id)).with("models", models);
+    let answer = (Answer::done().with("reference", &id)).with("models", models);
     if args.write {
-        let path = absolute(write(&scene, &found, command)?);
+        let path = absolute(write(&scene, (args.to, &id), &found, command)?);
         say(&format!("written: {}", path.display()));
         return Ok(answer.with("written", path));
     }
-    say("nothing was written; `--write` stores the constants for `calibration = \"impact\"`");
+    say(&format!(
+        "nothing was written; `--write` stores the constants for `calibration = \"{}\"`",
+        args.to.as_str()
+    ));
     Ok(answer)
 }
 
 fn calibrated(choice: &scene_file::ModelChoice) -> bool {
-    choice
-        .calibration
-        .as_ref()
-        .is_some_and(|c| c.name == NAME && c.label == choice.label)
+    (choice.calibration.as_ref()).is_some_and(|c| c.label == choice.label)
+}
+
+/// The reference whose history is fitted.
+fn history_of(scene: &mut SceneFile, args: &Identify) -> Result<ExternalReference, Refusal> {
+    if let Some(reference) = stored_reference(scene, &args.insist)? {
+        return Ok(reference);
+    }
+    let way_out = match scene.fitting() {
+        Some(fitting) => format!("give it a line `{fitting}`"),
+        None => "no stored reference is of these gears, speeds and loads: `gearbench list`".into(),
+    };
+    Err(Refusal::Input(miette::miette!(
+        help = way_out,
+        "the scene `{}` has no reference to identify against",
+        scene.name
+    )))
+}
+
+/// The model at rest that is fitted, and its compliances.
+fn statics_of(scene: &SceneFile, args: &Identify) -> Result<(String, StaticTarget), Refusal> {
+    let choice = match &args.against {
+        Some(label) => scene.select(Some(label))?.into_iter().next(),
+        None => (scene.models.iter()).find(|c| properties_of(models(), &c.model).full_order),
+    };
+    let Some(choice) = choice else {
+        return Err(Refusal::Input(miette::miette!(
+            help = "give the scene a model of finite elements, or name another with --against",
+            "the scene `{}` has no model whose statics could be fitted",
+            scene.name
+        )));
+    };
+    let spec = scene.spec_for(choice);
+    let [a, b] = spec.meshes[0].gears.map(|i| &spec.gears[i]);
+    let layout = mesh_layout(a, b).map_err(|e| Refusal::Failed(e.to_string()))?;
+    let force = 1e3 * args.load * layout.face_width;
+    let target = StaticTarget::of((&spec, &choice.modelling), models(), force, POSITIONS);
+    let fail = |e| refuse_study(scene, StudyError::Statics(choice.label.clone(), e));
+    Ok((choice.label.clone(), target.map_err(fail)?))
 }
 
 fn write(
     scene: &SceneFile,
+    (to, reference): (FittedTo, &str),
     found: &[(String, Identification)],
     command: &str,
 ) -> Result<PathBuf, Refusal> {
@@ -116,32 +164,54 @@ fn write(
     let fail = |e: &dyn std::fmt::Display| Refusal::Files(format!("{}: {e}", path.display()));
     // Calibrations of other names or labels stay as they are.
     let mut calibration = match std::fs::read_to_string(&path) {
-        Ok(text) => Calibration::parse(&path.display().to_string(), &text)?,
+        Ok(text) => {
+            let mut calibration = Calibration::parse(&path.display().to_string(), &text)?;
+            let comments = text.lines().map_while(|l| l.strip_prefix('#'));
+            calibration.header = comments.map(|l| l.trim().to_owned()).collect();
+            calibration
+        }
         Err(_) => Calibration::default(),
     };
-    calibration.header = vec![
-        format!("Written by: {command}"),
-        format!(
-            "Reference: {}",
-            scene.reference.as_deref().unwrap_or("none")
-        ),
-        format!("Commit {}, {}", machine::COMMIT, machine::now()),
-    ];
+    // Every line of the header says which calibration it is of.
+    let own = |line: String| format!("{}: {line}", to.as_str());
+    let tag = own(String::new());
+    calibration
+        .header
+        .retain(|l| !l.starts_with(tag.trim_end()));
+    calibration.header.extend([
+        own(format!("written by {command}")),
+        own(format!("fitted to {reference}; for {}", to.holds_for())),
+        own(format!("commit {}, {}", machine::COMMIT, machine::now())),
+    ]);
     for (label, r) in found {
         let intervals: Vec<String> = r
             .parameters
             .iter()
             .map(|p| format!("{} {:.1} %", p.key, 100.0 * p.relative_95))
             .collect();
-        calibration.header.push(format!(
-            "{label}: relative L2 error of the force history {:.4}; 95 % intervals: {}",
-            r.force_l2,
+        let errors = [
+            ("force history", r.force_l2),
+            ("static compliance", r.static_l2),
+        ];
+        let errors = errors
+            .into_iter()
+            .filter_map(|(what, e)| Some(format!("{what} {:.4}", e?)));
+        calibration.header.push(own(format!(
+            "{label}: relative L2 error of the {}; 95 % intervals: {}",
+            errors.collect::<Vec<_>>().join(", of the "),
             intervals.join(", ")
-        ));
-        let constants = Constants::of(r.parameters.iter().map(|p| (p.key, p.value)));
+        )));
+        let mut constants = Constants::of(r.parameters.iter().map(|p| (p.key, p.value)));
+        // What was not fitted stays as the calibration that the model asks for has it.
+        let before = scene
+            .model(label)
+            .and_then(|c| c.calibration.as_ref()?.constants.clone());
+        for (key, x) in before.map(|b| b.parameters).unwrap_or_default() {
+            constants.parameters.entry(key).or_insert(x);
+        }
         calibration
             .sets
-            .entry(NAME.into())
+            .entry(to.as_str().into())
             .or_default()
             .insert(label.clone(), constants);
     }

@@ -8,6 +8,10 @@
 //! |---|---|
 //! | `rigid` | stiffness of a tooth pair per width, gap |
 //! | `movable-teeth` | stiffness of a tooth pair per width, tooth stiffness, tooth mass, gap |
+//!
+//! An impact is over before the bodies have given way, so that what fits it is too stiff for gears that run under load:
+//! there compliances of finite elements at rest are fitted in its place (the stiffness of a tooth pair, which is
+//! all that they tell), or both at once.
 
 pub(crate) mod arguments;
 pub(crate) mod command;
@@ -16,5 +20,5 @@ mod plan;
 mod run;
 mod summary;
 
-pub use plan::{Identification, Identified, IdentifyError, apply};
+pub use plan::{Identification, Identified, IdentifyError, StaticTarget, Target, apply};
 pub use run::identify;

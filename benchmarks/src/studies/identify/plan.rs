@@ -2,7 +2,9 @@
 
 use crate::scene_file::calibration::Constants;
 use gearbench_models::error::BuildError;
+use gearbench_models::gear::table::Model;
 use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_reference::statics::{Load, LoadedPair, MeshCycle, StaticsError};
 use serde_json::{Value, json};
 
 /// An identified parameter.
@@ -16,13 +18,54 @@ pub struct Identified {
     pub relative_95: f64,
 }
 
+/// What constants are fitted to: one of them, or both at once, each weighted by its size.
+#[derive(Clone, Debug, Default)]
+pub struct Target<'a> {
+    /// Times [s] and contact force [N] of a reference impact.
+    pub history: Option<(&'a [f64], &'a [f64])>,
+    /// A mesh cycle at rest.
+    pub statics: Option<StaticTarget>,
+}
+
+/// Compliances of the mesh under a load at even positions over one base pitch: tangents, as facets of finite-element
+/// flanks shift the transmission error itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticTarget {
+    /// Force along the line of action [N].
+    pub force: f64,
+    /// Tangent compliance along the line of action at each position [m/N].
+    pub compliance: Vec<f64>,
+}
+
+impl StaticTarget {
+    /// That of a model of a scene.
+    ///
+    /// # Errors
+    /// [`StaticsError`] where it cannot be loaded.
+    pub fn of(
+        (spec, modelling): (&SceneSpec, &Modelling),
+        models: &[Model],
+        force: f64,
+        positions: usize,
+    ) -> Result<Self, StaticsError> {
+        let mut pair = LoadedPair::new(spec, modelling, models)?;
+        let cycle = MeshCycle::solve(&mut pair, Load::Force(force), positions, |_| {})?;
+        Ok(StaticTarget {
+            force,
+            compliance: cycle.tangent.iter().map(|k| k.recip()).collect(),
+        })
+    }
+}
+
 /// The result of an identification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identification {
     /// Parameters.
     pub parameters: Vec<Identified>,
-    /// Relative L2 error of the force history with them.
-    pub force_l2: f64,
+    /// Relative L2 error of the force history with them, where it was fitted.
+    pub force_l2: Option<f64>,
+    /// Relative L2 error of the static compliance over a mesh cycle, where it was fitted.
+    pub static_l2: Option<f64>,
     /// Integrations done.
     pub evaluations: u32,
 }
@@ -36,6 +79,7 @@ impl Identification {
         json!({
             "model": label,
             "force_l2": self.force_l2,
+            "static_l2": self.static_l2,
             "evaluations": self.evaluations,
             "parameters": parameters,
         })
@@ -51,6 +95,9 @@ pub enum IdentifyError {
     /// There is no recipe for the model.
     #[error("there is nothing to identify for the model `{0}`; {known} have stiffness to fit", known = .1.join(" and "))]
     Model(String, Vec<&'static str>),
+    /// The model that statics are fitted to cannot be loaded.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
     /// The reference has no force.
     #[error("the reference has no contact force to fit to")]
     NoForce,

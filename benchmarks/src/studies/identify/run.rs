@@ -1,7 +1,7 @@
 //! The fit.
 
 use super::levenberg_marquardt::{Fit, fit};
-use super::plan::{Identification, Identified, IdentifyError, apply};
+use super::plan::{Identification, Identified, IdentifyError, StaticTarget, Target, apply};
 use crate::experiment::key::Key;
 use crate::experiment::run::force_on_grid;
 use crate::experiment::runner::Runner;
@@ -20,18 +20,22 @@ const MAX_STEPS: u64 = 20_000;
 /// Stiffness of a tooth pair that fits start from [N/m per m].
 const PAIR: f64 = 1.5e10;
 
-/// Fits a model (its id in all gears of `modelling`) to a force history.
+/// Fits a model (its id in all gears of `modelling`) to a target.
+///
+/// Statics alone cannot tell springs in series apart, nor masses and gaps: then only the stiffness of a tooth pair is
+/// fitted, and all other constants stay as they are.
 pub fn identify(
     spec: &SceneSpec,
     modelling: &Modelling,
     models: &[Model],
-    reference: (&[f64], &[f64]),
+    target: &Target<'_>,
     runner: &Runner<'_>,
     mut progress: impl FnMut(u32, f64),
 ) -> Result<Identification, IdentifyError> {
-    let (time, force) = reference;
-    let size: f64 = force.iter().map(|f| f * f).sum::<f64>().sqrt();
-    if size <= 0.0 || !size.is_finite() {
+    let size = |y: &[f64]| y.iter().map(|y| y * y).sum::<f64>().sqrt();
+    let (time, force) = target.history.unwrap_or_default();
+    let force_size = size(force);
+    if target.history.is_some() && !(force_size > 0.0 && force_size.is_finite()) {
         return Err(IdentifyError::NoForce);
     }
     let model = modelling.gears.first().map_or("", |g| g.id.as_str());
@@ -39,7 +43,10 @@ pub fn identify(
         let known = models.iter().filter(|m| m.properties.fit.is_some());
         IdentifyError::Model(model.into(), known.map(|m| m.id).collect())
     })?;
-    let keys: Vec<&'static str> = [&[STIFFNESS], fit_of.parameters, &[GAP]].concat();
+    let keys: Vec<&'static str> = match target.history {
+        Some(_) => [&[STIFFNESS], fit_of.parameters, &[GAP]].concat(),
+        None => vec![STIFFNESS],
+    };
 
     let mut count = 0;
     let mut why = String::new();
@@ -49,27 +56,45 @@ pub fn identify(
         apply(&values, model, &mut spec, &mut modelling);
         let key = Key::new("trial of a fit")
             .and_scene(&spec, &modelling)
-            .and(&time);
-        let run = runner.piece(key, || {
-            let mut scene = Scene::build(&spec, &modelling, models).map_err(|e| e.to_string())?;
-            let mut dopri5 = DOPRI5.build();
-            force_on_grid(
-                &mut scene,
-                dopri5.as_mut(),
-                Resolution::Tolerance(RTOL),
-                MAX_STEPS,
-                time,
-            )
-            .map_err(|e| e.to_string())
+            .and(&(time, &target.statics));
+        let run = runner.piece(key, || -> Result<Vec<f64>, String> {
+            let mut found = Vec::new();
+            if target.history.is_some() {
+                let mut scene =
+                    Scene::build(&spec, &modelling, models).map_err(|e| e.to_string())?;
+                let mut dopri5 = DOPRI5.build();
+                let resolution = Resolution::Tolerance(RTOL);
+                found = force_on_grid(&mut scene, dopri5.as_mut(), resolution, MAX_STEPS, time)
+                    .map_err(|e| e.to_string())?;
+                if found.len() != force.len() {
+                    return Err("the run does not reach the end of the reference".into());
+                }
+            }
+            if let Some(wanted) = &target.statics {
+                let count = wanted.compliance.len();
+                let own = StaticTarget::of((&spec, &modelling), models, wanted.force, count);
+                found.extend(own.map_err(|e| e.to_string())?.compliance);
+            }
+            Ok(found)
         });
         match run {
-            Ok(f) if f.len() == force.len() => {
-                let r: Vec<f64> = f.iter().zip(force).map(|(a, b)| (a - b) / size).collect();
+            Ok(found) => {
+                let (f, e) = found.split_at(force.len().min(found.len()));
+                let mut r: Vec<f64> = (f.iter().zip(force))
+                    .map(|(a, b)| (a - b) / force_size)
+                    .collect();
+                if let Some(wanted) = &target.statics {
+                    let whole = size(&wanted.compliance);
+                    r.extend(
+                        e.iter()
+                            .zip(&wanted.compliance)
+                            .map(|(a, b)| (a - b) / whole),
+                    );
+                }
                 count += 1;
-                progress(count, r.iter().map(|r| r * r).sum::<f64>().sqrt());
+                progress(count, size(&r));
                 Some(r)
             }
-            Ok(_) => None,
             Err(e) => {
                 why = e;
                 None
@@ -78,16 +103,19 @@ pub fn identify(
     };
 
     let mut best: Option<Fit> = None;
-    for start in starts(spec, &fit_of) {
+    for mut start in starts(spec, &fit_of) {
+        start.truncate(keys.len());
         if let Some(f) = fit(&mut residuals, &start)
             && best.as_ref().is_none_or(|b| f.sum < b.sum)
         {
             best = Some(f);
         }
     }
-    let Some(best) = best else {
+    let left = best.as_ref().and_then(|best| residuals(&best.x));
+    let (Some(best), Some(left)) = (best, left) else {
         return Err(IdentifyError::Failed(why));
     };
+    let (f, e) = left.split_at(force.len());
     let parameters = keys
         .iter()
         .zip(best.x.iter().zip(&best.relative_95))
@@ -99,7 +127,8 @@ pub fn identify(
         .collect();
     Ok(Identification {
         parameters,
-        force_l2: best.sum.sqrt(),
+        force_l2: target.history.map(|_| size(f)),
+        static_l2: target.statics.as_ref().map(|_| size(e)),
         evaluations: count,
     })
 }

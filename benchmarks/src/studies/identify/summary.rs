@@ -5,9 +5,16 @@ use crate::cli::terminal::say;
 
 /// The error that is left, and the parameters with their intervals.
 pub fn summarise(label: &str, reference: &str, r: &Identification) {
+    let part = |what: &str, error: Option<f64>| {
+        error.map(|e| format!("{what} within {:.3} % (relative L2)", 100.0 * e))
+    };
+    let parts = [
+        part("force history", r.force_l2),
+        part("static compliance", r.static_l2),
+    ];
     say(&format!(
-        "{label}: force history within {:.3} % (relative L2) of {reference}, {} integrations",
-        100.0 * r.force_l2,
+        "{label}: {} of {reference}, {} trials",
+        parts.into_iter().flatten().collect::<Vec<_>>().join(", "),
         r.evaluations
     ));
     for p in &r.parameters {

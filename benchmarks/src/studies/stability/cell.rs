@@ -158,6 +158,7 @@ pub fn cell(
             Some(series) => match error(&row, series, &plan.tolerance) {
                 Some(e) => {
                     distance = Some(e);
+                    status = Status::Converged;
                     if e > plan.tolerance.limit {
                         status = Status::Inaccurate;
                         message = Some(format!(

@@ -8,7 +8,7 @@ use gearbench_models::gear::movable_teeth::{MovableTeethParameters, PerTooth};
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::law::Damping;
 use gearbench_models::spec::{
-    ContactSpec, GearSpec, Modelling, Mount, Profile, SceneSpec, mesh_layout, stiffness_curve,
+    ContactSpec, GearSpec, Modelling, Mount, SceneSpec, mesh_layout, stiffness_curve,
 };
 use gearbench_models::stiffness::{Ends, Interpolation, PairStiffness};
 use gearbench_reference::full_order::FullOrderParameters;
@@ -87,7 +87,9 @@ impl Axis {
                 let mut ratios = setup.modelling.contacts.iter().map(|c| match c.damping {
                     _ if c.exponent != 1.0 => None,
                     Damping::None => Some(0.0),
-                    Damping::KelvinVoigtRatio { ratio } => Some(ratio),
+                    Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
+                        Some(ratio)
+                    }
                     _ => None,
                 });
                 match ratios.next() {
@@ -135,10 +137,10 @@ impl Axis {
             }
             Axis::Damping => {
                 for contact in &mut modelling.contacts {
-                    contact.damping = if value == 0.0 {
-                        Damping::None
-                    } else {
-                        Damping::KelvinVoigtRatio { ratio: value }
+                    contact.damping = match contact.damping {
+                        _ if value == 0.0 => Damping::None,
+                        Damping::RatioAtLoad { .. } => Damping::RatioAtLoad { ratio: value },
+                        _ => Damping::KelvinVoigtRatio { ratio: value },
                     };
                 }
             }
@@ -146,7 +148,7 @@ impl Axis {
                 for gear in &mut scene.gears {
                     gear.speed *= value;
                     if let Mount::Driven(profile) = &mut gear.mount {
-                        scale(profile, value);
+                        *profile = profile.scaled(value);
                     }
                 }
             }
@@ -199,17 +201,6 @@ fn scaled_table(
         ends: Ends::Clamped,
         interpolation: Interpolation::Cubic,
     })
-}
-
-fn scale(profile: &mut Profile, factor: f64) {
-    match profile {
-        Profile::Constant(x) => *x *= factor,
-        Profile::Ramp { from, to, .. } => {
-            *from *= factor;
-            *to *= factor;
-        }
-        Profile::Table { value, .. } => value.iter_mut().for_each(|x| *x *= factor),
-    }
 }
 
 /// The value of a method's parameter, given or default.

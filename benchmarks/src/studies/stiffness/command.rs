@@ -28,6 +28,7 @@ pub fn run(args: &Stiffness) -> Result<Answer, Refusal> {
             includes: includes(&c.modelling, models()),
             spec: scene.spec_for(c),
             modelling: c.modelling.clone(),
+            stated: None,
         })
         .collect();
     let first = &entries[0];

@@ -28,9 +28,9 @@ impl Row {
         let c = &self.cycle;
         Told {
             model: self.label.clone(),
-            single_stiffness_n_per_m2: c.single_stiffness(),
+            single_stiffness_n_per_m2: self.single_stiffness(),
             at_pitch_point_n_per_m2: c.at_pitch_point(),
-            mesh_stiffness_n_per_m2: c.mesh_stiffness(),
+            mesh_stiffness_n_per_m2: self.mesh_stiffness(),
             mesh_tangent_n_per_m2: c.mesh_tangent(),
             transmission_error_mean_m: c.mean_error(),
             transmission_error_peak_to_peak_m: c.peak_to_peak(),
@@ -85,9 +85,9 @@ pub fn summary_csv(rows: &[Row]) -> String {
         text.push_str(&format!(
             "{},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{:.6e},{},{},{},{:.3},{:.3},\"{}\",\"{}\"\n",
             r.label,
-            c.single_stiffness(),
+            r.single_stiffness(),
             c.at_pitch_point(),
-            c.mesh_stiffness(),
+            r.mesh_stiffness(),
             c.mesh_tangent(),
             c.mean_error(),
             c.peak_to_peak(),

@@ -3,9 +3,10 @@
 use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
-use gearbench_models::spec::{Modelling, SceneSpec};
+use gearbench_models::geometry::{Mate, Pair};
+use gearbench_models::spec::{Body, Modelling, PointRule, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{
-    Foundation, Hertz, IsoVariation, PairStiffness, RootLength, ToothModel,
+    Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
 
 /// A model to load.
@@ -15,6 +16,9 @@ pub struct Entry {
     pub includes: String,
     pub spec: SceneSpec,
     pub modelling: Modelling,
+    /// Stiffness of a pair and mean stiffness of the mesh that a norm states [N/m^2]: of helical gears they are no
+    /// secants of a loaded mesh, so that they cannot be read from its cycle.
+    pub stated: Option<[f64; 2]>,
 }
 
 impl Entry {
@@ -43,43 +47,131 @@ pub fn formulas(spec: &SceneSpec, modelling: &Modelling) -> [Entry; 2] {
             includes: includes.into(),
             spec: spec.clone(),
             modelling,
+            stated: None,
         }
     };
     [
-        with(
-            "ISO 6336-1",
-            "c' of the norm with its 0.8, CR = 1, parabola with the norm's mean; for 100 N/mm and more",
-            PairStiffness::Iso6336 {
-                variation: IsoVariation::IsoMean,
-            },
-        ),
+        Entry {
+            stated: iso_values(spec),
+            ..with(
+                "ISO 6336-1",
+                "c' and c_gamma as the norm states them, with its 0.8 and CR = 1; the cycle with the parabola that has them in spur gears; for 100 N/mm and more",
+                PairStiffness::Iso6336 {
+                    variation: IsoVariation::IsoMean,
+                },
+            )
+        },
         with(
             "analytic",
-            "Weber-Banaschek tooth, Sainsot-Velex body, linear Hertz contact, in series",
+            "Weber-Banaschek tooth and Hertz contact at 100 N/mm, body as an elastic ring that all pairs share",
             PairStiffness::Compliance {
                 tooth: ToothModel::WeberBanaschek,
-                foundation: Foundation::SainsotVelex(RootLength::default()),
-                hertz: Hertz::Linear,
+                foundation: Foundation::Ring,
+                hertz: Hertz::WeberBanaschek {
+                    reference_load: None,
+                },
             },
         ),
     ]
 }
 
-/// What the stiffness of a modelling includes, in words.
+/// `c'` and `c_gamma_alpha` of ISO 6336-1 for the gears of a mesh [N/m^2]; `None` where the formula has no value.
+pub fn iso_values(spec: &SceneSpec) -> Option<[f64; 2]> {
+    let [a, b] = spec.meshes.first()?.gears.map(|i| &spec.gears[i]);
+    let Body::Gear(gear) = &a.body else {
+        return None;
+    };
+    let layout = mesh_layout(a, b).ok()?;
+    let pair = Pair::new(gear, &b.body, layout.distance).ok()?;
+    let mate = match &b.body {
+        Body::Gear(g) => Mate::Gear(g),
+        Body::Rack(r) => Mate::Rack(r),
+    };
+    let iso = iso_of(gear, (mate, &pair), [a.material, b.material]).ok()?;
+    Some([iso.c_prime, iso.c_gamma_alpha])
+}
+
+/// What the stiffness of a modelling includes, in words: what acts in its contact.
 pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
-    let mut gears = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
-    let all_rigid = gears.clone().all(|p| p.rigid);
-    let contact = modelling.contacts.first();
-    if gears.any(|p| p.full_order) {
-        let penalty = contact.and_then(|c| c.points).map_or(String::new(), |p| {
-            format!(", penalty {:.1e} Pa/m", p.penalty)
-        });
-        return format!("teeth, body to the rigid bore, contact over the mesh{penalty}");
+    let properties = (modelling.gears.iter()).map(|g| properties_of(models, &g.id));
+    let all_rigid = properties.clone().all(|p| p.rigid);
+    let Some(contact) = modelling.contacts.first() else {
+        return String::new();
+    };
+    match contact.points {
+        Some(p) if p.hard => "teeth, body to the rigid bore, hard contact over the mesh".into(),
+        Some(p) => {
+            let unit = match p.rule {
+                PointRule::EachNode => "N/m per node",
+                _ => "Pa/m",
+            };
+            format!(
+                "teeth, body to the rigid bore, contact over the mesh, penalty {:.1e} {unit}",
+                p.penalty
+            )
+        }
+        None if all_rigid => contact.stiffness.describe(),
+        None => format!(
+            "the model's own springs in series with {}",
+            contact.stiffness.describe()
+        ),
     }
-    let law = contact.map_or(String::new(), |c| c.stiffness.describe());
-    if all_rigid {
-        law
-    } else {
-        format!("the model's own springs in series with {law}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file::{Origin, SceneFile};
+
+    fn helical(
+        teeth: [u32; 2],
+        [module, angle, width]: [f64; 3],
+        extra: [&str; 2],
+        place: &str,
+    ) -> SceneSpec {
+        let gear = |name: &str, z: u32, angle: f64, extra: &str| {
+            format!(
+                "[gears.{name}]\nteeth = {z}\nmodule_m = {module}\nface_width_m = {width}\nhelix_angle_deg = {angle}\n{extra}\n"
+            )
+        };
+        let [a, b] = teeth;
+        let text = format!(
+            "schema = 1\nname = \"helical\"\nduration_s = 1e-3\n{}{}[[meshes]]\ngears = [\"a\", \"b\"]\n{place}\n[[models]]\nmodel = \"rigid\"\ncontact = {{ stiffness = \"iso6336\" }}\n",
+            gear("a", a, angle, extra[0]),
+            gear("b", b, -angle, extra[1]),
+        );
+        SceneFile::parse("helical.toml", &text, Origin::Shipped, false)
+            .unwrap()
+            .spec
+    }
+
+    /// ISO/TR 6336-30, example 1, its Annex A; and pairs of 20 and 30 degrees by the formula worked by hand.
+    #[test]
+    fn the_row_of_the_norm_is_the_norms_for_helical_gears() {
+        let rack = "dedendum_factor = 1.4\nmaterial = { young_pa = 2.06e11 }";
+        let shifted = format!("{rack}\nprofile_shift = 0.145222");
+        let example = helical(
+            [17, 103],
+            [0.008, 15.8, 0.1],
+            [&shifted, rack],
+            "centre_distance_m = 0.5",
+        );
+        let [c, mesh] = iso_values(&example).unwrap();
+        assert!((c / 1e9 - 12.370472).abs() < 2e-5, "{c}");
+        // The contact ratio depends on tip diameters, which the example alters by a tip shortening.
+        let ratio = (mesh / c - 0.25) / 0.75;
+        assert!((1.45..1.65).contains(&ratio), "{ratio}");
+        for (angle, known) in [(20.0, [12.24, 16.35]), (30.0, [11.82, 14.47])] {
+            let pair = helical(
+                [20, 30],
+                [0.004, angle, 0.04],
+                ["", ""],
+                "backlash_m = 100e-6",
+            );
+            let found = iso_values(&pair).unwrap().map(|k| k / 1e9);
+            for (f, k) in found.iter().zip(known) {
+                assert!((f / k - 1.0).abs() < 6e-4, "{angle} deg: {found:?}");
+            }
+        }
     }
 }

@@ -16,6 +16,8 @@ pub struct Row {
     /// Formulas in it that have left their range: its numbers are no better than they are there.
     pub limits: Vec<String>,
     pub cycle: MeshCycle,
+    /// What a norm states, see [`Entry::stated`].
+    pub stated: Option<[f64; 2]>,
     /// Coordinates that were solved for.
     pub unknowns: usize,
     pub work: [u64; 2],
@@ -40,6 +42,7 @@ pub fn solve(
         includes: entry.includes.clone(),
         limits: entry.limits(),
         cycle,
+        stated: entry.stated,
         unknowns: pair.unknowns(),
         work: pair.work(),
         wall: [setup, start.elapsed().as_secs_f64()],
@@ -47,6 +50,16 @@ pub fn solve(
 }
 
 impl Row {
+    /// Stiffness of one pair [N/m^2]: what a norm states, else the largest secant.
+    pub fn single_stiffness(&self) -> f64 {
+        (self.stated).map_or_else(|| self.cycle.single_stiffness(), |[pair, _]| pair)
+    }
+
+    /// Stiffness of the mesh [N/m^2]: what a norm states, else the mean secant.
+    pub fn mesh_stiffness(&self) -> f64 {
+        (self.stated).map_or_else(|| self.cycle.mesh_stiffness(), |[_, mesh]| mesh)
+    }
+
     /// Position over the base pitch from the pitch point.
     pub(super) fn relative(&self, s: f64) -> f64 {
         (s - self.cycle.pitch_point) / self.cycle.base_pitch

@@ -30,9 +30,9 @@ pub fn summarise(scene: &str, load: &str, rows: &[Row]) {
         say(&format!(
             "{:<wide$} {:>7.2} {:>7.2} {:>7.2} {:>8.2} {:>8.3} {:>8.3}  {}",
             r.label,
-            c.single_stiffness() / PER_MM_UM,
+            r.single_stiffness() / PER_MM_UM,
             c.at_pitch_point() / PER_MM_UM,
-            c.mesh_stiffness() / PER_MM_UM,
+            r.mesh_stiffness() / PER_MM_UM,
             c.mesh_tangent() / PER_MM_UM,
             1e6 * c.mean_error(),
             1e6 * c.peak_to_peak(),

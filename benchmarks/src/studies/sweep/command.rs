@@ -1,6 +1,7 @@
 //! `gearbench sweep SCENE`: loaded running over the speed.
 
 use super::arguments::Sweep;
+use super::pair::Pair;
 use super::summary::summarise;
 use super::{Plan, check, mesh_resonance, sweep};
 use crate::cli::answer::Answer;
@@ -42,7 +43,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
     }
     let running: Vec<&ModelChoice> = choices.into_iter().filter(|m| !full(m)).collect();
     let entry = |c: &&ModelChoice| Configuration::of(&scene, c);
-    let told = scene.study.sweep;
+    let told = &scene.study.sweep;
     let mut shown = running.clone();
     shown.extend(&standing);
     let mut plan = Plan {
@@ -58,7 +59,19 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
         standing: standing.iter().map(entry).collect(),
         method: (scene.study.integrators.first().cloned()).unwrap_or(VELOCITY_VERLET.at_step(2e-7)),
         frequencies: Vec::new(),
-        cycles: args.cycles.map_or(told.cycles(), |n| n as usize),
+        branches: match &args.branches {
+            Some(asked) => {
+                let mut branches = asked.clone();
+                branches.dedup();
+                branches
+            }
+            None => told.branches().to_vec(),
+        },
+        cycles: match (args.cycles, args.turns.map(|n| n as usize).or(told.turns())) {
+            (Some(cycles), _) => cycles as usize,
+            (None, Some(turns)) => Pair::cycles_of(&scene.spec, turns),
+            (None, None) => told.cycles(),
+        },
         settle: told.settle(),
         positions: args.positions,
     };
@@ -79,7 +92,7 @@ pub fn run(args: &Sweep, command: &str) -> Result<Answer, Refusal> {
         .collect();
 
     let mut folder = StudyFolder::of(&args.run.output, &scene, Study::Sweep.as_str())?;
-    let made = folder.run(plan.frequencies.len(), |runner| sweep(&plan, runner));
+    let made = folder.run(plan.count(), |runner| sweep(&plan, runner));
     folder.finish(
         made.map_err(|e| folder.refuse(refuse(e)))?,
         Exit::of_every_run,

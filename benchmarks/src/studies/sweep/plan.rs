@@ -3,6 +3,7 @@
 use crate::experiment::conditions::Conditions;
 use crate::experiment::configuration::Configuration;
 use gearbench_integrators::Scheme;
+use gearbench_reports::sweep::Branch;
 
 /// What to sweep.
 #[derive(Clone, Debug)]
@@ -14,12 +15,21 @@ pub struct Plan<'a> {
     pub standing: Vec<Configuration>,
     /// Integrator of models without their own.
     pub method: Scheme,
-    /// Mesh frequencies [Hz].
+    /// Mesh frequencies [Hz], ascending.
     pub frequencies: Vec<f64>,
+    /// How a run comes to its speed, each at all speeds.
+    pub branches: Vec<Branch>,
     /// Whole mesh cycles to measure.
     pub cycles: usize,
     /// Time to settle [s], mesh cycles or not.
     pub settle: f64,
     /// Positions of the static cycle.
     pub positions: usize,
+}
+
+impl Plan<'_> {
+    /// Number of runs.
+    pub fn count(&self) -> usize {
+        self.frequencies.len() * self.branches.len() * self.entries.len()
+    }
 }

@@ -1,179 +1,50 @@
 //! Runs over the speed.
 
+use super::pair::{EndState, Pair};
 use super::plan::Plan;
 use super::steady::{Histories, measure};
 use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::experiment::key::Key;
-use crate::experiment::run::{Job, run};
+use crate::experiment::run::{Job, RunError, run_from};
 use crate::experiment::runner::Runner;
 use gearbench_integrators::Scheme;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{
-    Body, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
-};
+use gearbench_models::spec::{SceneSpec, effective_radius};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_reports::Part;
-use gearbench_reports::numbers::short;
 use gearbench_reports::record::{self, Results, Run, StaticCycle, Status};
 use gearbench_reports::series::TimeSeries;
-use gearbench_reports::sweep::SweepRecord;
+use gearbench_reports::sweep::{Branch, SweepRecord};
 use std::f64::consts::TAU;
+use std::time::Instant;
 
 #[cfg(test)]
 mod tests;
 
-/// Samples of a mesh cycle in the histories.
+/// Samples of a mesh cycle in the histories at least, twice those that are measured.
 const SAMPLES: f64 = 256.0;
+/// Samples of a period of the mesh resonance at least: what the gears do by themselves within a slow mesh cycle.
+const OF_RESONANCE: f64 = 16.0;
+/// Samples of a mesh cycle at most.
+const MOST_SAMPLES: f64 = 65_536.0;
 /// Part of the settling time in which the loads rise.
 const RISE: f64 = 1.0 / 3.0;
+/// Parts of the settling time, after each of which the speed of free gears is brought back.
+const GOVERNED: usize = 3;
 /// Mesh cycles of settling at least.
 const LEAST_CYCLES: f64 = 4.0;
-/// Imbalance of the loads' power, over the larger one, that keeps a speed.
-const BALANCE: f64 = 1e-6;
 /// What does not repeat, over what does, beyond which a run counts as unsettled.
 const UNSETTLED: f64 = 0.2;
 
-/// The mesh that is swept.
-struct Pair {
-    layout: MeshLayout,
-    /// Effective base radii of both gears [m].
-    effective_radii: [f64; 2],
-    teeth: f64,
-    /// Of the flank in contact, as the first gear turns.
-    sign: f64,
-    /// Path coordinate of the reference pair at zero displacement [m].
-    start: f64,
-    /// Force along the line of action [N].
-    force: f64,
-}
-
-/// Constant torque on a hub [N m].
-fn torque(loads: &[Load]) -> f64 {
-    let of = |l: &Load| match l {
-        Load::Applied(p) => p.value(f64::INFINITY),
-        Load::Viscous(_) => 0.0,
-    };
-    loads.iter().map(of).sum()
-}
-
 impl Pair {
-    fn of(spec: &SceneSpec) -> Result<Self, String> {
-        let ([a, b], [mesh]) = (spec.gears.as_slice(), spec.meshes.as_slice()) else {
-            return Err(format!(
-                "a sweep is of one mesh of two gears, but the scene has {} gears and {} meshes",
-                spec.gears.len(),
-                spec.meshes.len()
-            ));
-        };
-        let (Body::Gear(first), Body::Gear(_)) = (&a.body, &b.body) else {
-            return Err("a sweep is of two gears; a rack comes to its end".into());
-        };
-        let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
-        let sign = mesh.start.side.sign();
-        let effective_radii = [effective_radius(&a.body), effective_radius(&b.body)];
-        let loads = [torque(&a.loads), torque(&b.loads)];
-        let driven = [a, b].map(|g| matches!(g.mount, Mount::Driven(_)));
-        // Both torques press the flanks together along the line of action.
-        let forces = [
-            sign * loads[0] / effective_radii[0],
-            sign * loads[1] / effective_radii[1],
-        ];
-        let force = match driven {
-            [true, true] => return Err("both gears are driven: nothing can vibrate".into()),
-            [true, false] => forces[1],
-            [false, true] => forces[0],
-            [false, false] => {
-                let off = (forces[0] - forces[1]).abs();
-                if off > BALANCE * forces[0].abs().max(forces[1].abs()) {
-                    let brake = [a, b]
-                        .iter()
-                        .any(|g| g.loads.iter().any(|l| matches!(l, Load::Viscous(_))));
-                    return Err(format!(
-                        "the constant torques {} and {} N m do not balance, the speed would drift; {} N m on `{}` needs {} N m on `{}`{}",
-                        short(loads[0], 5),
-                        short(loads[1], 5),
-                        short(loads[0], 5),
-                        a.name,
-                        short(loads[0] * effective_radii[1] / effective_radii[0], 8),
-                        b.name,
-                        if brake {
-                            ". Viscous loads do not count: their torque changes with the speed that is swept"
-                        } else {
-                            ""
-                        }
-                    ));
-                }
-                forces[0]
-            }
-        };
-        if force <= 0.0 {
-            return Err(format!(
-                "the loads press {force:.4} N on the flank of the mesh's start; a sweep needs constant torques that press it"
-            ));
-        }
-        Ok(Pair {
-            start: mesh.start.path_coordinate.unwrap_or(layout.pitch_point),
-            layout,
-            effective_radii,
-            teeth: f64::from(first.teeth()),
-            sign,
-            force,
-        })
-    }
-
-    /// That of a model, or why there is none.
-    fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
-        Pair::in_scene(&plan.conditions.name, &entry.scene)
-    }
-
-    fn in_scene(name: &str, spec: &SceneSpec) -> Result<Self, StudyError> {
-        Pair::of(spec).map_err(|why| {
-            let why = format!("the scene `{name}` cannot be swept: {why}");
-            let help = "`gearbench init pair` writes a scene that can be swept, with comments";
-            StudyError::Scene(why, help)
-        })
-    }
-
-    /// Speeds of both gears at a mesh frequency [rad/s].
-    fn speeds(&self, frequency: f64) -> [f64; 2] {
-        let first = self.sign * TAU * frequency / self.teeth;
-        [
-            first,
-            -first * self.effective_radii[0] / self.effective_radii[1],
-        ]
-    }
-
-    /// The scene at a speed, its loads rising until `rise` [s], the teeth touching.
-    fn scene(&self, spec: &SceneSpec, frequency: f64, rise: f64) -> SceneSpec {
-        let mut spec = spec.clone();
-        spec.meshes[0].start.gap = 0.0;
-        for (g, speed) in spec.gears.iter_mut().zip(self.speeds(frequency)) {
-            g.speed = speed;
-            if matches!(g.mount, Mount::Driven(_)) {
-                g.mount = Mount::Driven(Profile::Constant(speed));
-            }
-            let full = torque(&g.loads);
-            g.loads.retain(|l| matches!(l, Load::Viscous(_)));
-            if full != 0.0 {
-                g.loads.push(Load::Applied(Profile::Ramp {
-                    from: 0.0,
-                    to: full,
-                    start: 0.0,
-                    end: rise,
-                }));
-            }
-        }
-        spec
-    }
-
     /// What a run settled to.
     fn steady(
         &self,
         gears: [(&str, bool); 2],
         series: &TimeSeries,
-        cycles: usize,
+        counts: [usize; 2],
     ) -> Option<record::Steady> {
         let column = |name: String| {
             let found = series.columns.iter().find(|c| c.name == name);
@@ -210,10 +81,12 @@ impl Pair {
                 position: &position,
                 error: &error,
                 force: &series.contact_force_n,
+                pieces: series.force.as_ref(),
+                gears: [0, 1].map(|k| (gears[k].0, self.teeth[k])),
                 speed: &series.omega1_rad_s,
                 bearings,
             },
-            cycles,
+            counts,
         )
     }
 }
@@ -237,12 +110,15 @@ fn standing(plan: &Plan<'_>, entry: &Configuration) -> Result<StaticCycle, Study
     let pair = Pair::of_entry(plan, entry)?;
     let mut loaded =
         LoadedPair::new(&entry.scene, &entry.modelling, plan.conditions.models).map_err(fail)?;
-    let load = StaticLoad::Force(pair.force);
+    // What a viscous load adds at speed is not there at rest: the limit is that of the slowest speed.
+    let slowest = plan.frequencies.iter().copied().reduce(f64::min);
+    let force = slowest.map_or_else(|| pair.own_force(), |f| pair.force(f));
+    let load = StaticLoad::Force(force);
     let cycle = MeshCycle::solve(&mut loaded, load, plan.positions, |_| {}).map_err(fail)?;
     let tangent = cycle.mesh_tangent() * cycle.face_width;
     Ok(StaticCycle {
         label: entry.model_label(),
-        force_n: pair.force,
+        force_n: force,
         position: (cycle.positions.iter())
             .map(|p| (p.s - cycle.pitch_point) / cycle.base_pitch)
             .collect(),
@@ -277,24 +153,39 @@ pub fn mesh_resonance(plan: &Plan<'_>, entry: &Configuration) -> Result<Option<f
 /// are rows.
 pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError> {
     let mut statics = Vec::new();
-    let total = plan.frequencies.len() * plan.entries.len();
+    let total = plan.count();
+    let ends = [0, plan.frequencies.len().saturating_sub(1)].map(|i| plan.frequencies.get(i));
     for entry in plan.entries.iter().chain(&plan.standing) {
         runner.tell(0, total, &format!("{}, at rest", entry.label));
+        let pair = Pair::of_entry(plan, entry)?;
+        pair.check_speeds(&plan.conditions.name, ends.into_iter().flatten().copied())?;
         let key = Key::new("static cycle")
             .and_scene(&entry.scene, &entry.modelling)
-            .and(&plan.positions);
+            .and(&(plan.positions, ends));
         statics.push(runner.piece(key, || standing(plan, entry))?);
     }
     let mut runs = Vec::new();
-    for entry in &plan.entries {
-        let pair = Pair::of_entry(plan, entry)?;
-        let method = (entry.methods.as_ref())
-            .and_then(|m| m.first())
-            .unwrap_or(&plan.method);
-        for &frequency in &plan.frequencies {
-            let what = format!("{}, mesh frequency {frequency:.0} Hz", entry.label);
-            runner.tell(runs.len(), total, &what);
-            runs.push(one(plan, runner, entry, &pair, method, frequency)?);
+    for (entry, statics) in plan.entries.iter().zip(&statics) {
+        let branch = Branches {
+            plan,
+            runner,
+            entry,
+            pair: Pair::of_entry(plan, entry)?,
+            method: (entry.methods.as_ref())
+                .and_then(|m| m.first())
+                .unwrap_or(&plan.method),
+            resonance: statics.resonance_hz.unwrap_or(0.0),
+            total,
+        };
+        // The way down begins where the way up ended.
+        let mut turned = None;
+        for &way in &plan.branches {
+            let top = branch.run(
+                way,
+                turned.take().filter(|_| way == Branch::Down),
+                &mut runs,
+            )?;
+            turned = top.filter(|_| way == Branch::Up);
         }
     }
     runner.tell(runs.len(), total, "report");
@@ -304,37 +195,137 @@ pub fn sweep(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, StudyError
     })
 }
 
-fn one(
-    plan: &Plan<'_>,
-    runner: &Runner<'_>,
-    entry: &Configuration,
-    pair: &Pair,
-    method: &Scheme,
-    frequency: f64,
-) -> Result<Run, StudyError> {
-    let period = frequency.recip();
-    let settle = plan.settle.max(LEAST_CYCLES * period);
-    // One cycle more: whole cycles begin where a pair's do.
-    let t_end = settle + (plan.cycles as f64 + 1.2) * period;
-    let scene = pair.scene(&entry.scene, frequency, RISE * settle);
-    let count = (SAMPLES * (t_end - settle) / period).ceil();
-    let grid: Vec<f64> = (0..=count as usize)
-        .map(|i| settle + (t_end - settle) * i as f64 / count)
-        .collect();
-    let job = Job {
-        t_end,
-        also_steps: false,
-        forces: true,
-        ..plan
-            .conditions
-            .job((&scene, &entry.modelling), method, &grid)
-    };
-    let mut row = runner.row(job.key().and(&plan.cycles), method, || {
-        let row = run(&job)?;
-        Ok::<_, StudyError>(settled(plan, entry, pair, frequency, settle, row))
-    })?;
-    entry.sign(&mut row);
-    Ok(row)
+/// The runs of a model.
+struct Branches<'a, 'p> {
+    plan: &'a Plan<'p>,
+    runner: &'a Runner<'a>,
+    entry: &'a Configuration,
+    pair: Pair,
+    method: &'a Scheme,
+    /// Of the mesh at rest [Hz].
+    resonance: f64,
+    total: usize,
+}
+
+impl Branches<'_, '_> {
+    /// All speeds in one way, from what the last one of another way left; what the last speed leaves.
+    fn run(
+        &self,
+        branch: Branch,
+        mut from: Option<EndState>,
+        runs: &mut Vec<Run>,
+    ) -> Result<Option<EndState>, StudyError> {
+        let mut frequencies = self.plan.frequencies.clone();
+        if branch == Branch::Down {
+            frequencies.reverse();
+        }
+        for frequency in frequencies {
+            let what = format!(
+                "{}, {branch}, mesh frequency {frequency:.0} Hz",
+                self.entry.label
+            );
+            self.runner.tell(runs.len(), self.total, &what);
+            let (row, end) = self.one(branch, frequency, from.as_ref())?;
+            runs.push(row);
+            // A run that failed leaves nothing: the branch goes on from the last that did.
+            if branch != Branch::Fresh {
+                from = end.or(from);
+            }
+        }
+        Ok(from)
+    }
+
+    fn one(
+        &self,
+        branch: Branch,
+        frequency: f64,
+        from: Option<&EndState>,
+    ) -> Result<(Run, Option<EndState>), StudyError> {
+        let Branches {
+            plan, entry, pair, ..
+        } = self;
+        let period = frequency.recip();
+        let begin = from.map_or(0.0, EndState::time);
+        let settle = plan.settle.max(LEAST_CYCLES * period);
+        let measured = begin + settle;
+        // One cycle more: whole cycles begin where a pair's do.
+        let t_end = measured + (plan.cycles as f64 + 1.2) * period;
+        let scene = pair.scene(&entry.scene, frequency, RISE * settle, from);
+        let per_cycle = (2.0 * OF_RESONANCE * self.resonance * period).clamp(SAMPLES, MOST_SAMPLES);
+        let per_cycle = per_cycle.log2().ceil().exp2();
+        let count = (per_cycle * (t_end - measured) / period).ceil();
+        let grid: Vec<f64> = (0..=count as usize)
+            .map(|i| measured + (t_end - measured) * i as f64 / count)
+            .collect();
+        let job = Job {
+            t_end,
+            also_steps: false,
+            forces: true,
+            repeats: 0,
+            ..plan
+                .conditions
+                .job((&scene, &entry.modelling), self.method, &grid)
+        };
+        let key = job.key().and(&(plan.cycles, branch, from, GOVERNED));
+        let made = self.runner.row_with(key, self.method, || {
+            let build = |spec: &SceneSpec| {
+                let models = plan.conditions.models;
+                Scene::build(spec, &entry.modelling, models).map_err(RunError::from)
+            };
+            let mut started = Instant::now();
+            let mut built = build(&scene)?;
+            let mut state = pair.start(&built, frequency, from);
+            let mut drive = from.map_or(0.0, EndState::drive);
+            // What a part of the settling loses is given to the next, and the lost speed back.
+            let parts = if pair.is_free() { GOVERNED } else { 0 };
+            let mut spent = Run::default();
+            for part in 1..=parts {
+                let spec = pair.driven_by(&scene, &built, drive);
+                let mut settling = build(&spec)?;
+                let until = begin + settle * part as f64 / parts as f64;
+                let job = Job {
+                    t_end: until,
+                    grid: &[until],
+                    forces: false,
+                    scene: &spec,
+                    ..job
+                };
+                let since = state.t;
+                let row = run_from(&job, &mut settling, &mut state, started.elapsed())?;
+                if row.status.is_failure() {
+                    let way = (branch, frequency, settle, 0);
+                    return Ok::<_, StudyError>((settled(plan, entry, pair, way, row), None));
+                }
+                drive -= pair.govern(&settling, &mut state, frequency) / (until - since);
+                spent.steps += row.steps;
+                spent.wall_s = spent.wall_s.max(0.0) + row.wall_s;
+                started = Instant::now();
+            }
+            let spec = pair.driven_by(&scene, &built, drive);
+            if parts > 0 {
+                built = build(&spec)?;
+            }
+            let job = Job {
+                scene: &spec,
+                ..job
+            };
+            let mut row = run_from(&job, &mut built, &mut state, started.elapsed())?;
+            row.steps += spent.steps;
+            row.wall_s += spent.wall_s.max(0.0);
+            row.simulated_s -= begin;
+            row.end_s = row.end_s.map(|t| t - begin);
+            let whole = !row.status.is_failure();
+            let end = whole
+                .then(|| EndState::of(&state, &spec, frequency, drive))
+                .flatten();
+            let per_cycle = (0.5 * per_cycle) as usize;
+            let way = (branch, frequency, settle, per_cycle);
+            Ok::<_, StudyError>((settled(plan, entry, pair, way, row), end))
+        });
+        let (mut row, end) = made?;
+        entry.sign(&mut row);
+        Ok((row, end))
+    }
 }
 
 /// The row of a run with what it settled to in place of its histories.
@@ -342,8 +333,7 @@ fn settled(
     plan: &Plan<'_>,
     entry: &Configuration,
     pair: &Pair,
-    frequency: f64,
-    settle: f64,
+    (branch, frequency, settle, per_cycle): (Branch, f64, f64, usize),
     mut row: Run,
 ) -> Run {
     row.contacts = None;
@@ -353,8 +343,8 @@ fn settled(
         (entry.scene.gears[i].name.as_str(), vibrates)
     });
     let series = row.series.take().unwrap_or_default();
-    match pair.steady(gears, &series, plan.cycles) {
-        Some(steady) if !row.status.is_failure() => {
+    match pair.steady(gears, &series, [plan.cycles, per_cycle]) {
+        Some(mut steady) if !row.status.is_failure() => {
             if steady.irregular > UNSETTLED {
                 row.status = Status::Inaccurate;
                 row.message = Some(format!(
@@ -363,6 +353,7 @@ fn settled(
                     1e3 * settle
                 ));
             }
+            steady.branch = branch;
             row.steady = Some(steady);
         }
         // The place on the axis, for the failures.
@@ -372,6 +363,7 @@ fn settled(
                 row.message = Some("too few whole mesh cycles to measure".into());
             }
             row.steady = Some(record::Steady {
+                branch,
                 mesh_frequency_hz: frequency,
                 ..record::Steady::default()
             });

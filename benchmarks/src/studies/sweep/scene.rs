@@ -3,12 +3,13 @@
 use crate::scene_file::SceneError;
 use crate::scene_file::reading::Place;
 use crate::scene_file::reading::keys::keys;
-use crate::scene_file::reading::values::{Count, Positive};
+use crate::scene_file::reading::values::{Count, Distinct, Positive};
+use gearbench_reports::sweep::Branch;
 
 keys! {
     /// Speeds at which a sweep runs.
     #[serde(default)]
-    #[derive(Copy, PartialEq)]
+    #[derive(PartialEq)]
     pub struct Sweep {
         /// lowest mesh frequency in hertz: teeth times turns per second
         from_hz: Option<Positive>,
@@ -18,8 +19,14 @@ keys! {
         points: Count<2, 10_000>,
         /// whole mesh cycles that are measured, default 8
         cycles: Count<1, 1000>,
+        /// whole turns of the first gear that are measured in place of mesh cycles, for the orders of its shaft (and of the
+        /// other's, where it makes whole turns as well)
+        turns: Option<Count<1, 1000>>,
         /// time in seconds that a run is given to settle, default 0.005; at least four mesh cycles
         settle_s: Positive,
+        /// how runs come to their speed: a list of "up", "down" (each from the speed before) and "fresh" (from teeth
+        /// that touch unloaded), default ["up", "down"]
+        branches: Distinct<Branch>,
     }
 }
 
@@ -30,7 +37,9 @@ impl Default for Sweep {
             to_hz: None,
             points: Count(40),
             cycles: Count(8),
+            turns: None,
             settle_s: Positive(5e-3),
+            branches: Distinct(vec![Branch::Up, Branch::Down]),
         }
     }
 }
@@ -51,9 +60,19 @@ impl Sweep {
         self.cycles.0
     }
 
+    /// Whole turns of the first gear to measure, in place of mesh cycles.
+    pub fn turns(&self) -> Option<usize> {
+        self.turns.map(|n| n.0)
+    }
+
     /// Time to settle [s].
     pub fn settle(&self) -> f64 {
         self.settle_s.0
+    }
+
+    /// How runs come to their speed.
+    pub fn branches(&self) -> &[Branch] {
+        &self.branches.0
     }
 
     /// Refuses what does not go together.

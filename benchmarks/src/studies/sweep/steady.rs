@@ -1,12 +1,16 @@
 //! What a run settles to: channels over exactly whole mesh cycles, their harmonics, and one mean cycle.
 
+use gearbench_reports::force::ForceHistory;
 use gearbench_reports::record::{Bearing, Steady};
+use gearbench_reports::sweep::ShaftOrders;
 use std::f64::consts::TAU;
 
-/// Samples of a mesh cycle after resampling.
+/// Samples of a mean mesh cycle.
 const PER_CYCLE: usize = 128;
 /// Harmonics of the mesh frequency that are kept.
 pub const HARMONICS: usize = 24;
+/// Orders of a shaft that are kept beyond twice that of the mesh.
+const SIDEBANDS: usize = 4;
 /// Contact force below this part of its mean counts as none.
 const APART: f64 = 1e-6;
 
@@ -20,16 +24,21 @@ pub struct Histories<'a> {
     pub error: &'a [f64],
     /// Contact force [N].
     pub force: &'a [f64],
+    /// The same between events, where it is known: greatest force, mean and contact are its own, not of samples.
+    pub pieces: Option<&'a ForceHistory>,
     /// Speed of the first gear [rad/s].
     pub speed: &'a [f64],
+    /// Names and teeth of both gears.
+    pub gears: [(&'a str, usize); 2],
     /// Bearing forces: gear, whether they contain its own inertia, x and y [N].
     pub bearings: Vec<(String, bool, &'a [f64], &'a [f64])>,
 }
 
-/// Measures the last `cycles` whole mesh cycles; `None` when the histories hold fewer.
+/// Measures the last `cycles` whole mesh cycles, in so many samples `per_cycle` (a multiple of 128); `None` when the
+/// histories hold fewer.
 ///
 /// Everything is resampled at even positions of the pair, so that a speed that drifts a little smears no harmonic.
-pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
+pub fn measure(h: &Histories<'_>, [cycles, per_cycle]: [usize; 2]) -> Option<Steady> {
     let n = h.position.len();
     if n < 2 || cycles == 0 || h.time.len() != n {
         return None;
@@ -48,17 +57,18 @@ pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
     if start < along[0] {
         return None;
     }
-    let count = PER_CYCLE * cycles;
-    let at: Vec<f64> = (0..count)
-        .map(|i| start + (i as f64 + 0.5) / PER_CYCLE as f64)
+    let at: Vec<f64> = (0..per_cycle * cycles)
+        .map(|i| start + (i as f64 + 0.5) / per_cycle as f64)
         .collect();
     let sampled = |y: &[f64]| resample(&along, y, &at);
-    let (error, force) = (sampled(h.error), sampled(h.force));
+    let (error, force) = (resample_smooth(&along, h.error, &at), sampled(h.force));
     let ends = resample(&along, h.time, &[start, end]);
     let mesh_frequency = cycles as f64 / (ends[1] - ends[0]);
     let speed = mean(&sampled(h.speed));
 
-    let mean_force = mean(&force);
+    let within = h.pieces.map(|p| p.within(ends[0], ends[1]));
+    let lasts = ends[1] - ends[0];
+    let mean_force = within.map_or_else(|| mean(&force), |w| w.impulse_ns / lasts);
     let bearings = (h.bearings.iter())
         .map(|(gear, own_inertia, x, y)| {
             let (x, y) = (sampled(x), sampled(y));
@@ -72,10 +82,22 @@ pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
             }
         })
         .collect();
-    let cycle = mean_cycle(&error);
+    // Over whole turns of a shaft every tooth has its own share; what repeats is a mesh cycle otherwise.
+    let turns = |teeth: usize| teeth > 0 && cycles.is_multiple_of(teeth);
+    let whole: Vec<(&str, usize)> = h.gears.into_iter().filter(|g| turns(g.1)).collect();
+    let shaft_orders = (whole.iter())
+        .map(|(gear, teeth)| ShaftOrders {
+            gear: (*gear).to_owned(),
+            teeth: *teeth,
+            error_m: (1..=2 * teeth + SIDEBANDS)
+                .map(|n| amplitude(&error, n * (cycles / teeth)))
+                .collect(),
+        })
+        .collect();
+    let cycle = mean_cycle(&error, per_cycle);
     let regular = rms(&cycle);
     let deviations: Vec<f64> = (error.iter().enumerate())
-        .map(|(i, e)| e - cycle[i % PER_CYCLE])
+        .map(|(i, e)| e - cycle[i % per_cycle])
         .collect();
     let mut one = Steady {
         mesh_frequency_hz: mesh_frequency,
@@ -85,10 +107,16 @@ pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
         error_rms_m: rms(&error),
         error_peak_to_peak_m: range(&error),
         error_harmonics_m: amplitudes(&error, cycles),
+        error_long_peak_to_peak_m: range(&running_mean(&error, per_cycle)),
+        shaft_orders,
         force_mean_n: mean_force,
-        force_peak_n: force.iter().copied().fold(0.0, f64::max),
-        separated: share(&force, |f| f <= APART * mean_force),
-        irregular: if regular > 0.0 {
+        force_peak_n: within
+            .map_or_else(|| force.iter().copied().fold(0.0, f64::max), |w| w.peak_n),
+        separated: within.map_or_else(
+            || share(&force, |f| f <= APART * mean_force),
+            |w| (1.0 - w.contact_s / lasts).max(0.0),
+        ),
+        irregular: if regular > 0.0 && whole.is_empty() {
             rms(&deviations) / regular
         } else {
             0.0
@@ -97,8 +125,9 @@ pub fn measure(h: &Histories<'_>, cycles: usize) -> Option<Steady> {
         position: (0..PER_CYCLE)
             .map(|i| (i as f64 + 0.5) / PER_CYCLE as f64 - 0.5)
             .collect(),
-        force_cycle_n: mean_cycle(&force),
-        error_cycle_m: cycle,
+        force_cycle_n: in_blocks(&mean_cycle(&force, per_cycle)),
+        error_cycle_m: in_blocks(&cycle),
+        ..Steady::default()
     };
     if !forward {
         one.error_cycle_m.reverse();
@@ -128,11 +157,16 @@ fn share(x: &[f64], is: impl Fn(f64) -> bool) -> f64 {
     x.iter().filter(|x| is(**x)).count() as f64 / x.len() as f64
 }
 
-fn mean_cycle(x: &[f64]) -> Vec<f64> {
-    let cycles = (x.len() / PER_CYCLE) as f64;
-    (0..PER_CYCLE)
-        .map(|i| x.iter().skip(i).step_by(PER_CYCLE).sum::<f64>() / cycles)
+fn mean_cycle(x: &[f64], per_cycle: usize) -> Vec<f64> {
+    let cycles = (x.len() / per_cycle) as f64;
+    (0..per_cycle)
+        .map(|i| x.iter().skip(i).step_by(per_cycle).sum::<f64>() / cycles)
         .collect()
+}
+
+/// Means over equal parts of a cycle, as many as a mean cycle has.
+fn in_blocks(x: &[f64]) -> Vec<f64> {
+    x.chunks(x.len() / PER_CYCLE).map(mean).collect()
 }
 
 /// Linear between samples at ascending abscissae.
@@ -149,22 +183,57 @@ fn resample(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// A cubic through the four samples around each abscissa, for what has no jumps.
+fn resample_smooth(x: &[f64], y: &[f64], at: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    if n < 4 {
+        return resample(x, y, at);
+    }
+    let mut i = 0;
+    at.iter()
+        .map(|&a| {
+            while i + 4 < n && x[i + 2] < a {
+                i += 1;
+            }
+            // Differences from one sample: what they have in common would cost digits.
+            let (x, y) = (&x[i..i + 4], &y[i..i + 4]);
+            let term = |k: usize| {
+                let others = (0..4).filter(|j| *j != k);
+                others.fold(y[k] - y[1], |p, j| p * (a - x[j]) / (x[k] - x[j]))
+            };
+            y[1] + term(0) + term(2) + term(3)
+        })
+        .collect()
+}
+
 /// Amplitudes of the harmonics `1 .. HARMONICS` of the cycle in samples over whole cycles: sums over all samples, so
 /// that no window is needed and other harmonics do not leak.
 pub fn amplitudes(x: &[f64], cycles: usize) -> Vec<f64> {
+    (1..=HARMONICS).map(|k| amplitude(x, k * cycles)).collect()
+}
+
+/// Amplitude of what repeats so many times over all samples.
+fn amplitude(x: &[f64], times: usize) -> f64 {
     let n = x.len() as f64;
-    (1..=HARMONICS)
-        .map(|k| {
-            let turn = TAU * (k * cycles) as f64 / n;
-            let (mut re, mut im) = (0.0, 0.0);
-            for (i, x) in x.iter().enumerate() {
-                let (sin, cos) = (turn * i as f64).sin_cos();
-                re += x * cos;
-                im += x * sin;
-            }
-            2.0 / n * re.hypot(im)
-        })
-        .collect()
+    let turn = TAU * times as f64 / n;
+    let (mut re, mut im) = (0.0, 0.0);
+    for (i, x) in x.iter().enumerate() {
+        let (sin, cos) = (turn * i as f64).sin_cos();
+        re += x * cos;
+        im += x * sin;
+    }
+    2.0 / n * re.hypot(im)
+}
+
+/// Means over windows of a length, at every place where one fits.
+fn running_mean(x: &[f64], length: usize) -> Vec<f64> {
+    let mut sum: f64 = x[..length].iter().sum();
+    let mut means = vec![sum / length as f64];
+    for (out, new) in x.iter().zip(&x[length..]) {
+        sum += new - out;
+        means.push(sum / length as f64);
+    }
+    means
 }
 
 #[cfg(test)]
@@ -198,10 +267,12 @@ mod tests {
                     position: &position,
                     error: &error,
                     force: &force,
+                    pieces: None,
+                    gears: [("a", 3), ("b", 4)],
                     speed: &speed,
                     bearings: vec![("a".into(), false, &force, &error)],
                 },
-                8,
+                [8, 128],
             )
             .unwrap();
             // Linear interpolation between some hundred samples of a cycle.
@@ -228,6 +299,50 @@ mod tests {
         }
     }
 
+    /// A pitch deviation of every third tooth and a run-out stand at their orders.
+    #[test]
+    fn whole_turns_have_the_orders_of_their_shaft() {
+        let time: Vec<f64> = (0..6000).map(|i| f64::from(i) * 5e-6).collect();
+        let position: Vec<f64> = time.iter().map(|t| 0.21 + 1000.0 * t).collect();
+        let wave = |p: f64| {
+            1e-6 * (0.5 * (TAU * p).sin()
+                + 0.2 * (TAU * p / 12.0).cos()
+                + 0.1 * (TAU * p / 3.0).sin())
+        };
+        let error: Vec<f64> = position.iter().map(|p| wave(*p)).collect();
+        let force = vec![100.0; time.len()];
+        let s = measure(
+            &Histories {
+                time: &time,
+                position: &position,
+                error: &error,
+                force: &force,
+                pieces: None,
+                gears: [("pinion", 12), ("wheel", 17)],
+                speed: &force,
+                bearings: Vec::new(),
+            },
+            [24, 128],
+        )
+        .unwrap();
+        let [orders] = s.shaft_orders.as_slice() else {
+            panic!("{:?}", s.shaft_orders);
+        };
+        assert_eq!((orders.gear.as_str(), orders.teeth), ("pinion", 12));
+        for (i, a) in orders.error_m.iter().enumerate() {
+            let expected = match i + 1 {
+                1 => 0.2e-6,
+                4 => 0.1e-6,
+                12 => 0.5e-6,
+                _ => 0.0,
+            };
+            assert!((a - expected).abs() < 1e-10, "{}: {a}", i + 1);
+        }
+        // The mesh cycle itself is averaged away, slow waves hardly.
+        assert!((s.error_long_peak_to_peak_m / 1e-6 - 0.53).abs() < 0.05);
+        assert_eq!(s.irregular, 0.0);
+    }
+
     #[test]
     fn too_few_cycles_and_turning_back_are_refused() {
         let [time, mut position, error, force, speed] = histories(1000.0, 0.0, 1.0);
@@ -238,10 +353,12 @@ mod tests {
                     position,
                     error: &error,
                     force: &force,
+                    pieces: None,
+                    gears: [("a", 3), ("b", 4)],
                     speed: &speed,
                     bearings: Vec::new(),
                 },
-                cycles,
+                [cycles, 128],
             )
         };
         assert!(of(&position, 19).is_some());

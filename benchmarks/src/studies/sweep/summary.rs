@@ -2,6 +2,7 @@
 
 use crate::cli::terminal::say;
 use gearbench_reports::record::Results;
+use gearbench_reports::sweep::bistable;
 
 /// One line per model, and the failures.
 pub fn summarise(results: &Results) {
@@ -33,6 +34,16 @@ pub fn summarise(results: &Results) {
                 0 => String::new(),
                 _ => format!("{:.1} s", runs.iter().map(|r| r.wall_s).sum::<f64>()),
             }
+        ));
+    }
+    for two in bistable(results) {
+        let ranges: Vec<String> = (two.ranges.iter())
+            .map(|[a, b]| format!("{a:.0} to {b:.0} Hz"))
+            .collect();
+        say(&format!(
+            "{} runs in one way on the way up and in another on the way down: {}",
+            two.label,
+            ranges.join(", ")
         ));
     }
     let failed: Vec<_> = (results.runs.iter())

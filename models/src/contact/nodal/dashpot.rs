@@ -110,7 +110,7 @@ impl DashpotSolve {
                 self.force[i as usize] += w * s.force.n;
             }
         }
-        let linear = springs.iter().all(|s| s.law.exponent() == 1.0);
+        let linear = springs.iter().all(|s| s.law.is_piecewise_linear());
         let mut norm = self.residual(springs);
         let (mut first, mut before) = (norm, f64::INFINITY);
         self.pieces.clear();

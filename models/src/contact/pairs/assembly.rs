@@ -1,20 +1,17 @@
 //! Lines of action of a mesh from its geometry: normals, tangent points, path coordinates, partners.
 
-use super::deviation::Deviation;
 use super::lines::{Line, LinesOfAction, MeshGeometry, PathMap, Slice, side_index};
+use super::separation::Separation;
 use crate::Vec3;
 use crate::contact::clearance::LineClearance;
-use crate::geometry::Side;
-use crate::stiffness::StiffnessCurve;
+use crate::geometry::{Gear, Side};
+use crate::law::Law;
+use crate::stiffness::{PairOrMesh, StiffnessCurve};
 
 impl LinesOfAction {
     /// Builds the lines of both flanks.
-    pub fn new(
-        g: MeshGeometry,
-        stiffness: StiffnessCurve,
-        whole_mesh: bool,
-        slices: Vec<Slice>,
-    ) -> Self {
+    pub fn new(g: MeshGeometry, stiffness: StiffnessCurve, law: &Law, slices: Vec<Slice>) -> Self {
+        let whole_mesh = stiffness.of() == PairOrMesh::Mesh;
         let view = &g.views[0];
         let (delta, alpha) = (view.direction, view.working_pressure_angle);
         let rb = view.base_radius.unwrap_or(0.0);
@@ -38,12 +35,15 @@ impl LinesOfAction {
                     origin,
                     map: [PathMap::default(); 2],
                     ascending: [true; 2],
-                    plain: slice.deviation.iter().all(Option::is_none),
+                    plain: slice.separation.iter().all(Separation::is_plain)
+                        && g.deviating.iter().all(Option::is_none),
                     slack: 0.0,
+                    tips: [0, 1].map(|k| slice.separation[k].edge()[0]),
                 });
             }
         }
-        let ratio = (g.zone[1] - g.zone[0]) / g.base_pitch;
+        let zone = g.views[0].touching;
+        let ratio = (zone[1] - zone[0]) / g.base_pitch;
         let pairs = if whole_mesh {
             1
         } else {
@@ -52,9 +52,11 @@ impl LinesOfAction {
         let mut loa = LinesOfAction {
             partner: [0, 0],
             stiffness,
+            elastic: law.undamped(),
             whole_mesh,
             slices,
             pairs,
+            zone,
             helix_cos: g.base_helix.cos(),
             per_base_pitch: g.base_pitch.recip(),
             mesh: g,
@@ -98,10 +100,13 @@ impl LinesOfAction {
     /// The clearances of the mesh, one per line.
     pub fn clearances(&self) -> Vec<LineClearance> {
         let of = |line: &Line| {
-            let lowest = |d: &Option<Deviation>| d.as_ref().map_or(0.0, Deviation::lowest);
-            let modified: f64 = self.slices[line.slice].deviation.iter().map(lowest).sum();
+            let modified: f64 = (self.slices[line.slice].separation.iter())
+                .map(Separation::lowest)
+                .sum();
+            let gears = self.mesh.deviating.iter().flatten();
+            let stands_off: f64 = gears.map(Gear::greatest_tooth_deviation).sum();
             LineClearance {
-                assembled: self.helix_cos * line.slack + modified,
+                assembled: self.helix_cos * line.slack + modified - stands_off,
                 per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
             }
         };

@@ -1,11 +1,12 @@
 //! The lines of action of a mesh as data, and what a gear looks like to them.
 
-use super::deviation::Deviation;
+use super::separation::Separation;
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::ToothCoordinates;
-use crate::geometry::Side;
+use crate::geometry::{Gear, Side};
 use crate::kinematics::{MeshView, Tooth};
+use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
 use gearbench_integrators::system::At;
 
@@ -20,8 +21,8 @@ pub struct Slice {
     pub weight: f64,
     /// Offset of the path coordinate of a left flank by the helix [m].
     pub offset: f64,
-    /// Modification of the flanks of both gears, if any.
-    pub deviation: [Option<Deviation>; 2],
+    /// How far the flanks of both gears stand off the involutes.
+    pub separation: [Separation; 2],
 }
 
 /// What a mesh of two gears looks like in its transverse plane.
@@ -41,6 +42,8 @@ pub struct MeshGeometry {
     pub zone: [f64; 2],
     /// Base helix angle of gear a [rad].
     pub base_helix: f64,
+    /// Gears whose teeth deviate from each other.
+    pub deviating: [Option<Gear>; 2],
 }
 
 /// The lines of action of both flanks of a mesh.
@@ -51,12 +54,16 @@ pub struct LinesOfAction {
     pub partner: [i64; 2],
     /// Stiffness of a pair along `s_a`, whole width.
     pub stiffness: StiffnessCurve,
+    /// The law without its damping.
+    pub(super) elastic: Law,
     /// One spring for the mesh, whatever the number of pairs in contact.
     pub whole_mesh: bool,
     /// Slices over the width; one for a spur gear.
     pub slices: Vec<Slice>,
     /// Contact slots per line.
     pub pairs: usize,
+    /// Path coordinates `s_a` between which pairs may touch [m].
+    pub(super) zone: [f64; 2],
     pub(super) helix_cos: f64,
     pub(super) per_base_pitch: f64,
     pub(super) lines: Vec<Line>,
@@ -76,10 +83,13 @@ pub(super) struct Line {
     pub(super) map: [PathMap; 2],
     /// Whether the teeth count up with the pairs, for both gears.
     pub(super) ascending: [bool; 2],
-    /// Neither flank is modified, so teeth that move as one have one gap:
-    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`.
+    /// Neither flank is modified and no tooth deviates, so teeth that move as one have one gap,
+    /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`, and beyond their tips a
+    /// larger one.
     pub(super) plain: bool,
     pub(super) slack: f64,
+    /// Path coordinates of both gears beyond which the edge of the tip touches [m].
+    pub(super) tips: [f64; 2],
 }
 
 /// Path coordinate of a flank as a linear function of its tooth's displacement and the pair's number.
@@ -131,6 +141,7 @@ pub(super) struct PairState {
     pub(super) s: [f64; 2],
     pub(super) gap: f64,
     pub(super) scale: [f64; 2],
+    pub(super) curvature: [f64; 2],
 }
 
 pub(super) const ZONE_EVENTS: usize = 4;

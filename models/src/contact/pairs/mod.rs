@@ -9,8 +9,10 @@
 //! ```
 //!
 //! with `theta` the angle of the tooth from the line of centres, `chi` its half angle on the base circle, `L`
-//! the length between the tangent points, `e` the flank modification. A pair lies in the zone while
-//! `s_A <= s_a <= s_E`. This is the six-step search of Ebrahimi and Eberhard (2006: tooth of gear 1 in
+//! the length between the tangent points, `e` the [`separation`] of modified flanks and of tip edges beyond the path of
+//! contact. Stiffness follows the middle of both path coordinates, `s = (s_a + L - s_b)/2`, which is the path coordinate
+//! of the contact whichever gear comes first. Pairs are looked at while an edge may touch, before, on and behind the path
+//! of contact. This is the six-step search of Ebrahimi and Eberhard (2006: tooth of gear 1 in
 //! the contact region, its neighbours, their partners, intersection with the line of action, relative angle;
 //! the same for the other flank) with each tooth's own angle, so it serves rigid gears, movable teeth, and
 //! elastic gears whose points stay on the line.
@@ -19,11 +21,12 @@
 //! `delta + sign (pi/2 - alpha_w)`, tangent point at angle `delta - sign alpha_w`.
 
 mod assembly;
-mod deviation;
+mod coupling;
 mod lines;
 mod search;
+mod separation;
 mod walk;
 
-pub use deviation::Deviation;
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
+pub use separation::{Engagement, Separation};

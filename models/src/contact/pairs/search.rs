@@ -27,10 +27,10 @@ impl LinesOfAction {
     }
 
     /// Sets the discrete state from a state.
-    pub fn begin(&self, a: Party<'_>, discrete: &mut [f64]) {
-        let a = Mover::new(&a);
+    pub fn begin(&self, a: Party<'_>, b: Party<'_>, discrete: &mut [f64]) {
+        let movers = [&Mover::new(&a), &Mover::new(&b)];
         for (line, m) in self.lines.iter().zip(discrete.chunks_exact_mut(2)) {
-            let (lo, hi) = self.zone_now(line, &a);
+            let (lo, hi) = self.zone_now(line, movers);
             m[0] = lo as f64;
             m[1] = hi as f64;
         }
@@ -46,17 +46,22 @@ impl LinesOfAction {
         out: &mut Vec<Candidate>,
     ) {
         let movers = [&Mover::new(&a), &Mover::new(&b)];
+        let first = out.len();
         for (l, line) in self.lines.iter().enumerate() {
             let skip = match wanted {
                 Wanted::Closed(modes) => all_open(&modes[2 * l * self.pairs..][..2 * self.pairs]),
                 Wanted::Touching(reach) => self.clearly_open(line, movers, reach),
-                Wanted::Listed => false,
+                Wanted::Listed | Wanted::Watched(_) => false,
             };
             if skip {
                 continue;
             }
             self.collect(l, movers, discrete, wanted, out);
         }
+        self.couple(&mut out[first..], |slot| match wanted {
+            Wanted::Closed(modes) | Wanted::Watched(modes) => Some(modes[2 * slot] != 0.0),
+            Wanted::Listed | Wanted::Touching(_) => None,
+        });
     }
 
     /// Event functions of the discrete state, and gaps [m] of all pairs in it by slot; other entries of `gaps` stay as
@@ -72,7 +77,7 @@ impl LinesOfAction {
         let movers = [&Mover::new(&a), &Mover::new(&b)];
         if self.whole_mesh {
             for l in 0..self.lines.len() {
-                let range = self.pairs_of(l, movers[0], discrete, true);
+                let range = self.pairs_of(l, movers, discrete, true);
                 self.gaps_of_pairs(l, range, movers, gaps);
             }
             return;

@@ -122,32 +122,35 @@ impl LinesOfAction {
     #[inline(always)]
     fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
-        let (mut gap, mut scale) = (
-            self.helix_cos * (self.mesh.length - s[0] - s[1]),
-            [1.0, 1.0],
-        );
-        if !line.plain {
-            (gap, scale) = self.modified(line, s, gap);
-        }
-        PairState {
+        let mut p = PairState {
             teeth,
             s,
-            gap,
-            scale,
+            gap: self.helix_cos * (self.mesh.length - s[0] - s[1]),
+            scale: [1.0; 2],
+            curvature: [0.0; 2],
+        };
+        if !(line.plain && s[0] <= line.tips[0] && s[1] <= line.tips[1]) {
+            self.separate(line, &mut p);
         }
+        p
     }
 
-    /// Gap and scales with the modifications of both flanks.
-    fn modified(&self, line: &Line, s: [f64; 2], mut gap: f64) -> (f64, [f64; 2]) {
-        let mut scale = [1.0, 1.0];
-        for (k, deviation) in self.slices[line.slice].deviation.iter().enumerate() {
-            if let Some(deviation) = deviation {
-                let (e, slope) = deviation.eval(s[k]);
-                gap += e;
-                scale[k] -= slope / self.helix_cos;
-            }
+    /// Adds what the flanks of a pair stand off their involutes.
+    fn separate(&self, line: &Line, p: &mut PairState) {
+        for (k, separation) in self.slices[line.slice].separation.iter().enumerate() {
+            let [e, slope, curvature] = separation.eval(p.s[k]);
+            p.gap += e;
+            p.scale[k] -= slope / self.helix_cos;
+            p.curvature[k] = curvature / (self.helix_cos * self.helix_cos);
         }
-        (gap, scale)
+        for (k, gear) in self.mesh.deviating.iter().enumerate() {
+            let Some(gear) = gear else { continue };
+            let [e, slope, curvature] =
+                gear.tooth_deviation_at_roll(p.teeth[k].index, line.side, p.s[k]);
+            p.gap += e;
+            p.scale[k] -= slope / self.helix_cos;
+            p.curvature[k] += curvature / (self.helix_cos * self.helix_cos);
+        }
     }
 
     /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
@@ -167,12 +170,12 @@ impl LinesOfAction {
 
     #[inline(always)]
     fn points(&self, line: &Line, teeth: [Tooth; 2], s: [f64; 2]) -> [Point; 2] {
-        let x = line.origin + s[0] * line.transverse;
+        let x = line.origin + self.middle(s) * line.transverse;
         let zeta = self.slices[line.slice].zeta;
         let flank = |k: usize| {
             let radius = match self.mesh.views[k].base_radius {
                 Some(rb) => (rb * rb + s[k] * s[k]).sqrt(),
-                None => self.height_on_rack(k, s[0]),
+                None => self.height_on_rack(k, self.middle(s)),
             };
             Point {
                 tooth: teeth[k],
@@ -181,6 +184,12 @@ impl LinesOfAction {
             }
         };
         [flank(0), flank(1)]
+    }
+
+    /// Path coordinate of a contact on that of gear a, the same whichever gear is asked [m].
+    #[inline(always)]
+    fn middle(&self, s: [f64; 2]) -> f64 {
+        0.5 * (s[0] + self.mesh.length - s[1])
     }
 
     /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
@@ -210,7 +219,8 @@ impl LinesOfAction {
     fn candidate(&self, line: &Line, slot: usize, p: &PairState) -> Candidate {
         let weight = self.slices[line.slice].weight;
         let points = self.points(line, p.teeth, p.s);
-        let (k, k_s) = self.stiffness.eval(p.s[0]);
+        let s = self.middle(p.s);
+        let (k, k_s) = self.stiffness.eval(s);
         Candidate {
             aside: [crate::Vec3::zeros(); 2],
             fade: 1.0,
@@ -218,11 +228,12 @@ impl LinesOfAction {
             points,
             normal: line.normal,
             scale: p.scale,
+            curvature: p.curvature,
             gap: p.gap,
             stiffness: k * weight,
             stiffness_s: k_s * weight / self.helix_cos,
-            s: p.s[0],
-            share: 1.0,
+            s,
+            share: weight,
         }
     }
 
@@ -237,7 +248,7 @@ impl LinesOfAction {
     ) {
         let line = &self.lines[l];
         let listed = !matches!(wanted, Wanted::Touching(_));
-        let range = self.pairs_of(l, movers[0], discrete, listed);
+        let range = self.pairs_of(l, movers, discrete, listed);
         self.each_pair(l, range, movers, |slot, pair, s| {
             if let Wanted::Closed(modes) = wanted
                 && modes[2 * slot] == 0.0
@@ -279,45 +290,39 @@ impl LinesOfAction {
     ) {
         let line = &self.lines[l];
         let n = (hi - lo + 1) as usize;
-        let (mut a, mut b) = ([0.0; BLOCK + 2], [0.0; BLOCK]);
+        let mut both = [[0.0; BLOCK + 2]; 2];
         if n > BLOCK {
-            self.zone_events(line, (lo, hi), movers[0], event_functions);
+            let place = |pair: i64| self.place(line, movers, pair);
+            self.set_zone_events([lo - 1, lo, hi, hi + 1].map(place), event_functions);
             return self.gaps_of_pairs(l, (lo, hi), movers, gaps);
         }
-        let (a, b) = (&mut a[..n + 2], &mut b[..n]);
+        let [a, b] = &mut both;
+        let (a, b) = (&mut a[..n + 2], &mut b[..n + 2]);
         self.path_coordinates(line, 0, movers[0], lo - 1, a);
-        self.path_coordinates(line, 1, movers[1], lo, b);
-        self.set_zone_events([a[0], a[1], a[n], a[n + 1]], event_functions);
+        self.path_coordinates(line, 1, movers[1], lo - 1, b);
+        let ends = [0, 1, n, n + 1].map(|i| self.middle([a[i], b[i]]));
+        self.set_zone_events(ends, event_functions);
         let mut slot = self.slot(l, lo);
-        for (i, b) in b.iter().enumerate() {
-            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], *b]).gap;
+        for i in 0..n {
+            gaps[slot] = self.pair(line, lo + i as i64, [a[i + 1], b[i + 1]]).gap;
             slot = self.next_slot(l, slot);
         }
     }
 
-    /// Event functions of a line's first and last pair.
+    /// Path coordinate of a pair on that of gear a, the same whichever gear comes first [m].
     #[inline(always)]
-    fn zone_events(
-        &self,
-        line: &Line,
-        (lo, hi): (i64, i64),
-        a: &Mover<'_>,
-        event_functions: &mut [f64],
-    ) {
-        let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
-        self.path_coordinates(line, 0, a, lo - 1, &mut low);
-        self.path_coordinates(line, 0, a, hi, &mut high);
-        self.set_zone_events([low[0], low[1], high[0], high[1]], event_functions);
+    fn place(&self, line: &Line, movers: [&Mover<'_>; 2], pair: i64) -> f64 {
+        self.middle([0, 1].map(|k| self.path_coordinate(line, k, movers[k], pair)))
     }
 
     /// `s`: path coordinates of the pair before the first, the first, the last, the one after it.
     #[inline(always)]
     fn set_zone_events(&self, s: [f64; 4], event_functions: &mut [f64]) {
         let scale = self.per_base_pitch;
-        event_functions[0] = (self.mesh.zone[1] - s[2]) * scale;
-        event_functions[1] = (s[1] - self.mesh.zone[0]) * scale;
-        event_functions[2] = (self.mesh.zone[0] - s[0]) * scale;
-        event_functions[3] = (s[3] - self.mesh.zone[1]) * scale;
+        event_functions[0] = (self.zone[1] - s[2]) * scale;
+        event_functions[1] = (s[1] - self.zone[0]) * scale;
+        event_functions[2] = (self.zone[0] - s[0]) * scale;
+        event_functions[3] = (s[3] - self.zone[1]) * scale;
     }
 
     /// Pairs that a line looks at: those in discrete state, or those in the zone now.
@@ -325,7 +330,7 @@ impl LinesOfAction {
     pub(super) fn pairs_of(
         &self,
         l: usize,
-        a: &Mover<'_>,
+        movers: [&Mover<'_>; 2],
         discrete: &[f64],
         listed: bool,
     ) -> (i64, i64) {
@@ -333,32 +338,35 @@ impl LinesOfAction {
         if self.whole_mesh {
             // One spring: the pair nearest to the middle of the path stands for the mesh; all pairs of
             // rigid gears have its gap.
-            let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
-            let s0 = self.path_coordinate(line, 0, a, 0);
+            let middle = 0.5 * (self.zone[0] + self.zone[1]);
+            let s0 = self.place(line, movers, 0);
             let pair = nearest((middle - s0) * self.per_base_pitch);
             (pair, pair)
         } else if listed {
             (discrete[2 * l] as i64, discrete[2 * l + 1] as i64)
         } else {
-            self.zone_now(line, a)
+            self.zone_now(line, movers)
         }
     }
 
     /// First and last pair in the zone at a state.
-    pub(super) fn zone_now(&self, line: &Line, a: &Mover<'_>) -> (i64, i64) {
+    pub(super) fn zone_now(&self, line: &Line, movers: [&Mover<'_>; 2]) -> (i64, i64) {
         // The teeth move little against the hub, so the pair nearest to the middle is a safe start.
-        let middle = 0.5 * (self.mesh.zone[0] + self.mesh.zone[1]);
-        let s0 = self.path_coordinate(line, 0, a, 0);
+        let middle = 0.5 * (self.zone[0] + self.zone[1]);
+        let s0 = self.place(line, movers, 0);
         let guess = nearest((middle - s0) * self.per_base_pitch);
         // Two pairs on each side are all that a contact ratio below three has.
-        let mut around = [0.0; 5];
-        self.path_coordinates(line, 0, a, guess - 2, &mut around);
+        let mut around = [[0.0; 5]; 2];
+        for (k, around) in around.iter_mut().enumerate() {
+            self.path_coordinates(line, k, movers[k], guess - 2, around);
+        }
         let inside = |p: i64| {
-            let known = around.get((p - guess + 2) as usize);
-            let s = known
-                .copied()
-                .unwrap_or_else(|| self.path_coordinate(line, 0, a, p));
-            s >= self.mesh.zone[0] && s <= self.mesh.zone[1]
+            let known = usize::try_from(p - (guess - 2)).ok().filter(|i| *i < 5);
+            let s = match known {
+                Some(i) => self.middle([around[0][i], around[1][i]]),
+                None => self.place(line, movers, p),
+            };
+            s >= self.zone[0] && s <= self.zone[1]
         };
         let reach = self.pairs as i64 + 1;
         let (mut lo, mut hi) = (guess, guess);

@@ -79,7 +79,7 @@ impl FlankPoints {
     ) {
         let limit = match wanted {
             Wanted::Closed(_) => 0.0,
-            Wanted::Listed => self.flanks.reach,
+            Wanted::Listed | Wanted::Watched(_) => self.flanks.reach,
             Wanted::Touching(gap) => gap.min(self.flanks.reach),
         };
         let parties = [&a, &b];
@@ -188,6 +188,7 @@ impl FlankPoints {
             aside,
             fade: fade.factor,
             scale: [1.0, 1.0],
+            curvature: [0.0; 2],
             gap: factor * hit.gap,
             stiffness: self.flanks.penalty[*k] * p.area,
             stiffness_s: 0.0,

@@ -48,12 +48,7 @@ impl Elastic {
             return;
         }
         if let Mount::Driven(course) = &self.hub.mount {
-            // Straight between its breakpoints.
-            let mut t = 0.0_f64;
-            while t.is_finite() {
-                speed = speed.abs().max(course.value(t).abs());
-                t = course.next_breakpoint(t);
-            }
+            speed = speed.abs().max(course.greatest());
         }
         let lowest = self
             .data

@@ -1,12 +1,17 @@
 //! A gear with movable teeth as a gear model.
 
-use super::teeth::MovableTeeth;
+use super::teeth::{MovableTeeth, Spring};
 use crate::Vec3;
 use crate::gear::capabilities::{LinearMotion, ToothCoordinates};
 use crate::gear::hub_body::{HubBody, HubState};
 use crate::gear::model::GearModel;
 use crate::kinematics::{Point, Row, Wrench};
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+
+/// What a tooth's own torque changes by, per angle of the tooth: stiffness, and how it follows the contact radius.
+fn own_spring(c: Coeffs, p: Spring, stretch: f64) -> f64 {
+    c.d * p.c + c.k * (p.k + 2.0 * p.dk * stretch + p.bend * stretch * stretch)
+}
 
 impl GearModel for MovableTeeth {
     fn hub(&self) -> &HubBody {
@@ -60,9 +65,10 @@ impl GearModel for MovableTeeth {
             return;
         }
         for (i, s, v, p) in self.each_spring(at) {
-            let torque = p.k * (s - phi) + p.c * (v - speed);
-            f[first + i] -= torque;
-            on_body += torque;
+            let (stretch, damped) = (s - phi, p.c * (v - speed));
+            // The force is the derivative of the energy, which also changes with the stiffness along the path.
+            f[first + i] -= p.k * stretch + 0.5 * p.dk * stretch * stretch + damped;
+            on_body += p.k * stretch + damped;
         }
         if first > 0 {
             f[0] += on_body;
@@ -80,8 +86,9 @@ impl GearModel for MovableTeeth {
         let mut on_body = 0.0;
         for (i, s, _, p) in self.each_spring(at) {
             let (ds, du) = (dq[first + i], dv[first + i]);
-            let torque = p.k * (ds - dphi) + p.dk * (s - phi) * ds + p.c * (du - dspeed);
-            df[first + i] -= torque;
+            let (turn, damped) = (p.dk * (s - phi), p.c * (du - dspeed));
+            let torque = p.k * (ds - dphi) + turn * ds + damped;
+            df[first + i] -= torque + turn * (ds - dphi) + p.bend * ds * (s - phi).powi(2);
             on_body += torque;
         }
         if first > 0 {
@@ -89,7 +96,7 @@ impl GearModel for MovableTeeth {
         }
     }
 
-    /// Arrow matrix: the teeth are coupled through the hub only.
+    /// Arrow matrix, symmetric: the teeth are coupled through the hub only.
     fn correct(
         &mut self,
         at: At<'_>,
@@ -103,11 +110,11 @@ impl GearModel for MovableTeeth {
         for (i, s, _, p) in self.each_spring(at) {
             let spring = c.d * p.c + c.k * p.k;
             let turning = spring + c.k * p.dk * (s - phi);
-            let diagonal = c.m * p.inertia + turning;
+            let diagonal = c.m * p.inertia + own_spring(c, p, s - phi);
             if diagonal == 0.0 {
                 return Err(Singular);
             }
-            hub += spring - turning * spring / diagonal;
+            hub += spring - turning * turning / diagonal;
             rhs += turning * x[first + i] / diagonal;
         }
         if first > 0 {
@@ -119,8 +126,9 @@ impl GearModel for MovableTeeth {
         let dphi = if first > 0 { x[0] } else { 0.0 };
         for (i, s, _, p) in self.each_spring(at) {
             let spring = c.d * p.c + c.k * p.k;
-            let diagonal = c.m * p.inertia + spring + c.k * p.dk * (s - phi);
-            x[first + i] = (x[first + i] + spring * dphi) / diagonal;
+            let turning = spring + c.k * p.dk * (s - phi);
+            let diagonal = c.m * p.inertia + own_spring(c, p, s - phi);
+            x[first + i] = (x[first + i] + turning * dphi) / diagonal;
         }
         Ok(())
     }
@@ -158,7 +166,7 @@ impl GearModel for MovableTeeth {
     fn powers(&self, at: At<'_>) -> Power {
         Power {
             dissipated: self.dissipated(at),
-            parametric: self.parametric(at),
+            parametric: 0.0,
             external: self.driven_power(at),
         }
     }
@@ -203,16 +211,6 @@ impl MovableTeeth {
             power += self.springs.damping[0] * self.springs.radius_squared * vv;
         }
         power
-    }
-
-    fn parametric(&self, at: At<'_>) -> f64 {
-        if self.springs.radius.is_none() {
-            return 0.0;
-        }
-        let phi = self.hub.displacement(at.t, at.q);
-        self.each_spring(at)
-            .map(|(_, s, v, p)| 0.5 * p.dk * v * (s - phi).powi(2))
-            .sum()
     }
 
     fn driven_power(&self, at: At<'_>) -> f64 {

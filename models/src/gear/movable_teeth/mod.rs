@@ -25,8 +25,8 @@
 //! A rack is the same with displacement for angles and `r_d = 1`.
 //!
 //! `k` may depend on the contact radius (`k(r)` of a tooth in contact, `k(r_0)` otherwise, `r_0` the first
-//! breakpoint); the energy that appears at entry is booked by the ledger as a jump, the work of `k'(r) r'` as
-//! parametric.
+//! breakpoint); the force on the tooth contains `k'(S) (S - phi)^2 / 2`, so that it is the derivative of the energy. What
+//! a tooth that still swings gains or loses where its contact opens or closes is booked by the ledger as a jump.
 
 mod deviations;
 mod fit;

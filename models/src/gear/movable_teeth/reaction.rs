@@ -44,7 +44,11 @@ impl MovableTeeth {
             }
             return reaction;
         }
-        let acceleration = |i: usize| (forces[first + i] - torque(i)) / self.tooth_inertia(i);
+        let acceleration = |i: usize| {
+            let stretch = at.q[first + i] - phi;
+            let along = 0.5 * self.spring(at, i, at.q[first + i]).dk * stretch * stretch;
+            (forces[first + i] - torque(i) - along) / self.tooth_inertia(i)
+        };
         let (assembled, pitch) = match self.views.first() {
             Some(view) => (view.assembled, view.pitch),
             None => return reaction,

@@ -61,6 +61,8 @@ pub struct MovableTeeth {
 pub(super) struct Spring {
     pub(super) k: f64,
     pub(super) dk: f64,
+    /// Half the second derivative of `k`.
+    pub(super) bend: f64,
     pub(super) c: f64,
     pub(super) inertia: f64,
 }
@@ -157,18 +159,18 @@ impl MovableTeeth {
         let slot = self.slot(i);
         let p = &self.springs;
         let tooth = if p.uniform { 0 } else { slot.unwrap_or(0) };
-        let (mut k, mut dk) = (p.stiffness[tooth], 0.0);
+        let [mut k, mut dk, mut bend] = [p.stiffness[tooth], 0.0, 0.0];
         if let (Some(table), Some(slot)) = (&p.radius, slot) {
             let engaged = at.discrete[self.engaged_cell(slot)];
             if engaged != 0.0 {
-                let (kr, slope) = self.stiffness_in_contact(at, table, slot, engaged, s);
-                (k, dk) = (kr, slope);
+                [k, dk, bend] = self.stiffness_in_contact(at, table, slot, engaged, s);
             }
         }
         let r2 = p.radius_squared;
         Spring {
             k: n * k * r2,
             dk: n * dk * r2,
+            bend: 0.5 * n * bend * r2,
             c: n * p.damping[tooth] * r2,
             inertia: n * p.mass[tooth] * r2,
         }
@@ -190,7 +192,7 @@ impl MovableTeeth {
         }
     }
 
-    /// `k(r)` and `dk/dS` of a tooth in contact.
+    /// `k(r)` of a tooth in contact and its derivatives by the angle `S`.
     fn stiffness_in_contact(
         &self,
         at: At<'_>,
@@ -198,7 +200,7 @@ impl MovableTeeth {
         slot: usize,
         engaged: f64,
         s: f64,
-    ) -> (f64, f64) {
+    ) -> [f64; 3] {
         let mesh = engaged.abs() as usize - 1;
         let side = if engaged > 0.0 {
             Side::Left
@@ -207,14 +209,16 @@ impl MovableTeeth {
         };
         let view = &self.views[mesh];
         let Some(rb) = view.base_radius else {
-            return (table.at(0.0).0, 0.0);
+            return [table.at(0.0)[0], 0.0, 0.0];
         };
         let index = self.tooth_of_slot(at.discrete, mesh, slot);
         let angle = view.assembled + s + index as f64 * view.pitch;
         let path = view.path_coordinate(side, angle);
         let r = rb.hypot(path);
-        let (k, dk_dr) = table.at(r);
-        (k, dk_dr * path / r * rb * side.sign())
+        let [k, by_r, bend] = table.at(r);
+        let turn = path / r * rb * side.sign();
+        let bend = bend * turn * turn + by_r * rb.powi(4) / r.powi(3);
+        [k, by_r * turn, bend]
     }
 
     /// Unwrapped index of the tooth in a slot, nearest to the mesh.
@@ -245,7 +249,7 @@ impl MovableTeeth {
             Some(rb) => (s / rb - view.working_pressure_angle - view.half_angle_base).abs(),
             None => (view.half_angle_base - s / view.working_pressure_angle.cos()).abs(),
         };
-        let widest = reach(view.path[0]).max(reach(view.path[1])) / view.pitch;
+        let widest = reach(view.touching[0]).max(reach(view.touching[1])) / view.pitch;
         (widest - 0.5 + HYSTERESIS + MARGIN).ceil().max(0.0) as i64
     }
 

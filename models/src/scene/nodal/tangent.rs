@@ -20,7 +20,7 @@
 use super::islands::Nodal;
 use crate::contact::nodal::UNUSED;
 use crate::kinematics::Row;
-use crate::scene::active::Active;
+use crate::scene::active::{Active, Answer, Tangent};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{Coeffs, Singular};
 
@@ -235,22 +235,49 @@ impl Reduced {
     pub(in crate::scene) fn add_contact(
         &mut self,
         a: &Active,
-        along_path: f64,
+        tangent: &Tangent,
         rows: &[Row; 3],
         c: Coeffs,
     ) {
-        let (mut normal, mut first, mut sliding) = (vec![], vec![], vec![]);
-        rows[0].for_each(|i, x| normal.push((self.mark[i], x)));
-        rows[0].for_each_first(|i, x| first.push((self.mark[i], x)));
+        let (mut parts, mut sliding) = ([vec![], vec![]], vec![]);
+        for (gear, part) in parts.iter_mut().enumerate() {
+            rows[0].for_each_of(gear, |i, x| part.push((self.mark[i], x)));
+        }
         rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
-        let per_gap = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
-        let per_path = c.k * a.force.dn_dk * along_path;
         let (t, n) = (&mut self.response, self.size);
-        for (row, factor) in [(&normal, 1.0), (&sliding, a.friction.df_dn)] {
-            add_outer(t, n, row, &normal, factor * per_gap);
-            add_outer(t, n, row, &first, factor * per_path);
+        for j in 0..2 {
+            let by = |k: f64| c.k * k + c.d * tangent.rate;
+            for k in 0..2 {
+                add_outer(t, n, &parts[k], &parts[j], by(tangent.on[k][j]));
+            }
+            let of_normal = a.friction.df_dn * by(tangent.normal[j]);
+            add_outer(t, n, &sliding, &parts[j], of_normal);
         }
         add_outer(t, n, &sliding, &sliding, c.d * a.friction.df_dv);
+    }
+
+    /// Adds `T` of how a contact without fields answers to another one.
+    pub(in crate::scene) fn add_answer(
+        &mut self,
+        answer: &Answer,
+        rows: &[Row; 3],
+        (tangent, to): (&Tangent, &Row),
+        a: &Active,
+        c: Coeffs,
+    ) {
+        let (mut right, mut sliding) = (vec![], vec![]);
+        for (gear, by) in tangent.elastic.into_iter().enumerate() {
+            to.for_each_of(gear, |i, x| right.push((self.mark[i], by * x)));
+        }
+        rows[1].for_each(|i, x| sliding.push((self.mark[i], x)));
+        let (t, n) = (&mut self.response, self.size);
+        for (gear, by) in answer.on.into_iter().enumerate() {
+            let mut left = vec![];
+            rows[0].for_each_of(gear, |i, x| left.push((self.mark[i], x)));
+            add_outer(t, n, &left, &right, c.k * by);
+        }
+        let by = c.k * a.friction.df_dn * answer.normal;
+        add_outer(t, n, &sliding, &right, by);
     }
 }
 

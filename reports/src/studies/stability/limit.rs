@@ -53,7 +53,7 @@ impl Map {
         let tried = &tried[first..];
         let failed = tried.iter().position(|c| is_lost(c.status));
         let held = &tried[..failed.unwrap_or(tried.len())];
-        let off = held.iter().position(|c| c.status != Status::Converged);
+        let off = held.iter().position(|c| !c.status.holds());
         let accurate = &held[..off.unwrap_or(held.len())];
         Some(Limit {
             stable_s: held.last().map(|c| c.at),

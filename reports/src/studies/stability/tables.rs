@@ -52,7 +52,9 @@ pub fn finding(maps: &[Map]) -> Vec<Markup> {
         all => format!("; the others failed: {}", all.join(", ")),
     };
     let mut parts = vec![html! {
-        "Of " (count(total as u64)) " runs " (part(of(Status::Converged))) " converged, " (part(of(Status::Inaccurate)))
+        "Of " (count(total as u64)) " runs " (part(of(Status::Converged))) " converged, "
+        @if of(Status::Unchecked) > 0 { (part(of(Status::Unchecked))) " ended with a sound energy balance only, " }
+         (part(of(Status::Inaccurate)))
         " ended but were inaccurate" (failed) "."
     }];
     let about: Vec<Markup> = (models(maps).into_iter())
@@ -134,8 +136,7 @@ fn beside(maps: &[Map]) -> Option<String> {
                 if explicit.iter().all(|m| is_lost(status(m))) {
                     lost += 1;
                     kept += usize::from(implicit.iter().any(|m| !is_lost(status(m))));
-                    accurate +=
-                        usize::from(implicit.iter().any(|m| status(m) == Status::Converged));
+                    accurate += usize::from(implicit.iter().any(|m| status(m).holds()));
                 }
             }
         }

@@ -8,7 +8,7 @@ use crate::drawing::panel::{Curve, Panel, chart, extremes};
 use crate::drawing::style::{Look, Marker, look};
 use crate::numbers::{count, quantity};
 use crate::record::{Bearing, StaticCycle, Steady};
-use crate::studies::sweep::{Swept, resonance};
+use crate::studies::sweep::{Bistable, Branch, Swept, resonance};
 
 const KHZ: f64 = 1e-3;
 const UM: f64 = 1e6;
@@ -39,8 +39,13 @@ fn unnamed(marks: &[(f64, String)]) -> Vec<(f64, String)> {
 }
 
 fn legend(all: &[Swept<'_>]) -> Vec<Entry> {
-    let entry = |s: &Swept<'_>| Entry::marked(&s.label, look(s.style), true);
+    let entry = |s: &Swept<'_>| Entry::marked(&s.label, look(s.style), filled(s));
     all.iter().map(entry).collect()
+}
+
+/// On the way down markers are open.
+fn filled(s: &Swept<'_>) -> bool {
+    s.branch != Branch::Down
 }
 
 /// Every run that settled.
@@ -49,23 +54,28 @@ fn settled<'s>(all: &'s [Swept<'_>]) -> impl Iterator<Item = &'s Steady> {
 }
 
 /// The charts of a sweep.
-pub fn sweep(all: &[Swept<'_>], statics: &[StaticCycle]) -> Result<Vec<Chart>, DrawError> {
+pub fn sweep(
+    all: &[Swept<'_>],
+    statics: &[StaticCycle],
+    two: &[Bistable],
+) -> Result<Vec<Chart>, DrawError> {
     let (low, high) = extremes(settled(all).map(|s| s.mesh_frequency_hz));
     if low > high {
         return Ok(Vec::new());
     }
     let x = Axis::padded(KHZ * low, KHZ * high, 0.02);
-    let mut charts = vec![over_speed(all, &x)?];
+    let mut charts = vec![over_speed(all, &x, two)?];
     charts.extend(spectra(all)?);
     charts.extend(harmonics(all, &x)?);
     charts.extend(cycles(statics, all)?);
+    charts.extend(shaft_orders(all)?);
     Ok(charts)
 }
 
-fn over_speed(all: &[Swept<'_>], x: &Axis) -> Result<Chart, DrawError> {
+fn over_speed(all: &[Swept<'_>], x: &Axis, two: &[Bistable]) -> Result<Chart, DrawError> {
     type Get = fn(&Steady) -> f64;
     type Limit = Option<fn(&StaticCycle) -> f64>;
-    let values: [(&str, Get, Limit); 3] = [
+    let values: [(&str, Get, Limit); 4] = [
         (
             "TE, rms [\u{b5}m]",
             |s| UM * s.error_rms_m,
@@ -81,6 +91,7 @@ fn over_speed(all: &[Swept<'_>], x: &Axis) -> Result<Chart, DrawError> {
             |s| s.force_peak_n / s.force_mean_n,
             None,
         ),
+        ("time without contact [%]", |s| 100.0 * s.separated, None),
     ];
     let marks = orders(resonance(all), x);
     let mut panels = Vec::new();
@@ -98,7 +109,10 @@ fn over_speed(all: &[Swept<'_>], x: &Axis) -> Result<Chart, DrawError> {
             let points = (s.runs.iter())
                 .map(|(r, _)| (KHZ * r.mesh_frequency_hz, get(r)))
                 .filter(|p| p.1.is_finite());
-            let curve = Curve::joined(look(s.style), 1.6, 2.8, points.collect());
+            let mut curve = Curve::joined(look(s.style), 1.6, 2.8, points.collect());
+            if let Some(marker) = &mut curve.marker {
+                marker.2 = filled(s);
+            }
             let failed = s.failed.iter().map(|f| KHZ * f);
             panel.curves.push(curve.failed(failed.collect()));
         }
@@ -107,7 +121,14 @@ fn over_speed(all: &[Swept<'_>], x: &Axis) -> Result<Chart, DrawError> {
         } else {
             unnamed(&marks)
         };
-        panel.x_name = (k == 2).then(|| X_NAME.into());
+        for t in two {
+            let named = |s: &&Swept<'_>| s.runs.iter().any(|(_, r)| r.model_label() == t.label);
+            let of = all.iter().find(named);
+            let ink = of.map_or(Ink::GREY, |s| look(s.style).ink).opacity(0.12);
+            let band = |[a, b]: &[f64; 2]| ([KHZ * a, KHZ * b], ink);
+            panel.bands.extend(t.ranges.iter().map(band));
+        }
+        panel.x_name = (k == 3).then(|| X_NAME.into());
         panels.push(panel);
     }
     let found = resonance(all).map_or(String::new(), |f| {
@@ -119,8 +140,8 @@ fn over_speed(all: &[Swept<'_>], x: &Axis) -> Result<Chart, DrawError> {
     });
     let caption = format!(
         "TE: transmission error, about its mean, over whole mesh cycles of steady running. Open markers at the left edge: \
-         its static value under the same load. A greatest over mean contact force near 2 goes with teeth that lift \
-         off.{found}"
+         its static value under the same load. Filled markers: the speed rises, or each run starts afresh; open ones: it \
+         falls. Tinted: speeds at which both differ, so that the gears run in the one way or the other.{found}"
     );
     let title = "Transmission error and contact force over speed";
     chart("sweep.svg", title, caption, &legend(all), &panels)
@@ -202,7 +223,7 @@ fn top_decades(panel: &Panel, decades: f64) -> Option<Axis> {
 /// The first harmonics over speed, of the most detailed model.
 fn harmonics(all: &[Swept<'_>], x: &Axis) -> Result<Option<Chart>, DrawError> {
     const SHOWN: usize = 4;
-    let Some(s) = all.iter().rev().find(|s| s.runs.len() > 1) else {
+    let Some(s) = (all.iter().rev()).find(|s| s.first && s.runs.len() > 1) else {
         return Ok(None);
     };
     let markers = [
@@ -284,7 +305,8 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     };
     let line = |look: Look, points| Curve::line(Stroke::dashed(look.ink, 1.8, look.dash), points);
     let statics = still.iter().map(|s| {
-        let style = all.iter().find(|a| a.label == s.label).map(|a| a.style);
+        let of = |a: &&Swept<'_>| a.statics.is_some_and(|x| std::ptr::eq(x, s));
+        let style = all.iter().find(of).map(|a| a.style);
         // A model that stands still only is the dark line.
         let look = style.map_or(STANDING, look);
         line(look, twice(&s.position, &s.error_m, s.error_mean_m))
@@ -301,7 +323,12 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
             let run = (s.runs.iter()).min_by(|a, b| near(a.0).total_cmp(&near(b.0)));
             if let Some((r, _)) = run {
                 let points = twice(&r.position, &r.error_cycle_m, r.error_mean_m);
-                panel.curves.push(line(look(s.style), points));
+                let mut curve = line(look(s.style), points);
+                // The way down is thin upon the way up.
+                if let Some(stroke) = curve.stroke.as_mut().filter(|_| !filled(s)) {
+                    stroke.width *= 0.5;
+                }
+                panel.curves.push(curve);
             }
         }
         panels.push(panel);
@@ -312,7 +339,10 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     }
     let mut names = legend(all);
     for s in still {
-        if all.iter().all(|a| a.label != s.label) {
+        if !all
+            .iter()
+            .any(|a| a.statics.is_some_and(|x| std::ptr::eq(x, s)))
+        {
             let name = format!("{} (at rest)", s.label);
             names.push(Entry::marked(&name, STANDING, false));
         }
@@ -323,6 +353,51 @@ fn cycles(still: &[StaticCycle], all: &[Swept<'_>]) -> Result<Option<Chart>, Dra
     );
     let title = "Transmission error over two mesh cycles";
     chart("sweep_cycles.svg", title, caption, &names, &panels).map(Some)
+}
+
+/// Transmission error at the orders of the shafts, at the lowest speed: what deviations from tooth to tooth excite.
+fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
+    let shown: Vec<(&Swept<'_>, &Steady)> = (all.iter())
+        .filter(|s| s.first)
+        .filter_map(|s| Some((s, s.runs.first()?.0)))
+        .filter(|(_, r)| !r.shaft_orders.is_empty())
+        .collect();
+    let Some((_, first)) = shown.first() else {
+        return Ok(None);
+    };
+    let mut panels = Vec::new();
+    for (k, orders) in first.shaft_orders.iter().enumerate() {
+        let x = Axis::linear(0.0, (orders.error_m.len() + 1) as f64);
+        let curves = shown.iter().filter_map(|(s, r)| {
+            let of = r.shaft_orders.get(k)?;
+            let points = of.error_m.iter().enumerate();
+            let points = points
+                .map(|(i, a)| ((i + 1) as f64, UM * a))
+                .filter(|p| p.1 > 0.0);
+            Some(Curve::points(look(s.style), 2.6, true, points.collect()))
+        });
+        let mut panel = Panel::new(200.0, &x, "TE amplitude [\u{b5}m]").curves(curves);
+        panel.y = top_decades(&panel, 6.0);
+        panel.verticals = (1..=2)
+            .map(|n| ((n * orders.teeth) as f64, format!("{n} x mesh")))
+            .filter(|v| v.0 <= x.max)
+            .collect();
+        panel.x_name = Some(format!(
+            "order: times the turns per second of {}",
+            orders.gear
+        ));
+        panels.push(panel);
+    }
+    let caption = format!(
+        "At a mesh frequency of {}, over whole turns. Orders between those of the mesh are what differs from tooth to tooth; \
+         without deviations they are rounding.",
+        quantity(first.mesh_frequency_hz, "Hz", 3)
+    );
+    let title = "Orders of the transmission error";
+    let names: Vec<Entry> = (shown.iter())
+        .map(|(s, _)| Entry::marked(&s.label, look(s.style), true))
+        .collect();
+    chart("sweep_orders.svg", title, caption, &names, &panels).map(Some)
 }
 
 /// Look of a model that was not swept.

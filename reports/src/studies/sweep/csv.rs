@@ -1,6 +1,6 @@
 //! The tables of a sweep: speeds, mesh cycles, static limits.
 
-use super::{StaticCycle, Steady};
+use super::{ShaftOrders, StaticCycle, Steady};
 use crate::csv_table::{CsvTable, number};
 use crate::record::{Results, Run};
 
@@ -14,6 +14,9 @@ pub fn tables(results: &Results, still: &[StaticCycle]) -> Vec<CsvTable> {
     let mut all = Vec::new();
     if !steady.is_empty() {
         all.extend([speeds(&steady), cycles(&steady)]);
+        if steady.iter().any(|(_, s)| !s.shaft_orders.is_empty()) {
+            all.push(orders(&steady));
+        }
     }
     if !still.is_empty() {
         all.push(statics(still));
@@ -28,6 +31,7 @@ fn speeds(runs: &[Settled<'_>]) -> CsvTable {
         &[
             ("model", &|(r, _)| r.model_label()),
             ("status", &|(r, _)| r.status.to_string()),
+            ("branch", &|(_, s)| s.branch.to_string()),
             ("mesh_frequency_hz", &|(_, s)| number(s.mesh_frequency_hz)),
             ("speed_rad_s", &|(_, s)| number(s.speed_rad_s)),
             ("cycles", &|(_, s)| number(s.cycles as f64)),
@@ -37,6 +41,9 @@ fn speeds(runs: &[Settled<'_>]) -> CsvTable {
             ("transmission_error_rms_m", &|(_, s)| number(s.error_rms_m)),
             ("transmission_error_peak_to_peak_m", &|(_, s)| {
                 number(s.error_peak_to_peak_m)
+            }),
+            ("transmission_error_long_peak_to_peak_m", &|(_, s)| {
+                number(s.error_long_peak_to_peak_m)
             }),
             ("force_mean_n", &|(_, s)| number(s.force_mean_n)),
             ("force_peak_n", &|(_, s)| number(s.force_peak_n)),
@@ -73,6 +80,34 @@ fn speeds(runs: &[Settled<'_>]) -> CsvTable {
     table
 }
 
+fn orders(runs: &[Settled<'_>]) -> CsvTable {
+    let mut lines = Vec::new();
+    for (r, s) in runs {
+        for o in &s.shaft_orders {
+            lines.extend((0..o.error_m.len()).map(|i| (*r, *s, o, i)));
+        }
+    }
+    CsvTable::new::<(&Run, &Steady, &ShaftOrders, usize)>(
+        "sweep_orders.csv",
+        lines,
+        &[
+            ("model", &|(r, ..)| r.model_label()),
+            ("branch", &|(_, s, ..)| s.branch.to_string()),
+            ("mesh_frequency_hz", &|(_, s, ..)| {
+                number(s.mesh_frequency_hz)
+            }),
+            ("gear", &|(_, _, o, _)| o.gear.clone()),
+            ("order", &|(.., i)| number((i + 1) as f64)),
+            ("frequency_hz", &|(_, s, o, i)| {
+                number(s.mesh_frequency_hz * (i + 1) as f64 / o.teeth as f64)
+            }),
+            ("transmission_error_m", &|(_, _, o, i)| {
+                number(o.error_m.get(*i).copied())
+            }),
+        ],
+    )
+}
+
 fn cycles(runs: &[Settled<'_>]) -> CsvTable {
     let rows = (runs.iter()).flat_map(|(r, s)| (0..s.position.len()).map(move |i| (*r, *s, i)));
     CsvTable::new::<(&Run, &Steady, usize)>(
@@ -80,6 +115,7 @@ fn cycles(runs: &[Settled<'_>]) -> CsvTable {
         rows,
         &[
             ("model", &|(r, ..)| r.model_label()),
+            ("branch", &|(_, s, _)| s.branch.to_string()),
             ("mesh_frequency_hz", &|(_, s, _)| {
                 number(s.mesh_frequency_hz)
             }),

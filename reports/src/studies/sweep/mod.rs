@@ -11,14 +11,20 @@ use crate::record::Run;
 use crate::studies::StudyReport;
 use crate::view::View;
 use maud::html;
-pub use record::{Bearing, StaticCycle, Steady, SweepRecord};
+pub use record::{
+    Bearing, Bistable, Branch, ShaftOrders, StaticCycle, Steady, SweepRecord, bistable,
+};
 
-/// A model with its runs by mesh frequency.
+/// A model with its runs by mesh frequency, in one way of coming to the speed.
 pub struct Swept<'a> {
     /// Its name.
     pub label: String,
-    /// Place in the order of appearance.
+    /// Place of the model in the order of appearance.
     pub style: usize,
+    /// How its runs came to their speed.
+    pub branch: Branch,
+    /// Nothing of its model stands before it.
+    pub first: bool,
     /// Runs that settled, ascending in mesh frequency.
     pub runs: Vec<(&'a Steady, &'a Run)>,
     /// Mesh frequencies at which it failed \[Hz\].
@@ -39,26 +45,36 @@ impl Swept<'_> {
 
 /// The models of a sweep.
 pub fn swept<'a>(view: &View<'a>, statics: &'a [StaticCycle]) -> Vec<Swept<'a>> {
-    (view.groups.iter())
-        .map(|g| {
-            let steady = |ok: bool| {
-                g.runs
-                    .iter()
-                    .filter(move |(_, r)| r.status.is_failure() != ok)
-                    .filter_map(|(_, r)| Some((r.steady.as_ref()?, *r)))
+    let mut all = Vec::new();
+    for g in &view.groups {
+        let steady = (g.runs.iter()).filter_map(|(_, r)| Some((r.steady.as_ref()?, *r)));
+        let of_group: Vec<(&Steady, &Run)> = steady.collect();
+        let mut branches: Vec<Branch> = of_group.iter().map(|(s, _)| s.branch).collect();
+        branches.dedup();
+        for (i, &branch) in branches.iter().enumerate() {
+            let of = |failed: bool| {
+                let fits = move |(s, r): &&(&'a Steady, &'a Run)| {
+                    s.branch == branch && r.status.is_failure() == failed
+                };
+                of_group.iter().filter(fits).copied()
             };
-            let mut runs: Vec<(&Steady, &Run)> = steady(true).collect();
+            let mut runs: Vec<(&Steady, &Run)> = of(false).collect();
             runs.sort_by(|a, b| a.0.mesh_frequency_hz.total_cmp(&b.0.mesh_frequency_hz));
-            Swept {
-                label: g.label.clone(),
+            all.push(Swept {
+                label: match branches.len() {
+                    1 => g.label.clone(),
+                    _ => format!("{}, {branch}", g.label),
+                },
                 style: g.style,
+                branch,
+                first: i == 0,
                 runs,
-                failed: steady(false).map(|(s, _)| s.mesh_frequency_hz).collect(),
+                failed: of(true).map(|(s, _)| s.mesh_frequency_hz).collect(),
                 statics: statics.iter().find(|s| s.label == g.label),
-            }
-        })
-        .filter(|s| !s.runs.is_empty() || !s.failed.is_empty())
-        .collect()
+            });
+        }
+    }
+    all
 }
 
 /// Resonance of the mesh: that of the last model that has one, the most detailed of a scene.
@@ -69,10 +85,11 @@ pub fn resonance(all: &[Swept<'_>]) -> Option<f64> {
 /// What the study says of a record.
 pub(super) fn report(view: &View<'_>, statics: &[StaticCycle]) -> Result<StudyReport, DrawError> {
     let all = swept(view, statics);
+    let two = bistable(view.results);
     Ok(StudyReport {
-        finding: tables::finding(view, &all),
+        finding: tables::finding(view, &all, &two),
         tables: tables::tables(&all),
-        charts: charts::sweep(&all, statics)?,
+        charts: charts::sweep(&all, statics, &two)?,
         details: html! { (tables::speeds(&all)) (runs::failures(view)) },
         csv: csv::tables(view.results, statics),
     })

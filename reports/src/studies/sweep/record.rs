@@ -5,8 +5,9 @@
 //! point over the base pitch, as the second gear has it. Harmonics are amplitudes (half of peak to peak) at one, two,
 //! ... times the mesh frequency.
 
-use crate::record::Results;
+use crate::record::{Results, Run};
 use crate::studies::Part;
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
 /// What the record of this study has of its own.
@@ -27,10 +28,78 @@ impl Results {
     }
 }
 
+words! {
+    /// How a run came to its speed. A mesh with backlash may run in more than one way at the same speed, and goes on in
+    /// the way it comes from.
+    pub enum Branch {
+        /// From teeth that touch unloaded, under a rising load.
+        #[default]
+        Fresh = "fresh",
+        /// From what the next lower speed settled to.
+        Up = "up",
+        /// From what the next higher speed settled to.
+        Down = "down",
+    }
+}
+
+/// Speeds at which a model runs in one way on the way up and in another on the way down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bistable {
+    /// The model, as its runs call it.
+    pub label: String,
+    /// Lowest and highest mesh frequency of each range \[Hz\].
+    pub ranges: Vec<[f64; 2]>,
+}
+
+/// Difference of the transmission errors (root mean square) up and down, over the greater, from which on they are two.
+const APART: f64 = 0.1;
+
+/// The models of a record that run in two ways, and where.
+pub fn bistable(results: &Results) -> Vec<Bistable> {
+    let steady = |branch: Branch, label: &str| -> Vec<&Steady> {
+        let mut found: Vec<&Steady> = (results.runs.iter())
+            .filter(|r| !r.status.is_failure() && r.model_label() == label)
+            .filter_map(|r| r.steady.as_ref())
+            .filter(|s| s.branch == branch)
+            .collect();
+        found.sort_by(|a, b| a.mesh_frequency_hz.total_cmp(&b.mesh_frequency_hz));
+        found
+    };
+    let mut labels: Vec<String> = results.runs.iter().map(Run::model_label).collect();
+    labels.dedup();
+    let mut all = Vec::new();
+    for label in labels {
+        let (up, down) = (steady(Branch::Up, &label), steady(Branch::Down, &label));
+        let mut ranges: Vec<[f64; 2]> = Vec::new();
+        let mut goes_on = false;
+        for u in up {
+            let f = u.mesh_frequency_hz;
+            let off = |s: &&&Steady| (s.mesh_frequency_hz - f).abs();
+            let Some(d) = down.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else {
+                break;
+            };
+            let (a, b) = (u.error_rms_m, d.error_rms_m);
+            let two = off(&d) < 1e-3 * f && (a - b).abs() > APART * a.max(b);
+            match ranges.last_mut().filter(|_| goes_on && two) {
+                Some(range) => range[1] = f,
+                None if two => ranges.push([f, f]),
+                None => {}
+            }
+            goes_on = two;
+        }
+        if !ranges.is_empty() {
+            all.push(Bistable { label, ranges });
+        }
+    }
+    all
+}
+
 /// Steady running at one speed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Steady {
+    /// How the run came to its speed.
+    pub branch: Branch,
     /// Mesh frequency \[Hz\], of the mean speed in the window.
     pub mesh_frequency_hz: f64,
     /// Mean speed of the first gear [rad/s].
@@ -45,6 +114,11 @@ pub struct Steady {
     pub error_peak_to_peak_m: f64,
     /// Harmonics \[m\].
     pub error_harmonics_m: Vec<f64>,
+    /// Greatest less least of its mean over a running mesh cycle \[m\]: what deviations from tooth to tooth make of it.
+    pub error_long_peak_to_peak_m: f64,
+    /// Amplitudes at the orders of the shafts, where whole turns were measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shaft_orders: Vec<ShaftOrders>,
     /// Mean contact force \[N\].
     pub force_mean_n: f64,
     /// Greatest contact force \[N\].
@@ -61,6 +135,18 @@ pub struct Steady {
     pub error_cycle_m: Vec<f64>,
     /// Contact force there, mean of the cycles \[N\].
     pub force_cycle_n: Vec<f64>,
+}
+
+/// Transmission error at multiples of the speed of a shaft.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ShaftOrders {
+    /// Name of the gear.
+    pub gear: String,
+    /// Its number of teeth, the order of the mesh frequency.
+    pub teeth: usize,
+    /// Amplitudes at one, two, ... times its turns per second \[m\].
+    pub error_m: Vec<f64>,
 }
 
 /// Force of a gear on its bearing over whole mesh cycles.
@@ -111,6 +197,7 @@ impl Steady {
             self.error_mean_m,
             self.error_rms_m,
             self.error_peak_to_peak_m,
+            self.error_long_peak_to_peak_m,
             self.force_mean_n,
             self.force_peak_n,
             self.separated,
@@ -126,9 +213,14 @@ impl Steady {
             let of = [b.mean_n, b.rms_n];
             of.into_iter().chain(b.harmonics_n.iter().copied())
         });
+        let orders = self
+            .shaft_orders
+            .iter()
+            .flat_map(|o| o.error_m.iter().copied());
         (single.into_iter())
             .chain(lists.into_iter().flatten().copied())
             .chain(bearings)
+            .chain(orders)
             .all(f64::is_finite)
     }
 }

@@ -1,6 +1,6 @@
 //! Finding and tables of a speed sweep under load.
 
-use super::{Steady, Swept, resonance};
+use super::{Bistable, Steady, Swept, resonance};
 use crate::markup::table::Table;
 use crate::markup::{failed_of, glance, note, section};
 use crate::numbers::{quantity, short, significant};
@@ -9,7 +9,7 @@ use maud::{Markup, html};
 
 const UM: f64 = 1e6;
 
-pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Vec<Markup> {
+pub fn finding(view: &View<'_>, all: &[Swept<'_>], two: &[Bistable]) -> Vec<Markup> {
     if all.iter().all(|s| s.runs.is_empty()) {
         return vec![html! { "No run reached steady running." }];
     }
@@ -51,6 +51,25 @@ pub fn finding(view: &View<'_>, all: &[Swept<'_>]) -> Vec<Markup> {
     } else {
         html! { "The teeth lift off for " (apart.join(", ")) "; " (failed_of(view.results)) "." }
     });
+    if !two.is_empty() {
+        let of = |t: &Bistable| {
+            let range = |[a, b]: &[f64; 2]| match a == b {
+                true => format!("at {}", quantity(*a, "Hz", 3)),
+                false => format!(
+                    "from {} to {}",
+                    quantity(*a, "Hz", 3),
+                    quantity(*b, "Hz", 3)
+                ),
+            };
+            let ranges: Vec<String> = t.ranges.iter().map(range).collect();
+            format!("{} {}", t.label, ranges.join(" and "))
+        };
+        let all: Vec<String> = two.iter().map(of).collect();
+        sentences.push(html! {
+            "Two ways of running exist at one speed, and which one depends on where the speed comes from: "
+            (all.join("; ")) "."
+        });
+    }
     sentences
 }
 
@@ -89,6 +108,11 @@ pub fn tables(all: &[Swept<'_>]) -> Markup {
             significant(f.fold(0.0, f64::max), 3)
         })
         .result()
+        .written("Most contact lost", "% of time", |s| {
+            let lost = s.runs.iter().map(|(r, _)| 100.0 * r.separated);
+            significant(lost.fold(0.0, f64::max), 2)
+        })
+        .result()
         .written("Speeds", "", |s| {
             (s.runs.len() + s.failed.len()).to_string()
         })
@@ -115,10 +139,13 @@ pub fn speeds(all: &[Swept<'_>]) -> Markup {
         .result()
         .numbers("TE peak to peak", "m", 3, |(_, r)| r.error_peak_to_peak_m)
         .result()
+        .numbers("TE long-period", "m", 3, |(_, r)| {
+            Some(r.error_long_peak_to_peak_m).filter(|_| !r.shaft_orders.is_empty())
+        })
         .numbers("Contact force, mean", "N", 4, |(_, r)| r.force_mean_n)
         .numbers("Contact force, greatest", "N", 4, |(_, r)| r.force_peak_n)
         .result()
-        .percents("Apart", 2, |(_, r)| r.separated)
+        .percents("Contact lost", 2, |(_, r)| r.separated)
         .result()
         .percents("Irregular", 2, |(_, r)| r.irregular);
     for bearing in rows.first().map_or(&[][..], |(_, r)| &r.bearings) {
@@ -129,7 +156,7 @@ pub fn speeds(all: &[Swept<'_>]) -> Markup {
         });
     }
     let remark = note(
-        "Over whole mesh cycles of steady running. Apart: time without contact force. Irregular: what does not repeat from \
+        "Over whole mesh cycles of steady running. Contact lost: time without contact force. TE long-period: peak to peak of its mean over a running mesh cycle, where whole turns were measured. Irregular: what does not repeat from \
          cycle to cycle over what does.",
     );
     section("Every speed", html! { (table) (remark) })

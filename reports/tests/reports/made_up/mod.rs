@@ -199,6 +199,8 @@ pub fn impact_results() -> Results {
                     external_work_j: Some(0.0),
                     dissipated_j: Some(0.0),
                     parametric_work_j: None,
+                    jumps_j: None,
+                    vibrating_j: Some(0.5),
                     residual_j: Some(residual),
                     residual_rel: Some(residual / energy),
                     impulse_ns: Some(0.2105),

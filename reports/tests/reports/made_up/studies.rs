@@ -1,7 +1,7 @@
 //! Made-up records of the studies of mode counts, speeds and penalties.
 
 use super::{fail, impact, impact_results, metrics_of, reference, run, study};
-use gearbench_reports::sweep::{Bearing, StaticCycle, Steady, SweepRecord};
+use gearbench_reports::sweep::{Bearing, ShaftOrders, StaticCycle, Steady, SweepRecord};
 use gearbench_reports::{Ledger, Part, Results, Run, Status};
 use std::f64::consts::PI;
 
@@ -132,6 +132,7 @@ pub fn sweep_results() -> Results {
             let mut run = Run {
                 wall_s: 0.1,
                 steady: Some(Steady {
+                    branch: gearbench_reports::sweep::Branch::Up,
                     mesh_frequency_hz: f,
                     speed_rad_s: f / 16.0 * 2.0 * PI,
                     cycles: 8,
@@ -139,6 +140,12 @@ pub fn sweep_results() -> Results {
                     error_rms_m: (harmonics.iter().map(|a| 0.5 * a * a).sum::<f64>()).sqrt(),
                     error_peak_to_peak_m: spread(&error),
                     error_harmonics_m: harmonics.clone(),
+                    error_long_peak_to_peak_m: 1e-7,
+                    shaft_orders: vec![ShaftOrders {
+                        gear: "pinion".into(),
+                        teeth: 16,
+                        error_m: (1..=36).map(|n| 1e-6 / f64::from(n)).collect(),
+                    }],
                     force_mean_n: 2700.0,
                     force_peak_n: peak,
                     separated: if spread(&error) > 30e-6 { 0.2 } else { 0.0 },

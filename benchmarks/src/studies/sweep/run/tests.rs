@@ -4,6 +4,9 @@ use super::*;
 use crate::experiment::conditions::Conditions;
 use crate::experiment::runner::Runner;
 use crate::scene_file::{Origin, SceneFile};
+use gearbench_models::spec::{Load, Mount, Profile, mesh_layout};
+
+mod backlash;
 
 /// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
 fn scene(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {
@@ -61,6 +64,7 @@ fn plan(scene: &SceneFile, frequencies: Vec<f64>, cycles: usize, settle: f64) ->
         standing: Vec::new(),
         method: gearbench_integrators::table::DOPRI5.at_tolerance(1e-7),
         frequencies,
+        branches: vec![Branch::Fresh],
         cycles,
         settle,
         positions: 16,
@@ -75,8 +79,8 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
     let scene = scene(depth, ratio, 15.0);
     let still = plan(&scene, Vec::new(), 4, 4e-3);
     let fn_hz = mesh_resonance(&still, &still.entries[0]).unwrap().unwrap();
-    let pair = Pair::of(&scene.spec).unwrap();
-    let deflection = pair.force / 1e8;
+    let pair = Pair::in_scene("wave", &scene.spec).unwrap();
+    let deflection = pair.own_force() / 1e8;
     let orders = [0.25, 0.8, 1.0, 1.25];
     let plan = plan(&scene, orders.map(|r| r * fn_hz).to_vec(), 4, 8e-3);
     let results = sweep(&plan, &Runner::default()).unwrap();
@@ -93,7 +97,7 @@ fn a_stiffness_wave_answers_as_an_oscillator_does() {
         );
         assert!((s.error_mean_m / deflection - 1.0).abs() < 0.02);
         assert!(
-            (s.force_mean_n / pair.force - 1.0).abs() < 1e-3,
+            (s.force_mean_n / pair.own_force() - 1.0).abs() < 1e-3,
             "{}",
             s.force_mean_n
         );
@@ -128,12 +132,14 @@ fn slow_running_comes_to_the_static_limit() {
 
 #[test]
 fn what_cannot_be_swept_is_said() {
-    let of = |s: &SceneFile| Pair::of(&s.spec).err().unwrap();
+    let of = |s: &SceneFile| Pair::in_scene("wave", &s.spec).err().unwrap().to_string();
     assert!(of(&scene(0.1, 0.1, 14.0)).contains("do not balance"));
     let mut turned = scene(0.1, 0.1, 15.0);
     for g in &mut turned.spec.gears {
-        let opposite = -torque(&g.loads);
-        g.loads = vec![Load::Applied(Profile::Constant(opposite))];
+        let Load::Applied(torque) = &g.loads[0] else {
+            panic!("a torque");
+        };
+        g.loads = vec![Load::Applied(torque.scaled(-1.0))];
     }
     assert!(of(&turned).contains("press"));
     let mut driven = scene(0.1, 0.1, 15.0);
@@ -142,5 +148,65 @@ fn what_cannot_be_swept_is_said() {
     }
     assert!(of(&driven).contains("nothing can vibrate"));
     driven.spec.gears[1].mount = Mount::Revolute;
-    assert!(Pair::of(&driven.spec).is_ok());
+    assert!(Pair::in_scene("wave", &driven.spec).is_ok());
+}
+
+/// Two free gears with a brake on one: the other is given the torque that holds the speed, and the force on the flanks
+/// is that of the brake at the speed.
+#[test]
+fn viscous_loads_count_at_the_speed_that_is_swept() {
+    let mut scene = scene(0.01, 0.2, 0.0);
+    scene.spec.gears[1].loads = vec![Load::Viscous(0.05)];
+    let pair = Pair::in_scene("wave", &scene.spec).unwrap();
+    let plan = plan(&scene, vec![300.0, 600.0], 2, 4e-3);
+    let results = sweep(&plan, &Runner::default()).unwrap();
+    for (run, f) in results.runs.iter().zip([300.0, 600.0]) {
+        let s = run.steady.as_ref().unwrap();
+        let brake = 0.05 * TAU * f / 30.0 / pair.effective_radii[1];
+        assert!(
+            (s.force_mean_n / brake - 1.0).abs() < 1e-3,
+            "{} {brake}",
+            s.force_mean_n
+        );
+        assert!((s.mesh_frequency_hz / f - 1.0).abs() < 1e-4);
+    }
+}
+
+/// What gears do by themselves within a slow mesh cycle is seen: a step in the stiffness rings at the resonance, and its
+/// peak does not depend on the speed.
+#[test]
+fn the_peak_at_low_speed_does_not_depend_on_the_samples() {
+    let mut scene = scene(0.0, 0.05, 15.0);
+    let [a, b] = [&scene.spec.gears[0], &scene.spec.gears[1]];
+    let l = mesh_layout(a, b).unwrap();
+    let (mut at, mut k) = (Vec::new(), Vec::new());
+    for (u, of) in [
+        (-0.5, 1e8),
+        (0.0, 1e8),
+        (1e-4, 1.5e8),
+        (0.49, 1.5e8),
+        (0.5, 1e8),
+    ] {
+        at.push(l.pitch_point + u * l.base_pitch);
+        k.push(of);
+    }
+    scene.models[0].modelling.contacts[0].stiffness =
+        gearbench_models::stiffness::PairStiffness::Table {
+            s: at,
+            k,
+            of: gearbench_models::stiffness::PairOrMesh::Mesh,
+            ends: gearbench_models::stiffness::Ends::Periodic,
+            interpolation: gearbench_models::stiffness::Interpolation::Linear,
+        };
+    let plan = plan(&scene, vec![10.0, 20.0, 40.0], 1, 1e-3);
+    let results = sweep(&plan, &Runner::default()).unwrap();
+    let peaks: Vec<f64> = (results.runs.iter())
+        .map(|r| r.steady.as_ref().unwrap().force_peak_n)
+        .collect();
+    // The stiffness rises within a hundredth of a period of the resonance: half as much force for a moment.
+    let pair = Pair::in_scene("wave", &scene.spec).unwrap();
+    for p in &peaks {
+        assert!((p / peaks[0] - 1.0).abs() < 0.03, "{peaks:?}");
+        assert!(p / pair.own_force() > 1.3, "{peaks:?}");
+    }
 }

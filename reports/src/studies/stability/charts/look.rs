@@ -27,6 +27,7 @@ const ON_DARK: Ink = Ink(0xfe, 0xfe, 0xfe, 1.0);
 pub fn look(status: Status) -> Look {
     let (ink, letter, dark) = match status {
         Status::Converged => (Ink(0xc9, 0xe7, 0xdc, 1.0), "", true),
+        Status::Unchecked => (Ink(0xe6, 0xf4, 0xef, 1.0), "?", true),
         Status::Inaccurate => (Ink(0xf5, 0xea, 0x7a, 1.0), "i", true),
         Status::EnergyGrowth => (Ink(0xe6, 0x9f, 0x01, 1.0), "E", true),
         Status::Chatter => (Ink(0x01, 0x72, 0xb2, 1.0), "C", false),

@@ -1,0 +1,383 @@
+//! The mesh that is swept: what presses its flanks at a speed, and the scene at that speed.
+//!
+//! What acts on a hub is a constant torque, harmonics, and a viscous load at the speed that is swept. The loads of two
+//! free gears balance, or the speed would drift. Constant torques do at every speed or at none; a viscous load grows with
+//! it, and then the other gear, the one that drives, is given the torque that holds the speed. What damping takes from
+//! the vibration of two free gears comes from their rotation: while they settle their speed is brought back now and then,
+//! and both are driven by what they lost, in proportion to their inertias, which presses nothing ([`Pair::govern`]).
+
+use crate::experiment::configuration::Configuration;
+use crate::experiment::error::StudyError;
+use crate::studies::sweep::plan::Plan;
+use gearbench_integrators::State;
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
+};
+use gearbench_reports::numbers::short;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Imbalance of the loads' power, over the larger one, that keeps a speed.
+const BALANCE: f64 = 1e-6;
+
+/// What acts on a hub in the mean.
+#[derive(Clone, Copy, Debug)]
+struct MeanLoad {
+    /// [N m].
+    constant: f64,
+    /// [N m s/rad].
+    viscous: f64,
+}
+
+impl MeanLoad {
+    fn of(gear: &GearSpec) -> Self {
+        let mut mean = MeanLoad {
+            constant: 0.0,
+            viscous: 0.0,
+        };
+        for load in &gear.loads {
+            match load {
+                Load::Applied(p) => mean.constant += p.settled(),
+                Load::Viscous(c) => mean.viscous += c,
+            }
+        }
+        mean
+    }
+
+    fn at(&self, speed: f64) -> f64 {
+        self.constant - self.viscous * speed
+    }
+}
+
+/// What a run leaves to the next one of its branch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndState {
+    t: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    discrete: Vec<f64>,
+    /// Mesh frequency [Hz].
+    frequency: f64,
+    /// How far driven gears have turned [rad]; 0 of others.
+    driven: [f64; 2],
+    /// What holds the speed of free gears: an acceleration of the first and with it of the second [rad/s^2].
+    drive: f64,
+}
+
+impl EndState {
+    /// When it was reached [s].
+    pub fn time(&self) -> f64 {
+        self.t
+    }
+
+    /// What held the speed [rad/s^2].
+    pub fn drive(&self) -> f64 {
+        self.drive
+    }
+
+    /// The end of a run in a scene at a mesh frequency [Hz] under a drive [rad/s^2], unless it is none to go on from.
+    pub fn of(state: &State, spec: &SceneSpec, frequency: f64, drive: f64) -> Option<Self> {
+        let turned = |gear: &GearSpec| match &gear.mount {
+            Mount::Driven(speed) => speed.integral(state.t),
+            _ => 0.0,
+        };
+        let end = EndState {
+            t: state.t,
+            q: state.q.clone(),
+            v: state.v.clone(),
+            discrete: state.discrete.clone(),
+            frequency,
+            driven: [0, 1].map(|i| turned(&spec.gears[i])),
+            drive,
+        };
+        let numbers = [&end.q, &end.v, &end.discrete].into_iter().flatten();
+        let finite = numbers.chain([&end.t]).all(|x| x.is_finite());
+        finite.then_some(end)
+    }
+}
+
+/// The mesh that is swept.
+pub struct Pair {
+    pub layout: MeshLayout,
+    /// Effective base radii of both gears [m].
+    pub effective_radii: [f64; 2],
+    /// Numbers of teeth.
+    pub teeth: [usize; 2],
+    /// Of the flank in contact, as the first gear turns.
+    pub sign: f64,
+    /// Path coordinate of the reference pair at zero displacement [m].
+    pub start: f64,
+    loads: [MeanLoad; 2],
+    /// The gear whose load does not press the flanks as it stands: it is driven, or holds the speed.
+    holds: Option<usize>,
+    /// Both gears are free to turn.
+    free: bool,
+    /// Mesh frequency at the scene's own speed [Hz].
+    own: f64,
+}
+
+impl Pair {
+    fn of(spec: &SceneSpec) -> Result<Self, String> {
+        let ([a, b], [mesh]) = (spec.gears.as_slice(), spec.meshes.as_slice()) else {
+            return Err(format!(
+                "a sweep is of one mesh of two gears, but the scene has {} gears and {} meshes",
+                spec.gears.len(),
+                spec.meshes.len()
+            ));
+        };
+        let (Body::Gear(first), Body::Gear(second)) = (&a.body, &b.body) else {
+            return Err("a sweep is of two gears; a rack comes to its end".into());
+        };
+        let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
+        let sign = mesh.start.side.sign();
+        let effective_radii = [effective_radius(&a.body), effective_radius(&b.body)];
+        let loads = [a, b].map(MeanLoad::of);
+        let driven = [a, b].map(|g| matches!(g.mount, Mount::Driven(_)));
+        let viscous = loads.map(|l| l.viscous > 0.0);
+        // Both torques press the flanks together along the line of action.
+        let [fa, fb] = [0, 1].map(|i| sign * loads[i].constant / effective_radii[i]);
+        let holds = match (driven, viscous) {
+            ([true, true], _) => return Err("both gears are driven: nothing can vibrate".into()),
+            ([true, false], _) => Some(0),
+            ([false, true], _) => Some(1),
+            (_, [false, true] | [true, true]) => Some(0),
+            (_, [true, false]) => Some(1),
+            _ if (fa - fb).abs() > BALANCE * fa.abs().max(fb.abs()) => {
+                return Err(format!(
+                    "the constant torques {} and {} N m do not balance, the speed would drift; {} N m on `{}` needs {} N m on `{}`",
+                    short(loads[0].constant, 5),
+                    short(loads[1].constant, 5),
+                    short(loads[0].constant, 5),
+                    a.name,
+                    short(
+                        loads[0].constant * effective_radii[1] / effective_radii[0],
+                        8
+                    ),
+                    b.name,
+                ));
+            }
+            _ => None,
+        };
+        let teeth = [first, second].map(|g| g.teeth() as usize);
+        let pair = Pair {
+            start: mesh.start.path_coordinate.unwrap_or(layout.pitch_point),
+            layout,
+            effective_radii,
+            teeth,
+            sign,
+            loads,
+            holds,
+            free: [a, b].iter().all(|g| matches!(g.mount, Mount::Revolute)),
+            own: teeth[0] as f64 * a.speed.abs() / TAU,
+        };
+        // What a viscous load presses depends on the speeds that are swept.
+        let rest = pair.own_force();
+        if rest <= 0.0 && viscous == [false; 2] {
+            return Err(format!(
+                "the loads press {rest:.4} N on the flank of the mesh's start; a sweep needs torques that press it"
+            ));
+        }
+        Ok(pair)
+    }
+
+    /// Mesh cycles in so many turns of the first gear of a scene.
+    pub fn cycles_of(spec: &SceneSpec, turns: usize) -> usize {
+        match spec.gears.first().map(|g| &g.body) {
+            Some(Body::Gear(first)) => turns * first.teeth() as usize,
+            _ => turns,
+        }
+    }
+
+    /// That of a model, or why there is none.
+    pub fn of_entry(plan: &Plan<'_>, entry: &Configuration) -> Result<Self, StudyError> {
+        Pair::in_scene(&plan.conditions.name, &entry.scene)
+    }
+
+    pub fn in_scene(name: &str, spec: &SceneSpec) -> Result<Self, StudyError> {
+        Pair::of(spec).map_err(|why| {
+            let why = format!("the scene `{name}` cannot be swept: {why}");
+            let help = "`gearbench init pair` writes a scene that can be swept, with comments";
+            StudyError::Scene(why, help)
+        })
+    }
+
+    /// Force along the line of action at a mesh frequency [N].
+    pub fn force(&self, frequency: f64) -> f64 {
+        let pressing = match self.holds {
+            Some(0) => 1,
+            _ => 0,
+        };
+        let torque = self.loads[pressing].at(self.speeds(frequency)[pressing]);
+        self.sign * torque / self.effective_radii[pressing]
+    }
+
+    /// Refuses speeds at which the loads do not press the flank.
+    pub fn check_speeds(
+        &self,
+        name: &str,
+        mut frequencies: impl Iterator<Item = f64>,
+    ) -> Result<(), StudyError> {
+        match frequencies.find(|f| self.force(*f) <= 0.0) {
+            None => Ok(()),
+            Some(f) => Err(StudyError::Scene(
+                format!(
+                    "the scene `{name}` cannot be swept to {f:.0} Hz: there the loads press {:.4} N on the flank of the mesh's start",
+                    self.force(f)
+                ),
+                "give a range of speeds in which the viscous loads leave the flank pressed",
+            )),
+        }
+    }
+
+    /// The same at the speed of the scene [N].
+    pub fn own_force(&self) -> f64 {
+        self.force(self.own)
+    }
+
+    /// Speeds of both gears at a mesh frequency [rad/s].
+    fn speeds(&self, frequency: f64) -> [f64; 2] {
+        let first = self.sign * TAU * frequency / self.teeth[0] as f64;
+        [
+            first,
+            -first * self.effective_radii[0] / self.effective_radii[1],
+        ]
+    }
+
+    /// The scene at a speed with its teeth touching, its loads rising from nothing in sum until `rise` [s]; or as it
+    /// goes on from what a run of the same gears left, under its whole loads.
+    pub fn scene(
+        &self,
+        spec: &SceneSpec,
+        frequency: f64,
+        rise: f64,
+        from: Option<&EndState>,
+    ) -> SceneSpec {
+        let mut spec = spec.clone();
+        spec.meshes[0].start.gap = 0.0;
+        let speeds = self.speeds(frequency);
+        for (i, (g, speed)) in spec.gears.iter_mut().zip(speeds).enumerate() {
+            g.speed = speed;
+            let driven = matches!(g.mount, Mount::Driven(_));
+            if driven {
+                g.mount = Mount::Driven(match from {
+                    None => Profile::Constant(speed),
+                    Some(end) => goes_on(end.t, end.driven[i], speed),
+                });
+            }
+            let lost = self.loads[i].viscous * speed;
+            let full = if self.holds == Some(i) && !driven {
+                self.sign * self.force(frequency) * self.effective_radii[i] + lost
+            } else {
+                self.loads[i].constant
+            };
+            g.loads.retain_mut(|l| match l {
+                Load::Applied(Profile::Harmonic { mean, .. }) => {
+                    *mean = 0.0;
+                    true
+                }
+                Load::Applied(_) => false,
+                Load::Viscous(_) => true,
+            });
+            if full != 0.0 || lost != 0.0 {
+                g.loads.push(Load::Applied(match from {
+                    None => Profile::Ramp {
+                        from: lost,
+                        to: full,
+                        start: 0.0,
+                        end: rise,
+                    },
+                    Some(_) => Profile::Constant(full),
+                }));
+            }
+        }
+        spec
+    }
+
+    /// Whether no motion is prescribed, so that what is lost to damping slows the gears down.
+    pub fn is_free(&self) -> bool {
+        self.free
+    }
+
+    /// The scene with torques that drive both gears alike, by their inertias, so that they press nothing: an acceleration
+    /// of the first gear [rad/s^2]. `built` tells the inertias.
+    pub fn driven_by(&self, spec: &SceneSpec, built: &Scene, drive: f64) -> SceneSpec {
+        let mut spec = spec.clone();
+        if drive != 0.0 {
+            for ((gear, ratio), of) in spec.gears.iter_mut().zip(self.ratios()).zip(built.gears()) {
+                let torque = of.model.hub().hub.inertia * ratio * drive;
+                gear.loads.push(Load::Applied(Profile::Constant(torque)));
+            }
+        }
+        spec
+    }
+
+    /// Brings the common rotation of free gears to a mesh frequency; the gears vibrate on as they did. Returns what the
+    /// first gear was too fast [rad/s].
+    pub fn govern(&self, scene: &Scene, state: &mut State, frequency: f64) -> f64 {
+        let ratios = self.ratios();
+        let (mut momentum, mut inertia) = (0.0, 0.0);
+        for (gear, ratio) in scene.gears().iter().zip(ratios) {
+            momentum += ratio * gear.model.hub_state(gear.at(state.at())).momentum;
+            inertia += gear.model.hub().hub.inertia * ratio * ratio;
+        }
+        let off = momentum / inertia - self.speeds(frequency)[0];
+        for (gear, ratio) in scene.gears().iter().zip(ratios) {
+            state.v[gear.range().start] -= ratio * off;
+        }
+        off
+    }
+
+    /// Speeds of both gears by unit speed of the first.
+    fn ratios(&self) -> [f64; 2] {
+        [1.0, -self.effective_radii[0] / self.effective_radii[1]]
+    }
+
+    /// The state in which a run in a scene of this mesh starts: assembled, or as another left it, turning at the new
+    /// speed. Only the rigid rotation changes: the gears vibrate on as they did.
+    pub fn start(&self, scene: &Scene, frequency: f64, from: Option<&EndState>) -> State {
+        let mut state = scene.initial();
+        let Some(end) = from.filter(|e| e.q.len() == state.q.len()) else {
+            return state;
+        };
+        state.t = end.t;
+        state.q.clone_from(&end.q);
+        state.v.clone_from(&end.v);
+        state.discrete.clone_from(&end.discrete);
+        let (before, now) = (self.speeds(end.frequency), self.speeds(frequency));
+        for (i, gear) in scene.gears().iter().enumerate() {
+            if gear.model.hub().coordinates() > 0 {
+                state.v[gear.range().start] += now[i] - before[i];
+            }
+        }
+        state
+    }
+}
+
+/// A speed that is constant from a time on, at which it has come as far as `turned`.
+fn goes_on(t: f64, turned: f64, speed: f64) -> Profile {
+    if t <= 0.0 {
+        return Profile::Constant(speed);
+    }
+    // Whatever it was before: constant over the first half, then a line to the new speed.
+    let before = (turned - 0.25 * t * speed) / (0.75 * t);
+    Profile::Table {
+        time: vec![0.5 * t, t],
+        value: vec![before, speed],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_driven_gear_goes_on_from_where_it_came() {
+        for (t, turned, speed) in [(0.3, 70.0, -5.0), (2.0, -4.0, 80.0), (0.0, 0.0, 3.0)] {
+            let p = goes_on(t, turned, speed);
+            assert!((p.integral(t) - turned).abs() <= 1e-12 * turned.abs());
+            assert_eq!((p.value(t), p.slope(t)), (speed, 0.0));
+            assert_eq!(p.next_breakpoint(t), f64::INFINITY);
+        }
+    }
+}

@@ -1,0 +1,455 @@
+//! Separation of a gear's flank from the involute of its mate, over the gear's own path coordinate.
+//!
+//! While the involutes touch on the line of action, the gap is `L - s_a - s_b`. Flanks that are modified, and tips that
+//! have run beyond the end of the path, stand off by the separation
+//!
+//! ```text
+//! e(s) = min over rho <= rho_tip of  d(rho) + s_m(P(rho, s)) + s - L
+//! ```
+//!
+//! with `d` the material removed at the length of roll `rho`, `P(rho, s)` the point of the flank there when the flank's
+//! path coordinate is `s`, and `s_m` the path coordinate of the mate's involute through that point. An involute that turns
+//! moves parallel to itself, so `e` depends on `s` alone and is exact whatever the mate's position; the gap
+//! `L - s_a - s_b + e_a(s_a) + e_b(s_b)` is exact where one of both is the plain involute. Beyond the tip (`s > rho_tip`)
+//! the edge of the tip slides on the mate's flank: `e` leaves zero with slope zero, so that a force grows from nothing when
+//! a pair comes in before the path of contact, and goes to nothing when it leaves behind it (contact off the line of
+//! action; R. G. Munro, L. Morrish, D. Palmer, *Proc. IMechE C* 213 (1999) 431-440). With the slope of `e` as the scale of
+//! the gear's contact row, the force is the derivative of a potential.
+//!
+//! Frame: the line of action is the y axis, its origin the gear's tangent point; the gear's centre lies at `(-r_b, 0)`, its
+//! mate's at `(r_m, L)`. A rack is the limit of an infinite radius: its flank moves parallel to its pitch line.
+
+/// Samples of a separation beyond the tip.
+const EDGE_SAMPLES: usize = 49;
+
+/// Lengths of roll that the first search for the least separation tries.
+const TRIED: usize = 33;
+
+/// Separation up to which a tip edge is followed, in base pitches: several times the deflection of any loaded mesh.
+const FOLLOWED: f64 = 0.03;
+
+/// A gear's own tooth and its mate's, as far as their flanks go.
+#[derive(Clone, Copy, Debug)]
+pub struct Engagement {
+    /// Base radius of the gear [m]; `None` for a rack.
+    pub base_radius: Option<f64>,
+    /// Base radius of its mate [m]; `None` for a rack.
+    pub mate_base_radius: Option<f64>,
+    /// Distance between the tangent points [m].
+    pub length: f64,
+    /// Length of roll at the gear's tip, on its own path coordinate [m].
+    pub tip: f64,
+    /// The same of its mate.
+    pub mate_tip: f64,
+    /// Transverse working pressure angle [rad].
+    pub pressure_angle: f64,
+    /// Cosine of the base helix angle.
+    pub helix_cos: f64,
+    /// Base pitch [m].
+    pub base_pitch: f64,
+}
+
+impl Engagement {
+    /// The point of roll `rho` at path coordinate `s`, and its derivative by `s`.
+    fn point(&self, rho: f64, s: f64) -> ([f64; 2], [f64; 2]) {
+        match self.base_radius {
+            Some(rb) => {
+                let (sin, cos) = ((s - rho) / rb).sin_cos();
+                // From the gear's centre.
+                let x = rb * cos - rho * sin;
+                let y = rb * sin + rho * cos;
+                ([x - rb, y], [-y / rb, x / rb])
+            }
+            None => {
+                let slope = self.pressure_angle.tan();
+                ([-slope * (s - rho), s], [-slope, 1.0])
+            }
+        }
+    }
+
+    /// How far beyond the tip its edge is followed on the mate's flank [m]: up to a separation that no load closes, or to
+    /// the mate's own tip.
+    pub fn followed(&self) -> f64 {
+        let follows = |u: f64| {
+            self.of_point(self.tip, self.tip + u)
+                .is_some_and(|e| e.0 <= FOLLOWED * self.base_pitch)
+        };
+        let (mut near, mut far) = (0.0, 0.5 * self.base_pitch);
+        for _ in 0..50 {
+            let middle = 0.5 * (near + far);
+            if follows(middle) {
+                near = middle;
+            } else {
+                far = middle;
+            }
+        }
+        // Never of no length, so that a table over it has a step.
+        near.max(1e-6 * self.base_pitch)
+    }
+
+    /// Separation of the point of roll `rho` from the mate's involute in the transverse plane at path coordinate `s` [m],
+    /// and its derivative by `s`; `None` where the mate's involute does not reach.
+    fn of_point(&self, rho: f64, s: f64) -> Option<(f64, f64)> {
+        let (p, dp) = self.point(rho, s);
+        let Some(rm) = self.mate_base_radius else {
+            // A straight flank across the line of action.
+            return Some((s - p[1], 1.0 - dp[1]));
+        };
+        let (x, y) = (p[0] - rm, p[1] - self.length);
+        let square = x * x + y * y - rm * rm;
+        let reach = rm * rm + self.mate_tip * self.mate_tip;
+        if square <= 0.0 || x * x + y * y > reach * (1.0 + 1e-9) {
+            return None;
+        }
+        let roll = square.sqrt();
+        // Angle from where this point of the involute lies on the line of action, at (-rm, -roll).
+        let turned = (-rm * y + roll * x).atan2(-rm * x - roll * y);
+        let (sin, cos) = turned.sin_cos();
+        let along = -dp[0] * sin + dp[1] * cos;
+        Some((roll + rm * turned + s - self.length, 1.0 - along))
+    }
+
+    /// The least of removed material and separation over the flank up to its tip: value and slope by `s` [m], both
+    /// normal to the flanks.
+    fn least(&self, s: f64, removed: &impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+        let at = |rho: f64| {
+            self.of_point(rho, s)
+                .map(|(e, slope)| (removed(rho) + self.helix_cos * e, self.helix_cos * slope))
+        };
+        let value = |rho: f64| at(rho).map_or(f64::INFINITY, |e| e.0);
+        let beside = 0.05 * self.base_pitch;
+        let high = (s + beside).min(self.tip);
+        let low = s.min(self.tip) - beside;
+        let step = (high - low) / (TRIED - 1) as f64;
+        let tried = |i: usize| low + i as f64 * step;
+        let best = (0..TRIED).min_by(|i, j| value(tried(*i)).total_cmp(&value(tried(*j))))?;
+        let (mut a, mut b) = (
+            tried(best.saturating_sub(1)),
+            tried((best + 1).min(TRIED - 1)),
+        );
+        // Golden section: removed material may have a kink.
+        let part = 0.5 * (5.0_f64.sqrt() - 1.0);
+        for _ in 0..60 {
+            let (x, y) = (b - part * (b - a), a + part * (b - a));
+            if value(x) <= value(y) {
+                b = y;
+            } else {
+                a = x;
+            }
+        }
+        // The tip itself is a candidate that golden section only comes close to.
+        let inside = 0.5 * (a + b);
+        let rho = if value(high) <= value(inside) {
+            high
+        } else {
+            inside
+        };
+        at(rho).filter(|e| e.0.is_finite())
+    }
+}
+
+/// Separation over the gear's own path coordinate: zero up to the tip on a plain involute.
+#[derive(Clone, Debug)]
+pub struct Separation {
+    /// Modified flank, up to the tip.
+    flank: Option<Table>,
+    /// Edge of the tip, beyond it.
+    edge: Table,
+}
+
+impl Separation {
+    /// Of a gear in mesh. `removed` is the material removed over the length of roll [m] of a modified flank, sampled
+    /// `samples` times from `start` to the tip.
+    pub fn new(
+        of: &Engagement,
+        start: f64,
+        samples: usize,
+        removed: Option<&dyn Fn(f64) -> f64>,
+    ) -> Self {
+        let plain = |_: f64| 0.0;
+        let removed_or_none: &dyn Fn(f64) -> f64 = removed.unwrap_or(&plain);
+        let least = |s: f64| of.least(s, &removed_or_none);
+        let at_tip = least(of.tip).map_or(0.0, |e| e.0);
+        let sample = |s: f64, _: usize| least(s).unwrap_or((at_tip, 0.0));
+        Separation {
+            flank: removed.map(|_| Table::sample([start, of.tip], samples, sample)),
+            edge: Table::sample([of.tip, of.tip + of.followed()], EDGE_SAMPLES, |s, i| {
+                if i == 0 && removed.is_none() {
+                    (0.0, 0.0)
+                } else {
+                    sample(s, i)
+                }
+            }),
+        }
+    }
+
+    /// The same with as much more removed everywhere [m].
+    #[must_use]
+    pub fn raised(&self, by: f64) -> Self {
+        let mut raised = self.clone();
+        if by != 0.0 {
+            for table in [raised.flank.as_mut(), Some(&mut raised.edge)]
+                .into_iter()
+                .flatten()
+            {
+                for (value, _) in &mut table.samples {
+                    *value += by;
+                }
+            }
+        }
+        raised
+    }
+
+    /// Whether it is zero up to the tip.
+    pub fn is_plain(&self) -> bool {
+        self.flank.is_none()
+    }
+
+    /// Length of roll at the tip, and path coordinate up to which the edge is followed [m].
+    pub fn edge(&self) -> [f64; 2] {
+        [self.edge.start, self.edge.end()]
+    }
+
+    /// A value that the separation does not fall below anywhere [m].
+    pub fn lowest(&self) -> f64 {
+        // Its edge only stands off further.
+        self.flank.as_ref().map_or(0.0, Table::lowest)
+    }
+
+    /// Value [m], slope and curvature [1/m] at `s`.
+    #[inline]
+    pub fn eval(&self, s: f64) -> [f64; 3] {
+        if s > self.edge.start {
+            return self.edge.eval(s);
+        }
+        match &self.flank {
+            None => [0.0; 3],
+            Some(flank) => flank.eval(s),
+        }
+    }
+}
+
+/// Values and slopes at equal steps; cubic (Hermite) between them, straight on outside.
+#[derive(Clone, Debug)]
+struct Table {
+    start: f64,
+    step: f64,
+    samples: Vec<(f64, f64)>,
+}
+
+impl Table {
+    fn sample(
+        [start, end]: [f64; 2],
+        samples: usize,
+        mut f: impl FnMut(f64, usize) -> (f64, f64),
+    ) -> Self {
+        let step = (end - start) / (samples - 1) as f64;
+        Table {
+            start,
+            step,
+            samples: (0..samples)
+                .map(|i| f(start + i as f64 * step, i))
+                .collect(),
+        }
+    }
+
+    fn end(&self) -> f64 {
+        self.start + self.step * (self.samples.len() - 1) as f64
+    }
+
+    /// A value below all of the table, a tenth of its length beyond both ends included.
+    fn lowest(&self) -> f64 {
+        let span = self.end() - self.start;
+        let beyond = [-0.1, 1.1].map(|x| self.eval(self.start + x * span)[0]);
+        let values = self.samples.iter().map(|s| s.0).chain(beyond);
+        // A cubic swings below its samples by no more than its slopes allow.
+        let steepest = self.samples.iter().map(|s| s.1.abs()).fold(0.0, f64::max);
+        values.fold(f64::INFINITY, f64::min) - 0.5 * steepest * self.step
+    }
+
+    #[inline]
+    fn eval(&self, s: f64) -> [f64; 3] {
+        let last = self.samples.len() - 1;
+        let x = (s - self.start) / self.step;
+        if x <= 0.0 {
+            let (value, slope) = self.samples[0];
+            return [value + slope * (s - self.start), slope, 0.0];
+        }
+        if x >= last as f64 {
+            let (value, slope) = self.samples[last];
+            return [value + slope * (s - self.end()), slope, 0.0];
+        }
+        let i = x as usize;
+        let u = x - i as f64;
+        let ((p0, m0), (p1, m1)) = (self.samples[i], self.samples[i + 1]);
+        let h = self.step;
+        let d = p1 - p0;
+        let (a, b) = (h * m0 - d, d - h * m1);
+        let r = 1.0 - u;
+        let value = p0 + u * d + u * r * (r * a + u * b);
+        let slope = d + (1.0 - 2.0 * u) * (r * a + u * b) + u * r * (b - a);
+        let curvature = -2.0 * (r * a + u * b) + 2.0 * (1.0 - 2.0 * u) * (b - a);
+        [value, slope / h, curvature / (h * h)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gears of 20 and 30 teeth, module 4 mm, 20 degrees, as seen by either of them.
+    fn engagements() -> [Engagement; 2] {
+        let alpha = 20.0_f64.to_radians();
+        let rb = [0.04 * alpha.cos(), 0.06 * alpha.cos()];
+        let tip = [0.044_f64, 0.064].map(|r| r);
+        let roll = [0, 1].map(|k| (tip[k] * tip[k] - rb[k] * rb[k]).sqrt());
+        [0, 1].map(|k| Engagement {
+            base_radius: Some(rb[k]),
+            mate_base_radius: Some(rb[1 - k]),
+            length: (rb[0] + rb[1]) * alpha.tan(),
+            tip: roll[k],
+            mate_tip: roll[1 - k],
+            pressure_angle: alpha,
+            helix_cos: 1.0,
+            base_pitch: std::f64::consts::PI * 4e-3 * alpha.cos(),
+        })
+    }
+
+    /// The tip is turned in its own gear's frame, the mate's flank is a polyline: the least turn of the mate that
+    /// brings it to the point is found by bisection of the side on which the point lies.
+    #[test]
+    fn separation_is_the_turn_that_brings_the_mate_to_the_edge() {
+        for of in engagements() {
+            let (rb, rm) = (of.base_radius.unwrap(), of.mate_base_radius.unwrap());
+            for u in [2e-4, 5e-4, 1e-3, 1.5e-3] {
+                let turn = u / rb;
+                let (sin, cos) = turn.sin_cos();
+                // The tip on the line of action, turned on about the gear's centre, seen from the mate's centre.
+                let tip = [rb * cos - of.tip * sin, rb * sin + of.tip * cos];
+                let p = [tip[0] - rb - rm, tip[1] - of.length];
+                let radius = p[0].hypot(p[1]);
+                // The mate's involute at path coordinate s_m, by its polar angle at this radius.
+                let roll = (radius * radius - rm * rm).sqrt();
+                let flank_angle = |s_m: f64| {
+                    let base = std::f64::consts::PI + s_m / rm - roll / rm;
+                    base + (roll / rm).atan()
+                };
+                let angle = p[1].atan2(p[0]).rem_euclid(std::f64::consts::TAU);
+                let (mut low, mut high) = (0.0, of.length);
+                for _ in 0..100 {
+                    let middle = 0.5 * (low + high);
+                    if flank_angle(middle) < angle {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let want = low + of.tip + u - of.length;
+                let got = of.of_point(of.tip, of.tip + u).unwrap().0;
+                assert!(
+                    (got - want).abs() < 1e-14 && got > 0.0,
+                    "{u}: {got:e} {want:e}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_edge_leaves_smoothly_and_the_table_has_its_slopes() {
+        for of in engagements() {
+            let e = Separation::new(&of, 0.0, 2, None);
+            let [tip, end] = e.edge();
+            assert!((e.eval(tip)[0], e.eval(tip)[1]) == (0.0, 0.0));
+            assert!(end - tip > 0.05 * of.base_pitch && end - tip < 0.5 * of.base_pitch);
+            let follows = e.eval(end)[0];
+            assert!(
+                (follows - FOLLOWED * of.base_pitch).abs() < 1e-9,
+                "{follows:e}"
+            );
+            for i in 1..200 {
+                let s = tip + (end - tip) * f64::from(i) / 201.0;
+                let exact = of.of_point(of.tip, s).unwrap();
+                let [value, slope, curvature] = e.eval(s);
+                assert!((value - exact.0).abs() < 1e-11, "{value:e} {exact:?}");
+                assert!((slope - exact.1).abs() < 1e-7);
+                let h = 1e-7;
+                let by = (e.eval(s + h)[1] - e.eval(s - h)[1]) / (2.0 * h);
+                assert!((by - curvature).abs() < 1e-4 * curvature.abs().max(1.0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_rack_is_the_limit_of_a_large_gear() {
+        let [of, _] = engagements();
+        let alpha = of.pressure_angle;
+        let (from_pitch, mate_tip) = (9e-3, 9e-3);
+        let on_rack = Engagement {
+            mate_base_radius: None,
+            ..of
+        };
+        let large = Engagement {
+            mate_base_radius: Some(1e5),
+            mate_tip: 1e5 * alpha.tan() + mate_tip,
+            length: of.base_radius.unwrap() * alpha.tan() + 1e5 * alpha.tan(),
+            ..of
+        };
+        for u in [3e-4, 1e-3] {
+            let [a, b] = [on_rack, large].map(|e| e.of_point(of.tip, of.tip + u).unwrap());
+            assert!(
+                (a.0 - b.0).abs() < 1e-9 && (a.1 - b.1).abs() < 1e-6,
+                "{a:?} {b:?}"
+            );
+        }
+        // A rack's own tip on the gear: path coordinates from the pitch point, and from far away.
+        let gear = of.base_radius.unwrap();
+        let rack = Engagement {
+            base_radius: None,
+            mate_base_radius: Some(gear),
+            length: gear * alpha.tan(),
+            tip: from_pitch,
+            mate_tip: of.tip,
+            ..of
+        };
+        let far = 1e5 * alpha.tan();
+        let like = Engagement {
+            base_radius: Some(1e5),
+            length: rack.length + far,
+            tip: from_pitch + far,
+            ..rack
+        };
+        for u in [3e-4, 1e-3] {
+            let a = rack.of_point(from_pitch, from_pitch + u).unwrap();
+            let b = like
+                .of_point(from_pitch + far, from_pitch + far + u)
+                .unwrap();
+            assert!(
+                (a.0 - b.0).abs() < 1e-8 && (a.1 - b.1).abs() < 1e-5,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_relief_is_kept_where_it_is_smooth() {
+        let [of, _] = engagements();
+        let start = of.tip - 3e-3;
+        let removed = |rho: f64| 20e-6 * ((rho - start) / (of.tip - start)).max(0.0);
+        let e = Separation::new(&of, 0.2 * of.tip, 257, Some(&removed));
+        // Far from its start and from the tip it stands off by the relief, less what the contact moves along it.
+        let s = of.tip - 1.5e-3;
+        let (value, plain) = (e.eval(s)[0], removed(s));
+        assert!(
+            value <= plain && plain - value < 0.5e-6,
+            "{value:e} {plain:e}"
+        );
+        assert_eq!(e.eval(start - 1e-3)[0], 0.0);
+        // The edge stands off by all of it, and more.
+        let [tip, end] = e.edge();
+        assert!(e.eval(0.5 * (tip + end))[0] > 20e-6);
+        for i in 0..300 {
+            let s = 0.3 * of.tip + (end - 0.3 * of.tip) * f64::from(i) / 299.0;
+            assert!(e.lowest() <= e.eval(s)[0]);
+        }
+    }
+}
