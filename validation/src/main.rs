@@ -82,13 +82,13 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     for number in first..=last {
         let row = reduction::compare(&set, number).map_err(refuse)?;
         say(&format!(
-            "{}: {}, fe {}, elastic {}, force {}",
+            "{}: {}, {}, force {}",
             row.scene,
             row.kind,
-            row.status[0],
-            row.status[1],
+            row.status.join(", "),
             row.error
-                .map_or_else(|| "-".into(), |e| format!("{:.3} %", 100.0 * e))
+                .map(|e| e.map_or_else(|| "-".into(), |e| format!("{:.3} %", 100.0 * e)))
+                .join(", ")
         ));
         rows.push(row);
         // What is finished stays when the rest is stopped.

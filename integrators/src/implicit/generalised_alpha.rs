@@ -212,6 +212,9 @@ impl GeneralisedAlpha {
         let along: Vec<f64> = self.residual.clone();
         let work_of = |r: &[f64]| r.iter().zip(&along).map(|(r, d)| r * d).sum::<f64>();
         let start = work_of(&self.raw);
+        if start <= 0.0 {
+            return 1.0;
+        }
         let mut at = |this: &mut Self, from_to: f64| {
             for (a, d) in this.a1.iter_mut().zip(&along) {
                 *a += from_to * d;
