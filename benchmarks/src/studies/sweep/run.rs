@@ -282,7 +282,9 @@ impl Branches<'_, '_> {
             for part in 1..=parts {
                 let spec = pair.driven_by(&scene, &built, drive);
                 let mut settling = build(&spec)?;
-                let until = begin + settle * part as f64 / parts as f64;
+                // None ends where the loads have risen: no step would be left before that kink.
+                let part = RISE + (1.0 - RISE) * part as f64 / parts as f64;
+                let until = begin + settle * part;
                 let job = Job {
                     t_end: until,
                     grid: &[until],
