@@ -66,10 +66,12 @@ impl Exit {
         let excepted = |r: &Run| {
             (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&r.model_label()))
         };
+        // A comparison that asks for no tolerance shows errors, whatever they are.
+        let asked = results.tolerance.is_some() || results.study() != Study::Compare;
         let mut runs = results.runs.iter();
         if runs.clone().any(|r| r.status.is_failure()) {
             Exit::FailedRun
-        } else if runs.any(|r| r.status == Status::Inaccurate && !excepted(r)) {
+        } else if asked && runs.any(|r| r.status == Status::Inaccurate && !excepted(r)) {
             Exit::FellShort
         } else {
             Exit::Done
