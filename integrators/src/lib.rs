@@ -127,7 +127,7 @@ pub use scheme::Scheme;
 pub use spec::{MethodError, MethodSpec};
 pub use stepped::Stepped;
 pub use system::{
-    At, Change, Coeffs, Energy, Events, FreeFlight, Layout, ModalSplit, Outputs, Power, Report,
-    SecondOrderSystem, State, Touch,
+    At, Change, Coeffs, Energy, Events, FreeFlight, HalfKick, Layout, ModalSplit, Outputs, Power,
+    Report, SecondOrderSystem, State, Touch,
 };
 pub use table::{METHODS, Method, method};

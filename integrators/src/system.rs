@@ -62,6 +62,43 @@ pub struct At<'a> {
     pub discrete: &'a [f64],
 }
 
+/// The second half of a kick: velocities end at `before + time filter (a - steady)`, `a` the acceleration that is asked
+/// for. A system whose forces answer to velocities stiffly may give them at that end, implicitly.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfKick<'a> {
+    /// Half a step [s].
+    pub time: f64,
+    /// Velocities before it, as the system sees them.
+    pub before: &'a [f64],
+    /// Acceleration that the method accounts for otherwise; empty where there is none.
+    pub steady: &'a [f64],
+    /// What the system sees of its accelerations' kicks; empty where it is all of all. What kicks is filtered once
+    /// more on its way to the velocities that are seen, so that this is the square of the method's filter.
+    pub filter: &'a [f64],
+}
+
+impl HalfKick<'_> {
+    /// Time [s] for which an acceleration of a coordinate acts on the velocity that is seen.
+    #[inline]
+    pub fn weight(&self, i: usize) -> f64 {
+        self.time * self.filter.get(i).copied().unwrap_or(1.0)
+    }
+
+    /// Velocities at the end by accelerations, less the steady ones.
+    pub fn end(&self, a: &[f64], v: &mut Vec<f64>) {
+        v.clear();
+        v.extend(
+            a.iter()
+                .zip(self.before)
+                .enumerate()
+                .map(|(i, (a, before))| {
+                    let steady = self.steady.get(i).copied().unwrap_or(0.0);
+                    before + self.weight(i) * (a - steady)
+                }),
+        );
+    }
+}
+
 /// Sizes of a system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
@@ -168,6 +205,11 @@ pub trait ModalSplit {
     /// The remainder of the acceleration: contact, loads, whatever is not the oscillators. Pure in `at`.
     fn remainder(&mut self, at: At<'_>, a: &mut [f64]);
 
+    /// The remainder at the end of a kick: at the velocities of `at`, which predict it, or implicitly.
+    fn remainder_after(&mut self, at: At<'_>, _kick: &HalfKick<'_>, a: &mut [f64]) {
+        self.remainder(at, a);
+    }
+
     /// The remainder that steady loads make while nothing touches; the time until which it is constant.
     fn steady(&mut self, at: At<'_>, a: &mut [f64]) -> f64;
 
@@ -195,6 +237,11 @@ pub trait SecondOrderSystem {
 
     /// Generalised forces `f(t, q, v; discrete)` without inertia. Pure and bitwise repeatable.
     fn force(&mut self, at: At<'_>, f: &mut [f64]);
+
+    /// The forces at the end of a kick: at the velocities of `at`, which predict it, or implicitly.
+    fn force_after(&mut self, at: At<'_>, _kick: &HalfKick<'_>, f: &mut [f64]) {
+        self.force(at, f);
+    }
 
     /// `f <- M^-1 f`.
     fn solve_mass(&mut self, at: At<'_>, f_to_a: &mut [f64]);

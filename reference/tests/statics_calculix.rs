@@ -134,19 +134,19 @@ fn contact_forces_are_those_of_calculix_at_every_position_and_load() {
 
 #[test]
 fn the_usual_rule_stays_within_half_a_per_cent_and_fewer_points_and_nodes_do_not() {
-    let (worst, edge, _) = compare(PointRule::default(), Passes::Auto);
+    let (worst, edge, _) = compare(PointRule::default(), Passes::First);
     assert!(worst < 5e-3 && edge < 5e-3, "{worst} {edge}");
     // With a few points along a face the strip at the tip is hit or missed as a whole.
     let few = PointRule::Quadrature {
         along: 3,
         across: 2,
     };
-    let (worst, edge, _) = compare(few, Passes::Auto);
+    let (worst, edge, _) = compare(few, Passes::First);
     assert!(
         worst < 1e-2 && (1e-2..8e-2).contains(&edge),
         "{worst} {edge}"
     );
-    let (nodes, ..) = compare(PointRule::Nodes, Passes::Auto);
+    let (nodes, ..) = compare(PointRule::Nodes, Passes::First);
     assert!(nodes > worst, "{nodes} {worst}");
     assert!(nodes < 0.1, "{nodes}");
 }

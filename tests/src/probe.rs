@@ -60,7 +60,8 @@ pub fn row_and_rate(scene: &Scene, s: &State, mesh: usize, c: &Candidate) -> (Ve
         let g = &scene.gears()[scene.meshes()[mesh].gears[k]];
         row.target(g.range().start, sign * c.scale[k]);
         let at = g.at(s.at());
-        rate += sign * c.scale[k] * g.model.row(at, &c.points[k], &c.normal, &mut row);
+        let along = c.normal + c.aside[k];
+        rate += sign * c.scale[k] * g.model.row(at, &c.points[k], &along, &mut row);
     }
     let mut w = vec![0.0; s.q.len()];
     row.add_to(1.0, &mut w);

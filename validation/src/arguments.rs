@@ -7,6 +7,7 @@ const EXAMPLES: &str = "\
 Examples:
   gearbench-validation sample tuning:7 > scene.toml     scene 7 of the set `tuning`
   gearbench-validation run tuning --scenes 1..12        choices beside all candidates, tried one by one
+  gearbench-validation reduction reduction              elastic gears beside full finite elements
   gearbench-validation run held-out --threads 2         on the set that no rule was made on
 
 Exit code 1 says that fewer than 95 % are right, or that the median choice costs more than twice the cheapest.";
@@ -34,6 +35,21 @@ pub enum Command {
     },
     /// Validate the choices on a set of random scenes
     Run(Run),
+    /// Hold elastic gears against full finite elements on a set of random scenes
+    Reduction(Reduction),
+}
+
+/// Arguments of `reduction`.
+#[derive(Args, Clone, Debug)]
+pub struct Reduction {
+    /// A set of validation/sets.toml
+    pub set: String,
+    /// Scenes of the set, from the first to the last [default: all]
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    pub scenes: Option<[usize; 2]>,
+    /// Table to write
+    #[arg(long, value_name = "FILE", default_value = "reduction.csv")]
+    pub out: PathBuf,
 }
 
 /// Arguments of `run`.

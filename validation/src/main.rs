@@ -6,9 +6,11 @@
 //! | [`sampling`] | random scenes: sets, seeds, distributions |
 //! | [`validate`] | one scene: its reference, all candidates, the choice |
 //! | [`campaign`] | a set of scenes, in parallel, with a journal |
+//! | [`reduction`] | elastic gears against full finite elements on the same scenes |
 
 mod arguments;
 mod campaign;
+mod reduction;
 mod sampling;
 mod validate;
 
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Sample { scene } => print(&scene.0, scene.1),
         Command::Run(args) => validate(&args, &told),
+        Command::Reduction(args) => reduce(&args),
     };
     terminal::end(&told, done)
 }
@@ -69,6 +72,39 @@ fn print(set: &str, number: usize) -> Result<Answer, Refusal> {
     let sample = sampling::sample(&set, number).map_err(refuse_sample)?;
     put(sample.text.trim_end());
     Ok(Answer::done())
+}
+
+/// Holds elastic gears against full finite elements and writes a table.
+fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
+    let set = sampling::set(&args.set).map_err(refuse_sample)?;
+    let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
+    let mut rows = Vec::new();
+    for number in first..=last {
+        let row = reduction::compare(&set, number).map_err(refuse)?;
+        say(&format!(
+            "{}: {}, fe {}, elastic {}, force {}",
+            row.scene,
+            row.kind,
+            row.status[0],
+            row.status[1],
+            row.error
+                .map_or_else(|| "-".into(), |e| format!("{:.3} %", 100.0 * e))
+        ));
+        rows.push(row);
+        // What is finished stays when the rest is stopped.
+        std::fs::write(&args.out, reduction::csv(&rows))
+            .map_err(|e| Refusal::Files(format!("{}: {e}", args.out.display())))?;
+    }
+    let ended = rows.iter().filter(|r| r.ended()).count();
+    let within = rows.iter().filter(|r| r.is_within()).count();
+    say(&format!(
+        "{} scenes (seed {}): {ended} ended both ways, {within} within {} %",
+        rows.len(),
+        set.seed,
+        100.0 * reduction::LIMIT
+    ));
+    let enough = within as f64 >= ASKED.0 * rows.len() as f64 && ended == rows.len();
+    Ok(Answer::done().ending(if enough { Exit::Done } else { Exit::FellShort }))
 }
 
 /// Validates choices on a set of random scenes and writes the folder.

@@ -1,5 +1,6 @@
 //! `[gears.NAME]`: toothing, material, hub, mount, speed, loads.
 
+use super::deviations::{DeviationKeys, deviations};
 use super::error::SceneError;
 use super::geometry::geometry;
 use super::plausible::pressure_angle;
@@ -8,7 +9,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::{Degrees, NotNegative, Positive};
 use gearbench_models::geometry::{
-    Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
+    Deviations, Gear, GearParams, Modifications, Rack, RackParams, ReliefShape, TipRelief,
 };
 use gearbench_models::spec::{Body, GearSpec, Load, Mount};
 use gearbench_models::stiffness::{Material, Property, StiffnessError};
@@ -46,7 +47,7 @@ keys! {
         /// reduction of the tooth thickness at the reference circle in metres, default 0
         #[serde(default)]
         thinning_m: f64,
-        /// bore radius in metres, default 0 (solid)
+        /// bore radius in metres, default 0 (solid: the elastic body then stands on a seat of half the root radius)
         #[serde(default)]
         bore_radius_m: f64,
         /// { amount_m, start_radius_m, shape = "linear" or "parabolic" }
@@ -57,6 +58,8 @@ keys! {
         /// material removed at both face ends by lead crowning in metres, default 0
         #[serde(default)]
         lead_crowning_m: f64,
+        /// deviations of single teeth: { class = 6, seed = 1 } of ISO 1328-1, or measured
+        deviations: Option<Box<DeviationKeys>>,
         /// "steel" (default), "steel-iso6336", or { young_pa, poisson, density_kg_m3 }
         #[serde(default)]
         material: MaterialChoice,
@@ -179,7 +182,10 @@ pub(super) fn gear(name: &str, keys: ToothedKeys, at: &Place<'_>) -> Result<Gear
         pressure_angle(angle.0, at)?;
     }
     let body = match &keys {
-        ToothedKeys::Gear(keys) => Gear::new(keys.params()).map(Body::Gear),
+        ToothedKeys::Gear(keys) => {
+            let deviations = deviations(keys.deviations.as_deref(), &at.key("deviations"))?;
+            Gear::new(keys.params(deviations)).map(Body::Gear)
+        }
         ToothedKeys::Rack(keys) => Rack::new(keys.params()).map(Body::Rack),
     };
     let body = body.map_err(|e| geometry(at, &e))?;
@@ -247,7 +253,7 @@ fn initial_speed(
 }
 
 impl GearKeys {
-    fn params(&self) -> GearParams {
+    fn params(&self, deviations: Deviations) -> GearParams {
         let default = GearParams::default();
         GearParams {
             teeth: self.teeth,
@@ -270,6 +276,7 @@ impl GearKeys {
                 profile_crowning: self.profile_crowning_m,
                 lead_crowning: self.lead_crowning_m,
             },
+            deviations,
         }
     }
 }

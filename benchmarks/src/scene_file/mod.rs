@@ -11,7 +11,6 @@
 //! | `study_plan` | `[study]`, `tolerance`; what one study takes stands in its room |
 //! | `plausible`, `usual` | what no solid can be, and what is only odd |
 //! | `selection` | models by their labels |
-//! | `solid` | solid gears as elastic bodies need them |
 //! | `formulas` | where a scene leaves the range of a stiffness formula |
 //! | `referenced` | a stored reference against the gears of the scene |
 //! | `locate` | the line that an error of the assembly is about |
@@ -24,6 +23,7 @@ mod calibrated;
 pub mod calibration;
 mod contact;
 mod contact_points;
+mod deviations;
 mod error;
 mod formulas;
 mod gear;
@@ -38,7 +38,6 @@ pub(crate) mod reading;
 mod referenced;
 mod selection;
 pub mod shipped;
-mod solid;
 pub mod source;
 mod stiffness;
 pub(crate) mod study_plan;

@@ -64,18 +64,8 @@ fn a_sector_carries_the_cuts_in_matching_order() {
 #[test]
 fn meshes_that_cannot_be_made_are_refused_and_nothing_is_written() {
     let folder = Folder::new();
-    let solid: String = include_str!("../../scenes/hammer.toml")
-        .lines()
-        .filter(|l| !l.starts_with("bore_radius_m"))
-        .map(|l| format!("{l}\n"))
-        .collect();
-    folder.write("solid.toml", &solid);
     folder.write("broken.inp", "*NODE\n1, 2\n");
-    let cases: [(&str, &[&str]); 9] = [
-        (
-            "solid.toml",
-            &["is solid", "bore_radius_m = 0.0", "[gears.pinion]"],
-        ),
+    let cases: [(&str, &[&str]); 8] = [
         (
             "spur_impact --gear pinoin",
             &["no gear `pinoin`", "pinion, wheel"],

@@ -1,13 +1,14 @@
 //! Velocity Verlet (central difference): kick-drift-kick with one force per step.
 //!
 //! `q1 = q0 + h v0 + h^2 a0 / 2`, `v1 = v0 + h (a0 + a1) / 2`. Forces that depend on velocity are evaluated
-//! at the predicted `v0 + h a0`, which keeps order two. Symplectic for separable systems, stable for
+//! at the predicted `v0 + h a0`, or, where the system can, implicitly at `v1`
+//! ([`force_after`](SecondOrderSystem::force_after)); both keep order two. Symplectic for separable systems, stable for
 //! `omega h < 2`. L. Verlet, *Phys. Rev.* 159 (1967) 98; W. C. Swope et al., *J. Chem. Phys.* 76 (1982) 637.
 
 use crate::error::StepError;
 use crate::interpolation::hermite_with_acceleration;
 use crate::method::{MethodInfo, OneStep, Stepping, Tolerance, Work};
-use crate::system::{At, SecondOrderSystem, State};
+use crate::system::{At, HalfKick, SecondOrderSystem, State};
 
 /// What the method declares.
 pub static INFO: MethodInfo = MethodInfo {
@@ -30,6 +31,7 @@ pub struct VelocityVerlet {
     a0: Vec<f64>,
     a1: Vec<f64>,
     v: Vec<f64>,
+    before: Vec<f64>,
 }
 
 impl OneStep for VelocityVerlet {
@@ -42,6 +44,7 @@ impl OneStep for VelocityVerlet {
         self.a0.resize(n, 0.0);
         self.a1.resize(n, 0.0);
         self.v.resize(n, 0.0);
+        self.before.resize(n, 0.0);
         sys.force(s.at(), &mut self.a0);
         sys.solve_mass(s.at(), &mut self.a0);
         work.force_evaluations += 1;
@@ -61,6 +64,7 @@ impl OneStep for VelocityVerlet {
         for i in 0..n {
             to.q[i] = from.q[i] + h * (from.v[i] + half * self.a0[i]);
             self.v[i] = from.v[i] + h * self.a0[i];
+            self.before[i] = from.v[i] + half * self.a0[i];
         }
         to.t = from.t + h;
         let at = At {
@@ -69,7 +73,13 @@ impl OneStep for VelocityVerlet {
             v: &self.v,
             discrete: &from.discrete,
         };
-        sys.force(at, &mut self.a1);
+        let kick = HalfKick {
+            time: half,
+            before: &self.before,
+            steady: &[],
+            filter: &[],
+        };
+        sys.force_after(at, &kick, &mut self.a1);
         sys.solve_mass(at, &mut self.a1);
         work.force_evaluations += 1;
         for i in 0..n {

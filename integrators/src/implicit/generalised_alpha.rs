@@ -87,7 +87,11 @@ pub static GENERALISED_ALPHA: MethodInfo = MethodInfo {
 };
 
 /// Newton iterations before a step is given up.
-const MAX_ITERATIONS: u32 = 25;
+const MAX_ITERATIONS: u32 = 60;
+/// Evaluations of a search along a correction.
+const SEARCHES: usize = 12;
+/// Newton iterations with the whole correction. Those of smooth forces, and of most contacts, need fewer.
+const PATIENCE: u32 = 6;
 /// Newton stops when the correction is this small against the system's scales.
 const NEWTON_TOLERANCE: f64 = 1e-11;
 
@@ -105,6 +109,8 @@ pub struct GeneralisedAlpha {
     b0: Vec<f64>,
     b1: Vec<f64>,
     residual: Vec<f64>,
+    /// Before it was corrected.
+    raw: Vec<f64>,
 }
 
 impl GeneralisedAlpha {
@@ -159,7 +165,84 @@ impl GeneralisedAlpha {
             b0: Vec::new(),
             b1: Vec::new(),
             residual: Vec::new(),
+            raw: Vec::new(),
         }
+    }
+
+    /// Coordinates and velocities at the end by the acceleration there.
+    fn displace(&mut self, from: &State, h: f64, to: &mut State) {
+        let (am, af, beta, gamma) = (self.alpha_m, self.alpha_f, self.beta, self.gamma);
+        let (wa, wb) = (1.0 / (1.0 - am), am / (1.0 - am));
+        for i in 0..self.a1.len() {
+            let b1 = ((1.0 - af) * self.a1[i] + af * self.a0[i]) * wa - wb * self.b0[i];
+            self.b1[i] = b1;
+            to.q[i] = from.q[i] + h * (from.v[i] + h * ((0.5 - beta) * self.b0[i] + beta * b1));
+            to.v[i] = from.v[i] + h * ((1.0 - gamma) * self.b0[i] + gamma * b1);
+        }
+    }
+
+    /// The residual `f - M a1` at the end; `b1` is lost.
+    fn lack(&mut self, sys: &mut dyn SecondOrderSystem, from: &State, to: &State, work: &mut Work) {
+        let at = At {
+            t: to.t,
+            q: &to.q,
+            v: &to.v,
+            discrete: &from.discrete,
+        };
+        sys.force(at, &mut self.residual);
+        work.force_evaluations += 1;
+        sys.apply_mass(at, &self.a1, &mut self.b1);
+        for (r, m) in self.residual.iter_mut().zip(&self.b1) {
+            *r -= m;
+        }
+    }
+
+    /// The part of a correction to take. Forces are linear piece by piece where contacts open and where their dashpots
+    /// end; between two soft pieces a stiff one may lie, over which whole corrections go back and forth for ever. The
+    /// work of the residual on the correction tells that its end lies beyond: the place where there is none is looked
+    /// for (H. Matthies, G. Strang, *Int. J. Numer. Methods Eng.* 14 (1979) 1613).
+    fn search_along(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        from: &State,
+        h: f64,
+        to: &mut State,
+        work: &mut Work,
+    ) -> f64 {
+        let along: Vec<f64> = self.residual.clone();
+        let work_of = |r: &[f64]| r.iter().zip(&along).map(|(r, d)| r * d).sum::<f64>();
+        let start = work_of(&self.raw);
+        let mut at = |this: &mut Self, from_to: f64| {
+            for (a, d) in this.a1.iter_mut().zip(&along) {
+                *a += from_to * d;
+            }
+            this.displace(from, h, to);
+            this.lack(sys, from, to, work);
+            work_of(&this.residual)
+        };
+        let (mut low, mut high) = ((0.0, start), (1.0, at(self, 1.0)));
+        let mut length = 1.0;
+        if high.1 < -0.3 * start {
+            for _ in 0..SEARCHES {
+                let part = low.1 / (low.1 - high.1);
+                let next = low.0 + part.clamp(0.1, 0.9) * (high.0 - low.0);
+                let found = at(self, next - length);
+                length = next;
+                if found.abs() < 0.1 * start {
+                    break;
+                }
+                if found > 0.0 {
+                    low = (next, found);
+                } else {
+                    high = (next, found);
+                }
+            }
+        }
+        for (a, d) in self.a1.iter_mut().zip(&along) {
+            *a -= length * d;
+        }
+        self.residual.copy_from_slice(&along);
+        length
     }
 }
 
@@ -176,6 +259,7 @@ impl OneStep for GeneralisedAlpha {
             &mut self.b0,
             &mut self.b1,
             &mut self.residual,
+            &mut self.raw,
         ] {
             x.resize(n, 0.0);
         }
@@ -197,7 +281,7 @@ impl OneStep for GeneralisedAlpha {
     ) -> Result<f64, StepError> {
         let n = self.a0.len();
         let (am, af, beta, gamma) = (self.alpha_m, self.alpha_f, self.beta, self.gamma);
-        let (wa, wb) = (1.0 / (1.0 - am), am / (1.0 - am));
+        let wa = 1.0 / (1.0 - am);
         let c = Coeffs {
             m: 1.0,
             d: h * gamma * (1.0 - af) * wa,
@@ -207,36 +291,32 @@ impl OneStep for GeneralisedAlpha {
         self.a1.copy_from_slice(&self.a0);
         let mut size = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
-            for i in 0..n {
-                let b1 = ((1.0 - af) * self.a1[i] + af * self.a0[i]) * wa - wb * self.b0[i];
-                self.b1[i] = b1;
-                to.q[i] = from.q[i] + h * (from.v[i] + h * ((0.5 - beta) * self.b0[i] + beta * b1));
-                to.v[i] = from.v[i] + h * ((1.0 - gamma) * self.b0[i] + gamma * b1);
-            }
+            self.displace(from, h, to);
             if size <= NEWTON_TOLERANCE {
                 return Ok(0.0);
             }
+            self.lack(sys, from, to, work);
             let at = At {
                 t: to.t,
                 q: &to.q,
                 v: &to.v,
                 discrete: &from.discrete,
             };
-            sys.force(at, &mut self.residual);
-            work.force_evaluations += 1;
-            sys.apply_mass(at, &self.a1, &mut self.b1);
-            for i in 0..n {
-                self.residual[i] -= self.b1[i];
-            }
+            self.raw.copy_from_slice(&self.residual);
             work.correct(sys, at, c, &mut self.residual)
                 .map_err(|_| StepError::SingularTangent { t: from.t, h })?;
             work.newton_iterations += 1;
             let previous = size;
+            let length = if iteration < PATIENCE {
+                1.0
+            } else {
+                self.search_along(sys, from, h, to, work)
+            };
             size = 0.0;
             let mut rounding = 0.0_f64;
             for i in 0..n {
                 let da = self.residual[i];
-                self.a1[i] += da;
+                self.a1[i] += length * da;
                 // What one unit of rounding in the accelerations does to the coordinates: no correction
                 // can be smaller, and with omega h >> 1 that is above the tolerance.
                 let a = self.a1[i].abs() + self.b0[i].abs();
@@ -251,8 +331,10 @@ impl OneStep for GeneralisedAlpha {
             let stalled = size > 0.5 * previous && size < 1e3 * NEWTON_TOLERANCE;
             // Corrections that shrink steadily say how small the next one would be: no need to see it.
             let rate = size / previous;
-            let next_is_small =
-                previous.is_finite() && rate < 0.1 && size * rate <= NEWTON_TOLERANCE;
+            let next_is_small = previous.is_finite()
+                && length == 1.0
+                && rate < 0.1
+                && size * rate <= NEWTON_TOLERANCE;
             if stalled || next_is_small || size < 4.0 * f64::EPSILON * rounding {
                 size = 0.0;
             }

@@ -28,6 +28,9 @@
 //! `z^3 + (X - 2 + 3Y/2) z^2 + (1 - 2Y) z + Y/2` with `X = x^2`, `Y = 2 zeta x`; by Jury's conditions its complex roots
 //! stay inside until `Y^2 - 3Y + 2 <= 0`, `Y >= 1`, which the flip at `4 = X + 4Y` comes before.
 //!
+//! Dampers that a system takes implicitly ([`force_after`](crate::SecondOrderSystem::force_after), as contacts do with
+//! dashpots at flanks) do not show in the limit of velocity Verlet: it is `2 / omega`.
+//!
 //! **The trigonometric method** is exact for oscillators and kicks them by the rest, see [`Kicks`].
 //!
 //! Newmark with beta >= 1/4, HHT-alpha and generalised-alpha with the parameters of their declared ranges are stable at

@@ -128,6 +128,8 @@ pub(crate) struct Drift {
     qg: Vec<f64>,
     /// What the remainder sees of each coordinate, and kicks back; empty where it is all of all.
     pub(crate) filter: Vec<f64>,
+    /// Its squares.
+    pub(crate) squares: Vec<f64>,
 }
 
 impl Drift {
@@ -157,6 +159,8 @@ impl Drift {
             let seen = |w: &f64| if w * h > from { sinc(w * h) } else { 1.0 };
             self.filter.extend(omega.iter().map(seen));
         }
+        self.squares.clear();
+        self.squares.extend(self.filter.iter().map(|f| f * f));
     }
 
     /// Moves `(q0, v0 + kick k)` under the load `g` to `(q, v)`.

@@ -6,11 +6,14 @@
 //!
 //! with `r` the remainder of the acceleration without the steady loads ([`ModalSplit`]): one evaluation per step. It is
 //! exact where the remainder is zero, symplectic without damping and symmetric; a remainder that depends on velocity is
-//! evaluated at the predicted `u + h/2 r0`, which keeps order two. P. Deuflhard, *Z. angew. Math. Phys.* 30 (1979)
+//! evaluated at the predicted `u + h/2 r0`, or, where the system can, implicitly at `v1`
+//! ([`remainder_after`](ModalSplit::remainder_after)), as contacts do with dashpots; both keep order two. P. Deuflhard, *Z. angew. Math. Phys.* 30 (1979)
 //! 177; as the impulse method H. Grubmueller et al., *Mol. Simul.* 6 (1991) 121, M. Tuckerman et al., *J. Chem.
 //! Phys.* 97 (1992) 1990.
 //!
-//! **The step** is bound by the remainder alone: `omega_c h < 2` with the frequency of the contact, and away from the
+//! **The step** is bound by the remainder alone: `omega_c h < 2` with the frequency of the contact, whatever dashpots
+//! that are taken implicitly (the kicks at both sides of an instant are then the implicit midpoint rule, a contraction),
+//! and away from the
 //! resonances `omega h = pi, 2 pi, ...` of oscillators that it excites ([`resonance`](super::resonance)).
 //!
 //! **What kicks leave out.** Kicks of a force that lasts move an oscillator by `h/(2 omega) cot(omega h/2)` per unit
@@ -34,7 +37,7 @@ use super::resonance::{SAFE, safe_step};
 use crate::error::StepError;
 use crate::free_flight::Patience;
 use crate::method::{MethodInfo, OneStep, Parameter, Resolution, Stepping, Tolerance, Work};
-use crate::system::{At, ModalSplit, SecondOrderSystem, State};
+use crate::system::{At, HalfKick, ModalSplit, SecondOrderSystem, State};
 use std::cell::RefCell;
 
 /// What the method declares.
@@ -117,6 +120,7 @@ pub struct Trigonometric {
     /// What the remainder sees through the filter.
     q: Vec<f64>,
     v: Vec<f64>,
+    before: Vec<f64>,
 }
 
 impl Trigonometric {
@@ -129,13 +133,15 @@ impl Trigonometric {
         }
     }
 
-    /// The remainder at `at`, for a step with a table or none, into end `end`.
+    /// The remainder at `at`, for a step with a table or none, into end `end`; with the velocities before the kick that it
+    /// makes and the time of that, at its end.
     fn evaluate(
         &mut self,
         split: &mut dyn ModalSplit,
         at: At<'_>,
         end: usize,
         table: Option<usize>,
+        kicked: Option<(&[f64], f64)>,
         work: &mut Work,
     ) {
         let kick = &mut self.ends[end];
@@ -143,7 +149,18 @@ impl Trigonometric {
         work.force_evaluations += 1;
         let drift = table.map(|table| self.tables.get(table));
         let Some(drift) = drift.filter(|d| !d.filter.is_empty()) else {
-            split.remainder(at, &mut kick.a);
+            match kicked {
+                Some((before, time)) => {
+                    let half = HalfKick {
+                        time,
+                        before,
+                        steady: &self.steady,
+                        filter: &[],
+                    };
+                    split.remainder_after(at, &half, &mut kick.a);
+                }
+                None => split.remainder(at, &mut kick.a),
+            }
             kick.acts = subtract(&mut kick.a, &self.steady);
             kick.filter = 0.0;
             return;
@@ -153,7 +170,22 @@ impl Trigonometric {
             q[i] = filter[i] * at.q[i];
             v[i] = filter[i] * at.v[i];
         }
-        split.remainder(At { q, v, ..at }, &mut kick.a);
+        let at = At { q, v, ..at };
+        match kicked {
+            Some((before, time)) => {
+                let before = before.iter().zip(filter).map(|(v, f)| f * v);
+                self.before.clear();
+                self.before.extend(before);
+                let half = HalfKick {
+                    time,
+                    before: &self.before,
+                    steady: &self.steady,
+                    filter: &drift.squares,
+                };
+                split.remainder_after(at, &half, &mut kick.a);
+            }
+            None => split.remainder(at, &mut kick.a),
+        }
         kick.acts = subtract(&mut kick.a, &self.steady);
         kick.filter = drift.h;
         if kick.acts {
@@ -240,7 +272,7 @@ impl OneStep for Trigonometric {
             self.steady.fill(0.0);
         }
         // A filter belongs to a step, which is not known yet.
-        self.evaluate(split, s.at(), 0, None, work);
+        self.evaluate(split, s.at(), 0, None, None, work);
     }
 
     fn free_flight_end(&mut self, sys: &mut dyn SecondOrderSystem, s: &State, h: f64) -> f64 {
@@ -287,7 +319,7 @@ impl OneStep for Trigonometric {
             drift.h
         };
         if !flies && self.ends[0].filter != filter {
-            self.evaluate(split, from.at(), 0, Some(table), work);
+            self.evaluate(split, from.at(), 0, Some(table), None, work);
         }
         let half = 0.5 * h;
         let n = self.omega.len();
@@ -318,7 +350,7 @@ impl OneStep for Trigonometric {
             v: &predicted,
             discrete: &from.discrete,
         };
-        self.evaluate(split, at, 1, Some(table), work);
+        self.evaluate(split, at, 1, Some(table), Some((&to.v, half)), work);
         self.predicted = predicted;
         let [start, end] = &self.ends;
         if !end.acts && !start.acts {

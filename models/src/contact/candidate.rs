@@ -11,8 +11,12 @@ pub struct Candidate {
     pub slot: usize,
     /// Points on the first and second gear of the mesh.
     pub points: [Point; 2],
-    /// Unit normal from the first gear to the second.
+    /// Unit normal from the first gear to the second; with the factor of the gap of a flank point that leaves over a tip.
     pub normal: Vec3,
+    /// That factor; the normal and the gap have it where the gap is closed.
+    pub fade: f64,
+    /// What is added to the normal for the motion of either gear's point: how the factor of the gap changes.
+    pub aside: [Vec3; 2],
     /// `dg = -scale_a d(x_a . n) + scale_b d(x_b . n)`: 1 on the plain involute, 1 minus the slope of the
     /// flank's separation otherwise.
     pub scale: [f64; 2],

@@ -14,6 +14,10 @@ pub trait FlankDisplacement {
     /// `f_i -= sum_k b_ki F_k`.
     fn apply_nodal_forces(&self, nodes: &[u32], forces: &[f64], f: &mut [f64]);
 
+    /// `out_kl += sum_i b_ki b_li w_i`: how velocities of nodes answer to forces on them, with weights of the gear's
+    /// coordinates (times over masses), `out[k * n + l]`.
+    fn add_mobility(&self, weights: &[f64], nodes: &[u32], out: &mut [f64]);
+
     /// True when there is a residual compliance.
     fn is_compliant(&self) -> bool;
 

@@ -18,7 +18,8 @@ pub struct GearContext<'a> {
     pub material: Material,
     /// Its hub, with total inertia.
     pub hub: &'a Hub,
-    /// What the hub's inertia holds beyond the toothed body [kg m^2] ([kg] of a rack).
+    /// What the hub's inertia holds beyond the body that stands on it [kg m^2] ([kg] of a rack): what is added, and the
+    /// core of a solid gear within its seat.
     pub added_inertia: f64,
     /// Where its own frame stands at the assembled position.
     pub placement: Placement,

@@ -45,6 +45,12 @@ pub enum GeometryError {
     ReliefStart { start: f64, r_form: f64, r_tip: f64 },
     /// Modifications take away the whole tip of a tooth.
     ModificationTooDeep { removed: f64, available: f64 },
+    /// Deviations of teeth that do not fit the gear.
+    Deviations {
+        what: &'static str,
+        found: String,
+        expected: String,
+    },
     /// The two modules differ.
     UnequalModules { first: f64, second: f64 },
     /// The two pressure angles differ.
@@ -222,6 +228,14 @@ impl GeometryError {
                      where only {available:.6} m is there"
                 ),
                 "use smaller amounts".to_owned(),
+            ),
+            Self::Deviations {
+                what,
+                found,
+                expected,
+            } => (
+                format!("{what}: found {found}"),
+                format!("expected {expected}"),
             ),
             Self::UnequalModules { first, second } => (
                 format!("unequal modules: {first} m and {second} m do not mesh"),

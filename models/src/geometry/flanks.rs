@@ -1,6 +1,6 @@
 //! Flanks as structured grids of nodes.
 
-use super::Side;
+use super::{Gear, Side};
 use crate::Vec3;
 
 /// A flank of one tooth as a structured grid of nodes, in the gear's own frame: axis z through the origin and
@@ -21,6 +21,25 @@ pub struct FlankGrid {
     pub nodes: Vec<u32>,
     /// Undeformed positions of those nodes [m].
     pub positions: Vec<Vec3>,
+}
+
+impl FlankGrid {
+    /// See [`Flanks::deviate`].
+    pub fn deviate(&mut self, gear: &Gear) {
+        if !gear.deviates() {
+            return;
+        }
+        let (rb, sign) = (gear.r_base(), self.side.sign());
+        let cos_helix = gear.base_helix_angle().cos();
+        for x in &mut self.positions {
+            let r = x.x.hypot(x.y);
+            // The normal touches the base circle, an angle atan(s / r_b) behind the point.
+            let normal = x.y.atan2(x.x) - sign * (gear.roll_length(r) / rb).atan();
+            let removed = gear.tooth_deviation(i64::from(self.tooth), self.side, r) / cos_helix;
+            let (sin, cos) = normal.sin_cos();
+            *x -= sign * removed * Vec3::new(-sin, cos, 0.0);
+        }
+    }
 }
 
 /// All flanks of a gear. Its faces are numbered through, grid by grid, row by row: that number is the `face`
@@ -54,6 +73,14 @@ impl Flanks {
         self.grids
             .iter()
             .position(|g| g.tooth == tooth && g.side == side)
+    }
+
+    /// Moves the nodes of a gear's flanks by the deviations of their teeth, along the normal in the
+    /// transverse plane; nothing else of the flanks changes.
+    pub fn deviate(&mut self, gear: &Gear) {
+        for grid in &mut self.grids {
+            grid.deviate(gear);
+        }
     }
 
     /// Number of a face by its grid and its row and column there.

@@ -14,7 +14,10 @@
 //! made by a wider tool tooth at unchanged depth, so the root circle keeps its radius.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
+use super::Side;
+use super::deviation::{ToothDeviations, Toothing};
 use super::error::{GeometryError, finite};
 use super::fillet::{Fillet, ToolTip};
 use super::involute::{inv, inv_inverse, inv_of_tangent};
@@ -40,6 +43,7 @@ pub struct Gear {
     /// Length of roll at the form circle, at the tip and at the start of the tip relief (m).
     roll: [f64; 3],
     pub(super) fillet: Fillet,
+    deviations: Option<Arc<ToothDeviations>>,
 }
 
 impl Gear {
@@ -128,6 +132,15 @@ impl Gear {
             .modifications
             .tip_relief
             .map_or(s_tip, |relief| roll_of(relief.start_radius));
+        let toothing = Toothing {
+            teeth: params.teeth,
+            module: params.module,
+            r,
+            r_base,
+            chi,
+            roll: [s_form, roll_of(r), s_tip],
+        };
+        let deviations = ToothDeviations::new(&params.deviations, toothing)?.map(Arc::new);
         let gear = Self {
             params,
             alpha_t,
@@ -141,6 +154,7 @@ impl Gear {
             chi,
             roll: [s_form, s_tip, s_relief],
             fillet,
+            deviations,
         };
         gear.check_depth_of_modifications()?;
         Ok(gear)
@@ -148,7 +162,8 @@ impl Gear {
 
     /// The modifications must leave some tooth at the tip.
     fn check_depth_of_modifications(&self) -> Result<(), GeometryError> {
-        let removed = self.flank_deviation(self.r_tip, 1.0);
+        let each = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
+        let removed = self.flank_deviation(self.r_tip, 1.0) + each * self.beta_b.cos();
         // The tooth centreline is r_b times the half angle away, measured along the line of action.
         let available = self.r_base * self.half_angle_at(self.r_tip) * self.beta_b.cos();
         if removed < available {
@@ -289,6 +304,40 @@ impl Gear {
         self.params
             .modifications
             .removed(s, s_form, s_tip, s_relief, zeta)
+    }
+
+    #[cfg(test)]
+    pub(super) fn deviations(&self) -> Option<&Arc<ToothDeviations>> {
+        self.deviations.as_ref()
+    }
+
+    /// Whether teeth deviate from each other.
+    pub fn deviates(&self) -> bool {
+        self.deviations.is_some()
+    }
+
+    /// Material removed normal to the flank of one tooth (m) at radius `radius` (m), beside what all
+    /// teeth have removed ([`Gear::flank_deviation`]); negative where there is more than the involute.
+    /// Teeth count counter-clockwise, unwrapped. Below the form radius the value there.
+    pub fn tooth_deviation(&self, tooth: i64, side: Side, radius: f64) -> f64 {
+        let s = self.roll_length(radius).clamp(self.roll[0], self.roll[1]);
+        self.tooth_deviation_at_roll(tooth, side, s)[0]
+    }
+
+    /// The same over the length of roll `s` (m), and its first two derivatives (-, 1/m): smooth, and
+    /// continued beyond form circle and tip. Constant time, no allocation.
+    #[inline]
+    pub fn tooth_deviation_at_roll(&self, tooth: i64, side: Side, s: f64) -> [f64; 3] {
+        match &self.deviations {
+            None => [0.0; 3],
+            Some(d) => d.at(tooth, side, s).map(|x| x * self.beta_b.cos()),
+        }
+    }
+
+    /// Greatest amount by which the flank of any tooth stands off the place of all (m).
+    pub fn greatest_tooth_deviation(&self) -> f64 {
+        let greatest = self.deviations.as_ref().map_or(0.0, |d| d.greatest());
+        greatest * self.beta_b.cos()
     }
 }
 

@@ -20,6 +20,7 @@
 //! *Gear Geometry and Applied Theory* (2nd ed., 2004), chapters 6, 10 and 11; each module names
 //! its own.
 
+mod deviation;
 mod error;
 mod fillet;
 mod flanks;
@@ -39,6 +40,7 @@ mod refusal_tests;
 #[cfg(test)]
 mod sweep_tests;
 
+pub use deviation::{Deviations, FlankDeviations, GivenDeviations, IsoTolerances};
 pub use error::GeometryError;
 pub use flanks::{FlankGrid, Flanks};
 pub use gear::Gear;

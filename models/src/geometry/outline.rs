@@ -82,6 +82,16 @@ impl Gear {
         }
     }
 
+    /// Moment of inertia (kg m^2) about the axis of the core of a solid gear within its seat; 0 with a
+    /// bore.
+    pub fn core_inertia(&self, density: f64) -> f64 {
+        if self.params().bore_radius > 0.0 {
+            return 0.0;
+        }
+        let seat2 = self.seat_radius().powi(2);
+        density * self.face_width() * std::f64::consts::FRAC_PI_2 * seat2 * seat2
+    }
+
     /// One pitch of the outline (m), counter-clockwise: from the middle of the tooth space at
     /// `-pi/z` over tooth 0 (centred on +x) to the middle of the next space at `+pi/z`.
     /// `points` (at least 6) per flank, half of them on the fillet.

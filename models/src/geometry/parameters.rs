@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
+use super::deviation::Deviations;
 use super::error::{GeometryError, check, finite, not_negative, positive};
 use super::modification::Modifications;
 use super::quantity::Quantity;
@@ -31,8 +32,10 @@ pub struct GearParams {
     pub thinning: f64,
     /// Radius of the bore (m); 0 for a solid gear.
     pub bore_radius: f64,
-    /// Tip relief and crowning.
+    /// Tip relief and crowning, of all teeth alike.
     pub modifications: Modifications,
+    /// What the flanks of each tooth deviate beyond these.
+    pub deviations: Deviations,
 }
 
 impl Default for GearParams {
@@ -51,6 +54,7 @@ impl Default for GearParams {
             thinning: 0.0,
             bore_radius: 0.0,
             modifications: Modifications::default(),
+            deviations: Deviations::None,
         }
     }
 }

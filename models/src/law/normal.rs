@@ -272,6 +272,51 @@ impl Law {
         force
     }
 
+    /// Whether the force is linear in gap and gap rate, piece by piece.
+    pub fn is_piecewise_linear(&self) -> bool {
+        self.exponent == 1.0 && self.chi == 0.0
+    }
+
+    /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
+    /// elastic force, `|N_d| <= N_e`.
+    ///
+    /// A constant dashpot alone would act with a jump at touch, where nothing is compressed yet, and pull at the end
+    /// (K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440): an implicit step then has no solution where a
+    /// point just closes. Bounded both ways the force grows from zero and ends at zero.
+    #[inline]
+    pub fn at_point(&self, g: f64, g_rate: f64, k: f64) -> LawForce {
+        if g >= 0.0 {
+            return LawForce::default();
+        }
+        let (power, slope) = self.powers(-g);
+        // A damper that grows with the force is known by its load: no speed of touch is.
+        let per_speed = if self.load_speed > 0.0 {
+            self.chi / self.load_speed
+        } else {
+            0.0
+        };
+        let elastic = k * power;
+        let c = self.c + elastic * per_speed;
+        let (dashpot, factor) = (-c * g_rate, 1.0 - per_speed * g_rate);
+        if dashpot > elastic {
+            LawForce {
+                n: 2.0 * elastic,
+                dn_dg: -2.0 * k * slope,
+                dn_dgdot: 0.0,
+                dn_dk: 2.0 * power,
+            }
+        } else if dashpot < -elastic {
+            LawForce::default()
+        } else {
+            LawForce {
+                n: elastic + dashpot,
+                dn_dg: -k * slope * factor,
+                dn_dgdot: -c,
+                dn_dk: power * factor,
+            }
+        }
+    }
+
     /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
     #[inline]
     pub fn potential(&self, g: f64, k: f64) -> f64 {

@@ -126,6 +126,33 @@ fn no_impact_speed_gives_finite_forces_and_nan_is_not_hidden() {
     }
 }
 
+/// The force of a flank point grows from zero and ends at zero, never pulls, and is the law where the dashpot takes less
+/// than the spring gives; its derivatives by differences.
+#[test]
+fn dashpots_of_points_are_bounded_by_the_elastic_force() {
+    for exponent in [1.0, 1.5] {
+        let law = Law::new(exponent, Damping::KelvinVoigt { c: 900.0 }).unwrap();
+        let k = stiffness(&law);
+        for rate in [-0.7, -0.05, 0.0, 0.05, 0.7] {
+            assert!(law.at_point(-1e-13, rate, k).n < 1e-2);
+            for g in [-2e-5, -3e-6, -1e-7, 4e-6] {
+                let (f, elastic) = (law.at_point(g, rate, k), law.clipped(g, 0.0, V0, k).n);
+                assert!((0.0..=2.0 * elastic).contains(&f.n));
+                if g < 0.0 && (900.0 * rate).abs() < elastic {
+                    assert_eq!(f, law.smooth(g, rate, V0, k));
+                }
+                let (h, v) = (1e-6 * g.abs(), 1e-6);
+                let dg =
+                    (law.at_point(g + h, rate, k).n - law.at_point(g - h, rate, k).n) / (2.0 * h);
+                let dr =
+                    (law.at_point(g, rate + v, k).n - law.at_point(g, rate - v, k).n) / (2.0 * v);
+                assert!((f.dn_dg - dg).abs() <= 1e-6 * elastic / g.abs());
+                assert!((f.dn_dgdot - dr).abs() <= 1e-4 * 900.0);
+            }
+        }
+    }
+}
+
 /// Impact of a mass on the contact by fine RK4 steps: (restitution, energy dissipated by the law).
 fn impact(law: &Law, k: f64) -> (f64, f64) {
     let h = 1e-7;
@@ -363,6 +390,22 @@ fn a_ratio_at_load_is_that_of_small_vibrations_and_needs_a_load() {
         let f = loaded.smooth(-deflection, 0.0, 0.0, k);
         let got = -f.dn_dgdot / (2.0 * (-f.dn_dg * MASS).sqrt());
         assert!((got - ratio).abs() < 1e-12, "{got}");
+        // A point of a flank has the same, as many of them as there are.
+        let share = 0.25;
+        let point = loaded.at_point(-deflection, 1e-6, share * k);
+        let all = loaded.at_point(-deflection, 1e-6, k);
+        assert!((point.dn_dgdot - share * all.dn_dgdot).abs() < 1e-12 * all.dn_dgdot.abs());
+        assert!((all.dn_dgdot / f.dn_dgdot - 1.0).abs() < 1e-12);
+        for rate in [-0.9, -1e-3, 1e-3, 0.9] {
+            let h = 1e-6;
+            let n = |g: f64, r: f64| loaded.at_point(g, r, k).n;
+            let d = loaded.at_point(-deflection, rate, k);
+            let by_rate = (n(-deflection, rate + h) - n(-deflection, rate - h)) / (2.0 * h);
+            let h = 1e-6 * deflection;
+            let by_gap = (n(-deflection + h, rate) - n(-deflection - h, rate)) / (2.0 * h);
+            assert!((by_rate - d.dn_dgdot).abs() < 1e-6 * all.dn_dgdot.abs());
+            assert!((by_gap - d.dn_dg).abs() < 1e-6 * all.dn_dg.abs());
+        }
         // It grows from nothing where a contact closes.
         assert_eq!(loaded.smooth(0.0, -1.0, 0.0, k).n, 0.0);
         let none = MeshLoad { force: 0.0, ..load };

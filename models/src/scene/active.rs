@@ -96,10 +96,10 @@ pub(super) fn gap_row(
 ) -> [f64; 2] {
     row.clear();
     row.target(gears[mesh.gears[0]].offset, -c.scale[0]);
-    let of_a = a.gear.row(a.at, &c.points[0], &c.normal, row);
+    let of_a = (a.gear).row(a.at, &c.points[0], &(c.normal + c.aside[0]), row);
     row.mark_split();
     row.target(gears[mesh.gears[1]].offset, c.scale[1]);
-    let of_b = b.gear.row(b.at, &c.points[1], &c.normal, row);
+    let of_b = (b.gear).row(b.at, &c.points[1], &(c.normal + c.aside[1]), row);
     [of_a, of_b]
 }
 

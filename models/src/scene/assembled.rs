@@ -18,6 +18,9 @@ pub struct Scene {
     pub(super) event_functions: usize,
     /// A gear has a displacement field.
     pub(super) fields: bool,
+    /// Dashpots at flank points are taken implicitly where a method can: hubs and modes are all that they act on, each
+    /// with a mass of its own.
+    pub(super) implicit_dashpots: bool,
     /// A gear asks for the condensed Newton correction.
     pub(super) condenses: bool,
     /// All searches have event functions; else forces are clipped and nothing is located.

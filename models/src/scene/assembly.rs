@@ -16,7 +16,7 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
+use crate::spec::{Body, Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -91,7 +91,7 @@ impl Scene {
                 body: &g.body,
                 material: g.material,
                 hub: &hub,
-                added_inertia: g.added_inertia,
+                added_inertia: g.added_inertia + g.body.core_inertia(g.material.density),
                 placement: Placement::new(&hub, phases[gears.len()]),
                 effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
@@ -138,6 +138,18 @@ impl Scene {
                     ));
                 }
             }
+            let deviates =
+                |i: &usize| matches!(&spec.gears[*i].body, Body::Gear(g) if g.deviates());
+            if search.whole_mesh && mesh.gears.iter().any(deviates) {
+                return Err(BuildError::mesh(
+                    mesh.gears.map(|i| spec.gears[i].name.as_str()),
+                    MeshPart::Stiffness,
+                    (
+                        "one stiffness for the whole mesh needs equal teeth, but teeth deviate from each other",
+                        "give the stiffness of a tooth pair",
+                    ),
+                ));
+            }
             let k_max = search.stiffness.maximum().1;
             scales.add(spec, mesh, &gears, k_max);
             let on_lines = search.clearances();
@@ -147,8 +159,15 @@ impl Scene {
                 .any(|i| gears[*i].model.flanks().is_some());
             let (search, law, clearances): (Search, Law, _) = if with_flanks {
                 let lines = Side::BOTH.map(|side| search.line(side));
-                let (search, law) =
-                    flank_points(spec, mesh, contact, &gears, &phases, &geometry, lines)?;
+                let (search, law) = flank_points(
+                    spec,
+                    mesh,
+                    contact,
+                    &gears,
+                    &phases,
+                    &geometry,
+                    (lines, law),
+                )?;
                 // Nodes may stand off the involute: the foremost ones count.
                 let clearances = search
                     .clearance([0.0; 2])
@@ -245,6 +264,14 @@ impl Scene {
                 .is_some()
         };
         let oscillators = gears.iter().all(linear);
+        let one_mass = |i: &usize| {
+            let model = &gears[*i].model;
+            model.displacement().is_some() || (model.teeth().is_none() && model.flanks().is_none())
+        };
+        let mut damped = meshes.iter().filter(|m| m.nodal && m.law.is_dissipative());
+        let implicit_dashpots = diagonal
+            && damped.clone().next().is_some()
+            && damped.all(|m| m.gears.iter().all(one_mass));
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         Scene {
             gears,
@@ -260,6 +287,7 @@ impl Scene {
             event_functions,
             fields,
             condenses,
+            implicit_dashpots,
             locates,
             tracks,
             inverse_mass: if diagonal {

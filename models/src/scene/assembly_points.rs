@@ -66,7 +66,8 @@ fn refuse_singular(
     ))
 }
 
-/// The point search of a mesh with a gear that brings its flanks, and its law.
+/// The point search of a mesh with a gear that brings its flanks, and its law; `of_pairs` is what the contact has for
+/// tooth pairs, whose ratio at load holds for points as well.
 pub(super) fn flank_points(
     spec: &SceneSpec,
     mesh: &MeshSpec,
@@ -74,7 +75,7 @@ pub(super) fn flank_points(
     gears: &[SceneGear],
     phases: &[f64],
     geometry: &MeshGeometry,
-    lines: [Option<[Vec3; 2]>; 2],
+    (lines, of_pairs): ([Option<[Vec3; 2]>; 2], Law),
 ) -> Result<(FlankPoints, Law), BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
@@ -106,7 +107,26 @@ pub(super) fn flank_points(
                 .into(),
         ));
     }
-    if contact.damping != Damping::None {
+    let at_load = matches!(contact.damping, Damping::RatioAtLoad { .. });
+    if at_load && (points.hard || points.damping != 0.0) {
+        return Err(error(
+            MeshPart::Damping,
+            (
+                format!(
+                    "the damping `{}` stands beside {}",
+                    contact.damping.id(),
+                    if points.hard {
+                        "hard contact"
+                    } else {
+                        "a dashpot per area"
+                    }
+                ),
+                "give one of both",
+            )
+                .into(),
+        ));
+    }
+    if contact.damping != Damping::None && !at_load {
         return Err(error(
             MeshPart::Damping,
             (
@@ -115,7 +135,7 @@ pub(super) fn flank_points(
                      with the points of its flanks",
                     contact.damping.id()
                 ),
-                "leave it out or give a dashpot per area, `damping_ns_per_m3`",
+                "take a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or give a dashpot per area, `damping_ns_per_m3`",
             )
                 .into(),
         ));
@@ -158,6 +178,9 @@ pub(super) fn flank_points(
             None => error(MeshPart::Contact, message),
         },
     )?;
+    if at_load {
+        return Ok((search, of_pairs));
+    }
     let law = Law::new(contact.exponent, Damping::KelvinVoigt { c: points.damping })
         .map_err(|e| error(MeshPart::Exponent, e.reason()))?;
     Ok((search, law))

@@ -80,7 +80,9 @@ impl Scene {
             let stored = mesh.impact_speed(at.discrete, c.slot);
             let impact_speed = if stored > 0.0 { stored } else { -rate };
             let law = mesh.law.shared(c.share);
-            let force = if located {
+            let force = if mesh.search.points().is_some() {
+                law.at_point(c.gap, rate, c.stiffness)
+            } else if located {
                 law.smooth(c.gap, rate, impact_speed, c.stiffness)
             } else {
                 law.clipped(c.gap, rate, impact_speed, c.stiffness)

@@ -106,6 +106,10 @@ pub(super) fn lines_of_action(
         base_pitch: l.base_pitch,
         zone: l.path,
         base_helix,
+        deviating: [a, b].map(|g| match &g.body {
+            Body::Gear(gear) if gear.deviates() => Some(gear.clone()),
+            _ => None,
+        }),
     };
     let law = law_of(spec, mesh, contact, curve.maximum().1)?;
     let search = LinesOfAction::new(geometry.clone(), curve, &law, slices);

@@ -2,7 +2,7 @@
 
 use super::assembled::Scene;
 use crate::gear::LinearMotion;
-use gearbench_integrators::system::{At, Events, ModalSplit, SecondOrderSystem, State};
+use gearbench_integrators::system::{At, Events, HalfKick, ModalSplit, SecondOrderSystem, State};
 
 impl ModalSplit for Scene {
     fn oscillators(&self, omega: &mut [f64], zeta: &mut [f64]) {
@@ -32,6 +32,22 @@ impl ModalSplit for Scene {
             }
         }
         self.evaluate_contacts(at);
+        self.add_contact_forces(a);
+        self.solve_mass(at, a);
+    }
+
+    fn remainder_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, a: &mut [f64]) {
+        if !self.implicit_dashpots {
+            return self.remainder(at, a);
+        }
+        a.fill(0.0);
+        for g in &self.gears {
+            g.add_load(at, a);
+            if let Some(linear) = g.model.linear() {
+                linear.add_inertia_force(at.t, &mut a[g.range()]);
+            }
+        }
+        self.evaluate_after(at, kick, a);
         self.add_contact_forces(a);
         self.solve_mass(at, a);
     }

@@ -81,6 +81,10 @@ impl Scene {
             }
         }
         self.each_coupling(|_, _, [c, _], [n, o]| energy.contact += c * n * o);
+        if self.fields && books {
+            let nodal = &self.work.nodal;
+            power.dissipated += nodal.dissipated(&self.gears, &self.meshes, at);
+        }
         if self.fields {
             self.add_nodal_output(at, out, &mut energy, &mut power);
         }
@@ -117,7 +121,6 @@ impl Scene {
                 mesh.law.potential(a.elastic.0, p.stiffness)
             };
             energy.contact += of_law + 0.5 * a.elastic.1 * (a.elastic.0 - p.gap0);
-            power.dissipated -= (a.force.n - a.elastic.1) * a.rate;
             if a.force.n == 0.0 {
                 continue;
             }

@@ -107,9 +107,16 @@ pub(super) fn assemble(spec: &SceneSpec, layouts: &[MeshLayout]) -> Result<Vec<f
         };
         match (phase[ia], phase[ib]) {
             (None, None) => {
-                phase[ia] = Some(phase_at(&va, sign, wanted));
+                // Of the gap either gear has half, so that their order does not matter; a place that is asked for is
+                // that of the first.
+                let of_first = match mesh.start.path_coordinate {
+                    None => 0.5 * mesh.start.gap,
+                    Some(_) => 0.0,
+                };
+                let s = wanted - of_first;
+                phase[ia] = Some(phase_at(&va, sign, s));
                 phase[ib] =
-                    Some(phase_at(&vb, sign, l.length - wanted - mesh.start.gap) - l.rack_offset);
+                    Some(phase_at(&vb, sign, l.length - s - mesh.start.gap) - l.rack_offset);
             }
             (Some(p), None) => {
                 let s = nearest(&va, p, wanted);

@@ -6,8 +6,8 @@ use super::members::{SceneGear, SceneMesh};
 use crate::gear::LargeGear;
 use gearbench_integrators::FlightPath;
 use gearbench_integrators::system::{
-    At, Coeffs, Events, FreeFlight, Layout, ModalSplit, Outputs, Report, SecondOrderSystem,
-    Singular, State, Touch,
+    At, Coeffs, Events, FreeFlight, HalfKick, Layout, ModalSplit, Outputs, Report,
+    SecondOrderSystem, Singular, State, Touch,
 };
 
 impl SecondOrderSystem for Scene {
@@ -32,16 +32,17 @@ impl SecondOrderSystem for Scene {
     }
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
-        f.fill(0.0);
-        for g in &mut self.gears {
-            if g.internal {
-                let own = g.at(at);
-                let range = g.range();
-                g.model.forces(own, &mut f[range]);
-            }
-            g.add_load(at, f);
-        }
+        self.force_without_contact(at, f);
         self.evaluate_contacts(at);
+        self.add_contact_forces(f);
+    }
+
+    fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
+        if !self.implicit_dashpots {
+            return self.force(at, f);
+        }
+        self.force_without_contact(at, f);
+        self.evaluate_after(at, kick, f);
         self.add_contact_forces(f);
     }
 
@@ -162,6 +163,32 @@ impl SecondOrderSystem for Scene {
     }
     fn report(&mut self) -> Option<&mut dyn Report> {
         Some(self)
+    }
+}
+
+impl Scene {
+    /// Internal forces and loads.
+    fn force_without_contact(&mut self, at: At<'_>, f: &mut [f64]) {
+        f.fill(0.0);
+        for g in &mut self.gears {
+            if g.internal {
+                let own = g.at(at);
+                let range = g.range();
+                g.model.forces(own, &mut f[range]);
+            }
+            g.add_load(at, f);
+        }
+    }
+
+    /// The contacts at the end of a half kick, on top of forces without contact: dashpots implicitly.
+    pub(super) fn evaluate_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, without: &[f64]) {
+        let nodal = &mut self.work.nodal;
+        nodal.kick.accelerations.clear();
+        let masses = without.iter().zip(&self.inverse_mass);
+        (nodal.kick.accelerations).extend(masses.map(|(f, m)| f * m));
+        nodal.begin_kick(kick, &self.inverse_mass);
+        self.evaluate_contacts(at);
+        self.work.nodal.kick.acts = false;
     }
 }
 

@@ -58,7 +58,8 @@ pub enum CoarseSearch {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Passes {
-    /// Points of the first gear that brings flanks.
+    /// Both, so that the order of the gears does not matter. Hard contact, which one pass has to hold alone, takes the
+    /// points of the first gear that brings flanks.
     #[default]
     #[serde(skip)]
     Auto,

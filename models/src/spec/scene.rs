@@ -16,6 +16,16 @@ pub enum Body {
     Rack(Rack),
 }
 
+impl Body {
+    /// Moment of inertia [kg m^2] of what belongs to the hub of a solid gear.
+    pub fn core_inertia(&self, density: f64) -> f64 {
+        match self {
+            Body::Gear(gear) => gear.core_inertia(density),
+            Body::Rack(_) => 0.0,
+        }
+    }
+}
+
 /// A gear, its hub and what drives it.
 #[derive(Clone, Debug)]
 pub struct GearSpec {

@@ -349,4 +349,6 @@ pub fn hertz_limit(material: &Material) -> f64 {
 }
 
 #[cfg(test)]
+mod coupling_tests;
+#[cfg(test)]
 mod reference_tests;

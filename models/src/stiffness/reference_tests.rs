@@ -22,7 +22,7 @@ fn case_a() -> (Gear, Gear, Pair) {
     (one, two, pair)
 }
 
-const RING: Foundation = Foundation::SainsotVelex(RootLength::TwoRfThetaF);
+const FIT: Foundation = Foundation::SainsotVelex(RootLength::TwoRfThetaF);
 
 fn compliance(tooth: ToothModel, foundation: Foundation, hertz: Hertz) -> PairStiffness {
     PairStiffness::Compliance {
@@ -45,8 +45,8 @@ fn single_pair_stiffness_lies_where_finite_elements_put_it() {
         reference_load: Some(3300.0),
     };
     let models = [
-        (compliance(ToothModel::Energy, RING, Hertz::Linear), 13.93),
-        (compliance(ToothModel::WeberBanaschek, RING, load), 12.43),
+        (compliance(ToothModel::Energy, FIT, Hertz::Linear), 13.93),
+        (compliance(ToothModel::WeberBanaschek, FIT, load), 12.43),
         (
             compliance(ToothModel::Cornell, Foundation::Cornell, load),
             13.78,
@@ -80,7 +80,7 @@ fn curve_interpolates_the_compliances() {
     let steel = [Material::STEEL; 2];
     let mate = (Mate::Gear(&two), &pair);
     for (tooth, foundation, hertz) in [
-        (ToothModel::Energy, RING, Hertz::Linear),
+        (ToothModel::Energy, FIT, Hertz::Linear),
         (
             ToothModel::Cornell,
             Foundation::Cornell,
@@ -206,34 +206,15 @@ fn ross_pair_in_its_conventions_and_in_ours() {
         .sum();
     assert!((k / 3.96623e8 - 1.0).abs() < 2e-6, "{k}");
 
-    let spec = compliance(ToothModel::Energy, RING, Hertz::Linear);
+    let spec = compliance(ToothModel::Energy, FIT, Hertz::Linear);
     let curve = build(&spec, &gear, &gear, &pair, [steel; 2], width).unwrap();
+    let sum: f64 = (Path::from(&pair).pairs_in_contact(pair.s_start()))
+        .map(|s| curve.eval(s).0)
+        .sum();
+    assert!((sum / 4.1556e8 - 1.0).abs() < 1e-4, "{sum}");
+    // Both pairs bend the same bodies, which that package leaves out.
     let ours = mesh_stiffness(&curve, &pair, pair.s_start());
-    assert!((ours / 4.1556e8 - 1.0).abs() < 1e-4, "{ours}");
-}
-
-/// Known limit: with two pairs in contact the bodies act once, but the series counts them per pair.
-/// CalculiX has 19.4 to 20.1 N/(mm um) there (secant), the sum of the pairs 19 to 22 % more; ISO's mean
-/// mesh stiffness has the coupling in it.
-#[test]
-fn sum_of_pairs_is_too_stiff_where_two_pairs_share_a_body() {
-    let (one, two, pair) = case_a();
-    let spec = compliance(ToothModel::Energy, RING, Hertz::Linear);
-    let curve = build(&spec, &one, &two, &pair, [Material::STEEL; 2], 10e-3).unwrap();
-    for (u, finite_elements) in [(-0.7495, 19.416), (-0.4995, 19.942), (-0.2495, 19.591)] {
-        let s = pair.s_pitch() + u * pair.base_pitch();
-        let k = mesh_stiffness(&curve, &pair, s) / 10e-3 / N_PER_MM_UM;
-        assert!((1.15..1.25).contains(&(k / finite_elements)), "{u}: {k}");
-        let shares = load_shares(&curve, &pair, s);
-        assert_eq!(shares.len(), 2);
-        assert!((shares.iter().map(|x| x.1).sum::<f64>() - 1.0).abs() < 1e-14);
-    }
-    // Shares of the two pairs at 34 um in CalculiX: 254.8 / 370.3, 316.1 / 321.8, 371.5 / 254.3 N/mm.
-    for (u, share) in [(-0.7495, 0.4076), (-0.4995, 0.4956), (-0.2495, 0.5936)] {
-        let s = pair.s_pitch() + u * pair.base_pitch();
-        let shares = load_shares(&curve, &pair, s);
-        assert!((shares[0].1 - share).abs() < 0.04, "{u}: {shares:?}");
-    }
+    assert!((ours / 3.0248e8 - 1.0).abs() < 1e-3, "{ours}");
 }
 
 fn rack_pair() -> (Gear, Rack, Pair) {
@@ -274,7 +255,7 @@ fn rack_is_the_limit_of_large_gears() {
         assert!((a.s - b.s).abs() < 2e-5 * 20.0, "{} {}", a.s, b.s);
         assert!((a.pair() / b.pair() - 1.0).abs() < 0.01, "{a:?} {b:?}");
     }
-    let ring = compliance(ToothModel::Energy, RING, Hertz::Linear);
+    let ring = compliance(ToothModel::Energy, FIT, Hertz::Linear);
     let built = build_with_warnings(&ring, &gear, &rack, &rack_pair, steel, 10e-3).unwrap();
     assert!(
         built
@@ -349,7 +330,7 @@ fn constants_and_tables() {
 #[test]
 fn impossible_values_are_refused() {
     let (one, two, pair) = case_a();
-    let energy = compliance(ToothModel::Energy, RING, Hertz::Linear);
+    let energy = compliance(ToothModel::Energy, FIT, Hertz::Linear);
     let refuse = |spec: &PairStiffness, m: Material, width: f64| {
         build(spec, &one, &two, &pair, [Material::STEEL, m], width)
             .unwrap_err()
@@ -372,9 +353,14 @@ fn impossible_values_are_refused() {
         of: PairOrMesh::Pair,
     };
     assert!(refuse(&none, steel, 1e-2).contains("stiffness per width"));
-    // A solid gear has no bore: the ring formula is held at the end of its fit, with a warning.
-    let solid = Gear::new(params(20, 4e-3, 0.3, 0.0)).unwrap();
-    let built = build_with_warnings(&energy, &solid, &two, &pair, [steel; 2], 1e-2).unwrap();
+    // A small bore is beyond the fit: it is held at its end, with a warning; a solid gear has a seat.
+    let built = |bore| {
+        let one = Gear::new(params(20, 4e-3, 0.3, bore)).unwrap();
+        build_with_warnings(&energy, &one, &two, &pair, [steel; 2], 1e-2).unwrap()
+    };
+    let held = |w: &StiffnessWarning| matches!(w, StiffnessWarning::FoundationRatioHeld { .. });
+    assert!(!built(0.0).warnings.iter().any(held));
+    let built = built(4e-3);
     assert!(matches!(
         built.warnings[0],
         StiffnessWarning::FoundationRatioHeld { gear: 1, .. }

@@ -9,6 +9,7 @@ use gearbench_models::gear::GearModel;
 use gearbench_models::gear::parameters::ModelParameters;
 use gearbench_models::gear::properties::Properties;
 use gearbench_models::gear::table::{GearContext, Model, ParameterInfo};
+use gearbench_models::spec::Body as Toothing;
 use serde::{Deserialize, Serialize};
 
 const MODEL: &str = "fe";
@@ -54,7 +55,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     };
     let given = FullOrderParameters::read(context.parameters)?;
     let mass = given.mass.unwrap_or(MassKind::Consistent);
-    let mesh = Source::read(&reader, &given.mesh)?.whole(&reader)?;
+    let mut mesh = Source::read(&reader, &given.mesh)?.whole(&reader)?;
+    if let Toothing::Gear(gear) = context.body {
+        mesh.deviate(gear);
+    }
     if mesh.mesh.kind.nodes() != 8 {
         return Err(reader.error(
             "element",

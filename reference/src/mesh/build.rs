@@ -42,12 +42,6 @@ fn plan<'a>(body: Body<'a>, p: &'a GearMeshParams) -> Result<Plan<'a>, MeshError
     check_ratios(p)?;
     let (teeth, all_teeth, first_turn, face_width) = match body {
         Body::Gear(g) => {
-            if g.params().bore_radius <= 0.0 {
-                return Err(MeshError::NoBore {
-                    r_root: g.r_root(),
-                    proposal: 0.5 * g.r_root(),
-                });
-            }
             if p.sector && p.fine_teeth.is_some() {
                 return Err(MeshError::SectorWithFineTeeth);
             }

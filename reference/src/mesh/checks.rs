@@ -76,7 +76,7 @@ pub(super) fn check_web(w: &Web, gear: &Gear, width: usize) -> Result<(), MeshEr
         3,
         "3 to 1000",
     )?;
-    let (low, high, b) = (gear.params().bore_radius, gear.r_root(), gear.face_width());
+    let (low, high, b) = (gear.seat_radius(), gear.r_root(), gear.face_width());
     let fits = low < w.inner_radius
         && w.inner_radius < w.outer_radius
         && w.outer_radius < high

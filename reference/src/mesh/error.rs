@@ -57,11 +57,6 @@ pub enum MeshError {
         expected: &'static str,
     },
     #[error(
-        "the gear is solid: without a bore there is nothing for the hub to hold; give it a bore radius between \
-         0 and the root radius {r_root:.6} m, for example {proposal:.4} m"
-    )]
-    NoBore { r_root: f64, proposal: f64 },
-    #[error(
         "the web from radius {inner:.6} m to {outer:.6} m, {thickness:.6} m thick, does not fit: it needs \
          {low:.6} m < inner < outer < {high:.6} m and a thickness below the face width {width:.6} m"
     )]

@@ -189,3 +189,15 @@ pub struct GearMesh {
     /// Flanks as structured grids; a foreign mesh may have fewer than two per tooth.
     pub flanks: Vec<FlankGrid>,
 }
+
+impl GearMesh {
+    /// Moves the nodes of the flanks by the deviations of their teeth; those within follow the forces only.
+    pub fn deviate(&mut self, gear: &gearbench_models::geometry::Gear) {
+        for grid in &mut self.flanks {
+            grid.deviate(gear);
+            for (node, x) in grid.nodes.iter().zip(&grid.positions) {
+                self.mesh.nodes[*node as usize] = *x;
+            }
+        }
+    }
+}

@@ -59,7 +59,7 @@ pub struct FineTeeth {
 /// A web: between the rim and the hub the body is a thinner disc, in the middle of the face width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Web {
-    /// Where the hub ends and the web begins [m], above the bore radius.
+    /// Where the hub ends and the web begins [m], above the bore radius (of a solid gear, its seat).
     pub inner_radius: f64,
     /// Where the web ends and the rim begins [m], below the root radius.
     pub outer_radius: f64,

@@ -33,7 +33,7 @@ impl Body<'_> {
     /// Depth of the body below the root, unrolled [m].
     pub(super) fn depth(self) -> f64 {
         match self {
-            Body::Gear(g) => -self.unrolled_radius(g.params().bore_radius),
+            Body::Gear(g) => -self.unrolled_radius(g.seat_radius()),
             Body::Rack(r) => r.params().body_height,
         }
     }

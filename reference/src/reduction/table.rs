@@ -229,8 +229,11 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
             .fewest(&choice, target)
             .map_err(|e| reader.error("target_error", e.to_string()))?,
     };
-    let reduced = choose::reduced(&basis, &kept, &damping, residual)
+    let mut reduced = choose::reduced(&basis, &kept, &damping, residual)
         .map_err(|e| reader.error("modes", e.to_string()))?;
+    if let Toothing::Gear(gear) = context.body {
+        reduced.flanks.deviate(gear);
+    }
     let gear = Elastic::new(
         context.hub.clone(),
         context.effective_radius,

@@ -102,6 +102,8 @@ pub struct LoadedPair {
     /// Displacement of each hub per path coordinate of its own.
     displacement_per_path: [f64; 2],
     effective_radius: f64,
+    /// By so much the approach may be negative: teeth stand ahead of their places [m].
+    ahead: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
     start: f64,
     equilibria: u64,
@@ -150,6 +152,10 @@ impl LoadedPair {
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
         };
         let displacement_per_path = [a, b].map(|i| sign / per_displacement(i));
+        let ahead = [a, b].map(|i| match &spec.gears[i].body {
+            Body::Gear(g) => g.greatest_tooth_deviation() / g.base_helix_angle().cos(),
+            Body::Rack(_) => 0.0,
+        });
         let scene = Scene::build(&spec, &modelling, models)?;
         let mut state = scene.initial();
         // The hubs rest from 1 s on.
@@ -161,6 +167,7 @@ impl LoadedPair {
             sign,
             displacement_per_path,
             effective_radius: effective_radii[0],
+            ahead: ahead[0] + ahead[1],
             start,
             equilibria: 0,
             iterations: 0,
@@ -227,15 +234,15 @@ impl LoadedPair {
         let met = |found: &LoadedContact| (found.force - force).abs() <= FORCE_TOLERANCE * force;
         let mut low = LoadedContact {
             s,
-            approach: 0.0,
+            approach: -self.ahead,
             force: 0.0,
             pairs: Vec::new(),
             on_edge: false,
         };
-        // A bracket: the approach grows until it carries the force.
+        // A bracket: the approach grows from where no tooth can touch until it carries the force.
         let mut at = (force / (FIRST_GUESS * self.layout.face_width)).min(0.5 * most);
         let mut high = loop {
-            let found = self.at_approach(s, at)?;
+            let found = self.at_approach(s, at - self.ahead)?;
             if met(&found) {
                 return Ok(found);
             }
@@ -259,7 +266,7 @@ impl LoadedPair {
         let mut widths = [f64::INFINITY; 2];
         for _ in 0..FORCE_TRIALS {
             let width = high.approach - low.approach;
-            if width <= EDGE * high.approach {
+            if width <= EDGE * (high.approach + self.ahead) {
                 return Ok(on_edge(&low, high, force));
             }
             let slope = (high.force - low.force) / width;

@@ -1,12 +1,13 @@
 //! Gears reduced from a small mesh: order of swinging in contact, and statics against the full mesh.
 
 use gearbench_integrators::{
-    EquilibriumOptions, METHODS, Resolution, Stepping, TimePlan, equilibrium,
+    EquilibriumOptions, METHODS, Outputs, Report, Resolution, SecondOrderSystem, Stepping,
+    TimePlan, equilibrium,
 };
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, PointContact, Profile, SceneSpec,
-    SurfaceKind, Value, effective_radius,
+    ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, Passes, PointContact, Profile,
+    SceneSpec, SurfaceKind, Value, effective_radius,
 };
 use gearbench_reference::MODELS;
 use gearbench_reference::statics::LoadedPair;
@@ -37,6 +38,8 @@ fn meshed(id: &str, modes: Option<usize>) -> ModelSpec {
 fn modelling(model: &ModelSpec, surface: SurfaceKind) -> Modelling {
     let points = PointContact {
         surface,
+        // Both passes nearly hide what displacements along the flanks do.
+        passes: Passes::First,
         ..PointContact::new(1e15)
     };
     Modelling {
@@ -208,5 +211,62 @@ fn statics_are_those_of_full_finite_elements() {
     );
     for finer in of_facets[..3].windows(2) {
         assert!(finer[1] < 0.7 * finer[0], "{of_facets:?}");
+    }
+}
+
+/// Contact forces of full finite elements are the gradient of their energy, along the whole path and where points leave
+/// over the tips: against differences of the energy in random directions of all nodes and both hubs.
+#[test]
+fn forces_of_finite_elements_are_the_gradient_of_their_energy() {
+    let model = meshed("fe", None);
+    for surface in [SurfaceKind::Smooth, SurfaceKind::Faceted] {
+        let mut modelling = modelling(&model, surface);
+        for contact in &mut modelling.contacts {
+            if let Some(points) = &mut contact.points {
+                points.passes = Passes::Both;
+            }
+        }
+        let (mut leaving, mut worst) = (0, 0.0_f64);
+        for step in 0..28_u32 {
+            let mut spec = case_of_body(-6e-6);
+            spec.meshes[0].start.path_coordinate = Some(6e-3 + 0.6e-3 * f64::from(step));
+            let mut scene =
+                Scene::build(&spec, &modelling, MODELS).unwrap_or_else(|e| panic!("{e}"));
+            let s = scene.initial();
+            let fades = |c: &gearbench_models::contact::Candidate| c.fade < 1.0 && c.gap < 0.0;
+            leaving += candidates(&scene, &s)
+                .iter()
+                .filter(|(_, c)| fades(c))
+                .count();
+            let mut f = vec![0.0; s.q.len()];
+            scene.force(s.at(), &mut f);
+            // Nodes of undeformed gears: nothing but contact acts.
+            let mut numbers = Numbers::new(9 + u64::from(step));
+            let mut scale = vec![1.0; s.q.len()];
+            for g in scene.gears() {
+                scale[g.range().start] = 20.0;
+            }
+            let direction = numbers.vector(&scale);
+            let mut out = Outputs::default();
+            let mut energy = |x: f64| {
+                let mut moved = s.clone();
+                for (q, d) in moved.q.iter_mut().zip(&direction) {
+                    *q += x * d;
+                }
+                scene.output(moved.at(), &mut out);
+                out.energy.contact
+            };
+            let h = 2e-9;
+            let change = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h)))
+                / (12.0 * h);
+            let along = f.iter().zip(&direction);
+            let (work, size) = along.fold((0.0, 0.0_f64), |(w, s), (f, d)| {
+                (w + f * d, s + (f * d).abs())
+            });
+            worst = worst.max((change + work).abs() / size);
+        }
+        println!("{surface:?}: {leaving} points leave, forces off by {worst:.1e}");
+        assert!(leaving > 1, "{surface:?}: {leaving}");
+        assert!(worst < 1e-6, "{surface:?}: {worst:.1e}");
     }
 }

@@ -23,11 +23,12 @@ use gearbench::studies::choose::problem::Problem;
 use gearbench::studies::choose::requirement::Requirement;
 use gearbench::studies::choose::run::{ChooseError, choose};
 use gearbench::studies::choose::trial::{Outcome as Seen, Trial};
-use gearbench_integrators::Resolution;
-use gearbench_models::spec::Body;
+use gearbench_integrators::{Resolution, Scheme};
+use gearbench_models::spec::{Body, Modelling};
 use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
-use measure::{error, grid, side_by_side, time};
+pub use measure::grid;
+use measure::{PATIENCE, error, side_by_side, time};
 use std::time::{Duration, Instant};
 
 /// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
@@ -54,6 +55,20 @@ pub enum ValidationError {
     Reference { method: String, why: String },
     #[error(transparent)]
     Journal(#[from] JournalError),
+}
+
+/// A run of a problem's scene with models of one's own, whatever its end.
+///
+/// # Errors
+/// [`ValidationError`]: the run cannot start.
+pub fn outcome(
+    problem: &Problem,
+    modelling: &Modelling,
+    method: &Scheme,
+    times: &[f64],
+) -> Result<Seen, ValidationError> {
+    let mut trial = Trial::new(problem, &problem.scene, modelling)?;
+    Ok(trial.observe(method, (problem.duration, times), false, PATIENCE)?)
 }
 
 /// Validates the choice for a sampled scene.

@@ -2,7 +2,8 @@
 
 use super::super::SceneKeys;
 use super::super::{
-    calibrated, contact, contact_points, gear, mesh, model, profile, stiffness, study_plan,
+    calibrated, contact, contact_points, deviations, gear, mesh, model, profile, stiffness,
+    study_plan,
 };
 use crate::studies::{precision, stability, sweep};
 
@@ -30,6 +31,8 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &gear::GearKeys::TABLE,
         &gear::RackKeys::TABLE,
         &gear::ReliefKeys::TABLE,
+        &deviations::DeviationKeys::TABLE,
+        &deviations::FlankKeys::TABLE,
         &gear::MaterialKeys::TABLE,
         &mesh::MeshKeys::TABLE,
         &mesh::StartKeys::TABLE,

@@ -54,11 +54,6 @@ impl Document {
         self.source.text()
     }
 
-    /// The name that stands in refusals.
-    pub(in super::super) fn name(&self) -> &str {
-        self.source.name()
-    }
-
     /// The place of a path.
     pub(in super::super) fn at(&self, path: impl Into<String>) -> Place<'_> {
         Place {

@@ -11,7 +11,7 @@ use crate::cli::answer::Answer;
 use crate::cli::exit::Exit;
 use crate::cli::progress::Display;
 use crate::cli::study_folder::StudyFolder;
-use crate::cli::terminal::{Refusal, absolute, refuse_run, say, warn};
+use crate::cli::terminal::{Refusal, absolute, refuse_run, say};
 use crate::experiment::conditions::silent;
 use crate::experiment::interruption;
 use crate::experiment::run::RunError;
@@ -23,12 +23,6 @@ use std::sync::Arc;
 pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
     // Models are built when they are tried: many a scene has full finite elements beside.
     let scene = scene_file::load_for(&args.scene, scene_file::Selection::None)?;
-    // Meshes of the scene's own elastic model are what they are; those that are generated need a bore.
-    let (scene, bores) = match Problem::of(&scene).flexible.label {
-        None => scene.with_bores()?,
-        Some(_) => (scene, Vec::new()),
-    };
-    bores.iter().for_each(|said| warn(said));
     let mut folder = StudyFolder::of(&args.output, &scene, Study::Choose.as_str())?;
     let problem = Problem {
         runner: Arc::new(folder.runner(&silent)),
@@ -45,8 +39,7 @@ pub fn run(args: &Choose, command: &str) -> Result<Answer, Refusal> {
         return Err(Refusal::Interrupted);
     }
     let choice = choice.map_err(|e| folder.refuse(refuse(&scene, &problem, e)))?;
-    let mut results = record::results(&problem, (&scene.title, command), &requirement, &choice);
-    (results.settings).extend(bores.into_iter().map(|said| ("assumed".into(), said)));
+    let results = record::results(&problem, (&scene.title, command), &requirement, &choice);
     let dir = folder.path().to_owned();
     let io = |e: std::io::Error| Refusal::Files(format!("{}: {e}", dir.display()));
     if let Some(candidate) = &choice.candidate {

@@ -87,7 +87,9 @@ impl Axis {
                 let mut ratios = setup.modelling.contacts.iter().map(|c| match c.damping {
                     _ if c.exponent != 1.0 => None,
                     Damping::None => Some(0.0),
-                    Damping::KelvinVoigtRatio { ratio } => Some(ratio),
+                    Damping::KelvinVoigtRatio { ratio } | Damping::RatioAtLoad { ratio } => {
+                        Some(ratio)
+                    }
                     _ => None,
                 });
                 match ratios.next() {
@@ -135,10 +137,10 @@ impl Axis {
             }
             Axis::Damping => {
                 for contact in &mut modelling.contacts {
-                    contact.damping = if value == 0.0 {
-                        Damping::None
-                    } else {
-                        Damping::KelvinVoigtRatio { ratio: value }
+                    contact.damping = match contact.damping {
+                        _ if value == 0.0 => Damping::None,
+                        Damping::RatioAtLoad { .. } => Damping::RatioAtLoad { ratio: value },
+                        _ => Damping::KelvinVoigtRatio { ratio: value },
                     };
                 }
             }

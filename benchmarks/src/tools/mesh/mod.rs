@@ -241,9 +241,6 @@ fn params(args: &Arguments) -> Result<GearMeshParams, Refusal> {
 /// The refusal of a mesh, with the option or the line of the scene that helps.
 fn refuse(name: &str, e: &MeshError) -> Refusal {
     let help = match e {
-        MeshError::NoBore { proposal, .. } => {
-            format!("add `bore_radius_m = {proposal:.4}` to [gears.{name}] in a scene of your own")
-        }
         MeshError::NoSuchTooth { .. } => {
             "--fine-teeth counts from 1, as the sets flank_1l, flank_1r".to_owned()
         }

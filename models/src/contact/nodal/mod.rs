@@ -24,12 +24,14 @@
 //! dg = d . dx,    d = n - w_a e_a - w_b e_b
 //! ```
 //!
-//! and so does the area `A` of a point that leaves over the tip: `d` gains `-(phi / N) (A' / A) e_a`.
+//! A point that leaves over the tip fades out: its gap, with all that it is made of, takes a factor `m(x)`, so that
+//! `d(m g) = m d . dx + g grad m . dx`; the last part, by the motion of the slave alone, is the slave's.
 //!
 //! The solve for `u` works on the nodes, of which there are fewer than points ([`NodalSolve`]): the massless residual
 //! compliance is condensed with the contact as in quasi-static mode acceleration.
 
 mod compliance;
+mod dashpot;
 mod hard;
 mod nodes;
 mod points;
@@ -37,6 +39,7 @@ mod solve;
 mod spring;
 
 pub use compliance::Block;
+pub use dashpot::{DashpotSolve, Ported, Ports};
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};

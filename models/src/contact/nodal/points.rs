@@ -77,7 +77,7 @@ pub struct NodalPoint {
     pub teeth: [Tooth; 2],
     /// Position [m], undeformed where its gear has a field.
     pub x: Vec3,
-    /// Unit normal of the rigid master, out of its tooth.
+    /// Normal of the rigid master, out of its tooth: of unit length, or of the factor of a point that leaves.
     pub normal: Vec3,
     /// How the place on the master's face answers to the point's motion [1/m].
     pub sensitivity: [Vec3; 2],
@@ -87,14 +87,14 @@ pub struct NodalPoint {
     pub slots: [[u32; 4]; 2],
     /// Their weights.
     pub weights: [[f64; 4]; 2],
-    /// Gap before residual compliance [m].
+    /// Gap before residual compliance [m], times the factor of a point that leaves over the tip.
     pub gap0: f64,
     /// Stiffness of the law, [N/m] for a linear law.
     pub stiffness: f64,
     /// What the law's damper per area is multiplied by [m^2].
     pub share: f64,
-    /// `A' / A`: relative change of the area with the first place on the master.
-    pub weight_derivative: f64,
+    /// `grad m / m` of the factor of a point that leaves over the tip, by its position; else zero [1/m].
+    pub fading: Vec3,
 }
 
 impl NodalPoint {
@@ -115,10 +115,24 @@ impl NodalPoint {
         ]
     }
 
-    /// Direction `d` of the force on the slave, for displacements `a` of the master's corners.
+    /// Direction `d` of the force on the slave, for displacements `a` of the master's corners and a gap [m].
     #[inline]
-    pub fn direction(&self, a: [f64; 4]) -> Vec3 {
+    pub fn direction(&self, a: [f64; 4], gap: f64) -> Vec3 {
         let [s, t] = self.slope(a);
-        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1]
+        self.normal - s * self.sensitivity[0] - t * self.sensitivity[1] + gap * self.fading
+    }
+
+    /// Multiplies the gap and all that it is made of with a factor `m`, whose gradient by the position is given: `m g`
+    /// takes the place of `g`, and `d = m (n - w_a e_a - w_b e_b) + g grad m`.
+    pub fn fade(&mut self, factor: f64, gradient: Vec3) {
+        self.gap0 *= factor;
+        self.normal *= factor;
+        for x in self.weights.as_flattened_mut() {
+            *x *= factor;
+        }
+        for e in &mut self.sensitivity {
+            *e *= factor;
+        }
+        self.fading = gradient / factor;
     }
 }

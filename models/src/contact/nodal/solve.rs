@@ -12,14 +12,14 @@
 //! `(I + C^T S C) y = -C^T f0` take its place. Other laws take Newton's method on `y` with a line search on the norm of
 //! the gradient `y + C^T F`.
 //!
-//! Dampers use the rate of the gap before residual compliance and act on the points that the elastic law alone
-//! closes; a damped point does not pull. The elastic part is kept: energies belong to it.
+//! Here acts the elastic law alone, to which energies belong; dashpots have a solve of their own
+//! ([`DashpotSolve`](super::DashpotSolve)), which begins where this one ends.
 //!
 //! Where the iteration begins does not show in the result: that is of the final set alone, and where rounding could
 //! decide on that set the search for it begins afresh.
 
 use super::compliance::{Block, Compliance};
-use super::spring::{Gathered, Spring, Stage, add_points, force_at, law_push, pushes};
+use super::spring::{Gathered, Spring, add_points, elastic_at};
 use crate::cholesky::{backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded};
 use gearbench_integrators::system::Singular;
 
@@ -60,8 +60,8 @@ impl NodalSolve {
         self.compliance.set(blocks, numbers, fill);
     }
 
-    /// Solves for gaps and forces of the points and for the residual displacements, returned by node. `guess` are
-    /// displacements near those sought, or zeros.
+    /// Solves for gaps and elastic forces of the points and for the residual displacements, returned by node. `guess`
+    /// are displacements near those sought, or zeros.
     ///
     /// # Errors
     /// [`Singular`] where numbers are not finite or Newton's method stalls.
@@ -69,14 +69,16 @@ impl NodalSolve {
         self.u.clear();
         self.u.extend_from_slice(guess);
         self.u.resize(self.compliance.n, 0.0);
-        self.stage(springs, Stage::Elastic)?;
+        self.find(springs)?;
         for s in springs.iter_mut() {
             s.elastic = (s.gap, s.force.n);
         }
-        if springs.iter().any(|s| s.law.is_dissipative()) {
-            self.stage(springs, Stage::Damped)?;
-        }
         Ok(&self.u)
+    }
+
+    /// Residual displacements under the elastic forces of the last solve, by node.
+    pub fn displacements(&self) -> &[f64] {
+        &self.u
     }
 
     /// `R` of the nodes, block by block.
@@ -89,7 +91,7 @@ impl NodalSolve {
         self.compliance.n
     }
 
-    fn stage(&mut self, springs: &mut [Spring], stage: Stage) -> Result<(), Singular> {
+    fn find(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
         let linear = springs.iter().all(|s| s.law.exponent() == 1.0);
         if linear {
             for attempt in 0..2 {
@@ -97,45 +99,26 @@ impl NodalSolve {
                 let mut here = Gathered::default();
                 for s in springs.iter() {
                     let gap = s.gap0 - here.along(s, &self.u);
-                    self.closed.push(pushes(s, gap, stage));
+                    self.closed.push(gap < 0.0);
                 }
-                if !self.closed_points(springs, stage)? {
+                if !self.closed_points(springs)? {
                     break;
                 }
-                let doubtful = attempt == 0 && self.is_doubtful(springs, stage);
-                if !doubtful {
+                if attempt > 0 || !is_doubtful(springs) {
                     return Ok(());
                 }
                 self.u.fill(0.0);
             }
         }
-        self.newton(springs, stage)
-    }
-
-    /// Whether a point is so near to opening or closing that rounding may have decided.
-    fn is_doubtful(&self, springs: &[Spring], stage: Stage) -> bool {
-        let depth = springs.iter().fold(0.0_f64, |d, s| d.max(-s.gap0));
-        springs.iter().any(|s| {
-            let x = match stage {
-                Stage::Elastic => s.gap,
-                Stage::Damped => s.gap - law_push(s) / s.stiffness,
-            };
-            x.abs() < DOUBT * depth
-        })
+        self.newton(springs)
     }
 
     /// Iterates on the set of closed points of a linear law; false where it does not settle.
-    fn closed_points(&mut self, springs: &mut [Spring], stage: Stage) -> Result<bool, Singular> {
+    fn closed_points(&mut self, springs: &mut [Spring]) -> Result<bool, Singular> {
         for _ in 0..MOST_CHANGES {
             let closed = std::mem::take(&mut self.closed);
             let pushing = springs.iter().zip(&closed).filter(|(_, closed)| **closed);
-            let pushing = pushing.map(|(s, _)| {
-                let push = match stage {
-                    Stage::Elastic => 0.0,
-                    Stage::Damped => law_push(s),
-                };
-                (s, s.stiffness, push - s.stiffness * s.gap0)
-            });
+            let pushing = pushing.map(|(s, _)| (s, s.stiffness, -s.stiffness * s.gap0));
             let solved = if self.compliance.regular {
                 self.solve_regular(pushing)
             } else {
@@ -147,13 +130,13 @@ impl NodalSolve {
             let mut settled = true;
             for (s, closed) in springs.iter_mut().zip(&mut self.closed) {
                 s.gap = s.gap0 - here.along(s, &self.u);
-                let now = pushes(s, s.gap, stage);
+                let now = s.gap < 0.0;
                 settled &= now == *closed;
                 *closed = now;
             }
             if settled {
                 for s in springs {
-                    s.force = force_at(s, s.gap, stage);
+                    s.force = elastic_at(s, s.gap);
                 }
                 return Ok(true);
             }
@@ -209,11 +192,11 @@ impl NodalSolve {
     }
 
     /// Newton's method from `y = 0`.
-    fn newton(&mut self, springs: &mut [Spring], stage: Stage) -> Result<(), Singular> {
+    fn newton(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
         self.compliance.take_root();
         self.y.clear();
         self.y.resize(self.compliance.n, 0.0);
-        let mut norm = self.gradient(springs, stage);
+        let mut norm = self.gradient(springs);
         let first = norm;
         for _ in 0..MOST_ITERATIONS {
             if norm <= 1e-15 * first {
@@ -230,7 +213,7 @@ impl NodalSolve {
                     *y -= length * d;
                 }
                 let full = std::mem::take(&mut step);
-                norm = self.gradient(springs, stage);
+                norm = self.gradient(springs);
                 step = full;
                 if norm < old || length < 1e-9 {
                     break;
@@ -256,13 +239,13 @@ impl NodalSolve {
     }
 
     /// Gaps, forces and, in `trial`, the gradient at `y`; returns its norm.
-    fn gradient(&mut self, springs: &mut [Spring], stage: Stage) -> f64 {
+    fn gradient(&mut self, springs: &mut [Spring]) -> f64 {
         self.compliance.displace(&self.y, &mut self.u);
         self.nodal.clear();
         self.nodal.resize(self.compliance.n, 0.0);
         for s in springs.iter_mut() {
             s.gap = s.gap0 - s.along(&self.u);
-            s.force = force_at(s, s.gap, stage);
+            s.force = elastic_at(s, s.gap);
             s.add(s.force.n, &mut self.nodal);
         }
         self.trial.clear();
@@ -313,6 +296,12 @@ impl NodalSolve {
         (self.compliance).congruence(&mut self.stiffness, &mut self.small);
         cholesky(&mut self.small, self.compliance.n)
     }
+}
+
+/// Whether a point is so near to opening or closing that rounding may have decided.
+fn is_doubtful(springs: &[Spring]) -> bool {
+    let depth = springs.iter().fold(0.0_f64, |d, s| d.max(-s.gap0));
+    springs.iter().any(|s| s.gap.abs() < DOUBT * depth)
 }
 
 #[cfg(test)]

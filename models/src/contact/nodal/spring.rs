@@ -14,7 +14,7 @@ pub struct Spring {
     pub weights: [f64; 8],
     /// Gap before residual compliance [m].
     pub gap0: f64,
-    /// Its rate [m/s].
+    /// Its rate without contact [m/s].
     pub rate: f64,
     /// Stiffness of the law.
     pub stiffness: f64,
@@ -46,13 +46,6 @@ impl Spring {
             f[i as usize] += x * w;
         }
     }
-}
-
-/// What acts: the elastic law alone, or with dampers on the points that it closes.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Stage {
-    Elastic,
-    Damped,
 }
 
 /// Displacements at the nodes of a point, kept for its neighbours on the same faces.
@@ -124,33 +117,15 @@ pub(super) fn add_points<'a>(
     }
 }
 
-/// What the damper of a point pushes.
+/// Force of the elastic law of a point at a gap; zero where it is open.
 #[inline]
-pub(super) fn law_push(s: &Spring) -> f64 {
-    s.law.smooth(0.0, s.rate, 0.0, s.stiffness).n
-}
-
-/// Whether a point with a linear law pushes at a gap.
-#[inline]
-pub(super) fn pushes(s: &Spring, gap: f64, stage: Stage) -> bool {
-    match stage {
-        Stage::Elastic => gap < 0.0,
-        Stage::Damped => s.elastic.1 > 0.0 && law_push(s) - s.stiffness * gap > 0.0,
+pub(super) fn elastic_at(s: &Spring, gap: f64) -> LawForce {
+    if gap >= 0.0 {
+        return LawForce::default();
     }
-}
-
-/// Force of a point at a gap; zero where it is open or would pull.
-#[inline]
-pub(super) fn force_at(s: &Spring, gap: f64, stage: Stage) -> LawForce {
-    let force = match stage {
-        Stage::Elastic if gap >= 0.0 => return LawForce::default(),
-        Stage::Elastic => s.law.smooth(gap, 0.0, 0.0, s.stiffness),
-        Stage::Damped if s.elastic.1 == 0.0 => return LawForce::default(),
-        Stage::Damped => s.law.smooth(gap, s.rate, 0.0, s.stiffness),
-    };
-    if force.n < 0.0 {
-        LawForce::default()
-    } else {
-        force
+    let force = s.law.smooth(gap, 0.0, 0.0, s.stiffness);
+    LawForce {
+        dn_dgdot: 0.0,
+        ..force
     }
 }

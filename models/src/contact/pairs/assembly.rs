@@ -4,7 +4,7 @@ use super::lines::{Line, LinesOfAction, MeshGeometry, PathMap, Slice, side_index
 use super::separation::Separation;
 use crate::Vec3;
 use crate::contact::clearance::LineClearance;
-use crate::geometry::Side;
+use crate::geometry::{Gear, Side};
 use crate::law::Law;
 use crate::stiffness::{PairOrMesh, StiffnessCurve};
 
@@ -35,7 +35,8 @@ impl LinesOfAction {
                     origin,
                     map: [PathMap::default(); 2],
                     ascending: [true; 2],
-                    plain: slice.separation.iter().all(Separation::is_plain),
+                    plain: slice.separation.iter().all(Separation::is_plain)
+                        && g.deviating.iter().all(Option::is_none),
                     slack: 0.0,
                     tips: [0, 1].map(|k| slice.separation[k].edge()[0]),
                 });
@@ -102,8 +103,10 @@ impl LinesOfAction {
             let modified: f64 = (self.slices[line.slice].separation.iter())
                 .map(Separation::lowest)
                 .sum();
+            let gears = self.mesh.deviating.iter().flatten();
+            let stands_off: f64 = gears.map(Gear::greatest_tooth_deviation).sum();
             LineClearance {
-                assembled: self.helix_cos * line.slack + modified,
+                assembled: self.helix_cos * line.slack + modified - stands_off,
                 per_displacement: line.map.map(|m| -self.helix_cos * m.per_displacement),
             }
         };

@@ -4,7 +4,7 @@ use super::separation::Separation;
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::ToothCoordinates;
-use crate::geometry::Side;
+use crate::geometry::{Gear, Side};
 use crate::kinematics::{MeshView, Tooth};
 use crate::law::Law;
 use crate::stiffness::StiffnessCurve;
@@ -42,6 +42,8 @@ pub struct MeshGeometry {
     pub zone: [f64; 2],
     /// Base helix angle of gear a [rad].
     pub base_helix: f64,
+    /// Gears whose teeth deviate from each other.
+    pub deviating: [Option<Gear>; 2],
 }
 
 /// The lines of action of both flanks of a mesh.
@@ -81,7 +83,7 @@ pub(super) struct Line {
     pub(super) map: [PathMap; 2],
     /// Whether the teeth count up with the pairs, for both gears.
     pub(super) ascending: [bool; 2],
-    /// Neither flank is modified, so teeth that move as one have one gap,
+    /// Neither flank is modified and no tooth deviates, so teeth that move as one have one gap,
     /// `helix_cos (slack - per_displacement_a displacement_a - per_displacement_b displacement_b)`, and beyond their tips a
     /// larger one.
     pub(super) plain: bool,

@@ -143,6 +143,14 @@ impl LinesOfAction {
             p.scale[k] -= slope / self.helix_cos;
             p.curvature[k] = curvature / (self.helix_cos * self.helix_cos);
         }
+        for (k, gear) in self.mesh.deviating.iter().enumerate() {
+            let Some(gear) = gear else { continue };
+            let [e, slope, curvature] =
+                gear.tooth_deviation_at_roll(p.teeth[k].index, line.side, p.s[k]);
+            p.gap += e;
+            p.scale[k] -= slope / self.helix_cos;
+            p.curvature[k] += curvature / (self.helix_cos * self.helix_cos);
+        }
     }
 
     /// Whether all pairs of a line are open by more than `reach`, told without looking at any: where teeth
@@ -214,6 +222,8 @@ impl LinesOfAction {
         let s = self.middle(p.s);
         let (k, k_s) = self.stiffness.eval(s);
         Candidate {
+            aside: [crate::Vec3::zeros(); 2],
+            fade: 1.0,
             slot,
             points,
             normal: line.normal,

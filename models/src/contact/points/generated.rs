@@ -6,7 +6,7 @@
 //! ```
 //!
 //! at equal steps of the length of roll `s` from the form circle to the tip, moved into the material by the
-//! flank's modification.
+//! flank's modification and by the deviations of each tooth.
 
 use crate::Vec3;
 use crate::geometry::{FlankGrid, Flanks, Gear, Rack, Side};
@@ -19,10 +19,14 @@ const COLUMNS: usize = 17;
 
 /// Grids of all flanks of a body.
 pub(super) fn flanks(body: &Body) -> Flanks {
-    Flanks::new(match body {
-        Body::Gear(g) => gear(g),
-        Body::Rack(r) => rack(r),
-    })
+    match body {
+        Body::Gear(g) => {
+            let mut flanks = Flanks::new(gear(g));
+            flanks.deviate(g);
+            flanks
+        }
+        Body::Rack(r) => Flanks::new(rack(r)),
+    }
 }
 
 fn grid(

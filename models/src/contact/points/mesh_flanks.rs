@@ -2,8 +2,10 @@
 
 use super::flanked::{Flanked, Near};
 use super::owner::Owner;
+use super::projection::Fade;
 use super::rule::Rule;
 use crate::contact::clearance::Clearance;
+use crate::contact::nodal::NodalPoint;
 use crate::contact::pairs::MeshGeometry;
 use crate::error::Reason;
 use crate::geometry::Side;
@@ -29,6 +31,8 @@ pub(super) struct MeshFlanks {
     pub length: f64,
     helix_cos: f64,
     pub base_pitch: f64,
+    /// All points within reach are wanted: gaps are averaged over them.
+    pub hard: bool,
     /// Path coordinates of the first gear at which its flanks are looked at [m].
     pub zone: [f64; 2],
 }
@@ -48,10 +52,11 @@ impl MeshFlanks {
         let gears = [flanked(0)?, flanked(1)?];
         let p = settings.penalty;
         let penalty = match settings.passes {
-            Passes::Auto if gears[0].own || !gears[1].own => [p, 0.0],
-            Passes::Auto | Passes::Second => [0.0, p],
             Passes::First => [p, 0.0],
-            Passes::Both => [0.5 * p, 0.5 * p],
+            Passes::Second => [0.0, p],
+            Passes::Auto if settings.hard && (gears[0].own || !gears[1].own) => [p, 0.0],
+            Passes::Auto if settings.hard => [0.0, p],
+            Passes::Auto | Passes::Both => [0.5 * p, 0.5 * p],
         };
         let width = gears[0].face_width.min(gears[1].face_width);
         let beside =
@@ -65,6 +70,7 @@ impl MeshFlanks {
             length: geometry.length,
             helix_cos: geometry.base_helix.cos(),
             base_pitch: geometry.base_pitch,
+            hard: settings.hard,
             zone: [geometry.zone[0] - beside, geometry.zone[1] + beside],
         })
     }
@@ -95,6 +101,17 @@ impl MeshFlanks {
             gaps,
             per_displacement: [0, 1].map(|k| -self.helix_cos * self.gears[k].per_displacement()),
         })
+    }
+
+    /// Fades a point out that leaves over the tip. Averages of gaps take its area, all else its gap.
+    #[inline]
+    pub fn fade(&self, point: &mut NodalPoint, fade: &Fade) {
+        if !fade.acts() {
+        } else if self.hard {
+            point.stiffness *= fade.area();
+        } else {
+            point.fade(fade.factor, fade.gradient);
+        }
     }
 
     /// Part of the contact's damper that a point of gear `k` with an area [m^2] stands for.

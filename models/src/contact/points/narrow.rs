@@ -3,7 +3,7 @@
 use super::coarse::{CoarseScratch, CoarseStep};
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
-use super::projection::{Begin, Deformed, Hit, MOST_PAST, on_flank};
+use super::projection::{Begin, Deformed, Fade, Hit, MOST_PAST};
 use super::rule::FlankPoint;
 use super::surface::Shape;
 use crate::Vec3;
@@ -38,12 +38,11 @@ pub(super) struct Found<'a> {
     /// Slave and master.
     pub flanks: [&'a Deformed<'a>; 2],
     active: [&'a Active; 2],
-    /// With the part of its area that is on the master.
     pub point: FlankPoint,
     pub x: Vec3,
     pub hit: Hit,
-    /// `A' / A` of that area by the place along the master's face.
-    pub weight_derivative: f64,
+    /// How it leaves over the tip of the master.
+    pub fade: Fade,
 }
 
 impl MeshFlanks {
@@ -158,6 +157,22 @@ impl MeshFlanks {
         }
     }
 
+    /// Place of a point on the last face by its height, and the gradient of that [1/m].
+    #[inline]
+    fn tip_place(&self, m: usize, master: &Deformed<'_>, x: &Vec3) -> (f64, Vec3) {
+        let heights = &master.shape.heights;
+        let (low, tip) = (heights[heights.len() - 2], heights[heights.len() - 1]);
+        let per = (tip - low).recip();
+        let pose = master.pose;
+        let gradient = if self.gears[m].rack {
+            -Vec3::new(pose.cos, pose.sin, 0.0)
+        } else {
+            let r = x - pose.origin;
+            2.0 * Vec3::new(r.x, r.y, 0.0)
+        };
+        ((self.height(m, pose, x) - low) * per, per * gradient)
+    }
+
     /// A point of gear `k`: on its mesh, or on its rigid flank.
     #[inline]
     fn point(&self, k: usize, active: &Active, face: u32, [a, b]: [f64; 2], x: Vec3) -> Point {
@@ -230,22 +245,17 @@ impl MeshFlanks {
             if hit.gap > limit {
                 return;
             }
-            let (on, slope) = on_flank(hit.row + 2 == master.shape.rows, hit.a, past);
-            if on == 0.0 {
+            let Some(fade) = Fade::new(self.tip_place(m, &master, &x), past) else {
                 return;
-            }
-            let point = FlankPoint {
-                area: on * p.area,
-                ..p
             };
             found(&Found {
                 k,
                 flanks: [&slave, &master],
                 active,
-                point,
+                point: p,
                 x,
                 hit,
-                weight_derivative: slope / on,
+                fade,
             });
         });
     }

@@ -5,7 +5,7 @@
 //! [projections on surfaces](super::projection) holds here: beyond an edge the neighbour is asked, between two facets
 //! that both send a point to the other the closest point is their common edge.
 
-use super::projection::{NEAR_EDGE, OVERLAP, RIM};
+use super::projection::{NEAR_EDGE, OVERLAP, RIM, beyond_tip};
 use super::rule::Rule;
 use super::surface::Shape;
 use crate::geometry::Side;
@@ -140,6 +140,19 @@ impl Profile {
     #[inline]
     pub fn height(&self, x: &Vec2) -> f64 {
         if self.rack { -x.x } else { x.dot(x) }
+    }
+
+    /// Place of a point on the last face by its height, and the gradient of that [1/m].
+    #[inline]
+    pub fn tip_place(&self, x: &Vec2) -> (f64, Vec2) {
+        let last = self.faces() - 1;
+        let per = self.per_height[last];
+        let gradient = if self.rack {
+            Vec2::new(-per, 0.0)
+        } else {
+            2.0 * per * x
+        };
+        ((self.height(x) - self.heights[last]) * per, gradient)
     }
 
     /// Face whose strip holds a height, looked for from a face on, and where in it, from 0 to 1 (beyond, outside the
@@ -283,7 +296,7 @@ impl Profile {
             };
             foot = self.on_face(x, row, place);
         }
-        if !(-RIM..=1.0 + past.max(RIM)).contains(&foot.a) {
+        if !(-RIM..=1.0 + beyond_tip(past)).contains(&foot.a) {
             return None;
         }
         Some(self.nearer(x, foot))

@@ -69,16 +69,64 @@ pub(super) struct Begin {
     pub place: [f64; 2],
 }
 
-/// The part of a point's length that is on the flank, and its slope by the place `a` on the last face, `past` half that
-/// length over the face: points leave over the tip without a jump.
-#[inline]
-pub(super) fn on_flank(last: bool, a: f64, past: f64) -> (f64, f64) {
-    if !last {
-        return (1.0, 0.0);
+/// How a point leaves over the tip: what its gap is multiplied by, and the gradient of that by the point's position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fade {
+    pub factor: f64,
+    /// [1/m]
+    pub gradient: Vec3,
+}
+
+impl Fade {
+    /// A point that is on the flank with all its length.
+    pub const NONE: Fade = Fade {
+        factor: 1.0,
+        gradient: Vec3::new(0.0, 0.0, 0.0),
+    };
+
+    /// At the place `a` on the last face by its height in the master's frame, with the gradient of that, `past` half the
+    /// point's length over the face; `None` where the point is gone.
+    ///
+    /// Of its length the part `t = 1/2 + (1 - a) / (2 past)` is on the flank. The gap takes the factor
+    /// `m = t sqrt(3 - 2 t)`, so that the energy `k (m g)^2 / 2` of a linear law fades with `m^2 = t^2 (3 - 2 t)`,
+    /// smoothly at both ends: the force has no jump there. The gap carries the factor, and not the area, because the
+    /// force is then the derivative of one potential by the row of `m g`, whatever the law. The place is told by the
+    /// height because that of a point on the slave answers to the motion of the slave alone: no motion of the master
+    /// about its axis changes it.
+    #[inline]
+    pub fn new((a, gradient): (f64, Vec3), past: f64) -> Option<Fade> {
+        let t = 0.5 + 0.5 * (1.0 - a) / past;
+        if t >= 1.0 {
+            return Some(Fade::NONE);
+        }
+        if t <= 0.0 {
+            return None;
+        }
+        let root = (3.0 - 2.0 * t).sqrt();
+        Some(Fade {
+            factor: t * root,
+            gradient: -1.5 * (1.0 - t) / (root * past) * gradient,
+        })
     }
-    let on = 0.5 + 0.5 * (1.0 - a) / past;
-    let fades = (0.0..=1.0).contains(&on);
-    (on.clamp(0.0, 1.0), if fades { -0.5 / past } else { 0.0 })
+
+    /// Whether the point is leaving.
+    #[inline]
+    pub fn acts(&self) -> bool {
+        self.factor < 1.0
+    }
+
+    /// The part of the point's area that is left.
+    #[inline]
+    pub fn area(&self) -> f64 {
+        self.factor * self.factor
+    }
+}
+
+/// Part of the last face up to which projections beyond the tip are taken, `past` half a point's length over the face:
+/// [`Fade`] tells by the height when the point is gone, which the place of the projection follows nearly.
+#[inline]
+pub(super) fn beyond_tip(past: f64) -> f64 {
+    1.25 * past + RIM
 }
 
 /// -1, 0 or 1: where a coordinate lies of `[0, 1]`.
@@ -240,7 +288,7 @@ impl Deformed<'_> {
     /// Drops projections beyond the outer edges.
     #[inline]
     fn inside(&self, hit: Hit, past: f64) -> Option<Hit> {
-        let along = (-RIM..=1.0 + past.max(RIM)).contains(&hit.a);
+        let along = (-RIM..=1.0 + beyond_tip(past)).contains(&hit.a);
         (along && (-RIM..=1.0 + RIM).contains(&hit.b)).then_some(hit)
     }
 

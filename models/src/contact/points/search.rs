@@ -26,8 +26,6 @@ use std::cell::RefCell;
 #[derive(Debug)]
 pub struct FlankPoints {
     flanks: MeshFlanks,
-    /// All points within reach are wanted: gaps are averaged over them.
-    hard: bool,
     lines: [Option<[Vec3; 2]>; 2],
     /// Which flanks are looked at.
     coarse: Box<dyn CoarseStep>,
@@ -65,7 +63,6 @@ impl FlankPoints {
             coarse,
             spur,
             flanks,
-            hard: settings.hard,
             lines,
             scratch: RefCell::default(),
             spur_scratch: RefCell::default(),
@@ -117,7 +114,7 @@ impl FlankPoints {
             self.scratch.borrow_mut().work = SearchWork::default();
             return;
         }
-        if self.hard {
+        if self.flanks.hard {
             limit = self.flanks.reach;
             gap_bound.least = f64::INFINITY;
         }
@@ -168,19 +165,31 @@ impl FlankPoints {
             flanks: [slave, _],
             point: p,
             hit,
+            fade,
             ..
         } = found;
         // The flank's normal points from the master to the slave, the candidate's from the first gear to
         // the second.
         let points = self.flanks.points(found);
-        let normal = if *k == 0 { -hit.normal } else { hit.normal };
+        let sign = if *k == 0 { -1.0 } else { 1.0 };
+        // Where it is open the gap is the distance.
+        let mut aside = [Vec3::zeros(); 2];
+        let mut factor = 1.0;
+        if hit.gap < 0.0 {
+            // d(m g) = m n . (dx - dX) + g grad m . dx
+            factor = fade.factor;
+            aside[*k] = sign * hit.gap * fade.gradient;
+        }
+        let normal = sign * factor * hit.normal;
         Candidate {
             slot: usize::from(slave.shape.side == Side::Right),
             points,
             normal,
+            aside,
+            fade: fade.factor,
             scale: [1.0, 1.0],
             curvature: [0.0; 2],
-            gap: hit.gap,
+            gap: factor * hit.gap,
             stiffness: self.flanks.penalty[*k] * p.area,
             stiffness_s: 0.0,
             s: 0.0,
@@ -203,7 +212,7 @@ impl FlankPoints {
             point: p,
             x,
             hit,
-            weight_derivative,
+            fade,
             ..
         } = found;
         let (k, m) = (*k, 1 - k);
@@ -232,7 +241,7 @@ impl FlankPoints {
             out.partners.push(points[i]);
             out.partners.len() as u32 - 1
         });
-        out.points.push(NodalPoint {
+        let mut point = NodalPoint {
             mesh: 0,
             slot: u8::from(slave.shape.side == Side::Right),
             slave: k as u8,
@@ -247,7 +256,9 @@ impl FlankPoints {
             gap0,
             stiffness: self.flanks.penalty[k] * p.area,
             share: self.flanks.share(k, p.area),
-            weight_derivative: *weight_derivative,
-        });
+            fading: Vec3::zeros(),
+        };
+        self.flanks.fade(&mut point, fade);
+        out.points.push(point);
     }
 }

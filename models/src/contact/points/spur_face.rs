@@ -3,7 +3,7 @@
 use super::flanked::Near;
 use super::mesh_flanks::MeshFlanks;
 use super::profile::{Profile, Vec2};
-use super::projection::{MOST_PAST, on_flank};
+use super::projection::{Fade, MOST_PAST};
 use super::sections::{Spur, Turn};
 use super::surface::Shape;
 use crate::Vec3;
@@ -182,10 +182,11 @@ impl Held<'_, '_, '_> {
             if foot.gap > pair.limit {
                 continue;
             }
-            let (on, slope) = on_flank(foot.row + 2 == m_shape.rows, foot.a, past);
-            if on == 0.0 {
+            let (place, gradient) = master.tip_place(&x);
+            let gradient = m_pose.turn(&Vec3::new(gradient.x, gradient.y, 0.0));
+            let Some(fade) = Fade::new((place, gradient), past) else {
                 continue;
-            }
+            };
             pair.meet(m, foot.row..=foot.row + 1, self.of_master, self.master_rows);
             let turn = |n: &Vec2| m_pose.turn(&Vec3::new(n.x, n.y, 0.0));
             let space = s_pose.point(&Vec3::new(own.x, own.y, 0.0));
@@ -207,13 +208,12 @@ impl Held<'_, '_, '_> {
                 if !gap_bound.takes(gap0) {
                     continue;
                 }
-                let area = on
-                    * if nodes {
-                        s_shape.areas[(row + i) * s_shape.columns + cell.index]
-                    } else {
-                        let face = row * (s_shape.columns - 1) + cell.column;
-                        s_shape.areas[(face * count + i) * spur.across + cell.index]
-                    };
+                let area = if nodes {
+                    s_shape.areas[(row + i) * s_shape.columns + cell.index]
+                } else {
+                    let face = row * (s_shape.columns - 1) + cell.column;
+                    s_shape.areas[(face * count + i) * spur.across + cell.index]
+                };
                 let s_slots = Self::corners(self.slave_rows, row, cell.column);
                 let m_slots = Self::corners(self.master_rows, foot.row, cell.on);
                 let s_weights = weights(a, cell.b);
@@ -223,7 +223,7 @@ impl Held<'_, '_, '_> {
                 } else {
                     ([m_slots, s_slots], [m_weights, s_weights])
                 };
-                out.points.push(NodalPoint {
+                let mut point = NodalPoint {
                     mesh: 0,
                     slot: u8::from(pair.side == Side::Right),
                     slave: k as u8,
@@ -238,8 +238,10 @@ impl Held<'_, '_, '_> {
                     gap0,
                     stiffness: of.penalty[k] * area,
                     share: of.share(k, area),
-                    weight_derivative: slope / on,
-                });
+                    fading: Vec3::zeros(),
+                };
+                of.fade(&mut point, &fade);
+                out.points.push(point);
             }
         }
     }

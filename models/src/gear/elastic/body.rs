@@ -28,6 +28,8 @@ pub struct Elastic {
     pub(super) hub_reach: f64,
     pub(super) spin: Spin,
     pub(super) correction: RefCell<QuasiStatic>,
+    /// Buffers of the mobility of nodes: weighted shapes, a row.
+    pub(super) mobility: RefCell<(Vec<f64>, Vec<f64>)>,
 }
 
 /// Whether a gear has the terms, and room to evaluate them.
@@ -146,6 +148,7 @@ impl Elastic {
             hub_reach,
             spin: Spin::default(),
             correction: RefCell::default(),
+            mobility: RefCell::default(),
         })
     }
 

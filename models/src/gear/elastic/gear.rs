@@ -21,6 +21,27 @@ impl FlankDisplacement for Elastic {
         kernels::scatter(nodes, forces, |k| self.data.shapes_at(k), f);
     }
 
+    fn add_mobility(&self, weights: &[f64], nodes: &[u32], out: &mut [f64]) {
+        let weights = &weights[self.own..];
+        let n = nodes.len();
+        let mut scratch = self.mobility.borrow_mut();
+        let (scaled, row) = &mut *scratch;
+        row.resize(n, 0.0);
+        for (k, &node) in nodes.iter().enumerate() {
+            scaled.clear();
+            let of_node = self.data.shapes_at(node).iter().zip(weights);
+            scaled.extend(of_node.map(|(b, w)| b * w));
+            let row = &mut row[..=k];
+            kernels::gather(&nodes[..=k], |l| self.data.shapes_at(l), scaled, row);
+            for (l, y) in row.iter().enumerate() {
+                out[k * n + l] += y;
+                if l < k {
+                    out[l * n + k] += y;
+                }
+            }
+        }
+    }
+
     fn is_compliant(&self) -> bool {
         self.data.residual.is_some()
     }

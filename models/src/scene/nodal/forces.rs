@@ -28,7 +28,8 @@ impl Nodal {
             }
         }
         let mut row = Row::default();
-        for a in &mut self.active[start..] {
+        for i in start..self.active.len() {
+            let mut a = self.active[i];
             let p = &self.found.points[a.point];
             let mesh = &meshes[p.mesh as usize];
             if !mesh.law.is_dissipative() {
@@ -39,17 +40,79 @@ impl Nodal {
                 &self.gears[mesh.gears[master]].displacement,
                 &p.slots[master],
             );
-            a.direction = p.direction(of_master);
-            (a.effective_radii, a.rate) = rows_of(gears, mesh, a, &self.found, at, &mut row);
-            a.rate += row.dot(at.v);
-            for k in 0..2 {
-                let hub = gears[mesh.gears[k]].model.hub();
-                let own = gears[mesh.gears[k]].at(at);
-                a.rate += a.effective_radii[k] * hub.speed(own.t, own.v);
-                let v = GearNodes::at(&self.velocities[mesh.gears[k]], &p.slots[k]);
-                a.rate -= weighted(&p.weights[k], &v);
+            a.direction = p.direction(of_master, p.gap0);
+            a.faded = p.gap0;
+            (a.effective_radii, a.rate) = self.rate_along(gears, mesh, &a, at, &mut row);
+            self.active[i] = a;
+        }
+    }
+
+    /// Effective radii of a point along its direction, and the rate of its gap before residual compliance, by the
+    /// [velocities](Self::rates) of the nodes.
+    fn rate_along(
+        &self,
+        gears: &[SceneGear],
+        mesh: &SceneMesh,
+        a: &NodalActive,
+        at: At<'_>,
+        row: &mut Row,
+    ) -> ([f64; 2], f64) {
+        let p = &self.found.points[a.point];
+        let (effective_radii, mut rate) = rows_of(gears, mesh, a, &self.found, at, row);
+        rate += row.dot(at.v);
+        for k in 0..2 {
+            let hub = gears[mesh.gears[k]].model.hub();
+            let own = gears[mesh.gears[k]].at(at);
+            rate += effective_radii[k] * hub.speed(own.t, own.v);
+            let v = GearNodes::at(&self.velocities[mesh.gears[k]], &p.slots[k]);
+            rate -= weighted(&p.weights[k], &v);
+        }
+        (effective_radii, rate)
+    }
+
+    /// Power that the dashpots take [W]: that of the forces, less that of the elastic ones by themselves, which is what
+    /// the energy of the contact grows by. Directions are those of either deformed flank.
+    pub(in crate::scene) fn dissipated(
+        &self,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+        at: At<'_>,
+    ) -> f64 {
+        let mut row = Row::default();
+        let mut power = 0.0;
+        for (solved, island) in self.solved.iter().zip(&self.islands) {
+            if !island.damped {
+                continue;
+            }
+            let u = solved.solve.displacements();
+            for a in &self.active[solved.points.clone()] {
+                let p = &self.found.points[a.point];
+                let mesh = &meshes[p.mesh as usize];
+                if a.force.n != 0.0 {
+                    power -= a.force.n * self.rate_along(gears, mesh, a, at, &mut row).1;
+                }
+                let (gap, force) = a.elastic;
+                if force == 0.0 {
+                    continue;
+                }
+                let [_, master] = p.sides();
+                let nodes = &self.gears[mesh.gears[master]];
+                let mut of_master = GearNodes::at(&nodes.displacement, &p.slots[master]);
+                if p.slots[master][0] != UNUSED {
+                    for (x, &slot) in of_master.iter_mut().zip(&p.slots[master]) {
+                        let i = nodes.index[slot as usize];
+                        *x += u.get(i as usize).copied().unwrap_or(0.0);
+                    }
+                }
+                let elastic = NodalActive {
+                    direction: p.direction(of_master, gap),
+                    faded: gap,
+                    ..*a
+                };
+                power += force * self.rate_along(gears, mesh, &elastic, at, &mut row).1;
             }
         }
+        power
     }
 
     /// Forces on nodes, directions, effective base radii and rows of the active points from `start` on.
@@ -87,11 +150,8 @@ impl Nodal {
             let mesh = &meshes[p.mesh as usize];
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
-            a.direction = p.direction(of_master);
-            if p.weight_derivative != 0.0 && !mesh.hard {
-                let energy = mesh.law.potential(a.elastic.0, p.stiffness);
-                a.direction -= energy / a.force.n * p.weight_derivative * p.sensitivity[0];
-            }
+            a.direction = p.direction(of_master, a.gap);
+            a.faded = a.gap;
             (a.effective_radii, _) = rows_of(gears, mesh, a, &self.found, at, row);
             for k in 0..2 {
                 self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n;
@@ -135,11 +195,14 @@ pub(in crate::scene) fn rows_of(
     for k in 0..2 {
         let g = &gears[mesh.gears[k]];
         let sign = if k == slave { 1.0 } else { -1.0 };
+        // What fades a point out answers to the slave alone; radial, it does not turn the master.
+        let aside = if k == slave { 0.0 } else { a.faded };
         match p.partner {
             Some(partner) if g.model.displacement().is_none() => {
                 let (own, point) = (g.at(at), &found.partners[partner as usize]);
                 row.target(g.offset, sign);
-                drift += sign * g.model.row(own, point, &a.direction, row);
+                let direction = a.direction - aside * p.fading;
+                drift += sign * g.model.row(own, point, &direction, row);
             }
             _ => effective_radii[k] = sign * g.model.hub().effective_radius(&p.x, &a.direction),
         }

@@ -77,6 +77,7 @@ impl Nodal {
                     self.active.push(NodalActive {
                         point: i,
                         direction: p.normal,
+                        faded: 0.0,
                         effective_radii: [0.0; 2],
                         gap: p.gap0,
                         rate: 0.0,

@@ -1,10 +1,13 @@
 //! What is solved together, and the buffers of it.
 
 use crate::Vec3;
-use crate::contact::nodal::{Block, GearNodes, HardSolve, NodalPoints, NodalSolve, Share, Spring};
+use crate::contact::nodal::{
+    Block, DashpotSolve, GearNodes, HardSolve, NodalPoints, NodalSolve, Share, Spring,
+};
 use crate::kinematics::Row;
 use crate::law::LawForce;
 use crate::scene::members::{SceneGear, SceneMesh};
+use gearbench_integrators::system::HalfKick;
 
 /// A point that carries (or may carry) a force.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +16,8 @@ pub(in crate::scene) struct NodalActive {
     pub point: usize,
     /// Direction of the force on the slave; not quite of unit length.
     pub direction: Vec3,
+    /// The gap with which the direction was told [m].
+    pub faded: f64,
     /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
     pub effective_radii: [f64; 2],
     /// Gap with residual compliance [m].
@@ -24,11 +29,17 @@ pub(in crate::scene) struct NodalActive {
     pub elastic: (f64, f64),
 }
 
-/// Meshes that are solved together, and their gears with residual compliance.
+/// Meshes that are solved together, and their gears.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct Island {
     pub meshes: Vec<usize>,
+    /// Gears with residual compliance.
     pub compliant: Vec<usize>,
+    /// Gears with a field, and hubs that are free to move.
+    pub fields: Vec<usize>,
+    pub hubs: Vec<usize>,
+    /// A mesh has dashpots.
+    pub damped: bool,
 }
 
 /// What an island left behind for its tangent.
@@ -41,6 +52,9 @@ pub(in crate::scene) struct Solved {
     pub hard: Option<HardSolve>,
     pub springs: Vec<Spring>,
     pub blocks: Vec<Block>,
+    pub dashpots: DashpotSolve,
+    /// Nodes and [kick](Nodal::kick) of the mobility that `dashpots` hold.
+    pub(in crate::scene) mobile: (Vec<u32>, u64),
 }
 
 /// Gaps averaged at slave nodes.
@@ -75,7 +89,38 @@ pub(in crate::scene) struct Nodal {
     pub(in crate::scene) guess: Vec<f64>,
     pub(in crate::scene) averages: Averages,
     pub(in crate::scene) velocities: Vec<Vec<f64>>,
+    pub(in crate::scene) kick: Kick,
     pub failed: bool,
+}
+
+/// The half kick at whose end forces are sought.
+#[derive(Default)]
+pub(in crate::scene) struct Kick {
+    /// There is one.
+    pub acts: bool,
+    /// Time over mass of each coordinate, of the last one [s/kg].
+    pub weights: Vec<f64>,
+    /// Grows with every change of the weights.
+    pub stamp: u64,
+    /// Velocities before the contact acts.
+    pub velocities: Vec<f64>,
+    /// Accelerations without contact.
+    pub accelerations: Vec<f64>,
+    buffer: Vec<f64>,
+}
+
+impl Kick {
+    /// Takes a half kick, on masses of which the inverses are given.
+    pub fn set(&mut self, kick: &HalfKick<'_>, inverse_mass: &[f64]) {
+        self.buffer.clear();
+        let weights = inverse_mass.iter().enumerate();
+        (self.buffer).extend(weights.map(|(i, m)| kick.weight(i) * m));
+        if self.buffer != self.weights {
+            self.stamp += 1;
+            std::mem::swap(&mut self.buffer, &mut self.weights);
+        }
+        kick.end(&self.accelerations, &mut self.velocities);
+    }
 }
 
 /// Islands of the meshes that have a gear with a field.
@@ -86,22 +131,40 @@ pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Ve
             .displacement()
             .is_some_and(|f| f.is_compliant())
     };
+    let of = |mesh: &SceneMesh, what: &dyn Fn(usize) -> bool| -> Vec<usize> {
+        mesh.gears.into_iter().filter(|&g| what(g)).collect()
+    };
+    let shared = |a: &[usize], b: &[usize]| a.iter().any(|g| b.contains(g));
     let mut islands: Vec<Island> = Vec::new();
     for (m, mesh) in meshes.iter().enumerate().filter(|(_, m)| m.nodal) {
         let mut own = Island {
             meshes: vec![m],
-            compliant: mesh.gears.into_iter().filter(|&g| compliant(g)).collect(),
+            compliant: of(mesh, &compliant),
+            fields: of(mesh, &|g| gears[g].model.displacement().is_some()),
+            hubs: of(mesh, &|g| gears[g].model.hub().coordinates() > 0),
+            damped: mesh.law.is_dissipative(),
         };
-        let (joined, apart) = islands
-            .into_iter()
-            .partition(|i| i.compliant.iter().any(|g| own.compliant.contains(g)));
+        // Dashpots also answer to the masses that they share.
+        let (joined, apart) = islands.into_iter().partition(|i: &Island| {
+            shared(&i.compliant, &own.compliant)
+                || (i.damped
+                    && own.damped
+                    && (shared(&i.fields, &own.fields) || shared(&i.hubs, &own.hubs)))
+        });
         islands = apart;
         for other in joined {
             let other: Island = other;
             own.meshes.extend(other.meshes);
-            for g in other.compliant {
-                if !own.compliant.contains(&g) {
-                    own.compliant.push(g);
+            own.damped |= other.damped;
+            for (own, other) in [
+                (&mut own.compliant, other.compliant),
+                (&mut own.fields, other.fields),
+                (&mut own.hubs, other.hubs),
+            ] {
+                for g in other {
+                    if !own.contains(&g) {
+                        own.push(g);
+                    }
                 }
             }
         }

@@ -100,6 +100,7 @@ impl Nodal {
             self.active.extend(near.map(|(point, p)| NodalActive {
                 point,
                 direction: p.normal,
+                faded: 0.0,
                 effective_radii: [0.0; 2],
                 gap: p.gap0,
                 rate: 0.0,
@@ -126,7 +127,15 @@ impl Nodal {
         (gears, meshes): (&[SceneGear], &[SceneMesh]),
         at: At<'_>,
     ) -> f64 {
-        for &g in &self.islands[island].compliant {
+        let here = std::mem::take(&mut self.islands[island]);
+        // Gears whose nodes answer to forces: by compliance, and in a kick by their masses.
+        let kicked = self.kick.acts && here.damped;
+        let giving = if kicked {
+            &here.fields
+        } else {
+            &here.compliant
+        };
+        for &g in giving {
             self.gears[g].index.fill(UNUSED);
         }
         for a in &self.active[start..] {
@@ -140,7 +149,7 @@ impl Nodal {
         solved.blocks.clear();
         self.numbers.clear();
         self.guess.clear();
-        for &g in &self.islands[island].compliant {
+        for &g in giving {
             let nodes = &mut self.gears[g];
             let begin = self.numbers.len();
             for slot in 0..nodes.nodes.len() {
@@ -153,10 +162,9 @@ impl Nodal {
             let len = self.numbers.len() - begin;
             solved.blocks.push(Block { start: begin, len });
         }
-        let compliant = &self.islands[island].compliant;
         let (blocks, numbers) = (&solved.blocks, &self.numbers);
         solved.solve.set_nodes(blocks, numbers, |mut out| {
-            for (&g, b) in compliant.iter().zip(blocks) {
+            for (&g, b) in giving.iter().zip(blocks) {
                 let (block, rest) = out.split_at_mut(b.len * b.len);
                 if let Some(field) = gears[g].model.displacement() {
                     field.compliance(&numbers[b.start..][..b.len], block);
@@ -164,14 +172,17 @@ impl Nodal {
                 out = rest;
             }
         });
-        self.rates(start, gears, meshes, at);
+        let velocities = std::mem::take(&mut self.kick.velocities);
+        let v = if kicked { &velocities } else { at.v };
+        self.rates(start, gears, meshes, At { v, ..at });
+        self.kick.velocities = velocities;
         solved.springs.clear();
         for a in &self.active[start..] {
             let p = &self.found.points[a.point];
             let mesh = &meshes[p.mesh as usize];
             let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
             for k in 0..2 {
-                if !self.islands[island].compliant.contains(&mesh.gears[k]) {
+                if !giving.contains(&mesh.gears[k]) {
                     continue;
                 }
                 let index = &self.gears[mesh.gears[k]].index;
@@ -202,10 +213,14 @@ impl Nodal {
                 closed,
             ),
         };
+        let result = match result {
+            Ok(_) if here.damped => self.damp(start, &here, kicked, solved, gears, meshes),
+            other => other,
+        };
         let mut rises = 0.0;
         match result {
             Ok(u) => {
-                for &g in &self.islands[island].compliant {
+                for &g in giving {
                     let nodes = &mut self.gears[g];
                     let mut rise = 0.0_f64;
                     for (&i, out) in nodes.index.iter().zip(&mut nodes.residual) {
@@ -223,6 +238,7 @@ impl Nodal {
                 a.force.n = f64::NAN;
             }
         }
+        self.islands[island] = here;
         rises
     }
 }

@@ -13,6 +13,7 @@ fn agrees(name: &str, spec: &SceneSpec, models: &[ModelSpec], slave: usize, tole
             across: 2,
         },
         reach: Some(1e-3),
+        passes: [Passes::First, Passes::Second][slave],
         ..PointContact::new(1e15)
     };
     let scene = build(spec, models, &with_points(points));
@@ -257,7 +258,10 @@ fn the_cost_follows_the_active_flanks() {
             gear("b", spur(z[1]), distance, 0.0),
             start(Side::Left, -4e-6),
         );
-        let points = PointContact::new(1e15);
+        let points = PointContact {
+            passes: Passes::First,
+            ..PointContact::new(1e15)
+        };
         let (scene, _, s) = rigid_pair(&spec, [21, 7], points);
         let mesh = &scene.meshes()[0];
         let party = |k: usize| Party {

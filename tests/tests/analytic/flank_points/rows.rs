@@ -64,6 +64,42 @@ fn rows_are_the_derivatives_of_the_gaps() {
     }
 }
 
+/// The same for points that leave over a tip, whose gap fades out: along the path, both passes.
+#[test]
+fn rows_of_points_that_leave() {
+    for surface in [SurfaceKind::Smooth, SurfaceKind::Faceted] {
+        let points = PointContact {
+            rule: quadrature(8, 2),
+            surface,
+            passes: Passes::Both,
+            ..PointContact::new(1e15)
+        };
+        let models = [nodal(9, 3, true), nodal(9, 3, true)];
+        let (mut leaving, mut worst) = (0, 0.0_f64);
+        for step in 0..24_u32 {
+            let mut spec = case_a(-6e-6);
+            spec.meshes[0].start.path_coordinate = Some(6e-3 + 0.7e-3 * f64::from(step));
+            let scene = build(&spec, &models, &with_points(points));
+            let mut s = scene.initial();
+            let mut numbers = Numbers::new(3 + u64::from(step));
+            for g in scene.gears() {
+                for q in &mut s.q[g.range()][1..] {
+                    *q += 1e-7 * numbers.draw();
+                }
+            }
+            let fading = |c: &Candidate| c.fade < 1.0 && c.gap < 0.0;
+            leaving += candidates(&scene, &s)
+                .iter()
+                .filter(|(_, c)| fading(c))
+                .count();
+            worst = worst.max(worst_row(&scene, &s).0);
+        }
+        println!("{surface:?}: {leaving} leave, rows off by {worst:.1e}");
+        assert!(leaving > 5, "{surface:?}: {leaving}");
+        assert!(worst < 1e-6, "{surface:?}: rows off by {worst:.2e}");
+    }
+}
+
 /// The same for partners without flanks of their own, on either side, and after turns: movable teeth each
 /// with its own angle, a rigid gear, a rack.
 #[test]

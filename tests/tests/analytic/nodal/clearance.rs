@@ -15,7 +15,7 @@ fn no_point_is_nearer_than_the_clearance() {
         let wheel = GearParams {
             teeth: 30,
             helix_angle: -0.2,
-            ..helical
+            ..helical.clone()
         };
         pair_of(
             gear("a", helical, 0.0, 0.0),

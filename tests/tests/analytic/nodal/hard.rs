@@ -23,6 +23,7 @@ fn penalties_come_to_hard_contact() {
         let at_nodes = |points: PointContact| PointContact {
             rule: PointRule::Nodes,
             surface,
+            passes: Passes::First,
             ..points
         };
         let (mut hard, s) = scene_with(at_nodes(PointContact::hard(PointRule::Nodes)), 2e-9);

@@ -1,8 +1,10 @@
 //! Contact of elastic gears on nodes: one potential behind all forces, tangents, the solve, partners.
 
 mod clearance;
+mod dashpots;
 mod flight;
 mod hard;
+mod order;
 mod partners;
 mod potential;
 mod search;

@@ -146,10 +146,9 @@ fn where_it_begins_does_not_show() {
 }
 
 #[test]
-fn other_exponents_and_dampers_hold_their_law() {
-    let damped = Damping::KelvinVoigt { c: 50.0 };
-    for (exponent, damping) in [(1.5, Damping::None), (1.0, damped), (1.2, damped)] {
-        let law = Law::new(exponent, damping).unwrap();
+fn other_exponents_hold_their_law() {
+    for exponent in [1.2, 1.5] {
+        let law = Law::new(exponent, Damping::None).unwrap();
         let (blocks, r, mut springs) = problem(8, 25, 8, law);
         for s in &mut springs {
             // Forces of the same size for all exponents.
@@ -162,12 +161,7 @@ fn other_exponents_and_dampers_hold_their_law() {
         let mut closed = 0;
         for s in &springs {
             assert!((s.gap - (s.gap0 - s.along(&u))).abs() < 1e-15);
-            let pushes = law.smooth(s.gap, s.rate, 0.0, s.stiffness).n;
-            let want = if s.elastic.0 < 0.0 {
-                pushes.max(0.0)
-            } else {
-                0.0
-            };
+            let want = law.clipped(s.gap, 0.0, 0.0, s.stiffness).n;
             assert!((s.force.n - want).abs() <= 1e-9 * want, "{exponent}");
             closed += usize::from(s.force.n > 0.0);
         }

@@ -1,0 +1,87 @@
+//! `deviations` of a gear: a class of ISO 1328-1 with a seed, or what was measured.
+//!
+//! ```toml
+//! deviations = { class = 6, seed = 1 }
+//! deviations = { runout_m = 20e-6, runout_deg = 30.0, left = { cumulative_pitch_m = [0.0, 3e-6, 1e-6] } }
+//! ```
+
+use super::error::SceneError;
+use super::reading::Place;
+use super::reading::keys::keys;
+use super::reading::values::{Degrees, NotNegative};
+use gearbench_models::geometry::{Deviations, FlankDeviations, GivenDeviations};
+
+keys! {
+    pub(super) struct DeviationKeys {
+        /// tolerance class of ISO 1328-1 to draw from, 1 to 11; stands alone with `seed`
+        class: Option<u32>,
+        /// a whole number, default 0; the same seed gives the same gear
+        seed: Option<u64>,
+        /// run-out F_r in metres, twice the eccentricity, default 0
+        runout_m: Option<NotNegative>,
+        /// direction from the axis to the middle of the toothing in degrees from tooth 0, default 0
+        runout_deg: Option<Degrees>,
+        /// { cumulative_pitch_m, profile_slope_m, profile_form_m } of the left (counter-clockwise) flanks
+        left: Option<FlankKeys>,
+        /// the same of the right flanks
+        right: Option<FlankKeys>,
+    }
+
+    pub(super) struct FlankKeys {
+        /// list over the teeth: how far each flank stands counter-clockwise of its place on the reference circle in metres
+        cumulative_pitch_m: Option<Vec<f64>>,
+        /// list over the teeth: profile slope deviation f_Halpha in metres, positive for more material at the tip
+        profile_slope_m: Option<Vec<f64>>,
+        /// list over the teeth: profile form deviation f_falpha in metres, as one wave
+        profile_form_m: Option<Vec<f64>>,
+    }
+}
+
+/// Deviations of the teeth of a gear.
+pub(super) fn deviations(
+    keys: Option<&DeviationKeys>,
+    at: &Place<'_>,
+) -> Result<Deviations, SceneError> {
+    let Some(keys) = keys else {
+        return Ok(Deviations::None);
+    };
+    let measured = [
+        ("runout_m", keys.runout_m.is_some()),
+        ("runout_deg", keys.runout_deg.is_some()),
+        ("left", keys.left.is_some()),
+        ("right", keys.right.is_some()),
+    ];
+    match (keys.class, keys.seed) {
+        (Some(class), seed) => match measured.iter().find(|(_, given)| *given) {
+            Some(&(key, _)) => at.key(key).refuse(
+                format!("`{key}` stands beside `class`"),
+                "remove this, or `class`",
+                "deviations are drawn from a class or measured",
+            ),
+            None => Ok(Deviations::Class {
+                class,
+                seed: seed.unwrap_or(0),
+            }),
+        },
+        (None, Some(_)) => at.key("seed").refuse(
+            "`seed` stands without `class`",
+            "remove this",
+            "a seed draws deviations of a class: `class = 6`",
+        ),
+        (None, None) => Ok(Deviations::Given(Box::new(GivenDeviations {
+            sides: [&keys.left, &keys.right]
+                .map(|k| k.as_ref().map_or_else(Default::default, flank)),
+            runout: keys.runout_m.map_or(0.0, |x| x.0),
+            runout_direction: keys.runout_deg.map_or(0.0, |x| x.0),
+        }))),
+    }
+}
+
+fn flank(keys: &FlankKeys) -> FlankDeviations {
+    let list = |values: &Option<Vec<f64>>| values.clone().unwrap_or_default();
+    FlankDeviations {
+        cumulative_pitch: list(&keys.cumulative_pitch_m),
+        profile_slope: list(&keys.profile_slope_m),
+        profile_form: list(&keys.profile_form_m),
+    }
+}

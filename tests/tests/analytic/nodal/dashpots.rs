@@ -1,0 +1,116 @@
+//! Dashpots at flank points: forces at the end of a kick, stability, implicit methods, the ledger.
+
+use super::*;
+use gearbench_integrators::Resolution;
+use gearbench_integrators::system::{At, HalfKick, ModalSplit};
+
+/// Dashpots per area [N s/m^3]; explicit ones would bear steps of a microsecond up to 2e9.
+const DASHPOTS: [f64; 3] = [1e9, 4e9, 2e10];
+
+fn damped(damping: f64) -> ContactSpec {
+    with_points(PointContact {
+        damping,
+        rule: quadrature(3, 1),
+        ..PointContact::new(1e15)
+    })
+}
+
+/// Gears under load, a few micrometres into each other.
+fn loaded(gap: f64) -> SceneSpec {
+    let mut spec = case_a(gap);
+    (spec.gears[0].speed, spec.gears[1].speed) = (200.0, -400.0 / 3.0);
+    spec.gears[0].loads = vec![Load::Applied(Profile::Constant(40.0))];
+    spec.gears[1].loads = vec![Load::Applied(Profile::Constant(60.0))];
+    spec
+}
+
+/// What a kick asks for is the remainder at the velocities in which it ends; filtered or not, on compliant gears and
+/// others, beside a rigid gear too.
+#[test]
+fn kicks_end_at_the_velocities_that_their_forces_make() {
+    for (residual, partner) in [(2e-9, None), (0.0, None), (2e-9, Some(rigid()))] {
+        for (damping, filtered) in [(1e9, false), (1.6e10, false), (1.6e10, true), (1e12, false)] {
+            let model = toy(13, 3, 20, residual);
+            let models = [model.clone(), partner.clone().unwrap_or(model)];
+            let mut scene = build(&loaded(-6e-6), &models, &damped(damping));
+            let mut s = scene.initial();
+            deform(&scene, &mut s, 3e-6, 5);
+            let n = s.q.len();
+            let filter: Vec<f64> = (0..n)
+                .map(|i| if filtered && i % 3 == 2 { 0.6 } else { 1.0 })
+                .collect();
+            let kick = HalfKick {
+                time: 5e-7,
+                before: &s.v,
+                steady: &[],
+                filter: &filter,
+            };
+            let mut a = vec![0.0; n];
+            scene.remainder_after(s.at(), &kick, &mut a);
+            let mut v = Vec::new();
+            kick.end(&a, &mut v);
+            let mut at_end = vec![0.0; n];
+            scene.remainder(At { v: &v, ..s.at() }, &mut at_end);
+            let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let worst = (a.iter().zip(&at_end)).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
+            // Rates tell directions without the residual displacements that the dashpots add.
+            assert!(
+                worst < 1e-4 * largest,
+                "c = {damping:e}: off by {:.1e}",
+                worst / largest
+            );
+        }
+    }
+}
+
+/// A step of half a microsecond, a product of dashpot and step far beyond what explicit dashpots bear: no energy is made, the
+/// ledger closes, and half the step says the same.
+#[test]
+fn dashpots_do_not_limit_the_step() {
+    for damping in DASHPOTS {
+        for id in ["trigonometric", "velocity-verlet"] {
+            let model = toy(13, 3, 20, 2e-9);
+            let mut scene = build(&loaded(0.0), &[model.clone(), model], &damped(damping));
+            let mut run = |step: f64| {
+                let outcome = run(&mut scene, id, Resolution::Step(step), 1e-3).unwrap(id);
+                let work = outcome.ledger.dissipated + outcome.impulse;
+                (
+                    outcome.ledger.residual(),
+                    outcome.ledger.dissipated,
+                    work,
+                    outcome.peak,
+                )
+            };
+            let step = 5e-7;
+            let ((coarse, lost, ..), (fine, less, _, peak)) = (run(step), run(0.5 * step));
+            println!(
+                "{id}, c = {damping:e}: {coarse:.1e}, {fine:.1e} of {lost:.2e} J, peak {peak:.0} N"
+            );
+            assert!(
+                lost > 0.0 && (lost - less).abs() < 0.3 * less,
+                "{lost} {less}"
+            );
+            assert!(
+                fine.abs() < 0.02 * less,
+                "{id}, c = {damping:e}: {fine:e} of {less:e}"
+            );
+        }
+    }
+}
+
+/// Implicit methods end their Newton steps with dashpots, whatever their size.
+#[test]
+fn newton_ends_with_dashpots() {
+    for damping in DASHPOTS {
+        for id in ["newmark", "hht-alpha", "generalised-alpha"] {
+            for step in [2e-6, 1e-6, 5e-7] {
+                let model = toy(13, 3, 20, 2e-9);
+                let mut scene = build(&loaded(0.0), &[model.clone(), model], &damped(damping));
+                run(&mut scene, id, Resolution::Step(step), 5e-4).unwrap(id);
+                let nodes = nodes_on_springs(9);
+                let mut scene = build(&loaded(0.0), &[nodes.clone(), nodes], &damped(damping));
+                run(&mut scene, id, Resolution::Step(step), 1e-4).unwrap(id);
+            }
+        }
+    }
+}
