@@ -1,5 +1,6 @@
 //! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the README.
 
+use gearbench_reports::Study;
 use gearbench_reports::record::{Results, Run, Status};
 use std::process::ExitCode;
 
