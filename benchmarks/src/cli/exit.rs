@@ -1,5 +1,6 @@
 //! How the command can end: the one table of exit codes, for the terminal, `--help`, `--json` and the README.
 
+use gearbench_reports::Study;
 use gearbench_reports::record::{Results, Run, Status};
 use std::process::ExitCode;
 
@@ -66,10 +67,12 @@ impl Exit {
         let excepted = |r: &Run| {
             (results.tolerance.as_ref()).is_some_and(|t| t.except.contains(&r.model_label()))
         };
+        // A comparison that asks for no tolerance shows errors, whatever they are.
+        let asked = results.tolerance.is_some() || results.study() != Study::Compare;
         let mut runs = results.runs.iter();
         if runs.clone().any(|r| r.status.is_failure()) {
             Exit::FailedRun
-        } else if runs.any(|r| r.status == Status::Inaccurate && !excepted(r)) {
+        } else if asked && runs.any(|r| r.status == Status::Inaccurate && !excepted(r)) {
             Exit::FellShort
         } else {
             Exit::Done

@@ -28,7 +28,7 @@ fn stiffness() {
             },
         ),
         (
-            "{ kind = \"compliance\", tooth = \"cornell\", root_length = \"2 rb theta\", \
+            "{ kind = \"compliance\", tooth = \"cornell\", foundation = \"sainsot-velex\", root_length = \"2 rb theta\", \
                hertz = \"weber-banaschek\", reference_load_n = 1000 }",
             PairStiffness::Compliance {
                 tooth: ToothModel::Cornell,
@@ -72,7 +72,7 @@ fn laws() {
         let value = match id {
             "none" => "",
             "kelvin-voigt" => ", damping_ns_per_m = 100",
-            "kelvin-voigt-ratio" => ", ratio = 0.05",
+            id if id.contains("ratio") => ", ratio = 0.05",
             _ => ", e = 0.8",
         };
         let damping = of(&format!("damping = {{ law = \"{id}\"{value} }}")).damping;

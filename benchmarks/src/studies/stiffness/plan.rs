@@ -148,7 +148,7 @@ mod tests {
     /// ISO/TR 6336-30, example 1, its Annex A; and pairs of 20 and 30 degrees by the formula worked by hand.
     #[test]
     fn the_row_of_the_norm_is_the_norms_for_helical_gears() {
-        let rack = "dedendum_factor = 1.4\nmaterial = { young_pa = 2.06e11 }";
+        let rack = "dedendum_factor = 1.4\nmaterial = { young_pa = 2.06e11, poisson = 0.3, density_kg_m3 = 7800 }";
         let shifted = format!("{rack}\nprofile_shift = 0.145222");
         let example = helical(
             [17, 103],

@@ -246,7 +246,8 @@ impl Branches<'_, '_> {
         } = self;
         let period = frequency.recip();
         let begin = from.map_or(0.0, EndState::time);
-        let settle = plan.settle.max(LEAST_CYCLES * period);
+        // Whole cycles: within one the common rotation goes to and fro.
+        let settle = (plan.settle / period).max(LEAST_CYCLES).ceil() * period;
         let measured = begin + settle;
         // One cycle more: whole cycles begin where a pair's do.
         let t_end = measured + (plan.cycles as f64 + 1.2) * period;
@@ -282,7 +283,9 @@ impl Branches<'_, '_> {
             for part in 1..=parts {
                 let spec = pair.driven_by(&scene, &built, drive);
                 let mut settling = build(&spec)?;
-                let until = begin + settle * part as f64 / parts as f64;
+                // None ends where the loads have risen: no step would be left before that kink.
+                let part = RISE + (1.0 - RISE) * part as f64 / parts as f64;
+                let until = begin + (settle * part / period).round() * period;
                 let job = Job {
                     t_end: until,
                     grid: &[until],

@@ -390,7 +390,7 @@ fn shaft_orders(all: &[Swept<'_>]) -> Result<Option<Chart>, DrawError> {
     }
     let caption = format!(
         "At a mesh frequency of {}, over whole turns. Orders between those of the mesh are what differs from tooth to tooth; \
-         without deviations they are rounding.",
+         without deviations they are next to nothing.",
         quantity(first.mesh_frequency_hz, "Hz", 3)
     );
     let title = "Orders of the transmission error";

@@ -119,7 +119,10 @@ fn a_series_ends_where_a_run_takes_too_long() {
     plan.conditions.max_steps = 1000;
     let results = study(&plan, &Runner::default()).unwrap();
     let statuses: Vec<Status> = results.runs.iter().map(|r| r.status).collect();
-    assert_eq!(statuses, [Status::Converged, Status::Timeout]);
+    assert!(
+        statuses[0].holds() && statuses[1] == Status::Timeout,
+        "{statuses:?}"
+    );
     let said = results.settings.iter().find(|(w, _)| w == TOO_FINE);
     assert!(
         said.is_some_and(|(_, t)| t.contains("rigid under rk4")),
