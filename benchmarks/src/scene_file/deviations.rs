@@ -16,7 +16,7 @@ keys! {
         /// tolerance class of ISO 1328-1 to draw from, 1 to 11; stands alone with `seed`
         class: Option<u32>,
         /// a whole number, default 0; the same seed gives the same gear
-        seed: Option<u64>,
+        seed: Option<u32>,
         /// run-out F_r in metres, twice the eccentricity, default 0
         runout_m: Option<NotNegative>,
         /// direction from the axis to the middle of the toothing in degrees from tooth 0, default 0
@@ -60,7 +60,7 @@ pub(super) fn deviations(
             ),
             None => Ok(Deviations::Class {
                 class,
-                seed: seed.unwrap_or(0),
+                seed: u64::from(seed.unwrap_or(0)),
             }),
         },
         (None, Some(_)) => at.key("seed").refuse(
