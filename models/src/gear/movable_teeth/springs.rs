@@ -106,7 +106,7 @@ mod tests {
     fn stiffness_over_radius_has_its_derivative() {
         let k = RadiusStiffness::new(vec![0.03, 0.035, 0.04], vec![6e8, 5e8, 2e8]);
         for i in 1..40 {
-            let r = 0.0301 + 0.0098 * f64::from(i) / 40.0;
+            let r = 0.0301 + 0.0098 * f64::from(i) / 41.0;
             let h = 1e-8;
             for i in 0..2 {
                 let fd = (k.at(r + h)[i] - k.at(r - h)[i]) / (2.0 * h);

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Speeds at the ends of half cycles of a mass under a constant load that closes at rest, by fine RK4 steps.
+/// Greatest speeds of the half cycles of a mass that is let go a little deeper than its load presses it, by fine RK4
+/// steps.
 fn settling(law: &Law, load: f64, k: f64, cycles: usize) -> Vec<f64> {
     let deflection = (load / k).powf(1.0 / law.exponent());
     let omega = (law.exponent() * load / deflection / MASS).sqrt();
@@ -12,7 +13,7 @@ fn settling(law: &Law, load: f64, k: f64, cycles: usize) -> Vec<f64> {
         [v, (n - load) / MASS]
     };
     let along = |x: [f64; 2], d: [f64; 2], h: f64| [x[0] + h * d[0], x[1] + h * d[1]];
-    let (mut x, mut speeds) = ([0.0, 0.0], Vec::new());
+    let (mut x, mut speeds) = ([-1.05 * deflection, 0.0], Vec::new());
     let mut before = load / MASS;
     while speeds.len() < cycles {
         let a = rate(x);

@@ -65,12 +65,11 @@ fn the_edge_leaves_smoothly_and_the_table_has_its_slopes() {
         let e = Separation::new(&of, 0.0, 2, None);
         let [tip, end] = e.edge();
         assert!((e.eval(tip)[0], e.eval(tip)[1]) == (0.0, 0.0));
-        assert!(end - tip > 0.05 * of.base_pitch && end - tip < 0.5 * of.base_pitch);
-        let follows = e.eval(end)[0];
-        assert!(
-            (follows - FOLLOWED * of.base_pitch).abs() < 1e-9,
-            "{follows:e}"
-        );
+        let (along, follows) = ((end - tip) / of.base_pitch, e.eval(end)[0]);
+        assert!(along > 0.05 && along <= 0.5, "{along}");
+        // As far as no load closes, half a base pitch, or the mate's own tip.
+        assert!(follows <= FOLLOWED * of.base_pitch + 1e-9, "{follows:e}");
+        assert!(follows > 1e-4, "{follows:e}");
         for i in 1..200 {
             let s = tip + (end - tip) * f64::from(i) / 201.0;
             let exact = of.of_point(of.tip, s).unwrap();
@@ -145,10 +144,10 @@ fn a_relief_is_kept_where_it_is_smooth() {
     let s = of.tip - 1.5e-3;
     let (value, plain) = (e.eval(s)[0], removed(s));
     assert!(
-        value <= plain && plain - value < 0.5e-6,
+        value <= plain && plain - value < 2e-6,
         "{value:e} {plain:e}"
     );
-    assert_eq!(e.eval(start - 1e-3)[0], 0.0);
+    assert!(e.eval(start - 1e-3)[0].abs() < 1e-12);
     // The edge stands off by all of it, and more.
     let [tip, end] = e.edge();
     assert!(e.eval(0.5 * (tip + end))[0] > 20e-6);
