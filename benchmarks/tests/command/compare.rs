@@ -158,9 +158,9 @@ fn histories_are_an_even_grid_with_events_beside() {
         let [before, after] = ["force_before_n", "force_after_n"].map(at);
         let jump = |r: &Vec<String>| (number(&r[after]) - number(&r[before])).abs();
         let closing: Vec<_> = rows.iter().filter(|r| r[1] == "closes").collect();
-        assert!(closing.len() > 10 && rows.iter().all(|r| r[at("located")] == "true"));
-        // A dashpot acts at once: a closing pair makes the force jump.
-        assert!(closing.iter().any(|r| jump(r) > 10.0), "{stem}");
+        assert!(closing.len() > 8 && rows.iter().all(|r| r[at("located")] == "true"));
+        // The damper grows with the force: no pair makes the force jump when it closes.
+        assert!(closing.iter().all(|r| jump(r) < 10.0), "{stem}");
         assert!(
             rows.windows(2)
                 .all(|w| number(&w[0][0]) <= number(&w[1][0]))

@@ -179,7 +179,7 @@ fn an_interrupted_study_reports_what_is_finished_and_goes_on() {
         assert!(said && folder.at("here/index.html").exists());
         finish(&folder, study);
         let record = gearbench_reports::load_results(&folder.at("here")).unwrap();
-        assert_eq!(record.runs.len(), 24);
+        assert_eq!(record.runs.len(), 48);
     }
 }
 

@@ -274,7 +274,7 @@ fn the_cost_of_hammering_follows_contact_time_with_every_method() {
             let more = if events || row.info.stepping != Stepping::Adaptive {
                 1.1
             } else {
-                1.3
+                1.4
             };
             println!(
                 "{}, events {events}: {short:.1?} and {long:.1?} steps and evaluations per impact",

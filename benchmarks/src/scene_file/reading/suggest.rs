@@ -52,8 +52,8 @@ const NOT_DONE: &[(&[&str], &str)] = &[
         "axes are parallel",
     ),
     (
-        &["pitch_err", "pitch_dev", "eccentric", "runout", "run_out"],
-        "all teeth of a gear are alike and where they should be",
+        &["helix_dev", "helix_slope", "lead_dev", "lead_slope"],
+        "no deviations of the helix",
     ),
     (
         &[

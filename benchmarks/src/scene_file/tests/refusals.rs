@@ -304,10 +304,8 @@ const NOT_DONE: &str = r##"
     unknown key `bearing` | shafts and bearings are rigid | docs/limits.md
 10: teeth = 20 => teeth = 20\ninternal = true
     there are no internal gears | docs/limits.md
-10: teeth = 20 => teeth = 20\npitch_error_um = 3
-    all teeth of a gear are alike | docs/limits.md
-10: teeth = 20 => teeth = 20\neccentricity_m = 1e-5
-    docs/limits.md
+10: teeth = 20 => teeth = 20\nhelix_slope_m = 1e-5
+    no deviations of the helix | docs/limits.md
 24: start =  => misalignment_deg = 0.1\nstart = 
     axes are parallel | docs/limits.md
 "##;
