@@ -33,7 +33,8 @@ fn a_model_that_joins_the_table_runs_through_the_studies() {
     for (command, runs) in [
         ("compare --repeats 1", 3),
         ("precision --repeats 1", 5),
-        ("sweep", 2),
+        // Two speeds, up and down.
+        ("sweep", 4),
     ] {
         let record = study(folder.path(), command).expect(command);
         let own = (record.runs.iter()).filter(|r| r.model == elastic_web::MODEL.id);

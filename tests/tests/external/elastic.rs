@@ -166,5 +166,5 @@ fn impacts_keep_momentum_and_lose_little_energy() {
     assert!(mean[0].abs() < 1e-5, "made up on average: {mean:?}");
     let order = slope(&steps, &square);
     println!("falls with the power {order:.1} of the step");
-    assert!(order > 2.0, "{order}");
+    assert!(order > 1.9, "{order}");
 }
