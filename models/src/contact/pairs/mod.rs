@@ -9,7 +9,7 @@
 //! ```
 //!
 //! with `theta` the angle of the tooth from the line of centres, `chi` its half angle on the base circle, `L`
-//! the length between the tangent points, `e` the [`separation`] of modified flanks and of tip edges beyond the path of
+//! the length between the tangent points, `e` the [separation](Separation) of modified flanks and of tip edges beyond the path of
 //! contact. Stiffness follows the middle of both path coordinates, `s = (s_a + L - s_b)/2`, which is the path coordinate
 //! of the contact whichever gear comes first. Pairs are looked at while an edge may touch, before, on and behind the path
 //! of contact. This is the six-step search of Ebrahimi and Eberhard (2006: tooth of gear 1 in
