@@ -77,10 +77,7 @@ pub(super) fn lines_of_action(
             (format!("{count} slices over the width"), "use 1 to 1000").into(),
         ));
     }
-    let base_helix = match &a.body {
-        Body::Gear(g) => g.base_helix_angle(),
-        Body::Rack(r) => r.base_helix_angle(),
-    };
+    let base_helix = a.body.base_helix_angle();
     let separations = [0, 1].map(|k| separation(l, [a, b], &views, k));
     let slices = (0..count)
         .map(|i| {
@@ -174,9 +171,9 @@ fn law_of(
 ) -> Result<Law, BuildError> {
     let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
     let error = |part, why: Reason| BuildError::mesh([&a.name, &b.name], part, why);
+    let mass = reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]);
     let damping = match contact.damping {
         Damping::KelvinVoigtRatio { .. } => {
-            let mass = reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]);
             if !mass.is_finite() {
                 return Err(error(
                     MeshPart::Damping,
@@ -197,7 +194,7 @@ fn law_of(
     let load = MeshLoad {
         force: load_of(spec, mesh),
         stiffness: k,
-        mass: reduced_mass([hub_mass(a, &hub_of(a)?), hub_mass(b, &hub_of(b)?)]),
+        mass,
     };
     Law::new(contact.exponent, damping)
         .and_then(|law| law.under_load(load))

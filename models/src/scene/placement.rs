@@ -51,10 +51,6 @@ pub(super) fn engagement(
     views: &[MeshView; 2],
     k: usize,
 ) -> Engagement {
-    let base_helix = match &a.body {
-        Body::Gear(g) => g.base_helix_angle(),
-        Body::Rack(r) => r.base_helix_angle(),
-    };
     Engagement {
         base_radius: views[k].base_radius,
         mate_base_radius: views[1 - k].base_radius,
@@ -62,7 +58,7 @@ pub(super) fn engagement(
         tip: views[k].path[1],
         mate_tip: views[1 - k].path[1],
         pressure_angle: l.working_pressure_angle,
-        helix_cos: base_helix.cos(),
+        helix_cos: a.body.base_helix_angle().cos(),
         base_pitch: l.base_pitch,
     }
 }

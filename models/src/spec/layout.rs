@@ -43,10 +43,11 @@ impl<'a> From<&'a Body> for Mate<'a> {
 
 /// Base radius [m] of a gear, or `cos(alpha)` of a rack: deflection on the line of action per hub coordinate.
 pub fn effective_radius(body: &Body) -> f64 {
-    match body {
-        Body::Gear(g) => g.r_base() * g.base_helix_angle().cos(),
-        Body::Rack(r) => r.transverse_pressure_angle().cos() * r.base_helix_angle().cos(),
-    }
+    let transverse = match body {
+        Body::Gear(g) => g.r_base(),
+        Body::Rack(r) => r.transverse_pressure_angle().cos(),
+    };
+    transverse * body.base_helix_angle().cos()
 }
 
 /// The mesh of two gears at their positions.

@@ -24,6 +24,14 @@ impl Body {
             Body::Rack(_) => 0.0,
         }
     }
+
+    /// Helix angle on the base cylinder [rad].
+    pub fn base_helix_angle(&self) -> f64 {
+        match self {
+            Body::Gear(gear) => gear.base_helix_angle(),
+            Body::Rack(rack) => rack.base_helix_angle(),
+        }
+    }
 }
 
 /// A gear, its hub and what drives it.
