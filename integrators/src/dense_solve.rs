@@ -7,7 +7,46 @@ use crate::system::{At, Coeffs, SecondOrderSystem, Singular};
 
 /// Solves `A x = b` in place: `a` is row-major `n x n` and is destroyed, `b` becomes `x`.
 pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
-    let n = b.len();
+    eliminate(a, b.len(), |k, p| b.swap(k, p))?;
+    substitute(a, b);
+    Ok(())
+}
+
+/// A matrix that many right-hand sides are solved with.
+#[derive(Clone, Debug, Default)]
+pub struct Lu {
+    a: Vec<f64>,
+    /// Row that each pivot was taken from.
+    pivots: Vec<usize>,
+}
+
+impl Lu {
+    /// Takes and factorises a row-major `n x n` matrix; the caller gets the buffer of the last one for it.
+    ///
+    /// # Errors
+    /// [`Singular`].
+    pub fn set(&mut self, a: &mut Vec<f64>, n: usize) -> Result<(), Singular> {
+        std::mem::swap(&mut self.a, a);
+        self.pivots.clear();
+        eliminate(&mut self.a, n, |_, p| self.pivots.push(p))
+    }
+
+    /// `b <- A^-1 b`.
+    pub fn solve(&self, b: &mut [f64]) {
+        for (k, &p) in self.pivots.iter().enumerate() {
+            b.swap(k, p);
+        }
+        substitute(&self.a, b);
+    }
+}
+
+/// `P A = L U` in place, `L` below the diagonal with units on it; rows are swapped by pairs, of which `swapped` is told
+/// one per column.
+fn eliminate(
+    a: &mut [f64],
+    n: usize,
+    mut swapped: impl FnMut(usize, usize),
+) -> Result<(), Singular> {
     debug_assert_eq!(a.len(), n * n);
     for k in 0..n {
         let mut p = k;
@@ -20,23 +59,39 @@ pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
         if pivot == 0.0 || !pivot.is_finite() {
             return Err(Singular);
         }
+        swapped(k, p);
         if p != k {
-            for j in k..n {
+            for j in 0..n {
                 a.swap(k * n + j, p * n + j);
             }
-            b.swap(k, p);
         }
         let (head, tail) = a.split_at_mut((k + 1) * n);
         let row_k = &head[k * n..];
-        for (r, row) in tail.chunks_exact_mut(n).enumerate() {
+        for row in tail.chunks_exact_mut(n) {
             let l = row[k] / pivot;
+            row[k] = l;
             if l != 0.0 {
                 for j in k + 1..n {
                     row[j] -= l * row_k[j];
                 }
-                b[k + 1 + r] -= l * b[k];
             }
         }
+    }
+    Ok(())
+}
+
+/// `b <- U^-1 L^-1 b`.
+fn substitute(a: &[f64], b: &mut [f64]) {
+    let n = b.len();
+    for i in 1..n {
+        let mut x = b[i];
+        for j in 0..i {
+            let l = a[i * n + j];
+            if l != 0.0 {
+                x -= l * b[j];
+            }
+        }
+        b[i] = x;
     }
     for k in (0..n).rev() {
         let mut x = b[k];
@@ -45,7 +100,6 @@ pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
         }
         b[k] = x / a[k * n + k];
     }
-    Ok(())
 }
 
 /// Coordinates up to which the Newton matrix is formed on the stack.
@@ -120,6 +174,22 @@ mod tests {
         solve_in_place(&mut a, &mut b).unwrap();
         for (got, want) in b.iter().zip(x) {
             assert!((got - want).abs() < 1e-14, "{got} {want}");
+        }
+    }
+
+    #[test]
+    fn many_right_hand_sides_are_solved_alike() {
+        let number = |i: usize| ((7 * i * i + 3 * i) as f64).sin();
+        let n = 9;
+        let matrix: Vec<f64> = (0..n * n).map(number).collect();
+        let mut lu = Lu::default();
+        lu.set(&mut matrix.clone(), n).unwrap();
+        for column in 0..3 {
+            let mut b: Vec<f64> = (0..n).map(|i| number(i + 100 * column)).collect();
+            let mut alone = b.clone();
+            lu.solve(&mut b);
+            solve_in_place(&mut matrix.clone(), &mut alone).unwrap();
+            assert_eq!(b, alone);
         }
     }
 

@@ -146,6 +146,7 @@ pub(crate) fn context<'a>(
         placement: Placement::new(hub, 0.1),
         effective_radius: 1.0,
         meshes: &[],
+        slides: false,
         speed: 0.0,
         parameters,
     }

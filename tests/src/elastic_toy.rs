@@ -132,6 +132,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
     Reduced {
         flanks,
         normals,
+        along_profile: false,
         free,
         inertia: context.hub.inertia,
         damping: vec![number(context, "damping_ratio", 0.0); modes],

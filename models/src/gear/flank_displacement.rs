@@ -6,6 +6,9 @@ use gearbench_integrators::system::At;
 /// `a = B q - R F + r T`. Nodes are those of the gear's [`Flanks`](crate::geometry::Flanks), `F`
 /// presses into the tooth, `T` is the load on the hub.
 ///
+/// Where friction loads the flanks, [`along_profile`](FlankDisplacement::along_profile) gives each node a second number,
+/// by which all of these functions know it along the profile: displacements, and forces against them, alike.
+///
 /// With constant `B` and `R` the contact forces derive from one potential of `q`, whatever nodes touch.
 pub trait FlankDisplacement {
     /// `out_k = sum_i b_ki x_i` with the gear's coordinates, or velocities, `x`.
@@ -17,6 +20,13 @@ pub trait FlankDisplacement {
     /// `out_kl += sum_i b_ki b_li w_i`: how velocities of nodes answer to forces on them, with weights of the gear's
     /// coordinates (times over masses), `out[k * n + l]`.
     fn add_mobility(&self, weights: &[f64], nodes: &[u32], out: &mut [f64]);
+
+    /// What is added to a node's number for its displacement along the profile, counted along the transverse part of its
+    /// outward normal turned by 90 degrees counter-clockwise; `None` where that is not known: the flanks then move along
+    /// their profile with the hub alone.
+    fn along_profile(&self) -> Option<u32> {
+        None
+    }
 
     /// True when there is a residual compliance.
     fn is_compliant(&self) -> bool;

@@ -27,6 +27,8 @@ pub struct GearContext<'a> {
     pub effective_radius: f64,
     /// How the gear's meshes see it, in order.
     pub meshes: &'a [MeshView],
+    /// A mesh of it has friction.
+    pub slides: bool,
     /// Speed of its hub at the start [rad/s] or [m/s].
     pub speed: f64,
     /// Parameters from the scene.

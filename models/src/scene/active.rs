@@ -45,6 +45,21 @@ pub(super) fn sliding_direction(n: &Vec3) -> Vec3 {
     t / t.norm()
 }
 
+/// That of a candidate, with the factor of a point that leaves over a tip, which its normal has as well.
+pub(super) fn sliding_of(c: &Candidate) -> Vec3 {
+    c.fade * sliding_direction(&c.normal)
+}
+
+/// How far a contact on a line of action moves along it when the parts of its row move by so much; flank points stay
+/// where they are on their flank.
+pub(super) fn moves(mesh: &SceneMesh, c: &Candidate, d: [f64; 2]) -> f64 {
+    if mesh.search.points().is_some() {
+        0.0
+    } else {
+        along(c, d) / transverse(c)
+    }
+}
+
 #[inline]
 pub(super) fn fill_rows(
     gears: &[SceneGear],
@@ -64,8 +79,10 @@ pub(super) fn fill_rows(
     if mesh.friction.is_none() {
         return prescribed;
     }
-    let t = sliding_direction(&c.normal);
-    for (k, shift) in [(1, 0.0), (2, 1.0)] {
+    let t = sliding_of(c);
+    rows[2].clear();
+    let followed = if mesh.search.points().is_some() { 1 } else { 2 };
+    for (k, shift) in [(1, 0.0), (2, 1.0)].into_iter().take(followed) {
         let row = &mut rows[k];
         row.clear();
         let moved = |i: usize| {
@@ -116,14 +133,14 @@ pub(super) fn gap_rate(
 }
 
 /// Length of the transverse part of a candidate's normal.
-pub(super) fn transverse(c: &Candidate) -> f64 {
+fn transverse(c: &Candidate) -> f64 {
     c.normal.x.hypot(c.normal.y)
 }
 
 /// How far a contact moves along the normal when the parts of its row move by so much: by half with either gear, in the
 /// directions in which its stiffness and its place follow.
 #[inline]
-pub(super) fn along(c: &Candidate, [a, b]: [f64; 2]) -> f64 {
+fn along(c: &Candidate, [a, b]: [f64; 2]) -> f64 {
     0.5 * (b / c.scale[1] - a / c.scale[0])
 }
 

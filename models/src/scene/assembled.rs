@@ -20,7 +20,7 @@ pub struct Scene {
     pub(super) fields: bool,
     /// Dashpots at flank points are taken implicitly where a method can: hubs and modes are all that they act on, each
     /// with a mass of its own.
-    pub(super) implicit_dashpots: bool,
+    pub(super) implicit_dissipation: bool,
     /// A gear asks for the condensed Newton correction.
     pub(super) condenses: bool,
     /// All searches have event functions; else forces are clipped and nothing is located.

@@ -60,7 +60,11 @@ impl Scene {
             }
         }
 
-        let mut gears = Vec::new();
+        let slides = |gear: usize| {
+            let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
+            meshes.any(|(mesh, contact)| contact.friction.is_some() && mesh.gears.contains(&gear))
+        };
+        let mut gears: Vec<SceneGear> = Vec::new();
         for (g, model) in spec.gears.iter().zip(&modelling.gears) {
             for load in &g.loads {
                 check_load(&g.name, load)?;
@@ -95,6 +99,7 @@ impl Scene {
                 placement: Placement::new(&hub, phases[gears.len()]),
                 effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
+                slides: slides(gears.len()),
                 speed: initial_speed(g),
                 parameters: &model.parameters,
             };
@@ -268,8 +273,8 @@ impl Scene {
             let model = &gears[*i].model;
             model.displacement().is_some() || (model.teeth().is_none() && model.flanks().is_none())
         };
-        let mut damped = meshes.iter().filter(|m| m.nodal && m.law.is_dissipative());
-        let implicit_dashpots = diagonal
+        let mut damped = meshes.iter().filter(|m| m.nodal && m.dissipates());
+        let implicit_dissipation = diagonal
             && damped.clone().next().is_some()
             && damped.all(|m| m.gears.iter().all(one_mass));
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
@@ -287,7 +292,7 @@ impl Scene {
             event_functions,
             fields,
             condenses,
-            implicit_dashpots,
+            implicit_dissipation,
             locates,
             tracks,
             inverse_mass: if diagonal {

@@ -97,12 +97,12 @@ pub(super) fn flank_points(
                 .into(),
         ));
     };
-    if contact.friction.is_some() {
+    if contact.friction.is_some() && points.hard {
         return Err(error(
             MeshPart::Friction,
             (
-                format!("friction is not known to the flank points of gear `{name}`"),
-                "leave it out, or use a model without flanks",
+                format!("the hard contact of gear `{name}` knows no friction"),
+                "give it a penalty, or leave friction out",
             )
                 .into(),
         ));

@@ -10,13 +10,19 @@
 //! ```
 //!
 //! with `G = L L^T`, `B = L^T W`. Both are symmetric with eigenvalues from 1 upwards, so a stiff penalty harms
-//! neither.
+//! neither. Friction, with rows `z_i` along the profile, `f = dt/dN` and `d = c.d dt/ds`, is not: its equations are those
+//! of the forces themselves,
+//!
+//! ```text
+//! dN_i = -kappa_i w_i . x,   dT_i = f_i dN_i + d_i z_i . x,   x_S = x0_S + G sum_j (w_j dN_j + z_j dT_j)
+//! ```
 
 use super::active::Active;
 use super::members::SceneGear;
 use crate::cholesky::{backward, cholesky, dot, forward};
 use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
+use gearbench_integrators::dense_solve::solve_in_place;
 use gearbench_integrators::system::{At, Coeffs, Singular};
 
 /// Mark of a coordinate that no row touches.
@@ -62,19 +68,29 @@ impl Condensed {
         c: Coeffs,
         x: &mut [f64],
     ) -> Result<(), Singular> {
+        let slides = |a: &Active| a.friction.df_dn != 0.0 || a.friction.df_dv != 0.0;
+        let slide = active.iter().any(slides);
         let rows = || active.iter().zip(rows);
-        self.collect(gears, rows().map(|(_, r)| &r[0]), x.len());
+        let of_contact = if slide { 2 } else { 1 };
+        let all = rows().flat_map(|(_, r)| &r[..of_contact]);
+        self.collect(gears, all, x.len());
         self.entries.clear();
         self.begins.clear();
         self.begins.push(0);
         for (a, rows) in rows() {
-            let scale = kappa(a.force.dn_dg, a.force.dn_dgdot, c).sqrt();
-            rows[0].for_each(|i, value| {
-                let gear = gear_of(gears, i);
-                let index = self.touched[gear].1 as u32 + self.mark[i];
-                self.entries.push((index, scale * value));
-            });
-            self.begins.push(self.entries.len());
+            let scale = if slide {
+                1.0
+            } else {
+                kappa(a.force.dn_dg, a.force.dn_dgdot, c).sqrt()
+            };
+            for row in &rows[..of_contact] {
+                row.for_each(|i, value| {
+                    let gear = gear_of(gears, i);
+                    let index = self.touched[gear].1 as u32 + self.mark[i];
+                    self.entries.push((index, scale * value));
+                });
+                self.begins.push(self.entries.len());
+            }
         }
         self.g.clear();
         self.x.clear();
@@ -97,7 +113,9 @@ impl Condensed {
             }
         }
         // The form by coordinates also factorises the blocks of G.
-        if self.begins.len() - 1 <= 2 * self.x.len() {
+        if slide {
+            self.solve_sliding(active, c)?;
+        } else if self.begins.len() - 1 <= 2 * self.x.len() {
             self.solve_by_rows()?;
         } else {
             self.solve_by_coordinates()?;
@@ -197,6 +215,42 @@ impl Condensed {
             backward(&small, &mut rhs);
         });
         self.small = small;
+        self.set_forces(&rhs);
+        self.rhs = rhs;
+        solved
+    }
+
+    /// The equations of normal forces and friction, two per contact.
+    fn solve_sliding(&mut self, active: &[Active], c: Coeffs) -> Result<(), Singular> {
+        self.multiply(false);
+        let (size, rows) = (self.x.len(), self.begins.len() - 1);
+        let mut small = std::mem::take(&mut self.small);
+        let mut rhs = std::mem::take(&mut self.rhs);
+        small.clear();
+        rhs.clear();
+        for i in 0..rows {
+            let a = &active[i / 2];
+            let normal = i % 2 == 0;
+            let per_motion = if normal {
+                -kappa(a.force.dn_dg, a.force.dn_dgdot, c)
+            } else {
+                c.d * a.friction.df_dv
+            };
+            let row = self.row(i);
+            for j in 0..rows {
+                let column = &self.columns[j * size..][..size];
+                let along: f64 = row.iter().map(|&(k, w)| w * column[k as usize]).sum();
+                small.push(f64::from(u8::from(i == j)) - per_motion * along);
+            }
+            if !normal {
+                small[i * rows + i - 1] -= a.friction.df_dn;
+            }
+            let along: f64 = row.iter().map(|&(k, w)| w * self.x[k as usize]).sum();
+            rhs.push(per_motion * along);
+        }
+        let solved = solve_in_place(&mut small, &mut rhs);
+        self.small = small;
+        rhs.iter_mut().for_each(|force| *force = -*force);
         self.set_forces(&rhs);
         self.rhs = rhs;
         solved

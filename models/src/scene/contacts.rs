@@ -1,6 +1,6 @@
 //! Evaluation of all contacts of a scene at one state.
 
-use super::active::{Active, fill_rows, parts, slide, sliding_direction};
+use super::active::{Active, fill_rows, parts, slide, sliding_of};
 use super::assembled::Scene;
 use super::members::parties;
 use crate::Vec3;
@@ -137,7 +137,8 @@ impl Scene {
                 teeth: p.teeth,
                 side: if p.slot == 0 { Side::Left } else { Side::Right },
                 x: p.x,
-                force: if p.slave == 0 { -a.force.n } else { a.force.n } * normal,
+                force: if p.slave == 0 { -1.0 } else { 1.0 }
+                    * (a.force.n * normal + a.sliding.force.f * a.sliding.direction),
                 normal_force: a.force.n,
                 gap: a.gap,
             }
@@ -155,7 +156,7 @@ impl Scene {
                     teeth,
                     side,
                     x: candidate.points[0].x,
-                    force: c.force.n * n + c.friction.f * sliding_direction(n),
+                    force: c.force.n * n + c.friction.f * sliding_of(candidate),
                     normal_force: c.force.n,
                     gap: c.gap,
                 }
@@ -179,13 +180,13 @@ impl Scene {
             add(
                 c.mesh,
                 teeth,
-                c.force.n * n + c.friction.f * sliding_direction(n),
+                c.force.n * n + c.friction.f * sliding_of(candidate),
             );
         }
         for a in self.work.nodal.active.iter().filter(|a| a.force.n > 0.0) {
             let p = &self.work.nodal.found.points[a.point];
-            let on_second = if p.slave == 0 { -a.force.n } else { a.force.n };
-            add(p.mesh as usize, p.teeth, on_second * a.direction);
+            let on_second = if p.slave == 0 { -1.0 } else { 1.0 };
+            add(p.mesh as usize, p.teeth, on_second * a.on_slave());
         }
         out.extend(sums.into_iter().map(|((group, members), force)| Touch {
             group,

@@ -8,7 +8,7 @@
 //! the path), and for each sliding force where there is friction. Many
 //! contacts of large gears, and those of gears with displacement fields, have forms of their own.
 
-use super::active::{Answer, transverse};
+use super::active::{Answer, moves};
 use super::assembled::Scene;
 use super::condensed::kappa;
 use gearbench_integrators::dense_solve::solve_in_place;
@@ -92,7 +92,8 @@ impl Scene {
         self.condenses
             && self.work.active.iter().all(|a| {
                 let candidate = &self.work.candidates[a.candidate];
-                self.meshes[a.mesh].friction.is_none()
+                let mesh = &self.meshes[a.mesh];
+                (mesh.friction.is_none() || mesh.search.points().is_some())
                     && candidate.stiffness_s == 0.0
                     && candidate.curvature == [0.0; 2]
                     && kappa(a.force.dn_dg, a.force.dn_dgdot, c) >= 0.0
@@ -174,8 +175,8 @@ impl Scene {
         // dF = df_dn dN + df_dv dslide on the sliding row; dslide follows the contact point.
         let candidate = &self.work.candidates[a.candidate];
         let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
-        let per_s = c.k * a.friction.df_dv * turn / transverse(candidate);
-        let along = [-0.5 / candidate.scale[0], 0.5 / candidate.scale[1]];
+        let along = [[1.0, 0.0], [0.0, 1.0]].map(|d| moves(&self.meshes[a.mesh], candidate, d));
+        let per_s = c.k * a.friction.df_dv * turn;
         let (in_v, in_z) = (grow(v), grow(z));
         rows[0].add_parts_to(by(t.normal).map(|x| a.friction.df_dn * x), &mut v[in_v..]);
         self.add_answers(

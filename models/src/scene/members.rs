@@ -140,6 +140,12 @@ pub struct SceneMesh {
 }
 
 impl SceneMesh {
+    /// Its contacts take energy: by dampers or by friction.
+    #[inline]
+    pub(super) fn dissipates(&self) -> bool {
+        self.law.is_dissipative() || self.friction.is_some()
+    }
+
     /// Its search's own part of the discrete state.
     #[inline]
     pub fn search_discrete(&self) -> std::ops::Range<usize> {

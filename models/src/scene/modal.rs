@@ -37,7 +37,7 @@ impl ModalSplit for Scene {
     }
 
     fn remainder_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, a: &mut [f64]) {
-        if !self.implicit_dashpots {
+        if !self.implicit_dissipation {
             return self.remainder(at, a);
         }
         a.fill(0.0);

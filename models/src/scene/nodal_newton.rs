@@ -3,6 +3,7 @@
 
 use super::assembled::Scene;
 use super::nodal::{Entry, NodalActive, Reduced, rows_of};
+use crate::Vec3;
 use crate::gear::{add_response, condensed};
 use crate::kinematics::Row;
 use gearbench_integrators::dense_solve::solve_in_place;
@@ -183,36 +184,53 @@ impl Scene {
         let dot = |row: &[Entry], y: &[f64]| -> f64 {
             row.iter().map(|&(i, value)| value * y[i as usize]).sum()
         };
-        let mut of_points: Vec<f64> = (nodal.active.iter().enumerate())
+        let [normal, sliding] = &b.rows;
+        // Changes of the forces of all points, along the normal and of friction.
+        let mut of_points: Vec<[f64; 2]> = (nodal.active.iter().enumerate())
             .map(|(i, a)| {
-                a.force.dn_dg * dot(b.row(i), &y) + a.force.dn_dgdot * dot(b.row(i), &rate)
+                let row = normal.row(i);
+                [
+                    a.force.dn_dg * dot(row, &y) + a.force.dn_dgdot * dot(row, &rate),
+                    a.sliding.force.df_dv * dot(sliding.row(i), &rate),
+                ]
             })
             .collect();
         let mut failed = nodal.failed;
-        for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
+        for (s, island) in nodal.solved.iter_mut().zip(&nodal.islands) {
+            let points = &mut of_points[s.points.clone()];
+            if points.is_empty() {
+                continue;
+            }
+            if island.slides {
+                failed |= s.dissipative.factorise(&s.springs).is_err();
+                s.dissipative.tangent(&s.springs, points);
+                continue;
+            }
             if let Some(hard) = &mut s.hard {
-                let points = &mut of_points[s.points.clone()];
-                for (i, h) in s.points.clone().zip(&mut *points) {
-                    *h = dot(b.row(i), &y);
+                let mut changes: Vec<f64> =
+                    (s.points.clone()).map(|i| dot(normal.row(i), &y)).collect();
+                failed |= hard.tangent(&mut changes).is_err();
+                for (h, change) in points.iter_mut().zip(changes) {
+                    h[0] = change;
                 }
-                failed |= hard.tangent(points).is_err();
                 continue;
             }
             failed |= s.solve.linearise(&s.springs).is_err();
             let mut z = vec![0.0; s.solve.nodes()];
-            let points = &mut of_points[s.points.clone()];
             for (spring, h) in s.springs.iter().zip(&*points) {
-                spring.add(*h, &mut z);
+                spring.add(h[0], &mut z);
             }
             s.solve.apply_compliance(&mut z);
             for (spring, h) in s.springs.iter().zip(points) {
-                *h += spring.force.dn_dg * spring.along(&z);
+                h[0] += spring.force.dn_dg * spring.along(&z);
             }
         }
         let mut forces = vec![0.0; b.size];
-        for (i, dn) in of_points.iter().enumerate() {
-            for &(j, value) in b.row(i) {
-                forces[j as usize] += value * dn;
+        for (i, changes) in of_points.iter().enumerate() {
+            for (rows, change) in b.rows.iter().zip(changes) {
+                for &(j, value) in rows.row(i) {
+                    forces[j as usize] += value * change;
+                }
             }
         }
         for (i, g) in gears.iter().enumerate() {
@@ -233,14 +251,15 @@ impl Scene {
         self.work.reduced = b;
     }
 
-    /// Prescribed part of the gap rate of a point [m/s].
-    pub(super) fn nodal_drift(&self, a: &NodalActive, at: At<'_>) -> f64 {
+    /// Prescribed part of the rate of a point along a direction [m/s]; with it the gap that it fades out with.
+    pub(super) fn nodal_drift(&self, a: &NodalActive, along: (Vec3, f64), at: At<'_>) -> f64 {
         let p = &self.work.nodal.found.points[a.point];
         let mesh = &self.meshes[p.mesh as usize];
         let (effective_radii, mut drift) = rows_of(
             &self.gears,
             mesh,
-            a,
+            p,
+            along,
             &self.work.nodal.found,
             at,
             &mut Row::default(),

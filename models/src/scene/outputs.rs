@@ -1,6 +1,6 @@
 //! What a scene reports: energies, powers, and the channels of [`Channel`](super::Channel).
 
-use super::active::sliding_direction;
+use super::active::sliding_of;
 use super::assembled::Scene;
 use super::channels::{OfGear, OfMesh};
 use crate::Vec3;
@@ -66,7 +66,7 @@ impl Scene {
             if mesh.friction.is_some() {
                 power.dissipated -= a.friction.f * a.sliding;
                 power.external -= a.friction.f * (a.sliding - rows[1].dot(at.v));
-                force += a.friction.f * sliding_direction(&c.normal);
+                force += a.friction.f * sliding_of(c);
             }
             let of_mesh = &mut out.channels[PER_MESH * a.mesh..][..PER_MESH];
             add_contact(of_mesh, force, a.force.n);
@@ -74,8 +74,7 @@ impl Scene {
                 let i = mesh.gears[k];
                 let hub = self.gears[i].model.hub();
                 let effective_radius = hub.effective_radius(&c.points[k].x, &(sign * c.normal));
-                let along =
-                    hub.effective_radius(&c.points[k].x, &(sign * sliding_direction(&c.normal)));
+                let along = hub.effective_radius(&c.points[k].x, &(sign * sliding_of(c)));
                 out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
                     on[k] * effective_radius + a.friction.f * along;
             }
@@ -124,8 +123,13 @@ impl Scene {
             if a.force.n == 0.0 {
                 continue;
             }
-            power.external -= a.force.n * self.nodal_drift(a, at);
-            let on_slave = a.force.n * a.direction;
+            let along = (a.direction, a.faded);
+            power.external -= a.force.n * self.nodal_drift(a, along, at);
+            if mesh.friction.is_some() {
+                let along = (a.sliding.direction, 0.0);
+                power.external -= a.sliding.force.f * self.nodal_drift(a, along, at);
+            }
+            let on_slave = a.on_slave();
             let on_second = if p.slave == 0 { -on_slave } else { on_slave };
             let of_mesh = &mut out.channels[PER_MESH * p.mesh as usize..][..PER_MESH];
             add_contact(of_mesh, on_second, a.force.n);
@@ -144,10 +148,14 @@ impl Scene {
                 continue;
             };
             let mut pressed = 0.0;
-            for (&node, force) in nodes.nodes.iter().zip(&nodes.force) {
+            let mut add = |number: u32, force: f64| {
                 let mut r = [0.0];
-                field.hub_compliance(&[node], &mut r);
+                field.hub_compliance(&[number], &mut r);
                 pressed += r[0] * force;
+            };
+            let outwards = nodes.nodes.iter().zip(&nodes.force);
+            for (&number, &force) in outwards.chain(nodes.along.iter().zip(&nodes.rub)) {
+                add(number, force);
             }
             out.channels[per_gear + PER_GEAR * i + TRAVEL] +=
                 field.hub_residual_compliance() * nodes.load - pressed;

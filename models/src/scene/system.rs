@@ -1,6 +1,6 @@
 //! The scene as a second-order system: force, mass, tangent, capabilities.
 
-use super::active::{along, transverse};
+use super::active::moves;
 use super::assembled::Scene;
 use super::members::{SceneGear, SceneMesh};
 use crate::gear::LargeGear;
@@ -38,7 +38,7 @@ impl SecondOrderSystem for Scene {
     }
 
     fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
-        if !self.implicit_dashpots {
+        if !self.implicit_dissipation {
             return self.force(at, f);
         }
         self.force_without_contact(at, f);
@@ -139,7 +139,7 @@ impl SecondOrderSystem for Scene {
             if self.meshes[a.mesh].friction.is_some() {
                 // The contact point moves along the line of action and takes the sliding row with it.
                 let candidate = &work.candidates[a.candidate];
-                let ds = along(candidate, d) / transverse(candidate);
+                let ds = moves(&self.meshes[a.mesh], candidate, d);
                 let turn = rows[2].dot(at.v) - rows[1].dot(at.v);
                 let dslide = rows[1].dot(dv) + ds * turn;
                 let dforce = a.friction.df_dn * normal + a.friction.df_dv * dslide;
@@ -180,7 +180,7 @@ impl Scene {
         }
     }
 
-    /// The contacts at the end of a half kick, on top of forces without contact: dashpots implicitly.
+    /// The contacts at the end of a half kick, on top of forces without contact: dashpots and friction implicitly.
     pub(super) fn evaluate_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, without: &[f64]) {
         let nodal = &mut self.work.nodal;
         nodal.kick.accelerations.clear();

@@ -47,7 +47,7 @@ impl Wanted {
 /// What one mode leaves behind.
 struct Shape {
     omega2: f64,
-    /// Along the normals of all flank nodes.
+    /// Along the directions of all flank nodes.
     flanks: Vec<f64>,
     hub: f64,
     /// `phi^T M e` over the nodes, without what is added at the hub.
@@ -62,8 +62,13 @@ pub fn of_mesh(
     material: &Material,
     mounting: &Mounting,
     wanted: Wanted,
+    along_profile: bool,
 ) -> Result<Basis, ReductionError> {
     let nodes = Surface::new(mesh)?;
+    let nodes = match along_profile {
+        true => nodes.with_profile(),
+        false => nodes,
+    };
     let assembly = assemble(&mesh.mesh, material)?;
     let motions = mounting.motions();
     let tie = Tie::new(&mesh.mesh.nodes, &mesh.bore, &motions);
@@ -89,8 +94,8 @@ pub fn of_mesh(
         .map(|mode| {
             let vector: Vec<f64> = found.vectors.col(mode).iter().copied().collect();
             tie.expand(&vector, &mut full);
-            let mut flanks = vec![0.0; nodes.nodes()];
-            nodes.along_normals(&full, &mut flanks);
+            let mut flanks = vec![0.0; nodes.directions.len()];
+            nodes.along_directions(&full, &mut flanks);
             Shape {
                 omega2: found.omega2[mode],
                 flanks,
@@ -132,8 +137,13 @@ pub fn of_sector(
     material: &Material,
     mounting: &Mounting,
     wanted: Wanted,
+    along_profile: bool,
 ) -> Result<Basis, ReductionError> {
     let nodes = Surface::of_sector(sector)?;
+    let nodes = match along_profile {
+        true => nodes.with_profile(),
+        false => nodes,
+    };
     let teeth = f64::from(sector.teeth);
     let rigid = mounting.rigid(&sector.mesh.nodes);
     let mut pull = vec![0.0; rigid.len()];
@@ -222,8 +232,8 @@ fn cyclic_shape(
     let m = &found.modes[mode];
     let u = found.shapes[m.harmonic as usize].col(m.column);
     let teeth = u64::from(found.teeth);
-    let per_tooth = nodes.nodes() / found.teeth as usize;
-    let along: Vec<(f64, f64)> = (nodes.mesh_nodes.iter().zip(&nodes.normals))
+    let per_tooth = nodes.directions.len() / found.teeth as usize;
+    let along: Vec<(f64, f64)> = (nodes.mesh_nodes.iter().zip(&nodes.directions))
         .take(per_tooth)
         .map(|(&node, n)| {
             (0..3).fold((0.0, 0.0), |(re, im), axis| {
@@ -300,7 +310,7 @@ fn finish(
         };
         family.push(number);
     }
-    let mut along = vec![0.0; nodes.normals.len() * count];
+    let mut along = vec![0.0; nodes.directions.len() * count];
     for (mode, s) in shapes.iter().enumerate() {
         for (node, b) in s.flanks.iter().enumerate() {
             along[node * count + mode] = *b;
@@ -308,8 +318,9 @@ fn finish(
     }
     let of = |f: fn(&Shape) -> f64| shapes.iter().map(f).collect::<Vec<_>>();
     Ok(Basis {
+        normals: nodes.normals().copied().collect(),
+        along_profile: nodes.along_profile,
         flanks: nodes.flanks,
-        normals: nodes.normals,
         free: mounting.free,
         inertia,
         added_inertia: mounting.added_inertia,

@@ -81,7 +81,7 @@ pub fn flank_compliances(basis: &Basis, even_over_width: bool) -> Vec<f64> {
             let area: f64 = areas.iter().sum();
             mean.fill(0.0);
             for (&node, a) in nodes.iter().zip(areas) {
-                let shapes = &basis.shapes[node as usize * modes..][..modes];
+                let shapes = basis.shapes_at(node);
                 for (m, b) in mean.iter_mut().zip(shapes) {
                     *m += a / area * b;
                 }
@@ -187,9 +187,9 @@ pub fn reduced(
             w / (2.0 * PI)
         )));
     }
-    let nodes = basis.normals.len();
-    let mut shapes = Vec::with_capacity(nodes * kept.len());
-    for row in basis.shapes.chunks_exact(modes.max(1)).take(nodes) {
+    let rows = basis.directions();
+    let mut shapes = Vec::with_capacity(rows * kept.len());
+    for row in basis.shapes.chunks_exact(modes.max(1)).take(rows) {
         shapes.extend(kept.iter().map(|&i| row[i]));
     }
     let hub = pick(&basis.hub);
@@ -206,6 +206,7 @@ pub fn reduced(
     Ok(Reduced {
         flanks: basis.flanks.clone(),
         normals: basis.normals.clone(),
+        along_profile: basis.along_profile,
         free: basis.free,
         inertia: basis.inertia,
         omega,
@@ -221,6 +222,28 @@ pub fn reduced(
 }
 
 impl Basis {
+    /// Directions of all flank nodes.
+    pub fn directions(&self) -> usize {
+        self.normals.len() * self.per_node()
+    }
+
+    /// Directions of a flank node: outwards, and along the profile where it is known.
+    pub fn per_node(&self) -> usize {
+        1 + usize::from(self.along_profile)
+    }
+
+    /// Outward shapes of all modes at a flank node [1/sqrt(kg)].
+    pub fn shapes_at(&self, node: u32) -> &[f64] {
+        let modes = self.omega.len();
+        &self.shapes[node as usize * self.per_node() * modes..][..modes]
+    }
+
+    /// Inward displacement of a flank node by unit force into another [m/N].
+    pub fn compliance_between(&self, i: u32, j: u32) -> f64 {
+        let [i, j] = [i, j].map(|node| node * self.per_node() as u32);
+        self.compliance.flanks.between(i, j, self.directions())
+    }
+
     /// The basis with some of its modes only, ascending; the compliance is that of the whole mesh as before.
     pub fn with_modes(&self, kept: &[usize]) -> Basis {
         let modes = self.omega.len();

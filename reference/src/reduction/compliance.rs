@@ -120,10 +120,10 @@ pub fn of_assembly(
     mounting: &Mounting,
 ) -> Result<Residual, ReductionError> {
     let nodes = &gear.mesh.nodes;
-    let n = surface.nodes();
+    let n = surface.directions.len();
     check_memory(n, 24.0 * (n as f64).powi(2))?;
     let tie = Tie::new(nodes, &gear.bore, &[]);
-    let columns = columns(surface, surface.nodes(), |node| {
+    let columns = columns(surface, n, |node| {
         let place = tie.place.get(node as usize).copied();
         place.filter(|p| *p != Tie::HELD).map(|p| p as usize)
     })?;
@@ -206,7 +206,7 @@ pub fn of_sector(
         ));
     }
     let cyclic = Sector::new(sector, material, &Hub::fixed())?;
-    let per_tooth = surface.nodes() / teeth;
+    let per_tooth = surface.directions.len() / teeth;
     let (m, unknowns) = (per_tooth as f64, cyclic.unknowns() as f64);
     check_memory(per_tooth, 24.0 * m * m * teeth as f64 + 64.0 * m * unknowns)?;
     let columns = columns(surface, per_tooth, |node| cyclic.place_of(node))?;
@@ -251,18 +251,18 @@ fn check_memory(flank_nodes: usize, bytes: f64) -> Result<(), ReductionError> {
 /// `a_k = e^T c_k`: how far unit rigid motion moves each flank node outwards.
 fn effective_radii(surface: &Surface, mounting: &Mounting) -> Vec<f64> {
     let positions = surface.positions();
-    (positions.iter().zip(&surface.normals))
+    (positions.iter().zip(&surface.directions))
         .map(|(x, n)| mounting.motion.of(x).dot(n))
         .collect()
 }
 
-/// Places among the free nodes and normals of the first `count` flank nodes.
+/// Places among the free nodes and directions of the first `count` ones.
 fn columns(
     surface: &Surface,
     count: usize,
     place: impl Fn(u32) -> Option<usize>,
 ) -> Result<Vec<(usize, Vec3)>, ReductionError> {
-    (surface.mesh_nodes.iter().zip(&surface.normals).take(count))
+    (surface.mesh_nodes.iter().zip(&surface.directions).take(count))
         .map(|(&node, normal)| match place(node) {
             Some(place) => Ok((place, *normal)),
             None => Err(ReductionError::Mismatch(format!(

@@ -187,19 +187,15 @@ impl Probe {
         let part = 1.0 / nodes.len() as f64;
         let mut shapes = vec![0.0; modes];
         for &node in nodes {
-            for (s, b) in shapes
-                .iter_mut()
-                .zip(&basis.shapes[node as usize * modes..][..modes])
-            {
+            for (s, b) in shapes.iter_mut().zip(basis.shapes_at(node)) {
                 *s += part * b;
             }
         }
         let pairs = nodes
             .iter()
             .flat_map(|i| nodes.iter().map(move |j| (*i, *j)));
-        let flanks = &basis.compliance.flanks;
         let compliance = pairs
-            .map(|(i, j)| part * part * flanks.between(i, j, basis.normals.len()))
+            .map(|(i, j)| part * part * basis.compliance_between(i, j))
             .sum();
         Probe {
             shapes,

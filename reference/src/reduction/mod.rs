@@ -69,6 +69,8 @@ pub struct Basis {
     pub flanks: Flanks,
     /// Outward unit normal at each flank node, own frame.
     pub normals: Vec<Vec3>,
+    /// Shapes and compliances have a second row behind the outward one of each node: along the profile.
+    pub along_profile: bool,
     /// The hub is free in the mount's direction.
     pub free: bool,
     /// Inertia [kg m^2] (rack: mass [kg]) with what is added at the hub.
@@ -81,7 +83,8 @@ pub struct Basis {
     pub omega: Vec<f64>,
     /// Modes that must be kept or truncated together have the same number: those of equal frequency.
     pub family: Vec<u32>,
-    /// Shapes at the flank nodes along the normals, `node * modes + mode` [1/sqrt(kg)].
+    /// Shapes at the flank nodes along their directions, `direction * modes + mode` [1/sqrt(kg)]; see
+    /// [`Basis::shapes_at`].
     pub shapes: Vec<f64>,
     /// Turn (displacement) of a free hub in each mode; zeros for a held hub.
     pub hub: Vec<f64>,

@@ -17,6 +17,8 @@ pub struct OfGear {
     pub sector: bool,
     /// The mount.
     pub mounting: Mounting,
+    /// Friction loads its flanks.
+    pub slides: bool,
 }
 
 impl OfGear {
@@ -28,6 +30,7 @@ impl OfGear {
             material,
             mounting: self.mounting,
             wanted,
+            along_profile: self.slides,
         }
     }
 }
@@ -52,5 +55,6 @@ pub fn of_gear(
             Body::Gear(_) => Mounting::gear(free, context.added_inertia),
             Body::Rack(_) => Mounting::rack(free, context.added_inertia),
         },
+        slides: context.slides,
     })
 }

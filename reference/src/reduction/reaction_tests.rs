@@ -45,7 +45,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let found = modes::lowest(&r, all, &Options::default()).unwrap();
         let rigid = usize::from(free);
         let wanted = Wanted::Count(all - rigid);
-        let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted).unwrap();
+        let basis = basis::of_mesh(&mesh, &Material::STEEL, &mounting, wanted, false).unwrap();
         let kept: Vec<usize> = (0..all - rigid).collect();
         let data = choose::reduced(&basis, &kept, &ModalDamping::default(), false).unwrap();
 
@@ -79,7 +79,7 @@ fn with_all_modes_reactions_are_those_of_the_held_nodes() {
         let positions = surface.positions();
         for (&k, f) in nodes.iter().zip(&pressed) {
             let x = pose.point(&positions[k as usize]);
-            let f = -*f * pose.turn(&surface.normals[k as usize]);
+            let f = -*f * pose.turn(&surface.directions[k as usize]);
             contact.force += f;
             contact.torque += gear.hub().effective_radius(&x, &f);
         }

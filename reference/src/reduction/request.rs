@@ -24,6 +24,8 @@ pub struct Request<'a> {
     pub mounting: Mounting,
     /// Modes to find.
     pub wanted: Wanted,
+    /// Flank nodes also move along the profile, where friction loads them.
+    pub along_profile: bool,
 }
 
 impl Request<'_> {
@@ -97,6 +99,9 @@ impl Request<'_> {
         }
         h.number(self.mounting.added_inertia);
         h.count(usize::from(self.sector));
+        if self.along_profile {
+            h.text("along the profile");
+        }
         h
     }
 
@@ -106,6 +111,13 @@ impl Request<'_> {
             true => basis::of_sector,
             false => basis::of_mesh,
         };
-        route(self.mesh, &self.material, &self.mounting, self.wanted)
+        let along_profile = self.along_profile;
+        route(
+            self.mesh,
+            &self.material,
+            &self.mounting,
+            self.wanted,
+            along_profile,
+        )
     }
 }

@@ -94,6 +94,7 @@ mod tests {
     fn gears_that_are_built_in_parallel_share_a_basis_and_do_not_wait_for_each_other() {
         let sector = mesh::sector(&stub(8, 0.0), &coarse(1, 1)).unwrap();
         let request = Request {
+            along_profile: false,
             mesh: &sector,
             sector: true,
             material: Material::STEEL,

@@ -3,11 +3,15 @@
 //! Flank nodes are numbered through from 0, tooth by tooth, left flank before right flank, row by row, whatever the
 //! order of the mesh; a node at the edge between two flanks has a number on each. Modes and compliances of a
 //! reduction share these numbers, and the normals: displacements count outwards, forces into the tooth.
+//!
+//! Where friction loads the flanks, each node has a second direction behind its normal: along the profile
+//! ([`Surface::with_profile`]). Shapes and compliances then have two rows per node, first outwards.
 
 use super::error::ReductionError;
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::contact::points::{nodal_normals, reference_areas};
+use gearbench_models::gear::elastic::reduced::along_profile;
 use gearbench_models::geometry::{FlankGrid, Flanks};
 use gearbench_models::spec::PointRule;
 
@@ -18,8 +22,10 @@ pub struct Surface {
     pub flanks: Flanks,
     /// Node of the mesh per flank node (of the sector, where the gear is made of copies of one).
     pub mesh_nodes: Vec<u32>,
-    /// Outward unit normals of the smooth undeformed flanks, own frame.
-    pub normals: Vec<Vec3>,
+    /// Directions in which nodes move, own frame: the outward unit normals of the smooth undeformed flanks.
+    pub directions: Vec<Vec3>,
+    /// Each normal is followed by the direction along the profile; `mesh_nodes` come twice then.
+    pub along_profile: bool,
     /// Area of the flank that each node stands for [m^2].
     pub areas: Vec<f64>,
 }
@@ -104,7 +110,8 @@ impl Surface {
         Ok(Surface {
             flanks,
             mesh_nodes,
-            normals,
+            directions: normals,
+            along_profile: false,
             areas,
         })
     }
@@ -131,30 +138,56 @@ impl Surface {
                 positions: g.positions.iter().map(turn).collect(),
                 ..g.clone()
             }));
-            normals.extend(own.normals.iter().map(turn));
+            normals.extend(own.directions.iter().map(turn));
         }
         Ok(Surface {
             flanks: Flanks::new(grids),
             mesh_nodes: own.mesh_nodes.repeat(teeth as usize),
-            normals,
+            directions: normals,
+            along_profile: false,
             areas: own.areas.repeat(teeth as usize),
         })
     }
 
+    /// The same nodes, each with its direction along the profile behind its normal.
+    #[must_use]
+    pub fn with_profile(self) -> Self {
+        let directions = self.directions.iter();
+        Surface {
+            mesh_nodes: self.mesh_nodes.iter().flat_map(|n| [*n, *n]).collect(),
+            directions: directions.flat_map(|n| [*n, along_profile(n)]).collect(),
+            along_profile: true,
+            ..self
+        }
+    }
+
     /// Number of flank nodes.
     pub fn nodes(&self) -> usize {
-        self.mesh_nodes.len()
+        self.mesh_nodes.len() / self.per_node()
     }
 
-    /// Position of each flank node, own frame [m].
+    /// Number of directions in which a node moves.
+    pub fn per_node(&self) -> usize {
+        1 + usize::from(self.along_profile)
+    }
+
+    /// Outward normal of each flank node.
+    pub fn normals(&self) -> impl Iterator<Item = &Vec3> {
+        self.directions.iter().step_by(self.per_node())
+    }
+
+    /// Position of the flank node of each direction, own frame [m].
     pub fn positions(&self) -> Vec<Vec3> {
         let grids = self.flanks.grids().iter();
-        grids.flat_map(|g| g.positions.iter().copied()).collect()
+        let nodes = grids.flat_map(|g| g.positions.iter().copied());
+        nodes
+            .flat_map(|x| std::iter::repeat_n(x, self.per_node()))
+            .collect()
     }
 
-    /// `out_k = n_k . u(node of k)` for displacements of the mesh, three per node; nodes of a whole mesh only.
-    pub fn along_normals(&self, u: &[f64], out: &mut [f64]) {
-        for ((out, n), &node) in out.iter_mut().zip(&self.normals).zip(&self.mesh_nodes) {
+    /// `out_k = d_k . u(node of k)` for displacements of the mesh, three per node; nodes of a whole mesh only.
+    pub fn along_directions(&self, u: &[f64], out: &mut [f64]) {
+        for ((out, n), &node) in out.iter_mut().zip(&self.directions).zip(&self.mesh_nodes) {
             let u = &u[3 * node as usize..][..3];
             *out = n.x * u[0] + n.y * u[1] + n.z * u[2];
         }

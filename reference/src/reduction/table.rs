@@ -275,6 +275,7 @@ mod tests {
         .collect();
         all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
         let context = GearContext {
+            slides: false,
             effective_radius: radius,
             ..test_support::context(&body, &hub, &all)
         };

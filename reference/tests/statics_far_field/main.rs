@@ -155,6 +155,7 @@ impl Elements<'_> {
     fn new(gear: &Gear, material: Material, flank: usize, spread: f64) -> Elements<'_> {
         let mesh = mesh::sector(gear, &params(flank)).unwrap();
         let basis = Request {
+            along_profile: false,
             mesh: &mesh,
             sector: true,
             material,

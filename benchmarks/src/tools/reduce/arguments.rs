@@ -47,6 +47,9 @@ pub struct Reduce {
     /// Label of the scene's elastic model whose meshes are taken [default: its first]
     #[arg(long, value_name = "LABEL")]
     pub model: Option<String>,
+    /// Also store how flanks move along their profile, which friction loads
+    #[arg(long)]
+    pub along_profile: bool,
     /// The hub is free to move or held [default: free; of a scene as its gear is mounted]
     #[arg(long, value_name = "MOUNT", value_parser = ["free", "held"])]
     pub mount: Option<String>,

@@ -222,6 +222,7 @@ fn of_scene(
         placement: Placement::new(&hub, 0.0),
         effective_radius: 1.0,
         meshes: &[],
+        slides: false,
         speed: 0.0,
         parameters,
     };
@@ -301,6 +302,7 @@ fn reduce(args: &Arguments, job: &Job, bar: &indicatif::ProgressBar) -> Result<D
         (Some(n), None) => Wanted::Count(n.max(1)),
     };
     let request = Request {
+        along_profile: args.along_profile,
         mesh: &job.mesh,
         sector: job.sector,
         material: job.material,

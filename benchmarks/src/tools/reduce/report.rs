@@ -222,12 +222,10 @@ fn of_modes(basis: &Basis, asked: &str) -> String {
 
 /// Tooth of the first flank, compliance in the middle of that flank [m/N], and the share of it that the modes have.
 fn compliance(basis: &Basis) -> Option<(u32, f64, f64)> {
-    let c = &basis.compliance;
     let g = basis.flanks.grids().first()?;
     let node = g.nodes[(g.rows / 2) * g.columns + g.columns / 2];
-    let own = c.flanks.between(node, node, basis.normals.len());
-    let modes = basis.omega.len();
-    let shapes = &basis.shapes[node as usize * modes..][..modes];
+    let own = basis.compliance_between(node, node);
+    let shapes = basis.shapes_at(node);
     let modal: f64 = shapes
         .iter()
         .zip(&basis.omega)

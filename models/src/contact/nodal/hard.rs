@@ -285,7 +285,7 @@ impl HardSolve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::{Law, LawForce};
+    use crate::law::{FrictionForce, Law, LawForce};
 
     /// Points on nodes of their own, compliances of a smooth body with and without neighbours that rise.
     fn problem(m: usize, coupling: f64) -> (Vec<f64>, Vec<Spring>) {
@@ -306,10 +306,13 @@ mod tests {
                 weights,
                 gap0: 1e-6 * (0.15 * x * x - 1.0 + 0.3 * (7.0 * x).sin()),
                 rate: 0.0,
+                slip: 0.0,
+                friction: None,
                 stiffness: 1.0,
                 law: Law::elastic(),
                 gap: 0.0,
                 force: LawForce::default(),
+                rub: FrictionForce::default(),
                 elastic: (0.0, 0.0),
             }
         });

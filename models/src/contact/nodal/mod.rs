@@ -24,6 +24,9 @@
 //! dg = d . dx,    d = n - w_a e_a - w_b e_b
 //! ```
 //!
+//! Friction acts along the profile of the rigid flank, on the nodes by the same weights and on the hubs; how nodes move that
+//! way is linear as `a` is.
+//!
 //! A point that leaves over the tip fades out: its gap, with all that it is made of, takes a factor `m(x)`, so that
 //! `d(m g) = m d . dx + g grad m . dx`; the last part, by the motion of the slave alone, is the slave's.
 //!
@@ -31,7 +34,7 @@
 //! compliance is condensed with the contact as in quasi-static mode acceleration.
 
 mod compliance;
-mod dashpot;
+mod dissipative;
 mod hard;
 mod nodes;
 mod points;
@@ -39,7 +42,7 @@ mod solve;
 mod spring;
 
 pub use compliance::Block;
-pub use dashpot::{DashpotSolve, Ported, Ports};
+pub use dissipative::{DissipativeSolve, OverPorts, Ported, Ports};
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};

@@ -9,12 +9,16 @@ use gearbench_integrators::system::At;
 pub struct GearNodes {
     /// The gear's node numbers, in the order in which they were met.
     pub nodes: Vec<u32>,
+    /// The same along the profile, where the gear knows that.
+    pub along: Vec<u32>,
     /// Outward displacement before residual compliance, `B q + r T` [m].
     pub displacement: Vec<f64>,
     /// Residual displacement `u` [m].
     pub residual: Vec<f64>,
     /// Force into the tooth [N].
     pub force: Vec<f64>,
+    /// Force against the direction along the profile [N].
+    pub rub: Vec<f64>,
     /// Index in the solve; [`UNUSED`] for nodes that no solved point lies on.
     pub index: Vec<u32>,
     /// Load `T` on the hub [N m] or [N].
@@ -37,9 +41,11 @@ impl GearNodes {
             self.pressed[node as usize] = f;
         }
         self.nodes.clear();
+        self.along.clear();
         self.displacement.clear();
         self.residual.clear();
         self.force.clear();
+        self.rub.clear();
         self.index.clear();
         self.load = load;
         self.bound = None;
@@ -63,6 +69,9 @@ impl GearNodes {
         let first = self.nodes.len();
         let all = first + nodes.len();
         self.nodes.extend_from_slice(nodes);
+        if let Some(further) = field.along_profile() {
+            self.along.extend(nodes.iter().map(|node| node + further));
+        }
         self.displacement.resize(all, 0.0);
         let new = &mut self.displacement[first..];
         field.displacements(at.q, nodes, new);
@@ -78,6 +87,7 @@ impl GearNodes {
         }
         self.residual.resize(all, 0.0);
         self.force.resize(all, 0.0);
+        self.rub.resize(all, 0.0);
         self.index.resize(all, UNUSED);
         if let Some(&most) = nodes.iter().max()
             && most as usize >= self.last.len()

@@ -12,8 +12,8 @@
 //! `(I + C^T S C) y = -C^T f0` take its place. Other laws take Newton's method on `y` with a line search on the norm of
 //! the gradient `y + C^T F`.
 //!
-//! Here acts the elastic law alone, to which energies belong; dashpots have a solve of their own
-//! ([`DashpotSolve`](super::DashpotSolve)), which begins where this one ends.
+//! Here acts the elastic law alone, to which energies belong; dashpots and friction have a solve of their own
+//! ([`DissipativeSolve`](super::DissipativeSolve)), which begins where this one ends.
 //!
 //! Where the iteration begins does not show in the result: that is of the final set alone, and where rounding could
 //! decide on that set the search for it begins afresh.

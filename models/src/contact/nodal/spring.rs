@@ -1,6 +1,6 @@
 //! Points of a nodal solve, and what they add to its equations.
 
-use crate::law::{Law, LawForce};
+use crate::law::{Friction, FrictionForce, Law, LawForce};
 
 /// Mark of what a gear without a field does not have.
 pub const UNUSED: u32 = u32::MAX;
@@ -16,6 +16,10 @@ pub struct Spring {
     pub gap0: f64,
     /// Its rate without contact [m/s].
     pub rate: f64,
+    /// Sliding speed of the slave over the master without contact [m/s].
+    pub slip: f64,
+    /// Its friction, if it has some.
+    pub friction: Option<Friction>,
     /// Stiffness of the law.
     pub stiffness: f64,
     /// Its law, with the damper of the point.
@@ -24,6 +28,8 @@ pub struct Spring {
     pub gap: f64,
     /// Result: normal force and derivatives; zero where it is open.
     pub force: LawForce,
+    /// Result: friction on the slave, along the profile.
+    pub rub: FrictionForce,
     /// Result: gap [m] and normal force [N] of the elastic law alone.
     pub elastic: (f64, f64),
 }

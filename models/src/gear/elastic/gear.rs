@@ -42,12 +42,20 @@ impl FlankDisplacement for Elastic {
         }
     }
 
+    fn along_profile(&self) -> Option<u32> {
+        self.data.along_profile.then_some(self.data.nodes() as u32)
+    }
+
     fn is_compliant(&self) -> bool {
         self.data.residual.is_some()
     }
 
     fn compliance(&self, nodes: &[u32], out: &mut [f64]) {
         match self.correction.borrow().flanks(&self.data) {
+            Some(flanks) if self.data.along_profile => {
+                let rows: Vec<u32> = nodes.iter().map(|k| self.data.row_of(*k)).collect();
+                flanks.gather(&rows, self.data.rows(), out);
+            }
             Some(flanks) => flanks.gather(nodes, self.data.nodes(), out),
             None => out.fill(0.0),
         }
@@ -59,7 +67,7 @@ impl FlankDisplacement for Elastic {
                 .data
                 .residual
                 .as_ref()
-                .map_or(0.0, |r| r.hub[node as usize]);
+                .map_or(0.0, |r| r.hub[self.data.row_of(node) as usize]);
         }
     }
 

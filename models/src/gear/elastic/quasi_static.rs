@@ -12,7 +12,7 @@
 //! nodes more than [`NEAR`] teeth apart are left as they are.
 
 use super::body::Elastic;
-use super::reduced::FlankCompliance;
+use super::reduced::{FlankCompliance, along_profile};
 use crate::cholesky::dot;
 
 /// Teeth up to which nodes are near each other.
@@ -32,17 +32,17 @@ impl Elastic {
         if correction.missing == missing {
             return;
         }
-        let (modes, nodes) = (self.data.modes(), self.data.nodes());
+        let (modes, of_flanks) = (self.data.modes(), self.data.rows());
         let (frame, of_modes) = missing.split_at(self.own);
-        // Rows so that a product of two is what the pair of nodes gets.
+        // So that a product of two rows is what the pair of nodes gets.
         let width = modes + self.own;
-        let mut rows = Vec::with_capacity(nodes * width);
-        for node in 0..nodes {
+        let mut rows = Vec::with_capacity(of_flanks * width);
+        for row in 0..of_flanks {
             for quasi_static in frame {
-                let effective_radius = self.own_radius(node);
+                let effective_radius = self.own_radius(row);
                 rows.push(effective_radius * (quasi_static / self.hub.inertia).sqrt());
             }
-            let shapes = self.data.shapes_at(node as u32);
+            let shapes = &self.data.shapes[row * modes..][..modes];
             rows.extend(
                 shapes
                     .iter()
@@ -50,7 +50,7 @@ impl Elastic {
                     .map(|(b, quasi_static)| b * quasi_static.sqrt()),
             );
         }
-        let row = |node: usize| &rows[node * width..][..width];
+        let row = |row: usize| &rows[row * width..][..width];
         let mut flanks = residual.flanks.clone();
         match &mut flanks {
             FlankCompliance::Cyclic {
@@ -71,21 +71,22 @@ impl Elastic {
                 }
             }
             FlankCompliance::Full(c) => {
-                let mut tooth = vec![0; nodes];
+                let per_node = self.data.per_node();
+                let mut tooth = vec![0; of_flanks];
                 for grid in self.data.flanks.grids() {
                     for &node in &grid.nodes {
-                        tooth[node as usize] = grid.tooth as usize;
+                        tooth[node as usize * per_node..][..per_node].fill(grid.tooth as usize);
                     }
                 }
                 let teeth = 1 + tooth.iter().copied().max().unwrap_or(0);
-                for i in 0..nodes {
+                for i in 0..of_flanks {
                     for j in 0..=i {
                         let apart = tooth[i].abs_diff(tooth[j]);
                         if apart.min(teeth - apart) <= NEAR {
                             let given = dot(row(i), row(j));
-                            c[i * nodes + j] += given;
+                            c[i * of_flanks + j] += given;
                             if i != j {
-                                c[j * nodes + i] += given;
+                                c[j * of_flanks + i] += given;
                             }
                         }
                     }
@@ -97,9 +98,16 @@ impl Elastic {
         correction.missing.extend_from_slice(missing);
     }
 
-    /// Outward displacement of a flank node by unit turn (displacement) of the frame.
-    fn own_radius(&self, node: usize) -> f64 {
-        let (x, n) = (&self.positions[node], &self.data.normals[node]);
+    /// Displacement of a row of a flank node by unit turn (displacement) of the frame.
+    fn own_radius(&self, row: usize) -> f64 {
+        let node = row / self.data.per_node();
+        let x = &self.positions[node];
+        let outward = self.data.normals[node];
+        let n = if row.is_multiple_of(self.data.per_node()) {
+            outward
+        } else {
+            along_profile(&outward)
+        };
         match self.hub.slide {
             None => x.x * n.y - x.y * n.x,
             // A rack slides along its own y.

@@ -6,6 +6,9 @@
 //!   [`FlankGrid`](crate::geometry::FlankGrid); those numbers are the nodes of [`Reduced::flanks`].
 //! - Shapes and displacements at flank nodes are along the outward normal of the undeformed flank, positive out of
 //!   the tooth; forces on them are positive into the tooth.
+//! - Where friction loads the flanks, `nodes + k` is the number of node `k` along the profile: its outward normal's
+//!   transverse part, turned by 90 degrees counter-clockwise. Displacements count that way, forces against it. In
+//!   memory the row along the profile of a node follows its outward one, so that a tooth stands together.
 //! - Modes are orthonormal in the mass of the whole gear with what is added at the hub: shapes in 1/sqrt(kg),
 //!   coordinates in sqrt(kg) m.
 //! - A hub that moves turns counter-clockwise (a rack travels along its slide) for positive angle, torque and shape.
@@ -21,6 +24,8 @@ pub struct Reduced {
     pub flanks: Flanks,
     /// Outward unit normal at each flank node, own frame.
     pub normals: Vec<Vec3>,
+    /// Flank nodes are also known along the profile.
+    pub along_profile: bool,
     /// The hub is free in the mount's direction; else the modes are those of a held hub.
     pub free: bool,
     /// Inertia about the axis [kg m^2], or mass [kg] of a rack, with what is added at the hub.
@@ -29,7 +34,7 @@ pub struct Reduced {
     pub omega: Vec<f64>,
     /// Damping ratios of the kept modes.
     pub damping: Vec<f64>,
-    /// Shapes at the flank nodes, `node * modes + mode` [1/sqrt(kg)].
+    /// Shapes at the flank nodes, `row * modes + mode` [1/sqrt(kg)]; see [`Self::shapes_at`].
     pub shapes: Vec<f64>,
     /// Turn [rad] (displacement [m]) of a free hub beyond the frame by unit coordinate; zeros for a held hub.
     pub hub: Vec<f64>,
@@ -51,7 +56,7 @@ pub struct Reduced {
 pub struct Residual {
     /// Between flank nodes.
     pub flanks: FlankCompliance,
-    /// Outward displacement of each flank node by unit torque at a free hub [m/(N m)] (force of a rack [m/N]);
+    /// Displacement of each row of a flank node by unit torque at a free hub [m/(N m)] (force of a rack [m/N]);
     /// zeros for a held hub.
     pub hub: Vec<f64>,
     /// Turn (displacement) of the hub by unit torque (force) at it.
@@ -132,10 +137,40 @@ impl FlankCompliance {
     }
 }
 
+/// Direction along the profile of a flank with an outward normal: its transverse part, turned by 90 degrees
+/// counter-clockwise.
+pub fn along_profile(n: &Vec3) -> Vec3 {
+    Vec3::new(-n.y, n.x, 0.0) / n.x.hypot(n.y)
+}
+
 impl Reduced {
     /// Number of flank nodes.
     pub fn nodes(&self) -> usize {
         self.normals.len()
+    }
+
+    /// Rows of shapes and compliances: one or two per flank node.
+    pub fn rows(&self) -> usize {
+        self.nodes() * self.per_node()
+    }
+
+    /// Rows of a flank node.
+    pub fn per_node(&self) -> usize {
+        1 + usize::from(self.along_profile)
+    }
+
+    /// Row of a number: of a flank node outwards, or, from [`Self::nodes`] on, along the profile.
+    #[inline]
+    pub fn row_of(&self, number: u32) -> u32 {
+        if !self.along_profile {
+            return number;
+        }
+        let nodes = self.nodes() as u32;
+        if number < nodes {
+            2 * number
+        } else {
+            2 * (number - nodes) + 1
+        }
     }
 
     /// Number of kept modes.
@@ -143,21 +178,21 @@ impl Reduced {
         self.omega.len()
     }
 
-    /// Shapes of all modes at a flank node.
+    /// Shapes of all modes at a number.
     #[inline]
-    pub fn shapes_at(&self, node: u32) -> &[f64] {
+    pub fn shapes_at(&self, number: u32) -> &[f64] {
         let n = self.omega.len();
-        &self.shapes[node as usize * n..][..n]
+        &self.shapes[self.row_of(number) as usize * n..][..n]
     }
 
     /// What does not fit together, if anything: lengths, and numbers that are not finite or have the wrong sign.
     pub fn problem(&self) -> Option<String> {
-        let (nodes, modes) = (self.nodes(), self.modes());
+        let (nodes, rows, modes) = (self.nodes(), self.rows(), self.modes());
         let grid_nodes: usize = self.flanks.grids().iter().map(|g| g.nodes.len()).sum();
         let lengths = [
             ("nodes of the flanks", grid_nodes, nodes),
             ("damping ratios", self.damping.len(), modes),
-            ("shapes", self.shapes.len(), nodes * modes),
+            ("shapes", self.shapes.len(), rows * modes),
             ("hub shapes", self.hub.len(), modes),
             ("participations", self.participation.len(), modes),
             ("momenta", self.momentum.len(), modes),
@@ -181,15 +216,15 @@ impl Reduced {
         }
         if let Some(r) = &self.residual {
             let (found, expected) = match &r.flanks {
-                FlankCompliance::Full(c) => (c.len(), nodes * nodes),
+                FlankCompliance::Full(c) => (c.len(), rows * rows),
                 FlankCompliance::Cyclic {
                     teeth,
                     per_tooth,
                     blocks,
                 } => {
-                    if teeth * per_tooth != nodes {
+                    if teeth * per_tooth != rows {
                         return Some(format!(
-                            "{teeth} teeth with {per_tooth} flank nodes, but {nodes} flank nodes"
+                            "{teeth} teeth with {per_tooth} rows of flank nodes, but {rows} in all"
                         ));
                     }
                     (blocks.len(), teeth * per_tooth * per_tooth)
@@ -198,9 +233,9 @@ impl Reduced {
             if found != expected {
                 return Some(format!("{found} compliances, expected {expected}"));
             }
-            if r.hub.len() != nodes {
+            if r.hub.len() != rows {
                 return Some(format!(
-                    "{} compliances towards the hub, expected {nodes}",
+                    "{} compliances towards the hub, expected {rows}",
                     r.hub.len()
                 ));
             }

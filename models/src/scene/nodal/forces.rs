@@ -1,13 +1,15 @@
 //! Gap rates of nodal points, and their forces on nodes and hubs.
 
 use super::islands::{Nodal, NodalActive};
-use crate::contact::nodal::{GearNodes, NodalPoints, UNUSED, weighted};
+use crate::Vec3;
+use crate::contact::nodal::{GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
 use crate::kinematics::Row;
+use crate::scene::active::sliding_direction;
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
 
 impl Nodal {
-    /// Gap rates before residual compliance, where a damper asks for them.
+    /// Rates of gaps and sliding speeds before residual compliance, where dampers and friction ask for them.
     pub(super) fn rates(
         &mut self,
         start: usize,
@@ -16,15 +18,22 @@ impl Nodal {
         at: At<'_>,
     ) {
         let points = &self.found.points;
-        let damped = |a: &NodalActive| meshes[points[a.point].mesh as usize].law.is_dissipative();
-        if !self.active[start..].iter().any(damped) {
+        let of = |a: &NodalActive| &meshes[points[a.point].mesh as usize];
+        if !self.active[start..].iter().any(|a| of(a).dissipates()) {
             return;
         }
+        let slides = self.active[start..]
+            .iter()
+            .any(|a| of(a).friction.is_some());
         for (i, g) in gears.iter().enumerate() {
             if let Some(field) = g.model.displacement() {
-                let nodes = &self.gears[i].nodes;
-                self.velocities[i].resize(nodes.len(), 0.0);
-                field.displacements(g.at(at).v, nodes, &mut self.velocities[i]);
+                let met = &self.gears[i];
+                let v = g.at(at).v;
+                let [outwards, along] = &mut self.velocities[i];
+                outwards.resize(met.nodes.len(), 0.0);
+                field.displacements(v, &met.nodes, outwards);
+                along.resize(if slides { met.along.len() } else { 0 }, 0.0);
+                field.displacements(v, &met.along[..along.len()], along);
             }
         }
         let mut row = Row::default();
@@ -32,7 +41,7 @@ impl Nodal {
             let mut a = self.active[i];
             let p = &self.found.points[a.point];
             let mesh = &meshes[p.mesh as usize];
-            if !mesh.law.is_dissipative() {
+            if !mesh.dissipates() {
                 continue;
             }
             let [_, master] = p.sides();
@@ -43,6 +52,13 @@ impl Nodal {
             a.direction = p.direction(of_master, p.gap0);
             a.faded = p.gap0;
             (a.effective_radii, a.rate) = self.rate_along(gears, mesh, &a, at, &mut row);
+            if mesh.friction.is_some() {
+                let direction = p.normal.norm() * sliding_direction(&p.normal);
+                a.sliding.direction = direction;
+                let along = (direction, 0.0);
+                (a.sliding.effective_radii, a.sliding.speed) =
+                    self.speed_along(gears, mesh, &a, (along, 1), at, &mut row);
+            }
             self.active[i] = a;
         }
     }
@@ -57,21 +73,38 @@ impl Nodal {
         at: At<'_>,
         row: &mut Row,
     ) -> ([f64; 2], f64) {
+        let along = (a.direction, a.faded);
+        self.speed_along(gears, mesh, a, (along, 0), at, row)
+    }
+
+    /// Effective radii of a point along a direction, and the speed of the slave over the master along it; nodes move
+    /// outwards (0) or along the profile (1).
+    fn speed_along(
+        &self,
+        gears: &[SceneGear],
+        mesh: &SceneMesh,
+        a: &NodalActive,
+        (along, of_nodes): ((Vec3, f64), usize),
+        at: At<'_>,
+        row: &mut Row,
+    ) -> ([f64; 2], f64) {
         let p = &self.found.points[a.point];
-        let (effective_radii, mut rate) = rows_of(gears, mesh, a, &self.found, at, row);
-        rate += row.dot(at.v);
+        let (effective_radii, mut speed) = rows_of(gears, mesh, p, along, &self.found, at, row);
+        speed += row.dot(at.v);
         for k in 0..2 {
             let hub = gears[mesh.gears[k]].model.hub();
             let own = gears[mesh.gears[k]].at(at);
-            rate += effective_radii[k] * hub.speed(own.t, own.v);
-            let v = GearNodes::at(&self.velocities[mesh.gears[k]], &p.slots[k]);
-            rate -= weighted(&p.weights[k], &v);
+            speed += effective_radii[k] * hub.speed(own.t, own.v);
+            let velocities = &self.velocities[mesh.gears[k]][of_nodes];
+            if !velocities.is_empty() {
+                speed -= weighted(&p.weights[k], &GearNodes::at(velocities, &p.slots[k]));
+            }
         }
-        (effective_radii, rate)
+        (effective_radii, speed)
     }
 
-    /// Power that the dashpots take [W]: that of the forces, less that of the elastic ones by themselves, which is what
-    /// the energy of the contact grows by. Directions are those of either deformed flank.
+    /// Power that dashpots and friction take [W]: that of the forces, less that of the elastic ones by themselves, which is
+    /// what the energy of the contact grows by. Directions are those of either deformed flank.
     pub(in crate::scene) fn dissipated(
         &self,
         gears: &[SceneGear],
@@ -81,13 +114,14 @@ impl Nodal {
         let mut row = Row::default();
         let mut power = 0.0;
         for (solved, island) in self.solved.iter().zip(&self.islands) {
-            if !island.damped {
+            if !island.dissipates {
                 continue;
             }
             let u = solved.solve.displacements();
             for a in &self.active[solved.points.clone()] {
                 let p = &self.found.points[a.point];
                 let mesh = &meshes[p.mesh as usize];
+                power -= a.sliding.force.f * a.sliding.speed;
                 if a.force.n != 0.0 {
                     power -= a.force.n * self.rate_along(gears, mesh, a, at, &mut row).1;
                 }
@@ -129,21 +163,24 @@ impl Nodal {
             }
             let p = &self.found.points[a.point];
             for (k, &g) in meshes[p.mesh as usize].gears.iter().enumerate() {
+                let nodes = &mut self.gears[g];
                 for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
                     if slot != UNUSED {
-                        self.gears[g].force[slot as usize] += w * a.force.n;
+                        nodes.force[slot as usize] += w * a.force.n;
+                        nodes.rub[slot as usize] += w * a.sliding.force.f;
                     }
                 }
             }
         }
         for i in start..self.active.len() {
             if i == self.rows.len() {
-                self.rows.push(Row::default());
+                self.rows.push(Default::default());
             }
             let a = &mut self.active[i];
             let p = &self.found.points[a.point];
-            let row = &mut self.rows[i];
+            let [row, sliding] = &mut self.rows[i];
             row.clear();
+            sliding.clear();
             if a.force.n == 0.0 {
                 continue;
             }
@@ -152,18 +189,27 @@ impl Nodal {
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master, a.gap);
             a.faded = a.gap;
-            (a.effective_radii, _) = rows_of(gears, mesh, a, &self.found, at, row);
+            let along = (a.direction, a.faded);
+            (a.effective_radii, _) = rows_of(gears, mesh, p, along, &self.found, at, row);
+            if mesh.friction.is_some() {
+                let along = (a.sliding.direction, 0.0);
+                rows_of(gears, mesh, p, along, &self.found, at, sliding);
+            }
             for k in 0..2 {
-                self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n;
+                self.torque[mesh.gears[k]] += a.effective_radii[k] * a.force.n
+                    + a.sliding.effective_radii[k] * a.sliding.force.f;
             }
         }
     }
 
     /// Adds the forces of all points.
     pub(in crate::scene) fn add_forces(&self, gears: &[SceneGear], f: &mut [f64]) {
-        for (a, row) in self.active.iter().zip(&self.rows) {
+        for (a, [row, sliding]) in self.active.iter().zip(&self.rows) {
             if !row.is_empty() {
                 row.add_to(a.force.n, f);
+            }
+            if !sliding.is_empty() {
+                sliding.add_to(a.sliding.force.f, f);
             }
         }
         for ((g, nodes), torque) in gears.iter().zip(&self.gears).zip(&self.torque) {
@@ -172,23 +218,25 @@ impl Nodal {
                 f[range.start] += torque;
             }
             if let Some(field) = g.model.displacement() {
-                field.apply_nodal_forces(&nodes.nodes, &nodes.force, &mut f[range]);
+                field.apply_nodal_forces(&nodes.nodes, &nodes.force, &mut f[range.clone()]);
+                field.apply_nodal_forces(&nodes.along, &nodes.rub, &mut f[range]);
             }
         }
     }
 }
 
-/// Effective base radii of hubs of gears with a field, and, in `row`, the entries of the others, whose prescribed part
-/// of the gap rate is returned.
+/// Effective radii of hubs of gears with a field for a direction of motion of the slave over the master, and, in `row`,
+/// the entries of the others, whose prescribed part of the speed is returned. With the direction comes the gap that a
+/// point fades out with.
 pub(in crate::scene) fn rows_of(
     gears: &[SceneGear],
     mesh: &SceneMesh,
-    a: &NodalActive,
+    p: &NodalPoint,
+    (direction, faded): (Vec3, f64),
     found: &NodalPoints,
     at: At<'_>,
     row: &mut Row,
 ) -> ([f64; 2], f64) {
-    let p = &found.points[a.point];
     let (mut effective_radii, mut drift) = ([0.0; 2], 0.0);
     row.clear();
     let [slave, _] = p.sides();
@@ -196,15 +244,15 @@ pub(in crate::scene) fn rows_of(
         let g = &gears[mesh.gears[k]];
         let sign = if k == slave { 1.0 } else { -1.0 };
         // What fades a point out answers to the slave alone; radial, it does not turn the master.
-        let aside = if k == slave { 0.0 } else { a.faded };
+        let aside = if k == slave { 0.0 } else { faded };
         match p.partner {
             Some(partner) if g.model.displacement().is_none() => {
                 let (own, point) = (g.at(at), &found.partners[partner as usize]);
                 row.target(g.offset, sign);
-                let direction = a.direction - aside * p.fading;
+                let direction = direction - aside * p.fading;
                 drift += sign * g.model.row(own, point, &direction, row);
             }
-            _ => effective_radii[k] = sign * g.model.hub().effective_radius(&p.x, &a.direction),
+            _ => effective_radii[k] = sign * g.model.hub().effective_radius(&p.x, &direction),
         }
     }
     (effective_radii, drift)

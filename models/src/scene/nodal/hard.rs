@@ -2,7 +2,6 @@
 
 use super::islands::{Nodal, NodalActive, Solved};
 use crate::contact::nodal::{GapBound, HardSolve};
-use crate::law::LawForce;
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
 
@@ -74,16 +73,7 @@ impl Nodal {
                 if i != last {
                     last = i;
                     let p = &self.found.points[i];
-                    self.active.push(NodalActive {
-                        point: i,
-                        direction: p.normal,
-                        faded: 0.0,
-                        effective_radii: [0.0; 2],
-                        gap: p.gap0,
-                        rate: 0.0,
-                        force: LawForce::default(),
-                        elastic: (p.gap0, 0.0),
-                    });
+                    self.active.push(NodalActive::new(i, p));
                 }
                 let point = (self.active.len() - 1 - start) as u32;
                 b.shares.push((number, point, share / b.nodes[k].2));

@@ -2,10 +2,11 @@
 
 use crate::Vec3;
 use crate::contact::nodal::{
-    Block, DashpotSolve, GearNodes, HardSolve, NodalPoints, NodalSolve, Share, Spring,
+    Block, DissipativeSolve, GearNodes, HardSolve, NodalPoint, NodalPoints, NodalSolve, Share,
+    Spring,
 };
 use crate::kinematics::Row;
-use crate::law::LawForce;
+use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::HalfKick;
 
@@ -27,6 +28,42 @@ pub(in crate::scene) struct NodalActive {
     pub force: LawForce,
     /// Gap [m] and force [N] of the elastic law alone.
     pub elastic: (f64, f64),
+    pub sliding: Sliding,
+}
+
+/// How a point slides; nothing where there is no friction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::scene) struct Sliding {
+    /// Direction of friction on the slave, of the length of the point's normal.
+    pub direction: Vec3,
+    /// Speed of the slave over the master along it per speed of the hubs of gears that move as one but for a field.
+    pub effective_radii: [f64; 2],
+    /// The speed before residual compliance [m/s].
+    pub speed: f64,
+    /// Friction on the slave along the direction.
+    pub force: FrictionForce,
+}
+
+impl NodalActive {
+    /// A point that nothing is known of yet.
+    pub fn new(point: usize, p: &NodalPoint) -> Self {
+        NodalActive {
+            point,
+            direction: p.normal,
+            faded: 0.0,
+            effective_radii: [0.0; 2],
+            gap: p.gap0,
+            rate: 0.0,
+            force: LawForce::default(),
+            elastic: (p.gap0, 0.0),
+            sliding: Sliding::default(),
+        }
+    }
+
+    /// Its force on the slave [N], friction included.
+    pub fn on_slave(&self) -> Vec3 {
+        self.force.n * self.direction + self.sliding.force.f * self.sliding.direction
+    }
 }
 
 /// Meshes that are solved together, and their gears.
@@ -38,8 +75,10 @@ pub(in crate::scene) struct Island {
     /// Gears with a field, and hubs that are free to move.
     pub fields: Vec<usize>,
     pub hubs: Vec<usize>,
-    /// A mesh has dashpots.
-    pub damped: bool,
+    /// A mesh has dashpots or friction.
+    pub dissipates: bool,
+    /// A mesh has friction.
+    pub slides: bool,
 }
 
 /// What an island left behind for its tangent.
@@ -52,9 +91,11 @@ pub(in crate::scene) struct Solved {
     pub hard: Option<HardSolve>,
     pub springs: Vec<Spring>,
     pub blocks: Vec<Block>,
-    pub dashpots: DashpotSolve,
-    /// Nodes and [kick](Nodal::kick) of the mobility that `dashpots` hold.
+    pub dissipative: DissipativeSolve,
+    /// Ports and [kick](Nodal::kick) of the mobility that `dissipative` holds.
     pub(in crate::scene) mobile: (Vec<u32>, u64),
+    /// Residual displacements of the nodes with them [m].
+    pub(in crate::scene) outward: Vec<f64>,
 }
 
 /// Gaps averaged at slave nodes.
@@ -79,16 +120,18 @@ pub(in crate::scene) struct Nodal {
     /// Torque (force along the slide) of the points at hubs of gears that move as one but for a field.
     pub torque: Vec<f64>,
     pub active: Vec<NodalActive>,
-    /// One per active point: entries of gears without a field.
-    pub rows: Vec<Row>,
+    /// One per active point: entries of gears without a field, along the normal and along the profile.
+    pub rows: Vec<[Row; 2]>,
     /// One per island.
     pub solved: Vec<Solved>,
     /// Points of all islands.
     pub found: NodalPoints,
     pub(in crate::scene) numbers: Vec<u32>,
+    pub(in crate::scene) ports: Vec<u32>,
     pub(in crate::scene) guess: Vec<f64>,
     pub(in crate::scene) averages: Averages,
-    pub(in crate::scene) velocities: Vec<Vec<f64>>,
+    /// Velocities of nodes, outwards and along the profile.
+    pub(in crate::scene) velocities: Vec<[Vec<f64>; 2]>,
     pub(in crate::scene) kick: Kick,
     pub failed: bool,
 }
@@ -142,20 +185,22 @@ pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Ve
             compliant: of(mesh, &compliant),
             fields: of(mesh, &|g| gears[g].model.displacement().is_some()),
             hubs: of(mesh, &|g| gears[g].model.hub().coordinates() > 0),
-            damped: mesh.law.is_dissipative(),
+            dissipates: mesh.dissipates(),
+            slides: mesh.friction.is_some(),
         };
-        // Dashpots also answer to the masses that they share.
+        // Dashpots and friction also answer to the masses that they share.
         let (joined, apart) = islands.into_iter().partition(|i: &Island| {
             shared(&i.compliant, &own.compliant)
-                || (i.damped
-                    && own.damped
+                || (i.dissipates
+                    && own.dissipates
                     && (shared(&i.fields, &own.fields) || shared(&i.hubs, &own.hubs)))
         });
         islands = apart;
         for other in joined {
             let other: Island = other;
             own.meshes.extend(other.meshes);
-            own.damped |= other.damped;
+            own.dissipates |= other.dissipates;
+            own.slides |= other.slides;
             for (own, other) in [
                 (&mut own.compliant, other.compliant),
                 (&mut own.fields, other.fields),
@@ -180,7 +225,7 @@ impl Nodal {
         Nodal {
             gears: vec![GearNodes::default(); gears.len()],
             torque: vec![0.0; gears.len()],
-            velocities: vec![vec![]; gears.len()],
+            velocities: vec![[vec![], vec![]]; gears.len()],
             solved: islands
                 .iter()
                 .map(|i| Solved {
@@ -201,6 +246,7 @@ impl Nodal {
     pub(in crate::scene) fn forget(&mut self) {
         for solved in &mut self.solved {
             solved.solve.forget();
+            solved.mobile = Default::default();
         }
     }
 }

@@ -7,11 +7,11 @@
 //! | `islands` | what is solved together, and the buffers |
 //! | `solve` | points that may touch, and the solve of an island |
 //! | `hard` | the same without a penalty: one constraint per slave node |
-//! | `dashpots` | the dashpots of an island |
+//! | `dissipative` | dashpots and friction of an island |
 //! | `forces` | gap rates, forces on nodes and hubs |
 //! | `tangent` | how the forces answer to the coordinates |
 
-mod dashpots;
+mod dissipative;
 mod forces;
 mod hard;
 mod islands;

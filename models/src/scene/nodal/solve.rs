@@ -2,7 +2,7 @@
 
 use super::islands::{Nodal, NodalActive, Solved};
 use crate::contact::nodal::{Block, GapBound, HardSolve, NodalParty, Share, Spring, UNUSED};
-use crate::law::LawForce;
+use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh, parties};
 use gearbench_integrators::system::At;
 
@@ -97,16 +97,8 @@ impl Nodal {
             let beside = gap_bound.gap();
             let found = self.found.points.iter().enumerate().skip(begin);
             let near = found.filter(|(_, p)| p.gap0 <= beside);
-            self.active.extend(near.map(|(point, p)| NodalActive {
-                point,
-                direction: p.normal,
-                faded: 0.0,
-                effective_radii: [0.0; 2],
-                gap: p.gap0,
-                rate: 0.0,
-                force: LawForce::default(),
-                elastic: (p.gap0, 0.0),
-            }));
+            self.active
+                .extend(near.map(|(point, p)| NodalActive::new(point, p)));
             let rise = self.solve_active(start, island, &mut solved, None, (gears, meshes), at);
             if rise <= beside || self.failed {
                 break;
@@ -129,7 +121,7 @@ impl Nodal {
     ) -> f64 {
         let here = std::mem::take(&mut self.islands[island]);
         // Gears whose nodes answer to forces: by compliance, and in a kick by their masses.
-        let kicked = self.kick.acts && here.damped;
+        let kicked = self.kick.acts && here.dissipates;
         let giving = if kicked {
             &here.fields
         } else {
@@ -196,10 +188,13 @@ impl Nodal {
                 weights,
                 gap0: p.gap0,
                 rate: a.rate,
+                slip: a.sliding.speed,
+                friction: mesh.friction,
                 stiffness: p.stiffness,
                 law: mesh.law.shared(p.share),
                 gap: p.gap0,
                 force: LawForce::default(),
+                rub: FrictionForce::default(),
                 elastic: (p.gap0, 0.0),
             });
         }
@@ -214,7 +209,7 @@ impl Nodal {
             ),
         };
         let result = match result {
-            Ok(_) if here.damped => self.damp(start, &here, kicked, solved, gears, meshes),
+            Ok(_) if here.dissipates => self.dissipate(start, &here, kicked, solved, gears, meshes),
             other => other,
         };
         let mut rises = 0.0;
@@ -234,6 +229,7 @@ impl Nodal {
         }
         for (a, s) in self.active[start..].iter_mut().zip(&solved.springs) {
             (a.gap, a.force, a.elastic) = (s.gap, s.force, s.elastic);
+            a.sliding.force = s.rub;
             if self.failed {
                 a.force.n = f64::NAN;
             }

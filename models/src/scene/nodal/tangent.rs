@@ -15,9 +15,12 @@
 //! (I - G T) y = y0,    G = E A0^-1 E^T,    x = x0 + A0^-1 E^T T y
 //! ```
 //!
+//! Points with friction have a second row each, along the profile, and neighbours that their friction moves as well: the
+//! changes of both forces come out of [`DissipativeSolve::tangent`](crate::contact::nodal::DissipativeSolve::tangent).
+//!
 //! How directions turn with the state is left out: a part `g / rho` of what is kept.
 
-use super::islands::Nodal;
+use super::islands::{Nodal, Solved};
 use crate::contact::nodal::UNUSED;
 use crate::kinematics::Row;
 use crate::scene::active::{Active, Answer, Tangent};
@@ -29,6 +32,29 @@ const NONE: u32 = u32::MAX;
 /// One row of `V` or of a contact without a field: entries `(index in y, value)`.
 pub(in crate::scene) type Entry = (u32, f64);
 
+/// Rows of points: their entries, and where each begins.
+#[derive(Default)]
+pub(in crate::scene) struct Rows {
+    entries: Vec<Entry>,
+    begins: Vec<usize>,
+}
+
+impl Rows {
+    fn clear(&mut self) {
+        self.entries.clear();
+        self.begins.clear();
+        self.begins.push(0);
+    }
+
+    fn end(&mut self) {
+        self.begins.push(self.entries.len());
+    }
+
+    pub(in crate::scene) fn row(&self, i: usize) -> &[Entry] {
+        &self.entries[self.begins[i]..self.begins[i + 1]]
+    }
+}
+
 /// Buffers of the tangent.
 #[derive(Default)]
 pub(in crate::scene) struct Reduced {
@@ -38,11 +64,13 @@ pub(in crate::scene) struct Reduced {
     pub(in crate::scene) touched: Vec<(Vec<u32>, usize, usize)>,
     /// Per gear with a field: place in `y` of each node, or none.
     pub(in crate::scene) places: Vec<Vec<u32>>,
+    /// The same along the profile; empty where that is not known.
+    pub(in crate::scene) along: Vec<Vec<u32>>,
     /// Per gear with a field: node numbers in the order of `y`.
     pub(in crate::scene) nodes: Vec<Vec<u32>>,
     pub(in crate::scene) size: usize,
-    pub(in crate::scene) entries: Vec<Entry>,
-    pub(in crate::scene) begins: Vec<usize>,
+    /// Rows of the points along the normal, then along the profile.
+    pub(in crate::scene) rows: [Rows; 2],
     /// `T`, row-major.
     pub(in crate::scene) response: Vec<f64>,
     /// `G` of one gear.
@@ -71,6 +99,7 @@ impl Reduced {
         self.mark.resize(coordinates, NONE);
         self.touched.resize_with(gears.len(), Default::default);
         self.places.resize_with(gears.len(), Default::default);
+        self.along.resize_with(gears.len(), Default::default);
         self.nodes.resize_with(gears.len(), Default::default);
         for (touched, ..) in &mut self.touched {
             touched.clear();
@@ -82,7 +111,7 @@ impl Reduced {
                 self.touched[gear].0.push((i - gears[gear].offset) as u32);
             }
         };
-        for row in &nodal.rows[..nodal.active.len()] {
+        for row in nodal.rows[..nodal.active.len()].iter().flatten() {
             row.for_each(|i, _| touch(i));
         }
         for row in rows.iter().flatten() {
@@ -116,6 +145,17 @@ impl Reduced {
                         size += 1;
                     }
                 }
+                let along = &mut self.along[i];
+                along.clear();
+                for (&number, place) in nodal.gears[i].along.iter().zip(&*places) {
+                    if *place == NONE {
+                        along.push(NONE);
+                    } else {
+                        along.push(size as u32);
+                        self.nodes[i].push(number);
+                        size += 1;
+                    }
+                }
             }
         }
         self.size = size;
@@ -128,35 +168,39 @@ impl Reduced {
         scene_meshes: &[SceneMesh],
         nodal: &Nodal,
     ) {
-        self.entries.clear();
-        self.begins.clear();
-        self.begins.push(0);
-        for (a, row) in nodal.active.iter().zip(&nodal.rows) {
+        for rows in &mut self.rows {
+            rows.clear();
+        }
+        for (a, rows) in nodal.active.iter().zip(&nodal.rows) {
             if a.force.n != 0.0 {
-                row.for_each(|i, value| self.entries.push((self.mark[i], value)));
                 let p = &nodal.found.points[a.point];
-                for (k, &g) in scene_meshes[p.mesh as usize].gears.iter().enumerate() {
-                    if a.effective_radii[k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
-                        self.entries
-                            .push((self.mark[gears[g].offset], a.effective_radii[k]));
-                    }
-                    if p.slots[k][0] == UNUSED {
-                        continue;
-                    }
-                    for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
-                        let place = self.places[g][slot as usize];
-                        if place != NONE {
-                            self.entries.push((place, -w));
+                let mesh = &scene_meshes[p.mesh as usize];
+                let radii = [a.effective_radii, a.sliding.effective_radii];
+                let directions = 1 + usize::from(mesh.friction.is_some());
+                for d in 0..directions {
+                    let entries = &mut self.rows[d].entries;
+                    rows[d].for_each(|i, value| entries.push((self.mark[i], value)));
+                    for (k, &g) in mesh.gears.iter().enumerate() {
+                        if radii[d][k] != 0.0 && gears[g].model.hub().coordinates() > 0 {
+                            entries.push((self.mark[gears[g].offset], radii[d][k]));
+                        }
+                        let places = [&self.places[g], &self.along[g]][d];
+                        if p.slots[k][0] == UNUSED || places.is_empty() {
+                            continue;
+                        }
+                        for (&slot, w) in p.slots[k].iter().zip(p.weights[k]) {
+                            let place = places[slot as usize];
+                            if place != NONE {
+                                entries.push((place, -w));
+                            }
                         }
                     }
                 }
             }
-            self.begins.push(self.entries.len());
+            for rows in &mut self.rows {
+                rows.end();
+            }
         }
-    }
-
-    pub(in crate::scene) fn row(&self, i: usize) -> &[Entry] {
-        &self.entries[self.begins[i]..self.begins[i + 1]]
     }
 
     /// `T` of the nodal points and of other contacts.
@@ -169,16 +213,25 @@ impl Reduced {
         let mut response = std::mem::take(&mut self.response);
         response.clear();
         response.resize(size * size, 0.0);
-        for (i, a) in nodal.active.iter().enumerate() {
-            let weight = c.k * a.force.dn_dg + c.d * a.force.dn_dgdot;
-            add_outer(&mut response, size, self.row(i), self.row(i), weight);
-        }
-        for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
+        for (s, island) in nodal.solved.iter_mut().zip(&nodal.islands) {
+            if s.points.is_empty() {
+                continue;
+            }
+            if island.slides {
+                self.respond_sliding(s, c, &mut response)?;
+                continue;
+            }
+            for i in s.points.clone() {
+                let force = &nodal.active[i].force;
+                let weight = c.k * force.dn_dg + c.d * force.dn_dgdot;
+                let row = self.rows[0].row(i);
+                add_outer(&mut response, size, row, row, weight);
+            }
             if let Some(hard) = &mut s.hard {
                 // Column by column: few contacts are hard, and fewer still are solved implicitly.
                 for j in 0..size {
                     let entry = |i: usize| -> f64 {
-                        let row = &self.entries[self.begins[i]..self.begins[i + 1]];
+                        let row = self.rows[0].row(i);
                         let of_j = row.iter().filter(|(k, _)| *k as usize == j);
                         of_j.map(|(_, value)| c.k * value).sum()
                     };
@@ -189,7 +242,7 @@ impl Reduced {
                     }
                     hard.tangent(&mut self.column)?;
                     for (i, dn) in s.points.clone().zip(&self.column) {
-                        for &(k, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
+                        for &(k, value) in self.rows[0].row(i) {
                             response[k as usize * size + j] += value * dn;
                         }
                     }
@@ -206,7 +259,7 @@ impl Reduced {
                 out.resize(n * size, 0.0);
                 for (spring, i) in s.springs.iter().zip(s.points.clone()) {
                     let d = weights.0 * spring.force.dn_dg + weights.1 * spring.force.dn_dgdot;
-                    let row = &self.entries[self.begins[i]..self.begins[i + 1]];
+                    let row = self.rows[0].row(i);
                     for (&node, w) in spring.nodes.iter().zip(spring.weights) {
                         for &(j, value) in row {
                             out[j as usize * n + node as usize] += d * w * value;
@@ -228,6 +281,45 @@ impl Reduced {
             }
         }
         self.response = response;
+        Ok(())
+    }
+
+    /// Adds `T` of the points of an island with friction.
+    fn respond_sliding(
+        &self,
+        s: &mut Solved,
+        c: Coeffs,
+        response: &mut [f64],
+    ) -> Result<(), Singular> {
+        s.dissipative.factorise(&s.springs)?;
+        let (size, points) = (self.size, s.points.len());
+        // What the forces of all points change by with each entry of `y`, were their neighbours to stay.
+        let mut changes = vec![[0.0; 2]; size * points];
+        for (k, i) in s.points.clone().enumerate() {
+            let spring = &s.springs[k];
+            let by = [
+                c.k * spring.force.dn_dg + c.d * spring.force.dn_dgdot,
+                c.d * spring.rub.df_dv,
+            ];
+            for (d, rows) in self.rows.iter().enumerate() {
+                for &(j, value) in rows.row(i) {
+                    changes[j as usize * points + k][d] += by[d] * value;
+                }
+            }
+        }
+        for (j, changes) in changes.chunks_exact_mut(points).enumerate() {
+            if changes.iter().all(|x| *x == [0.0; 2]) {
+                continue;
+            }
+            s.dissipative.tangent(&s.springs, changes);
+            for (i, change) in s.points.clone().zip(changes) {
+                for (rows, dn) in self.rows.iter().zip(change) {
+                    for &(k, value) in rows.row(i) {
+                        response[k as usize * size + j] += value * *dn;
+                    }
+                }
+            }
+        }
         Ok(())
     }
 

@@ -39,8 +39,8 @@ fn sector_and_whole_mesh_agree() {
         let whole = mesh::gear(&gear, &coarse(2, 2)).unwrap();
         let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
         let wanted = Wanted::Count(61);
-        let a = of_sector(&sector, &Material::STEEL, &mounting, wanted).unwrap();
-        let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted).unwrap();
+        let a = of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
+        let b = of_mesh(&whole, &Material::STEEL, &mounting, wanted, false).unwrap();
         assert!((a.inertia / b.inertia - 1.0).abs() < 1e-12);
         assert_eq!(a.unknowns, b.unknowns);
         for (p, q) in a.flanks.grids().iter().zip(b.flanks.grids()) {
@@ -121,6 +121,7 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
             &Material::STEEL,
             &Mounting::gear(true, added),
             wanted,
+            false,
         )
         .unwrap();
         assert!(b.omega[0] > 1e3);
@@ -134,6 +135,7 @@ fn free_modes_hold_no_momentum_and_the_rigid_one_is_gone() {
         &Material::STEEL,
         &Mounting::gear(false, 0.0),
         wanted,
+        false,
     )
     .unwrap();
     for (a, b) in heavy.omega.iter().zip(&held.omega) {
@@ -165,6 +167,7 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
             &Material::STEEL,
             &mounting,
             Wanted::Count(usize::MAX / 2),
+            false,
         )
         .unwrap();
         // With all modes the momentum of a held rack is that of its free nodes, e^T M e without the back's share.
@@ -172,7 +175,14 @@ fn a_rack_slides_and_a_held_one_is_pulled() {
         assert!(all.inertia > 0.01);
         assert_eq!(free, carried == 0.0);
         assert!(carried < all.inertia - 0.01);
-        let some = of_mesh(&whole, &Material::STEEL, &mounting, Wanted::UpTo(2e5)).unwrap();
+        let some = of_mesh(
+            &whole,
+            &Material::STEEL,
+            &mounting,
+            Wanted::UpTo(2e5),
+            false,
+        )
+        .unwrap();
         let below = all
             .omega
             .partition_point(|w| *w <= std::f64::consts::TAU * 2e5);
@@ -188,7 +198,7 @@ fn up_to_a_frequency_and_a_number_are_the_same_modes() {
     let gear = Gear::new(params(9)).unwrap();
     let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
-    let of = |wanted| of_sector(&sector, &Material::STEEL, &mounting, wanted).unwrap();
+    let of = |wanted| of_sector(&sector, &Material::STEEL, &mounting, wanted, false).unwrap();
     let by_number = of(Wanted::Count(50));
     let edge = 0.5 * (by_number.omega[39] + by_number.omega[40]);
     let by_frequency = of(Wanted::UpTo(edge / std::f64::consts::TAU));

@@ -25,6 +25,7 @@ fn small() -> GearMesh {
 
 fn request(mesh: &GearMesh) -> Request<'_> {
     Request {
+        along_profile: false,
         mesh,
         material: Material::STEEL,
         mounting: Mounting::gear(true, 0.0),

@@ -10,7 +10,14 @@ fn rack() -> Basis {
     let rack = test_support::rack(3, 2e-3, |p| p.face_width = 4e-3);
     let mesh = mesh::rack(&rack, &coarse(2, 1)).unwrap();
     let wanted = Wanted::Count(usize::MAX / 2);
-    basis::of_mesh(&mesh, &Material::STEEL, &Mounting::rack(true, 0.01), wanted).unwrap()
+    basis::of_mesh(
+        &mesh,
+        &Material::STEEL,
+        &Mounting::rack(true, 0.01),
+        wanted,
+        false,
+    )
+    .unwrap()
 }
 
 fn gear() -> Basis {
@@ -20,7 +27,14 @@ fn gear() -> Basis {
     });
     let sector = mesh::sector(&gear, &coarse(2, 2)).unwrap();
     let mounting = Mounting::gear(true, 1e-6);
-    basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(120)).unwrap()
+    basis::of_sector(
+        &sector,
+        &Material::STEEL,
+        &mounting,
+        Wanted::Count(120),
+        false,
+    )
+    .unwrap()
 }
 
 fn choice(count: usize, by: Criterion) -> Choice {

@@ -14,7 +14,14 @@ fn pinion() -> Basis {
     });
     let sector = mesh::sector(&gear, &coarse(2, 1)).unwrap();
     let mounting = Mounting::gear(true, 0.0);
-    basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(300)).unwrap()
+    basis::of_sector(
+        &sector,
+        &Material::STEEL,
+        &mounting,
+        Wanted::Count(300),
+        false,
+    )
+    .unwrap()
 }
 
 fn choice(count: usize, by: Criterion) -> Choice {

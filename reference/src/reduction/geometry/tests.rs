@@ -12,7 +12,8 @@ pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
     let n = surface.nodes();
     Basis {
         flanks: surface.flanks,
-        normals: surface.normals,
+        normals: surface.directions,
+        along_profile: false,
         free: true,
         inertia: 1e-3,
         added_inertia: 0.0,

@@ -89,8 +89,22 @@ fn sector_and_whole_mesh_agree() {
     let whole = mesh::gear(&gear, &params).unwrap();
     let sector = mesh::sector(&gear, &params).unwrap();
     let mounting = Mounting::gear(true, 1e-5);
-    let a = basis::of_sector(&sector, &Material::STEEL, &mounting, Wanted::Count(41)).unwrap();
-    let b = basis::of_mesh(&whole, &Material::STEEL, &mounting, Wanted::Count(41)).unwrap();
+    let a = basis::of_sector(
+        &sector,
+        &Material::STEEL,
+        &mounting,
+        Wanted::Count(41),
+        false,
+    )
+    .unwrap();
+    let b = basis::of_mesh(
+        &whole,
+        &Material::STEEL,
+        &mounting,
+        Wanted::Count(41),
+        false,
+    )
+    .unwrap();
     let (x, y) = (a.integrals.unwrap(), b.integrals.unwrap());
     assert!((x.mass / y.mass - 1.0).abs() < 1e-12);
     for k in 0..3 {
@@ -265,7 +279,14 @@ fn elastic(b: &Basis, speed: f64, terms: SpinTerms) -> Elastic {
 fn disc_basis(sectors: u32) -> Basis {
     let mounting = Mounting::gear(false, 0.0);
     let all = Wanted::Count(usize::MAX / 2);
-    basis::of_sector(&disc(sectors, 3, 6), &Material::STEEL, &mounting, all).unwrap()
+    basis::of_sector(
+        &disc(sectors, 3, 6),
+        &Material::STEEL,
+        &mounting,
+        all,
+        false,
+    )
+    .unwrap()
 }
 
 /// Expansion of the rim at rest in the turning frame: the force on the modes over their stiffness.

@@ -29,6 +29,7 @@ fn judged(
     let mut basis = bare(&mesh);
     change(&mut basis);
     let request = Request {
+        along_profile: false,
         mesh: &mesh,
         sector: false,
         material: Material::STEEL,
@@ -41,6 +42,7 @@ fn judged(
     };
     let (hub, none) = (test_support::hub(mount, None), Parameters::new());
     let context = GearContext {
+        slides: false,
         material,
         added_inertia,
         ..test_support::context(&body, &hub, &none)

@@ -13,15 +13,15 @@ use gearbench_models::geometry::Flanks;
 
 /// What of a basis does not fit together, if anything.
 pub(super) fn problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
-    let nodes = b.normals.len();
+    let (nodes, rows) = (b.normals.len(), b.directions());
     let modes = b.omega.len();
     let lengths = [
         (FAMILY, b.family.len(), modes),
-        (SHAPES, b.shapes.len(), nodes.saturating_mul(modes)),
+        (SHAPES, b.shapes.len(), rows.saturating_mul(modes)),
         (HUB, b.hub.len(), modes),
         (MOMENTUM, b.momentum.len(), modes),
         (PARTICIPATION, b.participation.len(), modes),
-        (HUB_FLANK, b.compliance.hub.len(), nodes),
+        (HUB_FLANK, b.compliance.hub.len(), rows),
     ];
     for (array, found, expected) in lengths {
         if found != expected {
@@ -89,11 +89,11 @@ fn flanks_problem(flanks: &Flanks, nodes: usize, teeth: u32) -> Option<StoreErro
 }
 
 fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
-    let nodes = b.normals.len();
+    let (nodes, rows) = (b.normals.len(), b.directions());
     let c = match &b.compliance.flanks {
         FlankCompliance::Full(c) => {
-            let expected = nodes.checked_mul(nodes);
-            (expected != Some(c.len())).then(|| format!("({nodes}, {nodes})"))
+            let expected = rows.checked_mul(rows);
+            (expected != Some(c.len())).then(|| format!("({rows}, {rows})"))
         }
         FlankCompliance::Cyclic {
             teeth,
@@ -101,13 +101,13 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
             blocks,
         } => {
             let fits = *teeth == meta.teeth as usize
-                && teeth.checked_mul(*per_tooth) == Some(nodes)
-                && nodes.checked_mul(*per_tooth) == Some(blocks.len());
+                && teeth.checked_mul(*per_tooth) == Some(rows)
+                && rows.checked_mul(*per_tooth) == Some(blocks.len());
             (!fits).then(|| {
                 format!(
                     "({0}, {1}, {1})",
                     meta.teeth,
-                    nodes / (meta.teeth.max(1) as usize)
+                    rows / (meta.teeth.max(1) as usize)
                 )
             })
         }
@@ -141,7 +141,7 @@ fn numbers_problem(b: &Basis, meta: &Meta) -> Option<StoreError> {
             return Some(value(array, "finite numbers", x.to_string()));
         }
     }
-    let own = |node: u32| b.compliance.flanks.between(node, node, nodes);
+    let own = |node: u32| b.compliance_between(node, node);
     if let Some(c) = (0..nodes as u32).map(own).find(|c| *c <= 0.0) {
         return Some(value(
             COMPLIANCE,

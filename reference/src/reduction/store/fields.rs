@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// Writes the arrays.
 pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
-    let (nodes, modes) = (b.normals.len(), b.omega.len());
+    let (nodes, rows, modes) = (b.normals.len(), b.directions(), b.omega.len());
     let grids = b.flanks.grids();
     let mut w = Writer::new(out);
     w.bytes(META, meta::text(b, meta).as_bytes())?;
@@ -35,14 +35,14 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     w.f64s(NORMALS, &[nodes, 3], b.normals.iter().flat_map(coordinates))?;
     w.f64s(OMEGA, &[modes], b.omega.iter().copied())?;
     w.i64s(FAMILY, &[modes], b.family.iter().map(|f| i64::from(*f)))?;
-    w.f64s(SHAPES, &[nodes, modes], b.shapes.iter().copied())?;
+    w.f64s(SHAPES, &[rows, modes], b.shapes.iter().copied())?;
     w.f64s(HUB, &[modes], b.hub.iter().copied())?;
     w.f64s(PARTICIPATION, &[modes], b.participation.iter().copied())?;
     let momentum = b.momentum.iter().flatten().copied();
     w.f64s(MOMENTUM, &[modes, 2], momentum)?;
     w.f64s(UNBALANCE, &[2], b.unbalance.iter().copied())?;
     let (shape, blocks) = match &b.compliance.flanks {
-        FlankCompliance::Full(c) => (vec![nodes, nodes], c),
+        FlankCompliance::Full(c) => (vec![rows, rows], c),
         FlankCompliance::Cyclic {
             teeth,
             per_tooth,
@@ -50,7 +50,7 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
         } => (vec![*teeth, *per_tooth, *per_tooth], blocks),
     };
     w.f64s(COMPLIANCE, &shape, blocks.iter().copied())?;
-    w.f64s(HUB_FLANK, &[nodes], b.compliance.hub.iter().copied())?;
+    w.f64s(HUB_FLANK, &[rows], b.compliance.hub.iter().copied())?;
     for (name, x) in [
         (HUB_HUB, b.compliance.hub_hub),
         (INERTIA, b.inertia),
@@ -77,6 +77,8 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     let teeth = entries.count("teeth")?;
     let (shape, positions) = r.f64s(NODES, &[Axis::Any("flank nodes"), Axis::Is(3)])?;
     let nodes = shape[0];
+    let along_profile = entries.flag(meta::ALONG_PROFILE) == Some(true);
+    let rows = nodes * (1 + usize::from(along_profile));
     let (_, normals) = r.f64s(NORMALS, &[Axis::Is(nodes), Axis::Is(3)])?;
     let flanks = read_flanks(r, &vectors(&positions))?;
     let (_, omega) = r.f64s(OMEGA, &[Axis::Any("modes")])?;
@@ -88,13 +90,14 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     let basis = Basis {
         flanks,
         normals: vectors(&normals),
+        along_profile,
         free: entries.word("mount", &[("free", true), ("held", false)])?,
         inertia: r.number(INERTIA)?,
         added_inertia: r.number(ADDED)?,
         unknowns: entries.count("unknowns")?,
         omega,
         family: family.into_iter().map(|f| f as u32).collect(),
-        shapes: r.f64s(SHAPES, &[Axis::Is(nodes), Axis::Is(modes)])?.1,
+        shapes: r.f64s(SHAPES, &[Axis::Is(rows), Axis::Is(modes)])?.1,
         hub: r.f64s(HUB, &[Axis::Is(modes)])?.1,
         participation: r.f64s(PARTICIPATION, &[Axis::Is(modes)])?.1,
         momentum: (r
@@ -107,7 +110,7 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
             let x = r.f64s(UNBALANCE, &[Axis::Is(2)])?.1;
             [x[0], x[1]]
         },
-        compliance: read_compliance(r, nodes, teeth)?,
+        compliance: read_compliance(r, rows, teeth)?,
         integrals: match entries.flag("integrals") {
             Some(true) => Some(Arc::new(inertia::read(r, modes)?)),
             _ => None,
@@ -143,10 +146,10 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     }
 }
 
-/// Static compliance: of all nodes, or three axes deep by teeth.
-fn read_compliance(r: &Reader<'_>, nodes: usize, teeth: usize) -> Result<Residual, StoreError> {
+/// Static compliance: of all nodes in all their directions, or three axes deep by teeth.
+fn read_compliance(r: &Reader<'_>, rows: usize, teeth: usize) -> Result<Residual, StoreError> {
     let flanks = if r.axes(COMPLIANCE)? == 3 {
-        let per_tooth = nodes / teeth.max(1);
+        let per_tooth = rows / teeth.max(1);
         let axes = [teeth, per_tooth, per_tooth].map(Axis::Is);
         FlankCompliance::Cyclic {
             teeth,
@@ -154,11 +157,11 @@ fn read_compliance(r: &Reader<'_>, nodes: usize, teeth: usize) -> Result<Residua
             blocks: r.f64s(COMPLIANCE, &axes)?.1,
         }
     } else {
-        FlankCompliance::Full(r.f64s(COMPLIANCE, &[Axis::Is(nodes); 2])?.1)
+        FlankCompliance::Full(r.f64s(COMPLIANCE, &[Axis::Is(rows); 2])?.1)
     };
     Ok(Residual {
         flanks,
-        hub: r.f64s(HUB_FLANK, &[Axis::Is(nodes)])?.1,
+        hub: r.f64s(HUB_FLANK, &[Axis::Is(rows)])?.1,
         hub_hub: r.number(HUB_HUB)?,
     })
 }

@@ -7,8 +7,11 @@ use crate::hash::Hash;
 use crate::reduction::Basis;
 use serde_json::{Value, json};
 
+/// Entry of reductions that have it; others leave it out.
+pub(super) const ALONG_PROFILE: &str = "along_profile";
+
 pub(super) fn text(b: &Basis, meta: &Meta) -> String {
-    json!({
+    let mut entries = json!({
         "format": "gearbench reduction",
         "schema": SCHEMA,
         "program": meta.program,
@@ -27,8 +30,11 @@ pub(super) fn text(b: &Basis, meta: &Meta) -> String {
         "unknowns": b.unknowns,
         "asked": meta.asked,
         "integrals": b.integrals.is_some(),
-    })
-    .to_string()
+    });
+    if b.along_profile {
+        entries[ALONG_PROFILE] = json!(true);
+    }
+    entries.to_string()
 }
 
 /// Entries of `meta`.

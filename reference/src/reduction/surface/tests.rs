@@ -34,7 +34,7 @@ fn worst(helix: f64, flank: usize, width: usize, from: f64) -> f64 {
                 .sqrt();
             if roll >= from {
                 let exact = involute_normal(&g, grid.side, x);
-                worst = worst.max((s.normals[k as usize] - exact).norm());
+                worst = worst.max((s.directions[k as usize] - exact).norm());
             }
         }
     }
@@ -65,7 +65,7 @@ fn a_rack_has_the_normals_of_its_planes_and_its_teeth_in_order() {
         let exact = Vec3::new(-alpha.sin(), -g.side.sign() * alpha.cos(), 0.0);
         for &k in &g.nodes {
             assert_eq!(Some(k), expected.next());
-            assert!((s.normals[k as usize] - exact).norm() < 1e-12);
+            assert!((s.directions[k as usize] - exact).norm() < 1e-12);
         }
     }
 }
@@ -90,9 +90,9 @@ fn areas_add_up_and_nodes_are_where_the_mesh_has_them() {
         .flat_map(|x| [-x.y, x.x, 0.0])
         .collect();
     let mut out = vec![0.0; s.nodes()];
-    s.along_normals(&u, &mut out);
+    s.along_directions(&u, &mut out);
     for (k, x) in s.positions().iter().enumerate() {
-        let lever = x.x * s.normals[k].y - x.y * s.normals[k].x;
+        let lever = x.x * s.directions[k].y - x.y * s.directions[k].x;
         assert!((out[k] - lever).abs() < 1e-15);
     }
 }
@@ -110,7 +110,7 @@ fn copies_of_a_sector_are_the_whole_gear() {
     }
     for k in 0..whole.nodes() {
         assert!((whole.positions()[k] - copies.positions()[k]).norm() < 1e-15);
-        assert!((whole.normals[k] - copies.normals[k]).norm() < 1e-11);
+        assert!((whole.directions[k] - copies.directions[k]).norm() < 1e-11);
         assert!((whole.areas[k] / copies.areas[k] - 1.0).abs() < 1e-9);
     }
 }

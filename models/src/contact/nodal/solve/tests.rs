@@ -1,6 +1,6 @@
 use super::*;
 use crate::contact::solve::{CompliantSolve, SolvePoint};
-use crate::law::{Damping, Law, LawForce};
+use crate::law::{Damping, FrictionForce, Law, LawForce};
 
 /// Numbers in [-1, 1), always the same.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -39,10 +39,13 @@ fn problem(n: usize, m: usize, rank: usize, law: Law) -> (Vec<Block>, Vec<f64>, 
             weights,
             gap0: 1e-5 * (draw() - 0.5),
             rate: 0.3 * draw(),
+            slip: 0.0,
+            friction: None,
             stiffness: 1e8 * (1.5 + draw()),
             law,
             gap: 0.0,
             force: LawForce::default(),
+            rub: FrictionForce::default(),
             elastic: (0.0, 0.0),
         }
     });

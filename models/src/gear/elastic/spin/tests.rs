@@ -58,6 +58,7 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
     let data = Reduced {
         flanks: Flanks::new(vec![grid]),
         normals: vec![Vec3::y(); 4],
+        along_profile: false,
         free,
         inertia: INERTIA,
         omega: vec![8e3, 8e3, 1.1e4, 1.7e4],

@@ -138,7 +138,7 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
         let mut full = vec![0.0; 3 * mesh.mesh.nodes.len()];
         for (k, f) in forces.iter().enumerate() {
             for axis in 0..3 {
-                full[3 * surface.mesh_nodes[k] as usize + axis] -= f * surface.normals[k][axis];
+                full[3 * surface.mesh_nodes[k] as usize + axis] -= f * surface.directions[k][axis];
             }
         }
         let mut load = vec![0.0; tie.coordinates()];
@@ -148,7 +148,7 @@ fn deflections_at_rest_are_those_of_the_finite_elements() {
             .solve(&mut load);
         tie.expand(&load, &mut full);
         let mut exact = vec![0.0; n];
-        surface.along_normals(&full, &mut exact);
+        surface.along_directions(&full, &mut exact);
 
         let all = Shapes::of(mesh, &surface, &mounting, Some(50));
         for count in [0, 5, 50] {
@@ -217,7 +217,7 @@ fn kept_pairs_leave_the_teeth_alike_and_half_a_pair_is_refused() {
             for k in tooth as usize * m..(tooth as usize + 1) * m {
                 let node = b.mesh_nodes[k] as usize;
                 let x = Vec3::from_column_slice(&u[3 * node..][..3]);
-                s.shapes[k * count + i] = b.normals[k].dot(&x);
+                s.shapes[k * count + i] = b.directions[k].dot(&x);
             }
         }
         found.expand(i + 1, 0, &mut u);

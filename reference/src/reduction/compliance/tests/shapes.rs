@@ -31,7 +31,7 @@ impl Shapes {
         for i in 0..kept {
             let reduced: Vec<f64> = found.vectors.col(i + rigid).iter().copied().collect();
             tie.expand(&reduced, &mut full);
-            surface.along_normals(&full, &mut along);
+            surface.along_directions(&full, &mut along);
             for (k, a) in along.iter().enumerate() {
                 s.shapes[k * kept + i] = *a;
             }

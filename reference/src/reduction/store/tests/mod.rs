@@ -52,6 +52,7 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
             .iter()
             .map(|x| Vec3::new(1e9 * x, 0.3, 0.1).normalize())
             .collect(),
+        along_profile: false,
         free: cyclic,
         inertia: 0.1 + 0.2,
         added_inertia: 1e-4,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::law::{Damping, Law, LawForce};
+use crate::law::{Damping, FrictionForce, Law, LawForce};
 
 /// Two masses of one port each, pressed together by three points: forces hold their laws at the gap and rate that they
 /// bring about, whatever the dashpot, from none to one that lets nothing move within the kick.
@@ -14,15 +14,18 @@ fn forces_hold_at_the_end_of_the_kick() {
                 weights: [0.0; 8],
                 gap0,
                 rate,
+                slip: 0.0,
+                friction: None,
                 stiffness: 1e8,
                 law,
                 gap: gap0,
                 force: LawForce::default(),
+                rub: FrictionForce::default(),
                 elastic: (gap0, 0.0),
             })
             .collect();
         let (r, y) = (2e-9, 5e-6);
-        let mut solve = DashpotSolve {
+        let mut solve = DissipativeSolve {
             ports: Ports {
                 n: 2,
                 blocks: vec![Block { start: 0, len: 1 }, Block { start: 1, len: 1 }],
@@ -32,23 +35,24 @@ fn forces_hold_at_the_end_of_the_kick() {
             points: (0..4)
                 .map(|i| {
                     let mut p = Ported::default();
-                    (p.ports[1], p.weights[0], p.weights[1]) = (1, 1.0, 0.5 + 0.1 * i as f64);
+                    p.normal.ports[1] = 1;
+                    (p.normal.weights[0], p.normal.weights[1]) = (1.0, 0.5 + 0.1 * i as f64);
                     p
                 })
                 .collect(),
-            ..DashpotSolve::default()
+            ..DissipativeSolve::default()
         };
         solve.solve(&mut springs).unwrap();
         let sum = |k: usize| -> f64 {
             let of = solve.points.iter().zip(&springs);
-            of.map(|(p, s)| p.weights[k] * s.force.n).sum()
+            of.map(|(p, s)| p.normal.weights[k] * s.force.n).sum()
         };
         let f = [sum(0), sum(1)];
-        let u = solve.displacements()[0];
+        let u = solve.displacements().1[0];
         assert!((u + r * f[0]).abs() <= 1e-12 * u.abs());
         for (p, (s, (gap0, rate))) in solve.points.iter().zip(springs.iter().zip(gaps)) {
-            let gap = gap0 + p.weights[0] * r * f[0];
-            let rate = rate + p.weights[0] * y * f[0] + p.weights[1] * 2.0 * y * f[1];
+            let gap = gap0 + p.normal.weights[0] * r * f[0];
+            let rate = rate + p.normal.weights[0] * y * f[0] + p.normal.weights[1] * 2.0 * y * f[1];
             let want = law.at_point(gap, rate, s.stiffness).n;
             assert!(
                 (s.force.n - want).abs() <= 1e-9 * (f[0] + 1.0),

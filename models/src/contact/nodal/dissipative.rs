@@ -1,0 +1,319 @@
+//! Dashpots and friction at points, in one solve with the residual compliance and, at the end of a kick, with the
+//! velocities.
+//!
+//! A point pushes with its law at its gap and the rate of the gap, and rubs with the force of friction at its sliding
+//! speed, `N_p = n(g_p, r_p)`, `T_p = t(N_p, s_p)`. All three answer to the forces: the gap by the residual compliance
+//! `R`, and, where a method asks for the forces at the end of a half kick of length `tau`, rate and sliding speed by the
+//! inverse mass `Y`,
+//!
+//! ```text
+//! g = g0 + w . R F,   r = r* + tau w . Y F,   s = s* + tau z . Y F,   F = sum_p w_p N_p + z_p T_p
+//! ```
+//!
+//! over *ports*: the nodes of the gears, outwards (`w`) and along the profile (`z`), and behind them the hubs that are free
+//! to move, whose weights are the effective radii. `r*` and `s*` are the rates before the contact acts. The kicks at both
+//! sides of an instant then make the implicit midpoint
+//! rule for the dashpots, `v+ - v- = h M^-1 B^T N((v+ + v-)/2)`, and for friction alike: of second order, and stable
+//! whatever `c h / m`, so that friction holds what sticks without chatter however steep its regularisation is (E.
+//! Hairer, Ch. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, ch. II.1; for dampers in
+//! position-explicit methods T. J. R. Hughes, *The Finite Element Method*, 1987, sec. 9.1.2).
+//!
+//! Newton's method on `F`, with the slopes `k = -dn/dg`, `c = -dn/dr`, `f = dt/dN`, `d = -dt/ds` of the points at hand:
+//!
+//! ```text
+//! (I + sum_p (w_p + f_p z_p) (k_p (R w_p) + c_p tau (Y w_p))^T + d_p z_p (tau Y z_p)^T) dF = sum_p w_p N_p + z_p T_p - F
+//! ```
+//!
+//! Normal laws are linear piece by piece: without friction the iteration ends when no point changes its piece.
+
+use super::compliance::Block;
+use super::spring::Spring;
+use gearbench_integrators::dense_solve::{Lu, solve_in_place};
+use gearbench_integrators::system::Singular;
+
+/// Newton iterations before the solve is given up.
+const MOST_ITERATIONS: usize = 100;
+/// Iterations after which steps that do not lessen the residual are halved.
+const PATIENCE: usize = 8;
+
+/// A direction of a point over the ports of both gears: four nodes and a hub each.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OverPorts {
+    /// Ports; those without weight are any.
+    pub ports: [u32; 10],
+    /// Their weights: of nodes as in the gap, of hubs the effective radius, less.
+    pub weights: [f64; 10],
+}
+
+/// A point over the ports.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ported {
+    /// Along the normal.
+    pub normal: OverPorts,
+    /// Along the profile; without weights where there is no friction.
+    pub sliding: OverPorts,
+}
+
+/// What ports do under forces on them.
+#[derive(Clone, Debug, Default)]
+pub struct Ports {
+    /// Number of ports.
+    pub n: usize,
+    /// Gear by gear.
+    pub blocks: Vec<Block>,
+    /// `R` of the blocks, one `len x len` matrix after the other [m/N].
+    pub compliance: Vec<f64>,
+    /// `tau Y` alike [m/s/N]; empty where rates do not answer.
+    pub mobility: Vec<f64>,
+}
+
+/// The solve and its buffers.
+#[derive(Clone, Debug, Default)]
+pub struct DissipativeSolve {
+    /// The ports; to be set before a solve.
+    pub ports: Ports,
+    /// The points over them, in the order of the springs.
+    pub points: Vec<Ported>,
+    force: Vec<f64>,
+    gaps: Vec<f64>,
+    rates: Vec<f64>,
+    matrix: Vec<f64>,
+    step: Vec<f64>,
+    line: Vec<f64>,
+    touched: Vec<(usize, usize)>,
+    pieces: Vec<(f64, f64)>,
+    factor: Lu,
+}
+
+/// `y = A x` block by block.
+fn apply(blocks: &[Block], matrix: &[f64], x: &[f64], y: &mut Vec<f64>) {
+    y.clear();
+    y.resize(x.len(), 0.0);
+    if matrix.is_empty() {
+        return;
+    }
+    let mut begin = 0;
+    for b in blocks {
+        let x = &x[b.start..][..b.len];
+        for (i, y) in y[b.start..][..b.len].iter_mut().enumerate() {
+            let row = &matrix[begin + i * b.len..][..b.len];
+            *y = row.iter().zip(x).map(|(a, x)| a * x).sum();
+        }
+        begin += b.len * b.len;
+    }
+}
+
+impl OverPorts {
+    fn along(&self, y: &[f64]) -> f64 {
+        let ports = self.ports.iter().zip(&self.weights);
+        ports.map(|(&i, w)| w * y[i as usize]).sum()
+    }
+
+    /// `y += x w`.
+    fn add(&self, x: f64, y: &mut [f64]) {
+        for (&i, w) in self.ports.iter().zip(&self.weights) {
+            y[i as usize] += x * w;
+        }
+    }
+}
+
+impl DissipativeSolve {
+    /// Forces of the springs by their laws at gap and rates; `gap0`, `rate` and `slip` of the springs are those without
+    /// contact. Leaves the gaps in them. Begins with the forces that the springs have.
+    ///
+    /// # Errors
+    /// [`Singular`] where numbers are not finite or the iteration does not end.
+    pub fn solve(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
+        self.force.clear();
+        self.force.resize(self.ports.n, 0.0);
+        for (s, p) in springs.iter().zip(&self.points) {
+            p.normal.add(s.force.n, &mut self.force);
+        }
+        let linear = (springs.iter()).all(|s| s.law.is_piecewise_linear() && s.friction.is_none());
+        let mut norm = self.residual(springs);
+        let (mut first, mut before) = (norm, f64::INFINITY);
+        self.pieces.clear();
+        for iteration in 0..MOST_ITERATIONS {
+            if !norm.is_finite() {
+                return Err(Singular);
+            }
+            let same = iteration > 0
+                && (self.pieces.iter().zip(&*springs))
+                    .all(|(p, s)| *p == (s.force.dn_dg, s.force.dn_dgdot));
+            first = first.max(norm);
+            if norm == 0.0 || (same && linear) || norm <= 1e-14 * first {
+                return Ok(());
+            }
+            // Rounding ends the descent of laws that are not linear.
+            if iteration > PATIENCE && norm <= 1e-10 * first && norm >= 0.5 * before {
+                return Ok(());
+            }
+            before = norm;
+            self.step.clear();
+            self.step.extend_from_slice(&self.line);
+            self.linearise(springs);
+            solve_in_place(&mut self.matrix, &mut self.step)?;
+            let mut length = 1.0;
+            for (f, d) in self.force.iter_mut().zip(&self.step) {
+                *f += d;
+            }
+            let step = std::mem::take(&mut self.step);
+            norm = self.residual(springs);
+            while iteration > PATIENCE && norm > before && length > 1e-3 {
+                length *= 0.5;
+                for (f, d) in self.force.iter_mut().zip(&step) {
+                    *f -= length * d;
+                }
+                norm = self.residual(springs);
+            }
+            self.step = step;
+        }
+        Err(Singular)
+    }
+
+    /// Residual displacements `u = -R F` of all ports, which come with them.
+    pub fn displacements(&mut self) -> (&Ports, &[f64]) {
+        let Ports {
+            blocks, compliance, ..
+        } = &self.ports;
+        apply(blocks, compliance, &self.force, &mut self.gaps);
+        self.gaps.iter_mut().for_each(|u| *u = -*u);
+        (&self.ports, &self.gaps)
+    }
+
+    /// Gaps and forces of the points under the forces on the ports; returns the norm of what these lack, in units of
+    /// displacement.
+    fn residual(&mut self, springs: &mut [Spring]) -> f64 {
+        let p = &self.ports;
+        apply(&p.blocks, &p.compliance, &self.force, &mut self.gaps);
+        apply(&p.blocks, &p.mobility, &self.force, &mut self.rates);
+        self.line.clear();
+        self.line.extend(self.force.iter().map(|f| -f));
+        for (s, p) in springs.iter_mut().zip(&self.points) {
+            s.gap = s.gap0 + p.normal.along(&self.gaps);
+            let rate = s.rate + p.normal.along(&self.rates);
+            s.force = s.law.at_point(s.gap, rate, s.stiffness);
+            p.normal.add(s.force.n, &mut self.line);
+            if let Some(friction) = &s.friction {
+                let slip = s.slip + p.sliding.along(&self.rates);
+                s.rub = friction.force(s.force.n, slip);
+                p.sliding.add(s.rub.f, &mut self.line);
+            }
+        }
+        self.line.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// The matrix of the present pieces, which stand in `pieces`.
+    fn linearise(&mut self, springs: &[Spring]) {
+        let n = self.ports.n;
+        self.pieces.clear();
+        self.pieces
+            .extend(springs.iter().map(|s| (s.force.dn_dg, s.force.dn_dgdot)));
+        self.matrix.clear();
+        self.matrix.resize(n * n, 0.0);
+        for i in 0..n {
+            self.matrix[i * n + i] = 1.0;
+        }
+        for (i, s) in springs.iter().enumerate() {
+            let Ported { normal, sliding } = self.points[i];
+            let slopes = [-s.force.dn_dg, -s.force.dn_dgdot];
+            if slopes != [0.0; 2] {
+                self.answer(&normal, slopes);
+                self.add_outer(&normal, 1.0);
+                if s.rub.df_dn != 0.0 {
+                    self.add_outer(&sliding, s.rub.df_dn);
+                }
+            }
+            if s.rub.df_dv != 0.0 && !self.ports.mobility.is_empty() {
+                self.answer(&sliding, [0.0, -s.rub.df_dv]);
+                self.add_outer(&sliding, 1.0);
+            }
+        }
+    }
+
+    /// `line = k R w + c tau Y w` in the blocks that `touched` names: both matrices are symmetric.
+    fn answer(&mut self, of: &OverPorts, [k, c]: [f64; 2]) {
+        let p = &self.ports;
+        self.line.clear();
+        self.line.resize(p.n, 0.0);
+        self.touched.clear();
+        let mut begin = 0;
+        for b in &p.blocks {
+            let mut touched = false;
+            for (&i, &w) in of.ports.iter().zip(&of.weights) {
+                let local = (i as usize).checked_sub(b.start).filter(|l| *l < b.len);
+                let Some(local) = local.filter(|_| w != 0.0) else {
+                    continue;
+                };
+                touched = true;
+                let at = begin + local * b.len;
+                let line = &mut self.line[b.start..][..b.len];
+                let mut add = |row: &[f64], factor: f64| {
+                    for (x, a) in line.iter_mut().zip(row) {
+                        *x += factor * a;
+                    }
+                };
+                if k != 0.0 {
+                    add(&p.compliance[at..][..b.len], k * w);
+                }
+                if c != 0.0 && !p.mobility.is_empty() {
+                    add(&p.mobility[at..][..b.len], c * w);
+                }
+            }
+            begin += b.len * b.len;
+            if touched {
+                self.touched.push((b.start, b.len));
+            }
+        }
+    }
+
+    /// Adds `factor w line^T` to the matrix.
+    fn add_outer(&mut self, of: &OverPorts, factor: f64) {
+        for (&i, &w) in of.ports.iter().zip(&of.weights) {
+            if w == 0.0 {
+                continue;
+            }
+            for &(start, len) in &self.touched {
+                let row = &mut self.matrix[i as usize * self.ports.n + start..][..len];
+                for (x, a) in row.iter_mut().zip(&self.line[start..][..len]) {
+                    *x += factor * w * a;
+                }
+            }
+        }
+    }
+
+    /// Factorises for [`Self::tangent`] at the forces of the springs, without a kick.
+    ///
+    /// # Errors
+    /// [`Singular`].
+    pub fn factorise(&mut self, springs: &[Spring]) -> Result<(), Singular> {
+        let mobility = std::mem::take(&mut self.ports.mobility);
+        self.linearise(springs);
+        self.ports.mobility = mobility;
+        self.factor.set(&mut self.matrix, self.ports.n)
+    }
+
+    /// What forces change by when gaps and rates do: of each point the changes of its normal force and of its friction
+    /// were its neighbours to stay, in their place those that come out. Friction changes by those of the normal force in
+    /// any case.
+    pub fn tangent(&mut self, springs: &[Spring], changes: &mut [[f64; 2]]) {
+        self.step.clear();
+        self.step.resize(self.ports.n, 0.0);
+        for ((s, p), [n, t]) in springs.iter().zip(&self.points).zip(&*changes) {
+            p.normal.add(*n, &mut self.step);
+            p.sliding.add(*t + s.rub.df_dn * n, &mut self.step);
+        }
+        self.factor.solve(&mut self.step);
+        let Ports {
+            blocks, compliance, ..
+        } = &self.ports;
+        apply(blocks, compliance, &self.step, &mut self.gaps);
+        for ((s, p), [n, t]) in springs.iter().zip(&self.points).zip(changes) {
+            *n += s.force.dn_dg * p.normal.along(&self.gaps);
+            *t += s.rub.df_dn * *n;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! Dashpots and friction of an island: its ports, and what they do under forces.
+
+use super::islands::{Island, Nodal, Solved};
+use crate::contact::nodal::{Block, Ported};
+use crate::scene::members::{SceneGear, SceneMesh};
+use gearbench_integrators::system::{HalfKick, Singular};
+
+impl Nodal {
+    /// The forces that follow are sought at the end of a half kick on coordinates with these inverse masses;
+    /// `accelerations` without contact stand in [`Kick`](super::islands::Kick).
+    pub(in crate::scene) fn begin_kick(&mut self, kick: &HalfKick<'_>, inverse_mass: &[f64]) {
+        self.kick.set(kick, inverse_mass);
+        self.kick.acts = true;
+    }
+
+    /// Forces with dashpots and friction, from the elastic ones; the residual displacements of the nodes.
+    pub(super) fn dissipate<'a>(
+        &mut self,
+        start: usize,
+        island: &Island,
+        kicked: bool,
+        solved: &'a mut Solved,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+    ) -> Result<&'a [f64], Singular> {
+        let giving = if kicked {
+            &island.fields
+        } else {
+            &island.compliant
+        };
+        let hubs: &[usize] = if kicked { &island.hubs } else { &[] };
+        let Solved {
+            solve,
+            springs,
+            blocks,
+            dissipative,
+            mobile,
+            outward,
+            ..
+        } = solved;
+        // Nodes gear by gear, outwards and, where it is asked for, along the profile; then hubs.
+        let ports = &mut dissipative.ports;
+        let mut numbers = std::mem::take(&mut self.ports);
+        numbers.clear();
+        ports.blocks.clear();
+        for (&g, b) in giving.iter().zip(&*blocks) {
+            let start = numbers.len();
+            let nodes = &self.numbers[b.start..][..b.len];
+            numbers.extend_from_slice(nodes);
+            if let Some(further) = along_profile(&gears[g], island) {
+                numbers.extend(nodes.iter().map(|node| node + further));
+            }
+            let len = numbers.len() - start;
+            ports.blocks.push(Block { start, len });
+        }
+        let of_numbers = numbers.len().max(1);
+        if numbers.is_empty() {
+            // The node that stands for none.
+            ports.blocks.clear();
+            ports.blocks.push(Block { start: 0, len: 1 });
+        }
+        let of_hub = |i: usize| Block {
+            start: of_numbers + i,
+            len: 1,
+        };
+        ports.blocks.extend((0..hubs.len()).map(of_hub));
+        ports.n = of_numbers + hubs.len();
+        let squares: usize = ports.blocks.iter().map(|b| b.len * b.len).sum();
+        let of_nodes = squares - hubs.len();
+        let same = mobile.0 == numbers;
+        if numbers.len() == self.numbers.len() {
+            ports.compliance.clear();
+            ports.compliance.extend_from_slice(solve.compliance());
+            ports.compliance.resize(squares, 0.0);
+        } else if !same || ports.compliance.len() != squares {
+            ports.compliance.clear();
+            ports.compliance.resize(squares, 0.0);
+            let each = giving.iter().zip(&ports.blocks);
+            fill(each, &mut ports.compliance, |g, b, out| {
+                if let Some(field) = gears[g].model.displacement() {
+                    field.compliance(&numbers[b.start..][..b.len], out);
+                }
+            });
+        }
+        if !kicked {
+            ports.mobility.clear();
+            mobile.1 = 0;
+        } else if mobile.1 != self.kick.stamp || !same || ports.mobility.len() != squares {
+            mobile.1 = self.kick.stamp;
+            ports.mobility.clear();
+            ports.mobility.resize(squares, 0.0);
+            let each = giving.iter().zip(&ports.blocks);
+            fill(each, &mut ports.mobility, |g, b, out| {
+                if let Some(field) = gears[g].model.displacement() {
+                    let weights = &self.kick.weights[gears[g].range()];
+                    field.add_mobility(weights, &numbers[b.start..][..b.len], out);
+                }
+            });
+            for (out, &g) in ports.mobility[of_nodes..].iter_mut().zip(hubs) {
+                *out = self.kick.weights[gears[g].offset];
+            }
+        }
+        if !same {
+            mobile.0.clone_from(&numbers);
+        }
+        self.ports = numbers;
+        // Where the nodes of a gear stand among the ports, and how far behind them they come along the profile.
+        let place = |g: usize| {
+            let i = giving.iter().position(|&of| of == g)?;
+            let (from, to) = (blocks[i], ports.blocks[i]);
+            let further = if to.len > from.len { from.len } else { 0 };
+            Some((to.start - from.start, further))
+        };
+        dissipative.points.clear();
+        for (a, s) in self.active[start..].iter().zip(&*springs) {
+            let mut point = Ported::default();
+            let of_mesh = meshes[self.found.points[a.point].mesh as usize].gears;
+            for (k, g) in of_mesh.into_iter().enumerate() {
+                if let Some((shift, further)) = place(g) {
+                    for c in 4 * k..4 * k + 4 {
+                        let (port, weight) = (s.nodes[c] as usize + shift, s.weights[c]);
+                        (point.normal.ports[c], point.normal.weights[c]) = (port as u32, weight);
+                        if further > 0 && s.friction.is_some() {
+                            point.sliding.ports[c] = (port + further) as u32;
+                            point.sliding.weights[c] = weight;
+                        }
+                    }
+                }
+                if let Some(hub) = hubs.iter().position(|&h| h == g) {
+                    let port = (of_numbers + hub) as u32;
+                    (point.normal.ports[8 + k], point.sliding.ports[8 + k]) = (port, port);
+                    point.normal.weights[8 + k] = -a.effective_radii[k];
+                    point.sliding.weights[8 + k] = -a.sliding.effective_radii[k];
+                }
+            }
+            dissipative.points.push(point);
+        }
+        dissipative.solve(springs)?;
+        let (ports, u) = dissipative.displacements();
+        outward.clear();
+        for (b, from) in ports.blocks.iter().zip(&*blocks) {
+            outward.extend_from_slice(&u[b.start..][..from.len]);
+        }
+        Ok(outward)
+    }
+}
+
+/// Calls `f` for each gear with its block of a matrix.
+fn fill<'a>(
+    each: impl Iterator<Item = (&'a usize, &'a Block)>,
+    mut matrix: &mut [f64],
+    mut f: impl FnMut(usize, &Block, &mut [f64]),
+) {
+    for (&g, b) in each {
+        let (block, rest) = matrix.split_at_mut(b.len * b.len);
+        f(g, b, block);
+        matrix = rest;
+    }
+}
+
+/// What is added to node numbers of a gear for the direction along its profile, where friction asks and it is known.
+pub(super) fn along_profile(gear: &SceneGear, island: &Island) -> Option<u32> {
+    let field = gear.model.displacement().filter(|_| island.slides)?;
+    field.along_profile()
+}
