@@ -2,7 +2,8 @@
 //!
 //! Mode `i` moves the flanks of tooth `t` by `b cos(k t + phase)` times a polynomial of the height, with opposite signs
 //! on both flanks for even `i`: teeth bend, or swell. The residual compliance is a local kernel `exp(-d / l)` between
-//! the nodes of a flank, less of it between flanks of a tooth, of neighbouring and of other teeth.
+//! the nodes of a flank, less of it between flanks of a tooth, of neighbouring and of other teeth. Where there is friction
+//! nodes also move along the profile, by shapes of their own; the kernel then couples both directions, [`ACROSS`].
 
 use crate::flank_test_gears::{flanks_of, number, takes};
 use gearbench_models::Vec3;
@@ -47,6 +48,9 @@ fn build_toy(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError
     Ok(Box::new(model))
 }
 
+/// Residual compliance between outward (0) and profile (1) directions, over that of outward ones: positive definite.
+const ACROSS: [[f64; 2]; 2] = [[1.0, -0.4], [-0.4, 0.7]];
+
 /// The made-up reduction.
 pub fn toy(context: &GearContext<'_>) -> Reduced {
     let flanks = flanks_of(context);
@@ -78,9 +82,15 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
                 let b = w * (softness / modes as f64).sqrt();
                 shapes.push(sign * b * around.cos() * profile * (1.0 + 10.0 * x.z));
             }
+            for (i, w) in omega.iter().enumerate().filter(|_| context.slides) {
+                let around = f64::from(grid.tooth) * (1 + i / 2) as f64 + 0.7 * i as f64;
+                let b = w * (0.5 * softness / modes as f64).sqrt();
+                shapes.push(b * around.sin() * (1.0 - 0.4 * height) * (1.0 - 5.0 * x.z));
+            }
         }
     }
-    let per_tooth = places.len() / teeth;
+    let per_node = 1 + usize::from(context.slides);
+    let per_tooth = places.len() / teeth * per_node;
     let residual = (local > 0.0).then(|| {
         let mut blocks = vec![0.0; teeth * per_tooth * per_tooth];
         for apart in 0..teeth {
@@ -92,6 +102,12 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
             };
             for i in 0..per_tooth {
                 for j in 0..per_tooth {
+                    let across = ACROSS[i % per_node][j % per_node];
+                    let (at, i, j) = (
+                        (apart * per_tooth + i) * per_tooth + j,
+                        i / per_node,
+                        j / per_node,
+                    );
                     // Between the same places of both flanks.
                     let same = places[i].1 == places[j].1;
                     let x = |k: usize| {
@@ -104,8 +120,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
                         Vec3::new(x.x.hypot(x.y) - side, 0.0, x.z)
                     };
                     let kernel = local * (-(x(i) - x(j)).norm() / spread).exp();
-                    blocks[(apart * per_tooth + i) * per_tooth + j] =
-                        kernel * between * if same { 1.0 } else { 0.3 };
+                    blocks[at] = kernel * across * between * if same { 1.0 } else { 0.3 };
                 }
             }
         }
@@ -117,6 +132,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
             },
             hub: places
                 .iter()
+                .flat_map(|p| std::iter::repeat_n(p, per_node))
                 .map(|p| {
                     if free {
                         1e-9 * p.1.sign() * (1.0 + 20.0 * p.2.z)
@@ -132,7 +148,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
     Reduced {
         flanks,
         normals,
-        along_profile: false,
+        along_profile: context.slides,
         free,
         inertia: context.hub.inertia,
         damping: vec![number(context, "damping_ratio", 0.0); modes],

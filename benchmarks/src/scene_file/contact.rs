@@ -13,7 +13,7 @@ use super::reading::keys::keys;
 use super::reading::values::Count;
 use super::stiffness::{StiffnessKeys, stiffness};
 use gearbench_models::error::Reason;
-use gearbench_models::law::{Damping, Friction, Law, LawError};
+use gearbench_models::law::{Damping, Film, Friction, FrictionForm, Law, LawError};
 use gearbench_models::spec::{ContactSpec, Passes, SurfaceKind};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use serde::Deserialize;
@@ -27,7 +27,7 @@ keys! {
         /// "none" (default), or { law = "kelvin-voigt" | "flores" | .., .. }
         #[serde(default)]
         damping: DampingKeys,
-        /// { mu, v_ref_m_s }; left out, none
+        /// { mu | film, v_ref_m_s | stick_m }; left out, none
         friction: Option<FrictionKeys>,
         /// slices over the face width; left out, 1 for spur gears and 16 for helical or crowned ones
         slices: Option<Count<1, 1000>>,
@@ -68,9 +68,23 @@ keys! {
 
     pub(super) struct FrictionKeys {
         /// coefficient of friction, zero or more
-        mu: f64,
+        mu: Option<f64>,
+        /// in place of mu: { viscosity_pa_s, roughness_m, lubricant_factor }, the mean coefficient of a lubricated mesh
+        film: Option<FilmKeys>,
         /// sliding speed in m/s over which the force is smoothed, for example 0.01
-        v_ref_m_s: f64,
+        v_ref_m_s: Option<f64>,
+        /// in place of v_ref_m_s: displacement in m over which friction holds what sticks, for example 1e-6
+        stick_m: Option<f64>,
+    }
+
+    pub(super) struct FilmKeys {
+        /// dynamic viscosity of the oil at its temperature, for example 0.04
+        viscosity_pa_s: f64,
+        /// arithmetic mean roughness of the flanks, for example 4e-7
+        roughness_m: f64,
+        /// X_L of ISO/TR 14179-2: 1 for mineral oil (default), 0.8 for polyalphaolefins and esters
+        #[serde(default = "mineral")]
+        lubricant_factor: f64,
     }
 }
 
@@ -123,12 +137,7 @@ pub(super) fn contact(
     let exponent = keys.exponent.unwrap_or(1.0);
     let damping = Damping::from(&keys.damping);
     check_law(exponent, damping, at)?;
-    let friction = keys.friction.as_ref().map(|keys| {
-        Friction::new(keys.mu, keys.v_ref_m_s).map_err(|e| {
-            let Reason { cause, help } = e.reason();
-            at.key("friction").error(cause, "this friction", help)
-        })
-    });
+    let friction = keys.friction.as_ref().map(|keys| friction(keys, at));
     Ok(ContactSpec {
         stiffness,
         exponent,
@@ -136,6 +145,54 @@ pub(super) fn contact(
         friction: friction.transpose()?,
         slices: keys.slices.map(|n| n.0),
         points,
+    })
+}
+
+fn mineral() -> f64 {
+    1.0
+}
+
+/// Friction from its keys, of which one stands for the coefficient and one for the form.
+fn friction(keys: &FrictionKeys, at: &Place<'_>) -> Result<Friction, SceneError> {
+    let error =
+        |cause: String, help: String| at.key("friction").error(cause, "this friction", help);
+    let form = match (keys.v_ref_m_s, keys.stick_m) {
+        (Some(v), None) => FrictionForm::Regularised(v),
+        (None, Some(l)) => FrictionForm::StickSlip(l),
+        (given, _) => {
+            return Err(error(
+                format!(
+                    "friction has {} of `v_ref_m_s` and `stick_m`",
+                    if given.is_some() { "both" } else { "none" }
+                ),
+                "give one: `v_ref_m_s = 0.01` smooths it over a sliding speed, `stick_m = 1e-6` holds what sticks".into(),
+            ));
+        }
+    };
+    let friction = match (keys.mu, &keys.film) {
+        (Some(mu), None) => Friction::of_form(mu, form),
+        (None, Some(keys)) => {
+            let film = Film {
+                viscosity: keys.viscosity_pa_s,
+                roughness: keys.roughness_m,
+                lubricant: keys.lubricant_factor,
+            };
+            Friction::of_film(film, form)
+        }
+        (given, _) => {
+            return Err(error(
+                format!(
+                    "friction has {} of `mu` and `film`",
+                    if given.is_some() { "both" } else { "none" }
+                ),
+                "give one: `mu = 0.05`, or `film = { viscosity_pa_s = 0.04, roughness_m = 4e-7 }`"
+                    .into(),
+            ));
+        }
+    };
+    friction.map_err(|e| {
+        let Reason { cause, help } = e.reason();
+        error(cause, help)
     })
 }
 

@@ -50,5 +50,5 @@ mod tests;
 
 pub use damping::Damping;
 pub use error::LawError;
-pub use friction::{Friction, FrictionForce};
+pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
 pub use normal::{Law, LawForce, MeshLoad, realised_restitution};

@@ -313,4 +313,79 @@ fn friction_opposes_sliding_and_its_derivatives_match() {
     assert!((friction.force(n, 1.0).f + 0.07 * n).abs() < 1e-9);
 }
 
+/// A film's coefficient by hand: 300 N/mm, 10 mm, 8 m/s, 40 mPa s, 0.4 um.
+#[test]
+fn the_coefficient_of_a_film_is_that_of_the_formula() {
+    let film = Film {
+        viscosity: 0.04,
+        roughness: 4e-7,
+        lubricant: 0.8,
+    };
+    let friction = Friction::of_film(film, FrictionForm::Regularised(0.01)).unwrap();
+    let mesh = MeshFilm {
+        force_per_width: 3e5,
+        radius: 0.01,
+        per_speed: 0.04,
+    };
+    let by_hand = 0.048
+        * (300.0_f64 / (8.0 * 10.0)).powf(0.2)
+        * 40.0_f64.powf(-0.05)
+        * 0.4_f64.powf(0.25)
+        * 0.8;
+    let here = friction.in_mesh(&mesh).at_speed(-200.0);
+    assert!(
+        (here.mu() / by_hand - 1.0).abs() < 1e-12,
+        "{} {by_hand}",
+        here.mu()
+    );
+    assert!((0.02..0.06).contains(&by_hand));
+    // Slow gears have no film, and unloaded ones are taken at the least load.
+    assert_eq!(friction.in_mesh(&mesh).at_speed(0.0).mu(), 0.2);
+    let unloaded = MeshFilm {
+        force_per_width: 0.0,
+        ..mesh
+    };
+    let least = MeshFilm {
+        force_per_width: 150e3,
+        ..mesh
+    };
+    assert_eq!(friction.in_mesh(&unloaded), friction.in_mesh(&least));
+    assert!(
+        Friction::of_film(
+            Film {
+                viscosity: 0.0,
+                ..film
+            },
+            friction.form()
+        )
+        .is_err()
+    );
+}
+
+/// Stick-slip friction against the differential equation of its part of the sliding force, by small steps; its
+/// derivative; however long the step, the part stays in its range.
+#[test]
+fn stick_slip_friction_holds_and_slides() {
+    let (mu, length) = (0.1, 1e-6);
+    let friction = Friction::of_form(mu, FrictionForm::StickSlip(length)).unwrap();
+    for (before, v, time) in [(0.0, 0.02, 3e-5), (0.9, -0.05, 1e-5), (-0.4, 1e-4, 1e-3)] {
+        let here = friction.after(before, time);
+        let mut z: f64 = before;
+        let steps = 100_000;
+        for _ in 0..steps {
+            z += time / f64::from(steps) * (v - f64::abs(v) * z) / length;
+        }
+        assert!((here.part(v).0 - z).abs() < 1e-4, "{} {z}", here.part(v).0);
+        let (h, n) = (1e-6 * f64::abs(v), 2e3);
+        let slope = (here.force(n, v + h).f - here.force(n, v - h).f) / (2.0 * h);
+        let f = here.force(n, v);
+        assert!((f.df_dv - slope).abs() < 1e-6 * mu * n * time / length);
+        assert_eq!(f.df_dn, f.f / n);
+        assert!(friction.after(before, 1e3).part(v).0.abs() <= 1.0);
+    }
+    // At rest it holds what it held.
+    assert_eq!(friction.after(0.3, 5.0).part(0.0).0, 0.3);
+    assert!(Friction::of_form(mu, FrictionForm::StickSlip(0.0)).is_err());
+}
+
 mod under_load;

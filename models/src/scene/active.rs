@@ -4,7 +4,7 @@ use super::members::{SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::{Candidate, Party};
 use crate::kinematics::Row;
-use crate::law::{FrictionForce, Law, LawForce};
+use crate::law::{Friction, FrictionForce, Law, LawForce};
 use gearbench_integrators::system::At;
 
 /// A contact that carries (or may carry) a force.
@@ -234,8 +234,8 @@ pub(super) fn tangent(law: &Law, c: &Candidate, a: &Active, row: &Row, v: &[f64]
     }
 }
 
-pub(super) fn slide(mesh: &SceneMesh, at: At<'_>, rows: &[Row; 3], active: &mut Active) {
-    if let Some(friction) = &mesh.friction {
+pub(super) fn slide(friction: Option<Friction>, at: At<'_>, rows: &[Row; 3], active: &mut Active) {
+    if let Some(friction) = friction {
         active.sliding = rows[1].dot(at.v) + active.prescribed.sliding;
         active.friction = friction.force(active.force.n, active.sliding);
     }

@@ -21,6 +21,8 @@ pub struct Scene {
     /// Dashpots at flank points are taken implicitly where a method can: hubs and modes are all that they act on, each
     /// with a mass of its own.
     pub(super) implicit_dissipation: bool,
+    /// Friction of a mesh has a history.
+    pub(super) remembers: bool,
     /// A gear asks for the condensed Newton correction.
     pub(super) condenses: bool,
     /// All searches have event functions; else forces are clipped and nothing is located.

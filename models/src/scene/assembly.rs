@@ -4,7 +4,7 @@ use super::assembled::Scene;
 use super::assembly_points::flank_points;
 use super::channels;
 use super::members::{SceneGear, SceneMesh};
-use super::mesh_assembly::{hub_of, lines_of_action};
+use super::mesh_assembly::{friction_of, hub_of, lines_of_action};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
@@ -186,7 +186,7 @@ impl Scene {
                 gears: mesh.gears,
                 search,
                 law,
-                friction: contact.friction,
+                friction: friction_of(spec, mesh, l, contact),
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal: mesh.gears.iter().any(has_field),
                 clearances,
@@ -226,6 +226,10 @@ impl Scene {
                     (pairs.discrete(), pairs.slots(), pairs.event_count());
             }
             discrete += m.cells + 2 * m.slots;
+            if let Some(f) = &mut m.friction {
+                f.discrete = discrete;
+                discrete += f.cells();
+            }
             event_functions += m.zones + m.slots;
         }
         let locates = meshes.iter().all(|m| m.search.pairs().is_some());
@@ -277,6 +281,8 @@ impl Scene {
         let implicit_dissipation = diagonal
             && damped.clone().next().is_some()
             && damped.all(|m| m.gears.iter().all(one_mass));
+        let sticks = |m: &SceneMesh| m.friction.as_ref().is_some_and(|f| f.law.sticks());
+        let remembers = meshes.iter().any(sticks);
         let cuts_vibration = gears.iter().any(|g| g.model.hub().vibration_cut_off > 0.0);
         Scene {
             gears,
@@ -293,6 +299,7 @@ impl Scene {
             fields,
             condenses,
             implicit_dissipation,
+            remembers,
             locates,
             tracks,
             inverse_mass: if diagonal {

@@ -27,6 +27,8 @@ pub struct ContactForce {
     pub force: Vec3,
     /// Normal force [N].
     pub normal_force: f64,
+    /// Friction [N], positive where it drives the second gear along the normal turned by 90 degrees counter-clockwise.
+    pub friction: f64,
     /// Gap [m].
     pub gap: f64,
 }
@@ -59,6 +61,7 @@ impl Scene {
             ..
         } = self;
         let mesh = &meshes[m];
+        let friction = (mesh.friction.as_ref()).map(|f| (f, f.at(gears, mesh, at)));
         let (a, b) = parties(gears, mesh, at);
         let first = work.candidates.len();
         let discrete = &at.discrete[mesh.search_discrete()];
@@ -102,8 +105,11 @@ impl Scene {
                 sliding: 0.0,
                 prescribed,
             });
-            if mesh.friction.is_some() {
-                slide(mesh, at, rows, &mut work.active[i]);
+            if friction.is_some() {
+                let (teeth, side) = mesh.search.flank_of(c);
+                let place = (teeth[0], side, c.points[0].x.z);
+                let friction = friction.map(|(f, law)| f.here(law, place, at));
+                slide(friction, at, rows, &mut work.active[i]);
             }
         }
         if mesh.search.pairs().is_some_and(LinesOfAction::couples) {
@@ -135,11 +141,12 @@ impl Scene {
             ContactForce {
                 mesh: p.mesh as usize,
                 teeth: p.teeth,
-                side: if p.slot == 0 { Side::Left } else { Side::Right },
+                side: p.side(),
                 x: p.x,
                 force: if p.slave == 0 { -1.0 } else { 1.0 }
                     * (a.force.n * normal + a.sliding.force.f * a.sliding.direction),
                 normal_force: a.force.n,
+                friction: a.sliding.force.f,
                 gap: a.gap,
             }
         });
@@ -158,6 +165,7 @@ impl Scene {
                     x: candidate.points[0].x,
                     force: c.force.n * n + c.friction.f * sliding_of(candidate),
                     normal_force: c.force.n,
+                    friction: c.friction.f,
                     gap: c.gap,
                 }
             })

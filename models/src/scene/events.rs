@@ -114,6 +114,7 @@ impl Events for Scene {
                 s.discrete[at + 1] = 0.0;
             }
         }
+        self.begin_friction(s);
         self.refresh_modes(s, None);
     }
 
@@ -193,6 +194,9 @@ impl Events for Scene {
         }
         if s.discrete[0] == 0.0 && self.tracks {
             self.track_modes(s);
+        }
+        if self.remembers {
+            self.remember_friction(s);
         }
         if self.cuts_vibration && self.cut_off_vibration(s) {
             change = Change::Restart;

@@ -1,8 +1,9 @@
 //! Gears and meshes as they stand in a scene: where their coordinates and their discrete state are.
 
+use super::friction::MeshFriction;
 use crate::contact::{LineClearance, Party, Search};
 use crate::gear::GearModel;
-use crate::law::{Friction, Law};
+use crate::law::Law;
 use crate::spec::Load;
 use gearbench_integrators::system::At;
 
@@ -121,7 +122,7 @@ pub struct SceneMesh {
     /// Normal law.
     pub law: Law,
     /// Sliding friction.
-    pub friction: Option<Friction>,
+    pub friction: Option<MeshFriction>,
     /// Its contact has no penalty.
     pub(super) hard: bool,
     /// One of its gears has a displacement field.

@@ -1,12 +1,13 @@
 //! A mesh from its settings: lines of action over slices, and the law of its contact.
 
+use super::friction::MeshFriction;
 use super::placement::{engagement, views};
 use super::scales::{hub_mass, initial_speed, reduced_mass};
 use crate::Vec3;
 use crate::contact::pairs::{LinesOfAction, MeshGeometry, Separation, Slice};
 use crate::error::{BuildError, GearPart, MeshPart, Reason};
 use crate::kinematics::{Hub, MeshView};
-use crate::law::{Damping, Law, LawError, MeshLoad};
+use crate::law::{Damping, Law, LawError, MeshFilm, MeshLoad};
 use crate::spec::{
     Body, ContactSpec, GearSpec, MeshLayout, MeshSpec, Mount, SceneSpec, effective_radius,
     stiffness_curve,
@@ -199,6 +200,34 @@ fn law_of(
     Law::new(contact.exponent, damping)
         .and_then(|law| law.under_load(load))
         .map_err(|e| law_error([&a.name, &b.name], &e))
+}
+
+/// Friction of a mesh; a film learns load, curvature and speeds at the pitch point.
+pub(super) fn friction_of(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    l: &MeshLayout,
+    contact: &ContactSpec,
+) -> Option<MeshFriction> {
+    let [a, b] = mesh.gears.map(|i| &spec.gears[i]);
+    let Body::Gear(first) = &a.body else {
+        return None;
+    };
+    let helix = a.body.base_helix_angle();
+    let curvature = |rho: f64| helix.cos() / rho;
+    let of_second = match b.body {
+        Body::Gear(_) => curvature(l.length - l.pitch_point),
+        Body::Rack(_) => 0.0,
+    };
+    let film = MeshFilm {
+        force_per_width: load_of(spec, mesh) / l.face_width,
+        radius: 1.0 / (curvature(l.pitch_point) + of_second),
+        // Flanks roll at the pitch point, each with v_t sin(alpha).
+        per_speed: 2.0 * first.r_base() * l.working_pressure_angle.tan(),
+    };
+    let law = contact.friction?.in_mesh(&film);
+    let teeth = first.teeth();
+    Some(MeshFriction::new(law, teeth, helix != 0.0, l.face_width))
 }
 
 /// Largest force along the line of action that loads put on a mesh [N]: those on its own gears, else those on any gear

@@ -8,7 +8,7 @@
 //! Contacts of flank points have no event functions: a scene with such a mesh reports none and is never located.
 //!
 //! Discrete state layout: `[located, gears..., meshes...]`; a mesh holds its search's discrete state and then per
-//! contact slot `(mode, impact speed)`, mode 1 closed and 0 open.
+//! contact slot `(mode, impact speed)`, mode 1 closed and 0 open; behind them what its friction remembers.
 mod active;
 mod assembled;
 mod assembly;
@@ -20,6 +20,7 @@ mod correction;
 mod coupled;
 mod events;
 mod free_flight;
+mod friction;
 mod members;
 mod mesh_assembly;
 mod modal;
@@ -34,4 +35,5 @@ mod workspace;
 pub use assembled::Scene;
 pub use channels::{Channel, OfGear, OfMesh};
 pub use contacts::ContactForce;
+pub use friction::MeshFriction;
 pub use members::{SceneGear, SceneMesh};

@@ -31,6 +31,8 @@ pub(super) struct Workspace {
     pub rhs: Vec<f64>,
     /// Forces along the path by compliance between contacts: whose, and how much.
     pub along_path: Vec<(usize, f64)>,
+    /// Friction at an accepted state: cell, normal force, part of the sliding force.
+    pub reached: Vec<(usize, f64, f64)>,
     /// Row for a gap rate on its own.
     pub scratch: Row,
 }

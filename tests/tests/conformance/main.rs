@@ -9,3 +9,4 @@ mod elastic;
 mod example;
 mod flank_points;
 mod impact;
+mod losses;

@@ -45,6 +45,7 @@ pub(in super::super) fn tables() -> impl Iterator<Item = &'static Table> {
         &contact::RatioKeys::TABLE,
         &contact::RestitutionKeys::TABLE,
         &contact::FrictionKeys::TABLE,
+        &contact::FilmKeys::TABLE,
         &stiffness::ConstantKeys::TABLE,
         &stiffness::IsoKeys::TABLE,
         &stiffness::ComplianceKeys::TABLE,

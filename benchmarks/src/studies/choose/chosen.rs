@@ -3,7 +3,7 @@
 use super::plan::Candidate;
 use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
-use gearbench_models::law::Damping;
+use gearbench_models::law::{Damping, Friction, FrictionForm};
 use gearbench_models::spec::{ContactSpec, PointContact, PointRule};
 use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness};
 use serde::Serialize;
@@ -150,7 +150,6 @@ fn contact(c: &ContactSpec) -> Json {
         | Damping::Flores { e }
         | Damping::Gonthier { e } => json!({ "law": law, "e": e }),
     };
-    let friction = c.friction.as_ref();
     json!({
         "law": points.filter(|p| p.hard).map(|_| "hard"),
         (penalty): points.filter(|p| !p.hard).map(|p| p.penalty),
@@ -162,9 +161,27 @@ fn contact(c: &ContactSpec) -> Json {
         "stiffness": stiffness(&c.stiffness),
         "exponent": Some(c.exponent).filter(|x| *x != 1.0),
         "damping": damping,
-        "friction": friction.map(|f| json!({ "mu": f.mu(), "v_ref_m_s": f.v_ref() })),
+        "friction": c.friction.as_ref().map(friction),
         "slices": c.slices,
     })
+}
+
+fn friction(f: &Friction) -> Json {
+    let (form, value) = match f.form() {
+        FrictionForm::Regularised(v) => ("v_ref_m_s", v),
+        FrictionForm::StickSlip(l) => ("stick_m", l),
+    };
+    match f.film() {
+        None => json!({ "mu": f.mu(), form: value }),
+        Some(film) => json!({
+            "film": {
+                "viscosity_pa_s": film.viscosity,
+                "roughness_m": film.roughness,
+                "lubricant_factor": film.lubricant,
+            },
+            form: value,
+        }),
+    }
 }
 
 fn stiffness(s: &PairStiffness) -> Json {

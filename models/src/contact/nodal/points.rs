@@ -4,6 +4,7 @@ use super::nodes::GearNodes;
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::FlankDisplacement;
+use crate::geometry::Side;
 use crate::kinematics::{Point, Tooth};
 
 /// A gear of a mesh in the search for nodal points.
@@ -98,6 +99,16 @@ pub struct NodalPoint {
 }
 
 impl NodalPoint {
+    /// Side of the flanks.
+    #[inline]
+    pub fn side(&self) -> Side {
+        if self.slot == 0 {
+            Side::Left
+        } else {
+            Side::Right
+        }
+    }
+
     /// Index of the slave in the mesh, then of the master.
     #[inline]
     pub fn sides(&self) -> [usize; 2] {

@@ -189,7 +189,10 @@ impl Nodal {
                 gap0: p.gap0,
                 rate: a.rate,
                 slip: a.sliding.speed,
-                friction: mesh.friction,
+                friction: mesh.friction.as_ref().map(|f| {
+                    let place = (p.teeth[0], p.side(), p.x.z);
+                    f.here(f.at(gears, mesh, at), place, at)
+                }),
                 stiffness: p.stiffness,
                 law: mesh.law.shared(p.share),
                 gap: p.gap0,

@@ -3,6 +3,7 @@
 mod clearance;
 mod dashpots;
 mod flight;
+mod friction;
 mod hard;
 mod order;
 mod partners;

@@ -1,0 +1,305 @@
+//! Losses of gears that rub, against the quasi-static integral over a mesh cycle and against the loss factor H_v of
+//! H. Ohlendorf (Dissertation, TU Munich 1958; ISO/TR 14179-2); friction does not chatter.
+
+use gearbench_integrators::observers::ledger::Ledger;
+use gearbench_integrators::system::At;
+use gearbench_integrators::{
+    AcceptedStep, Control, Outputs, Report, Resolution, SecondOrderSystem, Sink, State, TimePlan,
+};
+use gearbench_models::geometry::{GearParams, Side};
+use gearbench_models::law::{Damping, Friction, FrictionForm};
+use gearbench_models::scene::Scene;
+use gearbench_models::spec::{
+    ContactSpec, Load, ModelSpec, Modelling, Mount, Parameters, PointContact, Profile, SceneSpec,
+    Value, effective_radius, mesh_layout,
+};
+use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness, ToothModel};
+use gearbench_reference::MODELS;
+use gearbench_tests::*;
+use std::f64::consts::{PI, TAU};
+
+const MU: f64 = 0.05;
+/// Speed of the pinion [rad/s] and torque on the wheel [N m].
+const SPEED: f64 = 60.0;
+const TORQUE: f64 = 141.15;
+
+/// The gears of the FZG test rig, type C, the pinion driven.
+fn driven() -> SceneSpec {
+    let params = |teeth, profile_shift| GearParams {
+        teeth,
+        module: 4.5e-3,
+        face_width: 0.014,
+        profile_shift,
+        thinning: 5e-5,
+        bore_radius: 0.015,
+        ..Default::default()
+    };
+    let mut a = gear("pinion", params(16, 0.1817), 0.0, SPEED);
+    a.mount = Mount::Driven(Profile::Constant(SPEED));
+    let mut b = gear("wheel", params(24, 0.1715), 0.0915, -SPEED / 1.5);
+    b.loads = vec![Load::Applied(Profile::Constant(TORQUE))];
+    pair_of(a, b, start(Side::Left, 0.0))
+}
+
+fn rubbing(friction: Option<Friction>, ratio: f64) -> ContactSpec {
+    ContactSpec {
+        stiffness: PairStiffness::Compliance {
+            tooth: ToothModel::WeberBanaschek,
+            foundation: Foundation::Ring,
+            hertz: Hertz::WeberBanaschek {
+                reference_load: None,
+            },
+        },
+        damping: match ratio {
+            0.0 => Damping::None,
+            ratio => Damping::RatioAtLoad { ratio },
+        },
+        friction,
+        points: Some(PointContact::new(1e15)),
+        ..contact(1.4e10)
+    }
+}
+
+fn elastic(modes: usize) -> ModelSpec {
+    let mesh = [
+        ("flank_elements", 10),
+        ("fillet_elements", 2),
+        ("across_elements", 4),
+        ("rim_elements", 2),
+        ("width_elements", 1),
+        ("modes", modes),
+    ];
+    let parameters = mesh.map(|(key, n)| (key.to_string(), Value::Number(n as f64)));
+    ModelSpec {
+        id: "elastic".into(),
+        parameters: Parameters::from(parameters),
+    }
+}
+
+fn scene_of(spec: &SceneSpec, model: &ModelSpec, contact: &ContactSpec) -> Scene {
+    let modelling = Modelling {
+        gears: vec![model.clone(); 2],
+        contacts: vec![contact.clone()],
+    };
+    let table = [models(), MODELS.to_vec()].concat();
+    Scene::build(spec, &modelling, &table).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Mean power [W] that friction takes over a mesh cycle when the wheel turns evenly and is in balance all the time.
+fn quasi_static(spec: &SceneSpec, model: &ModelSpec, friction: Friction) -> f64 {
+    let mut scene = scene_of(spec, model, &rubbing(Some(friction), 0.0));
+    let (cycle, positions) = (TAU / 16.0 / SPEED, 200);
+    let mut s = scene.initial();
+    assert_eq!(s.q.len(), 1, "the wheel is all that gives way");
+    let mut out = Outputs::default();
+    let mut sum = 0.0;
+    for i in 0..positions {
+        s.t = cycle * (f64::from(i) + 0.5) / f64::from(positions);
+        s.v[0] = -SPEED / 1.5;
+        let even = -SPEED / 1.5 * s.t;
+        // Turns that open the contact, and that press far more than the load does.
+        let (mut open, mut pressed) = (even - 2e-3, even + 2e-3);
+        for _ in 0..60 {
+            let q = [0.5 * (open + pressed)];
+            let mut f = [0.0];
+            let at = At { q: &q, ..s.at() };
+            scene.force(at, &mut f);
+            if f[0] > 0.0 {
+                open = q[0]
+            } else {
+                pressed = q[0]
+            }
+        }
+        s.q[0] = open;
+        scene.output(s.at(), &mut out);
+        sum += out.power.dissipated;
+    }
+    sum / f64::from(positions)
+}
+
+/// What a run tells of its losses.
+struct Losses {
+    after: f64,
+    begun: Option<(f64, f64)>,
+    ended: (f64, f64),
+    /// Flips of the sign of friction, all contacts together.
+    flips: u32,
+    sign: f64,
+    /// The scene once more.
+    probe: Scene,
+}
+
+/// The ledger, with what stands in it from a time on.
+struct Watch {
+    ledger: Ledger,
+    losses: Losses,
+}
+
+impl Sink for Watch {
+    fn accepted(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) -> Control {
+        let control = self.ledger.accepted(sys, step);
+        let l = &mut self.losses;
+        let now = (step.to.t, self.ledger.dissipated);
+        if now.0 >= l.after {
+            l.begun.get_or_insert(now);
+            l.ended = now;
+        }
+        let forces = l.probe.contact_forces(step.to.at());
+        let rub: f64 = forces.iter().map(|c| c.friction).sum();
+        l.flips += u32::from(rub * l.sign < 0.0);
+        l.sign = rub;
+        control
+    }
+}
+
+/// Runs a scene over mesh cycles, of which the first do not count.
+fn watch([mut scene, probe]: [Scene; 2], step: f64, cycles: [f64; 2]) -> Watch {
+    let cycle = TAU / 16.0 / SPEED;
+    let mut watch = Watch {
+        ledger: Ledger::default(),
+        losses: Losses {
+            after: cycles[0] * cycle,
+            begun: None,
+            ended: (0.0, 0.0),
+            flips: 0,
+            sign: 0.0,
+            probe,
+        },
+    };
+    let plan = TimePlan {
+        max_steps: 4_000_000,
+        ..TimePlan::new(cycles[1] * cycle, Resolution::Step(step))
+    };
+    let start = scene.initial();
+    watched(&mut scene, start, "trigonometric", &plan, &mut watch);
+    watch
+}
+
+impl Losses {
+    /// Mean power over the time that counts [W].
+    fn power(&self) -> f64 {
+        let begun = self.begun.unwrap();
+        (self.ended.1 - begun.1) / (self.ended.0 - begun.0)
+    }
+}
+
+/// Loss factor of spur gears: what friction of coefficient one takes of the power when pairs share the load evenly.
+fn loss_factor(spec: &SceneSpec) -> f64 {
+    let l = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+    let ratio = 1.5;
+    // Contact ratios of approach and recess.
+    let [low, high] = l.path;
+    let parts = [l.pitch_point - low, high - l.pitch_point].map(|s| s / l.base_pitch);
+    let [e1, e2] = parts;
+    PI * (ratio + 1.0) / (16.0 * ratio) * (1.0 - (e1 + e2) + e1 * e1 + e2 * e2)
+}
+
+#[test]
+fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
+    let friction = Friction::new(MU, 2e-3).unwrap();
+    let spec = driven();
+    let by_factor = MU * loss_factor(&spec) * TORQUE * SPEED / 1.5;
+    let rigid_gears = rigid();
+    for (model, still) in [
+        (rigid_gears.clone(), rigid_gears),
+        (elastic(20), elastic(0)),
+    ] {
+        let integral = quasi_static(&spec, &still, friction);
+        let run = |friction| {
+            let scene = || scene_of(&spec, &model, &rubbing(friction, 0.05));
+            watch([scene(), scene()], 1e-6, [1.0, 3.0])
+        };
+        let (with, without) = (run(Some(friction)), run(None));
+        let loss = with.losses.power() - without.losses.power();
+        let residual = with.ledger.residual() / with.ledger.dissipated;
+        let flips = f64::from(with.losses.flips) / 3.0;
+        println!(
+            "{}: {flips} flips a mesh cycle; {loss:.3} W, quasi-static {integral:.3} W, mu H_v P {by_factor:.3} W; damping {:.3} W; ledger open by {residual:.1e}",
+            model.id,
+            without.losses.power()
+        );
+        assert!(
+            (loss / integral - 1.0).abs() < 0.01,
+            "{}: {loss} {integral}",
+            model.id
+        );
+        assert!(
+            (loss / by_factor - 1.0).abs() < 0.05,
+            "{}: {loss} {by_factor}",
+            model.id
+        );
+        // Each pair at its pitch point, and the sum of two pairs where they take over from each other.
+        assert!(
+            flips <= 6.0,
+            "{}: friction chatters, {flips} flips",
+            model.id
+        );
+        assert!(residual.abs() < 1e-3, "{}: {residual}", model.id);
+    }
+}
+
+/// Gears at rest under torques that are all but in balance: what the balance lacks is so much of what friction holds.
+fn resting(of_limit: f64) -> SceneSpec {
+    let mut spec = driven();
+    let layout = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+    let off = 0.25 * layout.base_pitch;
+    spec.meshes[0].start.path_coordinate = Some(layout.pitch_point + off);
+    let normal_force = TORQUE / effective_radius(&spec.gears[1].body);
+    let limit = MU * normal_force * 2.5 * off;
+    let loads = [TORQUE / 1.5, TORQUE + of_limit * limit];
+    for (g, load) in spec.gears.iter_mut().zip(loads) {
+        (g.mount, g.speed) = (Mount::Revolute, 0.0);
+        g.loads = vec![Load::Applied(Profile::Constant(load))];
+    }
+    spec
+}
+
+#[test]
+fn friction_holds_what_sticks_and_lets_go_beyond() {
+    let stick = Friction::of_form(MU, FrictionForm::StickSlip(1e-6)).unwrap();
+    let creep = Friction::new(MU, 1e-2).unwrap();
+    for (model, id) in [
+        (rigid(), "velocity-verlet"),
+        (rigid(), "newmark"),
+        (rigid(), "dopri5"),
+        (elastic(20), "trigonometric"),
+        (elastic(20), "newmark"),
+    ] {
+        let resolution = match id {
+            "dopri5" => Resolution::Tolerance(1e-7),
+            _ => Resolution::Step(1e-6),
+        };
+        let drift = |friction, of_limit| {
+            let spec = resting(of_limit);
+            let mut scene = scene_of(&spec, &model, &rubbing(Some(friction), 0.05));
+            let at = |scene: &Scene, s: &State| s.q[scene.gears()[1].range().start];
+            let mut s = scene.initial();
+            let mut reached = Vec::new();
+            for t_end in [6e-3, 9e-3] {
+                let plan = TimePlan {
+                    max_steps: 4_000_000,
+                    ..TimePlan::new(t_end, resolution)
+                };
+                (s, _) = watched(
+                    &mut scene,
+                    s,
+                    id,
+                    &plan,
+                    &mut gearbench_integrators::NullSink,
+                );
+                reached.push(at(&scene, &s));
+            }
+            (reached[1] - reached[0]).abs()
+        };
+        let (held, crept, slid) = (drift(stick, 0.5), drift(creep, 0.5), drift(stick, 3.0));
+        println!(
+            "{} by {id}: {held:.1e} rad held, {crept:.1e} crept, {slid:.1e} slid",
+            model.id
+        );
+        assert!(
+            held < 1e-2 * crept && crept < 0.5 * slid,
+            "{} by {id}",
+            model.id
+        );
+    }
+}
