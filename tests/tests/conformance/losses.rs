@@ -16,6 +16,7 @@ use gearbench_models::spec::{
 use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness, ToothModel};
 use gearbench_reference::MODELS;
 use gearbench_tests::*;
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 const MU: f64 = 0.05;
@@ -122,9 +123,10 @@ struct Losses {
     after: f64,
     begun: Option<(f64, f64)>,
     ended: (f64, f64),
-    /// Flips of the sign of friction, all contacts together.
+    /// Flips of the sign of the friction of a pair of teeth.
     flips: u32,
-    sign: f64,
+    /// By the teeth of a pair.
+    rub: HashMap<[i64; 2], f64>,
     /// The scene once more.
     probe: Scene,
 }
@@ -145,9 +147,14 @@ impl Sink for Watch {
             l.ended = now;
         }
         let forces = l.probe.contact_forces(step.to.at());
-        let rub: f64 = forces.iter().map(|c| c.friction).sum();
-        l.flips += u32::from(rub * l.sign < 0.0);
-        l.sign = rub;
+        let mut rub = HashMap::<_, f64>::new();
+        for c in &forces {
+            *rub.entry(c.teeth.map(|t| t.index)).or_default() += c.friction;
+        }
+        for (teeth, rub) in rub {
+            let before = l.rub.insert(teeth, rub).unwrap_or(0.0);
+            l.flips += u32::from(rub * before < 0.0 && step.to.t >= l.after);
+        }
         control
     }
 }
@@ -162,7 +169,7 @@ fn watch([mut scene, probe]: [Scene; 2], step: f64, cycles: [f64; 2]) -> Watch {
             begun: None,
             ended: (0.0, 0.0),
             flips: 0,
-            sign: 0.0,
+            rub: HashMap::new(),
             probe,
         },
     };
@@ -212,7 +219,7 @@ fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
         let (with, without) = (run(Some(friction)), run(None));
         let loss = with.losses.power() - without.losses.power();
         let residual = with.ledger.residual() / with.ledger.dissipated;
-        let flips = f64::from(with.losses.flips) / 3.0;
+        let flips = f64::from(with.losses.flips) / 2.0;
         println!(
             "{}: {flips} flips a mesh cycle; {loss:.3} W, quasi-static {integral:.3} W, mu H_v P {by_factor:.3} W; damping {:.3} W; ledger open by {residual:.1e}",
             model.id,
@@ -228,13 +235,14 @@ fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
             "{}: {loss} {by_factor}",
             model.id
         );
-        // Each pair at its pitch point, and the sum of two pairs where they take over from each other.
+        // Each pair once, at its pitch point.
         assert!(
-            flips <= 6.0,
+            flips <= 1.5,
             "{}: friction chatters, {flips} flips",
             model.id
         );
-        assert!(residual.abs() < 1e-3, "{}: {residual}", model.id);
+        // Of the integrator, of second order: the same without friction.
+        assert!(residual.abs() < 2e-3, "{}: {residual}", model.id);
     }
 }
 
@@ -244,6 +252,8 @@ fn resting(of_limit: f64) -> SceneSpec {
     let layout = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
     let off = 0.25 * layout.base_pitch;
     spec.meshes[0].start.path_coordinate = Some(layout.pitch_point + off);
+    // About what the load presses them together by: little has to settle.
+    spec.meshes[0].start.gap = -12e-6;
     let normal_force = TORQUE / effective_radius(&spec.gears[1].body);
     let limit = MU * normal_force * 2.5 * off;
     let loads = [TORQUE / 1.5, TORQUE + of_limit * limit];
@@ -271,11 +281,11 @@ fn friction_holds_what_sticks_and_lets_go_beyond() {
         };
         let drift = |friction, of_limit| {
             let spec = resting(of_limit);
-            let mut scene = scene_of(&spec, &model, &rubbing(Some(friction), 0.05));
+            let mut scene = scene_of(&spec, &model, &rubbing(Some(friction), 0.2));
             let at = |scene: &Scene, s: &State| s.q[scene.gears()[1].range().start];
             let mut s = scene.initial();
             let mut reached = Vec::new();
-            for t_end in [6e-3, 9e-3] {
+            for t_end in [8e-3, 12e-3] {
                 let plan = TimePlan {
                     max_steps: 4_000_000,
                     ..TimePlan::new(t_end, resolution)
