@@ -24,6 +24,7 @@
 
 use crate::sampling::{Kind, Set, one_impact, sample};
 use crate::validate::{ValidationError, grid, outcome};
+use gearbench::experiment::runner::Runner;
 use gearbench::studies::choose::plan::{elastic, full};
 use gearbench::studies::choose::problem::Problem;
 use gearbench_integrators::table::{HHT_ALPHA, TRIGONOMETRIC};
@@ -31,6 +32,7 @@ use gearbench_models::scene::Scene;
 use gearbench_models::spec::{Body, Load, Profile, mesh_layout};
 use gearbench_reports::Metric;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 /// Modes of each elastic gear.
 const MODES: usize = 150;
@@ -77,13 +79,20 @@ impl Row {
     }
 }
 
-/// Runs a scene of a set both ways.
+/// Runs a scene of a set both ways; the runner keeps every run that has ended.
 ///
 /// # Errors
 /// [`ValidationError`]: a sampling that fails, a run that cannot start.
-pub fn compare(set: &Set, number: usize) -> Result<Row, ValidationError> {
+pub fn compare(
+    set: &Set,
+    number: usize,
+    runner: &Arc<Runner<'static>>,
+) -> Result<Row, ValidationError> {
     let sample = sample(set, number)?;
-    let mut problem = Problem::of(&sample.scene);
+    let mut problem = Problem {
+        runner: runner.clone(),
+        ..Problem::of(&sample.scene)
+    };
     for gear in &mut problem.flexible.gears {
         gear.damping_ratio = None;
     }
