@@ -183,12 +183,19 @@ impl Scene {
         let dot = |row: &[Entry], y: &[f64]| -> f64 {
             row.iter().map(|&(i, value)| value * y[i as usize]).sum()
         };
-        let mut of_points: Vec<f64> = (nodal.active.iter().enumerate())
-            .map(|(i, a)| {
-                a.force.dn_dg * dot(b.row(i), &y) + a.force.dn_dgdot * dot(b.row(i), &rate)
-            })
+        let mut rates: Vec<f64> = (0..nodal.active.len())
+            .map(|i| dot(b.row(i), &rate))
             .collect();
         let mut failed = nodal.failed;
+        let solved = nodal.solved.iter_mut().filter(|s| s.hard.is_none());
+        for s in solved.filter(|s| s.springs.iter().any(|s| s.force.dn_dgdot != 0.0)) {
+            failed |= s.solve.linearise_holding(&s.springs).is_err();
+            let rates = &mut rates[s.points.clone()];
+            s.solve.follow(&s.springs, rates, &mut Vec::new());
+        }
+        let mut of_points: Vec<f64> = (nodal.active.iter().zip(&rates).enumerate())
+            .map(|(i, (a, rate))| a.force.dn_dg * dot(b.row(i), &y) + a.force.dn_dgdot * rate)
+            .collect();
         for s in nodal.solved.iter_mut().filter(|s| !s.points.is_empty()) {
             if let Some(hard) = &mut s.hard {
                 let points = &mut of_points[s.points.clone()];

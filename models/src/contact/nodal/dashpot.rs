@@ -9,7 +9,18 @@
 //! ```
 //!
 //! over *ports*: the nodes of the gears, and behind them the hubs that are free to move, whose weights are the effective
-//! radii. `r*` is the rate before the contact acts. The kicks at both sides of an instant then make the implicit midpoint
+//! radii. `r*` is the rate before the contact acts.
+//!
+//! **Rates follow.** As a gap closes the nodes that are held by residual compliance give way, and what is left for the
+//! dashpot is what the point itself is squeezed by. With the stiffness `K` of the points, quasi-statically,
+//!
+//! ```text
+//! r = D b,    D = (I + W^T R W K)^-1,    b = r* + tau W^T Y F
+//! ```
+//!
+//! with the rates `b` before residual compliance. Linearly `F = (I + K W^T R W)^-1 (K g0 + c D b)` loses `b . D^T c D b`,
+//! never less than nothing, which is what nodes with their masses lose as far as these are slow beside `c/K`. (With `b`
+//! in the place of `r` an impact loses twice as much as that of finite elements.) The kicks at both sides of an instant then make the implicit midpoint
 //! rule for the dashpots, `v+ - v- = h M^-1 B^T N((v+ + v-)/2)`: of second order, and stable whatever `c h / m` (E.
 //! Hairer, Ch. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, ch. II.1; for dampers in
 //! position-explicit methods T. J. R. Hughes, *The Finite Element Method*, 1987, sec. 9.1.2).
@@ -52,6 +63,45 @@ pub struct Ports {
     pub compliance: Vec<f64>,
     /// `tau Y` alike [m/s/N]; empty where rates do not answer.
     pub mobility: Vec<f64>,
+    /// `T`, a row of all ports for each node, where nodes follow: as ports move inwards by `y`, the gap of a point closes
+    /// by `w . (y - T y)`; else empty.
+    pub following: Vec<f64>,
+    /// `(I - T) tau Y`, full rows; empty where nothing follows or rates do not answer.
+    answer: Vec<f64>,
+}
+
+impl Ports {
+    /// Sets what rates answer with, from mobility and following.
+    fn combine(&mut self) {
+        self.answer.clear();
+        if self.mobility.is_empty() || self.following.is_empty() {
+            return;
+        }
+        let n = self.n;
+        self.answer.resize(n * n, 0.0);
+        let mut begin = 0;
+        for b in &self.blocks {
+            for i in 0..b.len {
+                let row = &self.mobility[begin..][..b.len];
+                begin += b.len;
+                let port = b.start + i;
+                let own = &mut self.answer[port * n + b.start..][..b.len];
+                for (x, y) in own.iter_mut().zip(row) {
+                    *x += y;
+                }
+                for (node, line) in self.following.chunks_exact(n).enumerate() {
+                    let t = line[port];
+                    if t == 0.0 {
+                        continue;
+                    }
+                    let out = &mut self.answer[node * n + b.start..][..b.len];
+                    for (x, y) in out.iter_mut().zip(row) {
+                        *x -= t * y;
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// The solve and its buffers.
@@ -103,6 +153,7 @@ impl DashpotSolve {
     /// [`Singular`] where numbers are not finite or the iteration does not end.
     pub fn solve(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
         let n = self.ports.n;
+        self.ports.combine();
         self.force.clear();
         self.force.resize(n, 0.0);
         for (s, p) in springs.iter().zip(&self.points) {
@@ -165,7 +216,14 @@ impl DashpotSolve {
     fn residual(&mut self, springs: &mut [Spring]) -> f64 {
         let p = &self.ports;
         apply(&p.blocks, &p.compliance, &self.force, &mut self.gaps);
-        apply(&p.blocks, &p.mobility, &self.force, &mut self.rates);
+        if p.answer.is_empty() {
+            apply(&p.blocks, &p.mobility, &self.force, &mut self.rates);
+        } else {
+            let of_port =
+                |row: &[f64]| -> f64 { row.iter().zip(&self.force).map(|(a, f)| a * f).sum() };
+            self.rates.clear();
+            self.rates.extend(p.answer.chunks_exact(p.n).map(of_port));
+        }
         self.line.clear();
         self.line.extend(self.force.iter().map(|f| -f));
         for (s, p) in springs.iter_mut().zip(&self.points) {
@@ -220,7 +278,7 @@ impl DashpotSolve {
                         }
                     };
                     add(&mut self.line, &p.compliance[at..][..b.len], slopes.0 * w);
-                    if slopes.1 != 0.0 && !p.mobility.is_empty() {
+                    if slopes.1 != 0.0 && !p.mobility.is_empty() && p.answer.is_empty() {
                         add(&mut self.line, &p.mobility[at..][..b.len], slopes.1 * w);
                     }
                 }
@@ -235,6 +293,25 @@ impl DashpotSolve {
                             *x += w * a;
                         }
                     }
+                }
+            }
+            if slopes.1 == 0.0 || p.answer.is_empty() {
+                continue;
+            }
+            // c (w . (I - T) tau Y) over all ports at once.
+            self.line.clear();
+            self.line.resize(n, 0.0);
+            let ports = || point.ports.iter().zip(&point.weights);
+            for (&i, &w) in ports().filter(|(_, w)| **w != 0.0) {
+                let row = &p.answer[i as usize * n..][..n];
+                for (x, a) in self.line.iter_mut().zip(row) {
+                    *x += slopes.1 * w * a;
+                }
+            }
+            for (&i, &w) in ports().filter(|(_, w)| **w != 0.0) {
+                let row = &mut self.matrix[i as usize * n..][..n];
+                for (x, a) in row.iter_mut().zip(&self.line) {
+                    *x += w * a;
                 }
             }
         }

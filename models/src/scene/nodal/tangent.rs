@@ -4,21 +4,22 @@
 //! with a field, the touched coordinates of any other. In these
 //!
 //! ```text
-//! dN = h + D_g W z,    z = (I + R S)^-1 R W^T h,    h = D_g V dy + D_r V dy',    df = E^T V^T dN
+//! dN = h + D_g W z,    z = (I + R S)^-1 R W^T h,    h = D_g V dy + D_r D V dy',    df = E^T V^T dN
 //! ```
 //!
-//! with the derivatives `D` of the laws and the points' rows `V`. With the weights of a Newton matrix `h = D_c V y`,
-//! `D_c = c.k D_g + c.d D_r`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
+//! with the derivatives `D_g`, `D_r` of the laws, the points' rows `V`, and `D` by which the nodes follow
+//! ([`DashpotSolve`](crate::contact::nodal::DashpotSolve)). With the weights of a Newton matrix `h = D_c V y`,
+//! `D_c = c.k D_g + c.d D_r D`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
 //! the correction is
 //!
 //! ```text
 //! (I - G T) y = y0,    G = E A0^-1 E^T,    x = x0 + A0^-1 E^T T y
 //! ```
 //!
-//! How directions turn with the state is left out: a part `g / rho` of what is kept.
+//! How directions turn with the state is left out: a part `g / rho` of what is kept; and how `D` changes as points close.
 
-use super::islands::Nodal;
-use crate::contact::nodal::UNUSED;
+use super::islands::{Nodal, Solved};
+use crate::contact::nodal::{Spring, UNUSED};
 use crate::kinematics::Row;
 use crate::scene::active::{Active, Answer, Tangent};
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -56,6 +57,8 @@ pub(in crate::scene) struct Reduced {
     pub(in crate::scene) elastic: Vec<f64>,
     pub(in crate::scene) weighted: Vec<f64>,
     pub(in crate::scene) column: Vec<f64>,
+    /// What nodes follow of the rates of an island's points, column by column.
+    pub(in crate::scene) followed: Vec<f64>,
 }
 
 impl Reduced {
@@ -196,6 +199,22 @@ impl Reduced {
                 }
                 continue;
             }
+            let damped = s.springs.iter().any(|s| s.force.dn_dgdot != 0.0);
+            if damped && c.d != 0.0 {
+                self.follow(s)?;
+            } else {
+                self.followed.clear();
+            }
+            let points = s.points.clone();
+            // c.d D_r of the part of the rates that nodes follow.
+            let of_followed = |spring: &Spring| c.d * spring.force.dn_dgdot;
+            for (j, column) in self.followed.chunks_exact(points.len()).enumerate() {
+                for ((i, spring), x) in points.clone().zip(&s.springs).zip(column) {
+                    for &(k, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
+                        response[k as usize * size + j] += value * of_followed(spring) * x;
+                    }
+                }
+            }
             s.solve.linearise(&s.springs)?;
             let n = s.solve.nodes();
             for (out, weights) in [
@@ -214,6 +233,11 @@ impl Reduced {
                     }
                 }
             }
+            for (j, column) in self.followed.chunks_exact(points.len()).enumerate() {
+                for (spring, x) in s.springs.iter().zip(column) {
+                    spring.add(of_followed(spring) * x, &mut self.weighted[j * n..][..n]);
+                }
+            }
             for j in 0..size {
                 let column = &mut self.weighted[j * n..][..n];
                 if column.iter().all(|x| *x == 0.0) {
@@ -228,6 +252,32 @@ impl Reduced {
             }
         }
         self.response = response;
+        Ok(())
+    }
+
+    /// What the nodes of an island follow of the rates of its points, `(D - I) V`, into `followed`, column by column.
+    fn follow(&mut self, s: &mut Solved) -> Result<(), Singular> {
+        s.solve.linearise_holding(&s.springs)?;
+        self.followed.clear();
+        self.followed.resize(self.size * s.springs.len(), 0.0);
+        let mut columns = self.followed.chunks_exact_mut(s.springs.len());
+        let mut rows: Vec<&mut [f64]> = columns.by_ref().collect();
+        for (at, i) in s.points.clone().enumerate() {
+            for &(j, value) in &self.entries[self.begins[i]..self.begins[i + 1]] {
+                rows[j as usize][at] += value;
+            }
+        }
+        for column in rows {
+            if column.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            self.column.clear();
+            self.column.extend_from_slice(column);
+            s.solve.follow(&s.springs, column, &mut self.weighted);
+            for (x, own) in column.iter_mut().zip(&self.column) {
+                *x -= own;
+            }
+        }
         Ok(())
     }
 
