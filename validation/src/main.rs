@@ -24,7 +24,9 @@ use gearbench::cli::progress::Display;
 use gearbench::cli::study_folder::StudyFolder;
 use gearbench::cli::terminal::{self, Refusal, put, say};
 use gearbench::experiment::conditions::silent;
+use gearbench::experiment::journal::{JOURNAL, Journal};
 use gearbench::experiment::machine;
+use gearbench::experiment::runner::Runner;
 use gearbench_reference::reduction::cache::{self, Cache};
 use gearbench_reports::Study;
 use gearbench_reports::choice_check::{CheckRecord, Outcome, ValidatedChoice, share};
@@ -32,6 +34,7 @@ use gearbench_reports::record::{Part, Results};
 use sampling::SampleError;
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use std::sync::Arc;
 use validate::ValidationError;
 
 /// Share of scenes that choices are to meet, and cost ratio that their median is to keep.
@@ -78,9 +81,13 @@ fn print(set: &str, number: usize) -> Result<Answer, Refusal> {
 fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
     let set = sampling::set(&args.set).map_err(refuse_sample)?;
     let [first, last] = args.scenes.unwrap_or([1, set.scenes]);
+    // A campaign of hours that is killed goes on with the same command.
+    let kept = args.out.with_extension(JOURNAL);
+    let journal = Journal::open(&kept, false).map_err(|e| Refusal::Files(e.to_string()))?;
+    let runner = Arc::new(Runner::new(journal, &silent));
     let mut rows = Vec::new();
     for number in first..=last {
-        let row = reduction::compare(&set, number).map_err(refuse)?;
+        let row = reduction::compare(&set, number, &runner).map_err(refuse)?;
         say(&format!(
             "{}: {}, {}, force {}",
             row.scene,
@@ -95,6 +102,7 @@ fn reduce(args: &arguments::Reduction) -> Result<Answer, Refusal> {
         std::fs::write(&args.out, reduction::csv(&rows))
             .map_err(|e| Refusal::Files(format!("{}: {e}", args.out.display())))?;
     }
+    std::fs::remove_file(&kept).map_err(|e| Refusal::Files(format!("{}: {e}", kept.display())))?;
     let ended = rows.iter().filter(|r| r.ended()).count();
     let within = rows.iter().filter(|r| r.is_within()).count();
     say(&format!(

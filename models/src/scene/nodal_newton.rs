@@ -185,17 +185,25 @@ impl Scene {
             row.iter().map(|&(i, value)| value * y[i as usize]).sum()
         };
         let [normal, sliding] = &b.rows;
+        let mut rates: Vec<f64> = (0..nodal.active.len())
+            .map(|i| dot(normal.row(i), &rate))
+            .collect();
+        let mut failed = nodal.failed;
+        let solved = nodal.solved.iter_mut().filter(|s| s.hard.is_none());
+        for s in solved.filter(|s| s.springs.iter().any(|s| s.force.dn_dgdot != 0.0)) {
+            failed |= s.solve.linearise_holding(&s.springs).is_err();
+            let rates = &mut rates[s.points.clone()];
+            s.solve.follow(&s.springs, rates, &mut Vec::new());
+        }
         // Changes of the forces of all points, along the normal and of friction.
-        let mut of_points: Vec<[f64; 2]> = (nodal.active.iter().enumerate())
-            .map(|(i, a)| {
-                let row = normal.row(i);
+        let mut of_points: Vec<[f64; 2]> = (nodal.active.iter().zip(&rates).enumerate())
+            .map(|(i, (a, by_rate))| {
                 [
-                    a.force.dn_dg * dot(row, &y) + a.force.dn_dgdot * dot(row, &rate),
+                    a.force.dn_dg * dot(normal.row(i), &y) + a.force.dn_dgdot * by_rate,
                     a.sliding.force.df_dv * dot(sliding.row(i), &rate),
                 ]
             })
             .collect();
-        let mut failed = nodal.failed;
         for (s, island) in nodal.solved.iter_mut().zip(&nodal.islands) {
             let points = &mut of_points[s.points.clone()];
             if points.is_empty() {

@@ -26,7 +26,8 @@ mod toothing;
 
 pub use sets::{SampleError, Set, set};
 
-use distributions::{Kind, LONGEST, Parameters, parameters};
+pub use distributions::Kind;
+use distributions::{LONGEST, Parameters, parameters};
 use gearbench::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::mesh_layout;
 use gearbench_reports::Metric;
@@ -38,6 +39,8 @@ const BEARABLE: f64 = 150e6;
 /// Flight after an impact that belongs to the scene, over the length of the impact, and flight that there must be:
 /// softer gears part later.
 const AFTER: [f64; 2] = [0.35, 0.6];
+/// Flight before the first of several impacts, over the length of an impact, where it is run alone.
+const FLIGHT: f64 = 0.25;
 /// Part of the flight after the last of several impacts that belongs to the scene.
 const AFTER_LAST: f64 = 0.3;
 /// Part of the path of contact at either end where no impact starts: there the corners of tips touch.
@@ -99,6 +102,24 @@ pub fn sample(set: &Set, number: usize) -> Result<Sample, SampleError> {
         number,
         last,
     })
+}
+
+/// The first impact of a scene of several: the gap to start with, so that what flies before is short, and the duration up
+/// to its end and some flight [m, s].
+///
+/// # Errors
+/// [`SampleError`]: the scene cannot be built.
+pub fn one_impact(sample: &Sample) -> Result<(f64, f64), SampleError> {
+    let mut scene = sample.scene.clone();
+    let first = |scene: &SceneFile| -> Result<[f64; 2], SampleError> {
+        let (_, contacts) = rigid::contacts(scene, sample.contact_time)?;
+        Ok(contacts.first().copied().unwrap_or([0.0, scene.duration]))
+    };
+    let [touch, _] = first(&scene)?;
+    let gap = scene.spec.meshes[0].start.gap * (FLIGHT * sample.contact_time / touch).min(1.0);
+    scene.spec.meshes[0].start.gap = gap;
+    let [from, to] = first(&scene)?;
+    Ok((gap, to + AFTER[0] * (to - from)))
 }
 
 /// Numbers of the scenes of a set that are validated against full finite elements: the first that have one impact.

@@ -11,8 +11,20 @@
 //! ```
 //!
 //! over *ports*: the nodes of the gears, outwards (`w`) and along the profile (`z`), and behind them the hubs that are free
-//! to move, whose weights are the effective radii. `r*` and `s*` are the rates before the contact acts. The kicks at both
-//! sides of an instant then make the implicit midpoint
+//! to move, whose weights are the effective radii. `r*` and `s*` are the rates before the contact acts.
+//!
+//! **Rates follow.** As a gap closes the nodes that are held by residual compliance give way, and what is left for the
+//! dashpot is what the point itself is squeezed by. With the stiffness `K` of the points, quasi-statically,
+//!
+//! ```text
+//! r = D b,    D = (I + W^T R W K)^-1,    b = r* + tau W^T Y F
+//! ```
+//!
+//! with the rates `b` before residual compliance. Linearly `F = (I + K W^T R W)^-1 (K g0 + c D b)` loses `b . D^T c D b`,
+//! never less than nothing, which is what nodes with their masses lose as far as these are slow beside `c/K`. (With `b`
+//! in the place of `r` an impact loses twice as much as that of finite elements.) Sliding speeds follow nothing.
+//!
+//! The kicks at both sides of an instant then make the implicit midpoint
 //! rule for the dashpots, `v+ - v- = h M^-1 B^T N((v+ + v-)/2)`, and for friction alike: of second order, and stable
 //! whatever `c h / m`, so that friction holds what sticks without chatter however steep its regularisation is (E.
 //! Hairer, Ch. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, ch. II.1; for dampers in
@@ -65,6 +77,48 @@ pub struct Ports {
     pub compliance: Vec<f64>,
     /// `tau Y` alike [m/s/N]; empty where rates do not answer.
     pub mobility: Vec<f64>,
+    /// `T`, a row of all ports for each node, where nodes follow: as ports move inwards by `y`, the gap of a point closes
+    /// by `w . (y - T y)`; else empty.
+    pub following: Vec<f64>,
+    /// Port of each of those nodes.
+    pub of_nodes: Vec<u32>,
+    /// `(I - T) tau Y`, full rows; empty where nothing follows or rates do not answer.
+    answer: Vec<f64>,
+}
+
+impl Ports {
+    /// Sets what rates answer with, from mobility and following.
+    fn combine(&mut self) {
+        self.answer.clear();
+        if self.mobility.is_empty() || self.following.is_empty() {
+            return;
+        }
+        let n = self.n;
+        self.answer.resize(n * n, 0.0);
+        let mut begin = 0;
+        for b in &self.blocks {
+            for i in 0..b.len {
+                let row = &self.mobility[begin..][..b.len];
+                begin += b.len;
+                let port = b.start + i;
+                let own = &mut self.answer[port * n + b.start..][..b.len];
+                for (x, y) in own.iter_mut().zip(row) {
+                    *x += y;
+                }
+                let lines = self.following.chunks_exact(n);
+                for (&node, line) in self.of_nodes.iter().zip(lines) {
+                    let t = line[port];
+                    if t == 0.0 {
+                        continue;
+                    }
+                    let out = &mut self.answer[node as usize * n + b.start..][..b.len];
+                    for (x, y) in out.iter_mut().zip(row) {
+                        *x -= t * y;
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// The solve and its buffers.
@@ -77,6 +131,7 @@ pub struct DissipativeSolve {
     force: Vec<f64>,
     gaps: Vec<f64>,
     rates: Vec<f64>,
+    slips: Vec<f64>,
     matrix: Vec<f64>,
     step: Vec<f64>,
     line: Vec<f64>,
@@ -124,6 +179,7 @@ impl DissipativeSolve {
     /// # Errors
     /// [`Singular`] where numbers are not finite or the iteration does not end.
     pub fn solve(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
+        self.ports.combine();
         self.force.clear();
         self.force.resize(self.ports.n, 0.0);
         for (s, p) in springs.iter().zip(&self.points) {
@@ -186,7 +242,15 @@ impl DissipativeSolve {
     fn residual(&mut self, springs: &mut [Spring]) -> f64 {
         let p = &self.ports;
         apply(&p.blocks, &p.compliance, &self.force, &mut self.gaps);
-        apply(&p.blocks, &p.mobility, &self.force, &mut self.rates);
+        apply(&p.blocks, &p.mobility, &self.force, &mut self.slips);
+        self.rates.clear();
+        if p.answer.is_empty() {
+            self.rates.extend_from_slice(&self.slips);
+        } else {
+            let of_port =
+                |row: &[f64]| -> f64 { row.iter().zip(&self.force).map(|(a, f)| a * f).sum() };
+            self.rates.extend(p.answer.chunks_exact(p.n).map(of_port));
+        }
         self.line.clear();
         self.line.extend(self.force.iter().map(|f| -f));
         for (s, p) in springs.iter_mut().zip(&self.points) {
@@ -195,7 +259,7 @@ impl DissipativeSolve {
             s.force = s.law.at_point(s.gap, rate, s.stiffness);
             p.normal.add(s.force.n, &mut self.line);
             if let Some(friction) = &s.friction {
-                let slip = s.slip + p.sliding.along(&self.rates);
+                let slip = s.slip + p.sliding.along(&self.slips);
                 s.rub = friction.force(s.force.n, slip);
                 p.sliding.add(s.rub.f, &mut self.line);
             }
@@ -218,21 +282,26 @@ impl DissipativeSolve {
             let Ported { normal, sliding } = self.points[i];
             let slopes = [-s.force.dn_dg, -s.force.dn_dgdot];
             if slopes != [0.0; 2] {
-                self.answer(&normal, slopes);
+                if slopes[1] == 0.0 || self.ports.answer.is_empty() {
+                    self.respond(&normal, slopes);
+                } else {
+                    self.respond(&normal, [slopes[0], 0.0]);
+                    self.follow(&normal, slopes[1]);
+                }
                 self.add_outer(&normal, 1.0);
                 if s.rub.df_dn != 0.0 {
                     self.add_outer(&sliding, s.rub.df_dn);
                 }
             }
             if s.rub.df_dv != 0.0 && !self.ports.mobility.is_empty() {
-                self.answer(&sliding, [0.0, -s.rub.df_dv]);
+                self.respond(&sliding, [0.0, -s.rub.df_dv]);
                 self.add_outer(&sliding, 1.0);
             }
         }
     }
 
     /// `line = k R w + c tau Y w` in the blocks that `touched` names: both matrices are symmetric.
-    fn answer(&mut self, of: &OverPorts, [k, c]: [f64; 2]) {
+    fn respond(&mut self, of: &OverPorts, [k, c]: [f64; 2]) {
         let p = &self.ports;
         self.line.clear();
         self.line.resize(p.n, 0.0);
@@ -267,6 +336,21 @@ impl DissipativeSolve {
         }
     }
 
+    /// Adds `c (w . (I - T) tau Y)` over all ports to `line`.
+    fn follow(&mut self, of: &OverPorts, c: f64) {
+        let p = &self.ports;
+        for (&i, &w) in of.ports.iter().zip(&of.weights) {
+            if w != 0.0 {
+                let row = &p.answer[i as usize * p.n..][..p.n];
+                for (x, a) in self.line.iter_mut().zip(row) {
+                    *x += c * w * a;
+                }
+            }
+        }
+        self.touched.clear();
+        self.touched.push((0, p.n));
+    }
+
     /// Adds `factor w line^T` to the matrix.
     fn add_outer(&mut self, of: &OverPorts, factor: f64) {
         for (&i, &w) in of.ports.iter().zip(&of.weights) {
@@ -288,8 +372,9 @@ impl DissipativeSolve {
     /// [`Singular`].
     pub fn factorise(&mut self, springs: &[Spring]) -> Result<(), Singular> {
         let mobility = std::mem::take(&mut self.ports.mobility);
+        let answer = std::mem::take(&mut self.ports.answer);
         self.linearise(springs);
-        self.ports.mobility = mobility;
+        (self.ports.mobility, self.ports.answer) = (mobility, answer);
         self.factor.set(&mut self.matrix, self.ports.n)
     }
 

@@ -47,4 +47,4 @@ pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};
 pub use solve::NodalSolve;
-pub use spring::{Spring, UNUSED};
+pub use spring::{Spring, UNUSED, deepest};

@@ -19,7 +19,7 @@
 //! decide on that set the search for it begins afresh.
 
 use super::compliance::{Block, Compliance};
-use super::spring::{Gathered, Spring, add_points, elastic_at};
+use super::spring::{Gathered, Spring, add_points, deepest, elastic_at};
 use crate::cholesky::{backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded};
 use gearbench_integrators::system::Singular;
 
@@ -268,6 +268,33 @@ impl NodalSolve {
         self.factorise()
     }
 
+    /// The same at the stiffness by which points [hold](Spring::holding) their nodes.
+    ///
+    /// # Errors
+    /// [`Singular`] where numbers are not finite.
+    pub fn linearise_holding(&mut self, springs: &[Spring]) -> Result<(), Singular> {
+        self.compliance.take_root();
+        let deepest = deepest(springs);
+        let holding = springs.iter().map(|s| (s, s.holding(deepest), 0.0));
+        self.assemble(holding.filter(|(_, k, _)| *k > 0.0));
+        self.factorise()
+    }
+
+    /// Takes from the rates of gaps what the nodes follow, at the last factor, which is that of
+    /// [`Self::linearise_holding`].
+    pub fn follow(&mut self, springs: &[Spring], rates: &mut [f64], nodes: &mut Vec<f64>) {
+        nodes.clear();
+        nodes.resize(self.compliance.n, 0.0);
+        let deepest = deepest(springs);
+        for (s, rate) in springs.iter().zip(&*rates) {
+            s.add(s.holding(deepest) * rate, nodes);
+        }
+        self.apply_compliance(nodes);
+        for (s, rate) in springs.iter().zip(rates) {
+            *rate -= s.along(nodes);
+        }
+    }
+
     /// `x <- (I + R S)^-1 R x` with the last factor: how nodes give way, inwards, when forces on them grow by `x`.
     pub fn apply_compliance(&mut self, x: &mut [f64]) {
         self.nodal.clear();
@@ -277,8 +304,8 @@ impl NodalSolve {
         (self.compliance).add_root_transposed(&self.nodal, &mut self.y);
         forward(&self.small, &mut self.y);
         backward(&self.small, &mut self.y);
-        self.compliance.displace(&self.y, &mut self.u);
-        x.copy_from_slice(&self.u);
+        self.compliance.displace(&self.y, &mut self.trial);
+        x.copy_from_slice(&self.trial);
     }
 
     /// `S` and, in `nodal`, `f0`, from points with stiffness and force without displacement.

@@ -45,6 +45,17 @@ impl Spring {
         sum
     }
 
+    /// Stiffness by which the point holds its nodes as its gap moves [N/m]; grows from zero with the overlap, so that
+    /// what follows from it has no jump where points close.
+    #[inline]
+    pub fn holding(&self, deepest: f64) -> f64 {
+        let gap = self.elastic.0;
+        if gap >= 0.0 {
+            return 0.0;
+        }
+        -elastic_at(self, gap).dn_dg * (-gap / (HOLDS * deepest)).min(1.0)
+    }
+
     /// `f += x w`.
     #[inline]
     pub fn add(&self, x: f64, f: &mut [f64]) {
@@ -52,6 +63,14 @@ impl Spring {
             f[i as usize] += x * w;
         }
     }
+}
+
+/// Part of the deepest elastic overlap from which on a point holds its nodes with all its stiffness, when rates are told.
+const HOLDS: f64 = 0.1;
+
+/// Deepest overlap of points under their elastic forces [m].
+pub fn deepest(springs: &[Spring]) -> f64 {
+    springs.iter().fold(0.0, |d, s| d.max(-s.elastic.0))
 }
 
 /// Displacements at the nodes of a point, kept for its neighbours on the same faces.

@@ -1,7 +1,7 @@
 //! Dashpots and friction of an island: its ports, and what they do under forces.
 
 use super::islands::{Island, Nodal, Solved};
-use crate::contact::nodal::{Block, Ported};
+use crate::contact::nodal::{Block, DissipativeSolve, NodalSolve, Ported, Spring, deepest};
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::{HalfKick, Singular};
 
@@ -135,6 +135,15 @@ impl Nodal {
             }
             dissipative.points.push(point);
         }
+        dissipative.ports.following.clear();
+        if !island.compliant.is_empty() && island.damped {
+            let ports = &mut dissipative.ports;
+            let to = ports.blocks.iter().zip(&*blocks);
+            ports.of_nodes.clear();
+            (ports.of_nodes)
+                .extend(to.flat_map(|(to, from)| (0..from.len).map(|i| (to.start + i) as u32)));
+            follow(solve, springs, dissipative)?;
+        }
         dissipative.solve(springs)?;
         let (ports, u) = dissipative.displacements();
         outward.clear();
@@ -162,4 +171,45 @@ fn fill<'a>(
 pub(super) fn along_profile(gear: &SceneGear, island: &Island) -> Option<u32> {
     let field = gear.model.displacement().filter(|_| island.slides)?;
     field.along_profile()
+}
+
+/// Takes from the rates what the nodes follow, and tells what of the motion of ports they do, where rates answer.
+fn follow(
+    solve: &mut NodalSolve,
+    springs: &mut [Spring],
+    dissipative: &mut DissipativeSolve,
+) -> Result<(), Singular> {
+    let DissipativeSolve { ports, points, .. } = dissipative;
+    solve.linearise_holding(springs)?;
+    let mut rates: Vec<f64> = springs.iter().map(|s| s.rate).collect();
+    let mut column = Vec::new();
+    solve.follow(springs, &mut rates, &mut column);
+    let deepest = deepest(springs);
+    let (nodes, n) = (solve.nodes(), ports.n);
+    if !ports.mobility.is_empty() {
+        // Columns of W K P^T, port by port.
+        let mut columns = vec![0.0; nodes * n];
+        for (s, p) in springs.iter().zip(points) {
+            let k = s.holding(deepest);
+            for (&port, w) in p.normal.ports.iter().zip(p.normal.weights) {
+                if k * w != 0.0 {
+                    s.add(k * w, &mut columns[port as usize * nodes..][..nodes]);
+                }
+            }
+        }
+        ports.following.resize(nodes * n, 0.0);
+        for (port, column) in columns.chunks_exact_mut(nodes).enumerate() {
+            if column.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            solve.apply_compliance(column);
+            for (node, x) in column.iter().enumerate() {
+                ports.following[node * n + port] = *x;
+            }
+        }
+    }
+    for (s, rate) in springs.iter_mut().zip(rates) {
+        s.rate = rate;
+    }
+    Ok(())
 }

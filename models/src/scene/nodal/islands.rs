@@ -77,6 +77,8 @@ pub(in crate::scene) struct Island {
     pub hubs: Vec<usize>,
     /// A mesh has dashpots or friction.
     pub dissipates: bool,
+    /// A mesh has dashpots.
+    pub damped: bool,
     /// A mesh has friction.
     pub slides: bool,
 }
@@ -186,6 +188,7 @@ pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Ve
             fields: of(mesh, &|g| gears[g].model.displacement().is_some()),
             hubs: of(mesh, &|g| gears[g].model.hub().coordinates() > 0),
             dissipates: mesh.dissipates(),
+            damped: mesh.law.is_dissipative(),
             slides: mesh.friction.is_some(),
         };
         // Dashpots and friction also answer to the masses that they share.
@@ -200,6 +203,7 @@ pub(in crate::scene) fn islands(gears: &[SceneGear], meshes: &[SceneMesh]) -> Ve
             let other: Island = other;
             own.meshes.extend(other.meshes);
             own.dissipates |= other.dissipates;
+            own.damped |= other.damped;
             own.slides |= other.slides;
             for (own, other) in [
                 (&mut own.compliant, other.compliant),

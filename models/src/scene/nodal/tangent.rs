@@ -4,11 +4,12 @@
 //! with a field, the touched coordinates of any other. In these
 //!
 //! ```text
-//! dN = h + D_g W z,    z = (I + R S)^-1 R W^T h,    h = D_g V dy + D_r V dy',    df = E^T V^T dN
+//! dN = h + D_g W z,    z = (I + R S)^-1 R W^T h,    h = D_g V dy + D_r D V dy',    df = E^T V^T dN
 //! ```
 //!
-//! with the derivatives `D` of the laws and the points' rows `V`. With the weights of a Newton matrix `h = D_c V y`,
-//! `D_c = c.k D_g + c.d D_r`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
+//! with the derivatives `D_g`, `D_r` of the laws, the points' rows `V`, and `D` by which the nodes follow
+//! ([`DissipativeSolve`](crate::contact::nodal::DissipativeSolve)). With the weights of a Newton matrix `h = D_c V y`,
+//! `D_c = c.k D_g + c.d D_r D`, so forces respond with `T = V^T D_c V + (W^T D_g V)^T (I + R S)^-1 R (W^T D_c V)`, and
 //! the correction is
 //!
 //! ```text
@@ -18,10 +19,10 @@
 //! Points with friction have a second row each, along the profile, and neighbours that their friction moves as well: the
 //! changes of both forces come out of [`DissipativeSolve::tangent`](crate::contact::nodal::DissipativeSolve::tangent).
 //!
-//! How directions turn with the state is left out: a part `g / rho` of what is kept.
+//! How directions turn with the state is left out: a part `g / rho` of what is kept; and how `D` changes as points close.
 
 use super::islands::{Nodal, Solved};
-use crate::contact::nodal::UNUSED;
+use crate::contact::nodal::{Spring, UNUSED};
 use crate::kinematics::Row;
 use crate::scene::active::{Active, Answer, Tangent};
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -84,6 +85,8 @@ pub(in crate::scene) struct Reduced {
     pub(in crate::scene) elastic: Vec<f64>,
     pub(in crate::scene) weighted: Vec<f64>,
     pub(in crate::scene) column: Vec<f64>,
+    /// What nodes follow of the rates of an island's points, column by column.
+    pub(in crate::scene) followed: Vec<f64>,
 }
 
 impl Reduced {
@@ -249,6 +252,22 @@ impl Reduced {
                 }
                 continue;
             }
+            let damped = s.springs.iter().any(|s| s.force.dn_dgdot != 0.0);
+            if damped && c.d != 0.0 {
+                self.follow(s)?;
+            } else {
+                self.followed.clear();
+            }
+            let points = s.points.clone();
+            // c.d D_r of the part of the rates that nodes follow.
+            let of_followed = |spring: &Spring| c.d * spring.force.dn_dgdot;
+            for (j, column) in self.followed.chunks_exact(points.len()).enumerate() {
+                for ((i, spring), x) in points.clone().zip(&s.springs).zip(column) {
+                    for &(k, value) in self.rows[0].row(i) {
+                        response[k as usize * size + j] += value * of_followed(spring) * x;
+                    }
+                }
+            }
             s.solve.linearise(&s.springs)?;
             let n = s.solve.nodes();
             for (out, weights) in [
@@ -265,6 +284,11 @@ impl Reduced {
                             out[j as usize * n + node as usize] += d * w * value;
                         }
                     }
+                }
+            }
+            for (j, column) in self.followed.chunks_exact(points.len()).enumerate() {
+                for (spring, x) in s.springs.iter().zip(column) {
+                    spring.add(of_followed(spring) * x, &mut self.weighted[j * n..][..n]);
                 }
             }
             for j in 0..size {
@@ -286,11 +310,15 @@ impl Reduced {
 
     /// Adds `T` of the points of an island with friction.
     fn respond_sliding(
-        &self,
+        &mut self,
         s: &mut Solved,
         c: Coeffs,
         response: &mut [f64],
     ) -> Result<(), Singular> {
+        self.followed.clear();
+        if c.d != 0.0 && s.springs.iter().any(|s| s.force.dn_dgdot != 0.0) {
+            self.follow(s)?;
+        }
         s.dissipative.factorise(&s.springs)?;
         let (size, points) = (self.size, s.points.len());
         // What the forces of all points change by with each entry of `y`, were their neighbours to stay.
@@ -307,6 +335,9 @@ impl Reduced {
                 }
             }
         }
+        for (i, (changes, followed)) in changes.iter_mut().zip(&self.followed).enumerate() {
+            changes[0] += c.d * s.springs[i % points].force.dn_dgdot * followed;
+        }
         for (j, changes) in changes.chunks_exact_mut(points).enumerate() {
             if changes.iter().all(|x| *x == [0.0; 2]) {
                 continue;
@@ -318,6 +349,32 @@ impl Reduced {
                         response[k as usize * size + j] += value * *dn;
                     }
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// What the nodes of an island follow of the rates of its points, `(D - I) V`, into `followed`, column by column.
+    fn follow(&mut self, s: &mut Solved) -> Result<(), Singular> {
+        s.solve.linearise_holding(&s.springs)?;
+        self.followed.clear();
+        self.followed.resize(self.size * s.springs.len(), 0.0);
+        let mut columns = self.followed.chunks_exact_mut(s.springs.len());
+        let mut rows: Vec<&mut [f64]> = columns.by_ref().collect();
+        for (at, i) in s.points.clone().enumerate() {
+            for &(j, value) in self.rows[0].row(i) {
+                rows[j as usize][at] += value;
+            }
+        }
+        for column in rows {
+            if column.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            self.column.clear();
+            self.column.extend_from_slice(column);
+            s.solve.follow(&s.springs, column, &mut self.weighted);
+            for (x, own) in column.iter_mut().zip(&self.column) {
+                *x -= own;
             }
         }
         Ok(())

@@ -31,6 +31,7 @@ fn forces_hold_at_the_end_of_the_kick() {
                 blocks: vec![Block { start: 0, len: 1 }, Block { start: 1, len: 1 }],
                 compliance: vec![r, 0.0],
                 mobility: vec![y, 2.0 * y],
+                ..Ports::default()
             },
             points: (0..4)
                 .map(|i| {
