@@ -165,6 +165,8 @@ impl DashpotSolve {
         let mut norm = self.residual(springs);
         let (mut first, mut before) = (norm, f64::INFINITY);
         self.pieces.clear();
+        // A step that was cut short ends on the piece where it began without being at its solution.
+        let mut whole = true;
         for iteration in 0..MOST_ITERATIONS {
             if !norm.is_finite() {
                 return Err(Singular);
@@ -173,7 +175,7 @@ impl DashpotSolve {
                 && (self.pieces.iter().zip(&*springs))
                     .all(|(p, s)| *p == (s.force.dn_dg, s.force.dn_dgdot));
             first = first.max(norm);
-            if norm == 0.0 || (same && linear) || norm <= 1e-14 * first {
+            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * first {
                 return Ok(());
             }
             // Rounding ends the descent of laws that are not linear.
@@ -196,6 +198,7 @@ impl DashpotSolve {
                 }
                 norm = self.residual(springs);
             }
+            whole = length == 1.0;
             self.step = step;
         }
         Err(Singular)
