@@ -6,8 +6,8 @@
 //!
 //! Full finite elements and elastic gears with 150 modes take HHT-alpha at the same step, so that what they differ by is
 //! the reduction's; the elastic gears also the trigonometric method, which is what they run under otherwise. What the
-//! integration of the finite elements themselves is off by is told beside it, by a run at twice the step: of a method of
-//! second order the step at hand leaves a third of that.
+//! integration of the finite elements themselves is off by is told beside it, by a run at twice the step: the step at hand
+//! leaves a third of that where it resolves what vibrates, and as much where teeth ring on undamped, out of phase.
 //!
 //! Three things are made equal for that:
 //!
@@ -21,6 +21,12 @@
 //!   impact to the next, in either model (3 % at 1 us, 2 % at 0.3 us).
 //! - The method damps what a step does not resolve: cut modes follow their loads without ringing, those of finite elements
 //!   ring for ever under a method that keeps their energy.
+//!
+//! What is left is not of the modes alone. Elastic gears know displacements along the normals of flanks, by which points
+//! that leave over a tip are not told from undeformed ones: static transmission errors are within 1e-3 of those of finite
+//! elements (22 and 33 teeth, 48 positions), but 1.6e-2 off (0.8e-2 with 16 elements) in the one where a pair leaves.
+//! Teeth without damping ring on from there: at 0.25 us such a run is 1.4 % off with 150 and with 1,200 modes, which are
+//! within 0.4 % of each other.
 
 use crate::sampling::{Kind, Set, one_impact, sample};
 use crate::validate::{ValidationError, grid, outcome};

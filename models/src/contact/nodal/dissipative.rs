@@ -189,6 +189,8 @@ impl DissipativeSolve {
         let mut norm = self.residual(springs);
         let (mut first, mut before) = (norm, f64::INFINITY);
         self.pieces.clear();
+        // A step that was cut short ends on the piece where it began without being at its solution.
+        let mut whole = true;
         for iteration in 0..MOST_ITERATIONS {
             if !norm.is_finite() {
                 return Err(Singular);
@@ -197,7 +199,7 @@ impl DissipativeSolve {
                 && (self.pieces.iter().zip(&*springs))
                     .all(|(p, s)| *p == (s.force.dn_dg, s.force.dn_dgdot));
             first = first.max(norm);
-            if norm == 0.0 || (same && linear) || norm <= 1e-14 * first {
+            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * first {
                 return Ok(());
             }
             // Rounding ends the descent of laws that are not linear.
@@ -222,6 +224,7 @@ impl DissipativeSolve {
                 }
                 norm = self.residual(springs);
             }
+            whole = length == 1.0;
             self.step = step;
         }
         Err(Singular)

@@ -13,7 +13,7 @@ fn touching() -> Vec<(&'static str, Scene, State)> {
         damping: 2e8,
         ..PointContact::new(1e15)
     };
-    let rubbing = Some(Friction::new(0.3, 0.02).unwrap());
+    let rubbing = Some(Friction::new(0.3, 0.5).unwrap());
     for (name, models, points, exponent, friction) in [
         (
             "linear",
@@ -96,9 +96,9 @@ fn the_tangent_is_the_derivative_of_the_force() {
         let mut numbers = Numbers::new(5);
         let mut worst = 0.0_f64;
         for direction in 0..6 {
-            // Of velocities alone: friction is not linear over a tenth of its regularisation speed.
+            // Of velocities alone: forces change by little, and are smooth over a part of the regularisation speed.
             let small = if direction == 0 {
-                1e-4
+                1e-2
             } else {
                 1e-9 / scene.magnitudes().deflection
             };
