@@ -208,14 +208,14 @@ fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
     let spec = driven();
     let by_factor = MU * loss_factor(&spec) * TORQUE * SPEED / 1.5;
     let rigid_gears = rigid();
-    for (model, still) in [
-        (rigid_gears.clone(), rigid_gears),
-        (elastic(20), elastic(0)),
+    for (model, still, step) in [
+        (rigid_gears.clone(), rigid_gears, 1e-6),
+        (elastic(20), elastic(0), 5e-7),
     ] {
         let integral = quasi_static(&spec, &still, friction);
         let run = |friction| {
             let scene = || scene_of(&spec, &model, &rubbing(friction, 0.05));
-            watch([scene(), scene()], 1e-6, [1.0, 3.0])
+            watch([scene(), scene()], step, [1.0, 3.0])
         };
         let (with, without) = (run(Some(friction)), run(None));
         let loss = with.losses.power() - without.losses.power();
@@ -242,8 +242,7 @@ fn losses_are_those_of_the_quasi_static_integral_and_of_the_loss_factor() {
             "{}: friction chatters, {flips} flips",
             model.id
         );
-        // Of the integrator, of second order: the same without friction.
-        assert!(residual.abs() < 2e-3, "{}: {residual}", model.id);
+        assert!(residual.abs() < 1e-3, "{}: {residual}", model.id);
     }
 }
 
@@ -296,6 +295,7 @@ fn friction_holds_what_sticks_and_lets_go_beyond() {
     ] {
         let resolution = match id {
             "dopri5" => Resolution::Tolerance(1e-7),
+            "newmark" => Resolution::Step(2e-6),
             _ => Resolution::Step(1e-6),
         };
         let drift = |friction, of_limit| {
@@ -321,7 +321,7 @@ fn friction_holds_what_sticks_and_lets_go_beyond() {
             model.id
         );
         assert!(
-            held < 1e-2 * crept && crept < 0.5 * slid,
+            held < 0.05 * crept && held < 3e-4 && crept < 0.5 * slid,
             "{} by {id}",
             model.id
         );

@@ -140,6 +140,10 @@ pub struct DissipativeSolve {
     factor: Lu,
 }
 
+fn norm_of(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// `y = A x` block by block.
 fn apply(blocks: &[Block], matrix: &[f64], x: &[f64], y: &mut Vec<f64>) {
     y.clear();
@@ -199,11 +203,13 @@ impl DissipativeSolve {
                 && (self.pieces.iter().zip(&*springs))
                     .all(|(p, s)| *p == (s.force.dn_dg, s.force.dn_dgdot));
             first = first.max(norm);
-            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * first {
+            // What is left counts beside what was lacking and beside the forces, whose rounding it is.
+            let scale = first.max(norm_of(&self.force));
+            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * scale {
                 return Ok(());
             }
             // Rounding ends the descent of laws that are not linear.
-            if iteration > PATIENCE && norm <= 1e-10 * first && norm >= 0.5 * before {
+            if iteration > PATIENCE && norm <= 1e-10 * scale && norm >= 0.5 * before {
                 return Ok(());
             }
             before = norm;
@@ -267,7 +273,7 @@ impl DissipativeSolve {
                 p.sliding.add(s.rub.f, &mut self.line);
             }
         }
-        self.line.iter().map(|x| x * x).sum::<f64>().sqrt()
+        norm_of(&self.line)
     }
 
     /// The matrix of the present pieces, which stand in `pieces`.

@@ -28,7 +28,7 @@ fn loaded(gap: f64, speed: f64) -> SceneSpec {
 #[test]
 fn kicks_end_at_the_velocities_that_their_friction_makes() {
     for (residual, partner) in [(2e-9, None), (0.0, None), (2e-9, Some(rigid()))] {
-        for v_ref in [1.0, 1e-2, 1e-5] {
+        for v_ref in [1.0_f64, 1e-2, 1e-5] {
             let model = toy(13, 3, 20, residual);
             let models = [model.clone(), partner.clone().unwrap_or(model)];
             let mut scene = build(&loaded(-6e-6, 0.0), &models, &rubbing(0.3, v_ref));
@@ -51,8 +51,11 @@ fn kicks_end_at_the_velocities_that_their_friction_makes() {
             let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             let worst = (a.iter().zip(&at_end)).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
             println!("v_ref = {v_ref:e}: off by {:.1e}", worst / largest);
+            // Rates tell directions without the residual displacements that dissipation adds; what they are off by counts
+            // over the regularisation speed.
+            let bound = (1e-6 / v_ref).max(1e-5);
             assert!(
-                worst < 1e-4 * largest,
+                worst < bound * largest,
                 "v_ref = {v_ref:e}: {:.1e}",
                 worst / largest
             );
