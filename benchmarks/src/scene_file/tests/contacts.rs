@@ -2,7 +2,7 @@
 
 use super::super::{Origin, SceneFile};
 use super::{changed, render};
-use gearbench_models::law::Damping;
+use gearbench_models::law::{Damping, FrictionForm};
 use gearbench_models::spec::{ContactSpec, Passes, PointContact, PointRule, SurfaceKind};
 use gearbench_models::stiffness::{
     Ends, Foundation, Hertz, Interpolation, IsoVariation, PairOrMesh, PairStiffness, RootLength,
@@ -81,6 +81,12 @@ fn laws() {
     let contact = of("friction = { mu = 0.05, v_ref_m_s = 0.01 }, slices = 4, exponent = 1.5");
     assert_eq!(contact.friction.unwrap().mu(), 0.05);
     assert_eq!((contact.slices, contact.exponent), (Some(4), 1.5));
+    let sticks = of("friction = { mu = 0.05, stick_m = 1e-6 }").friction;
+    assert_eq!(sticks.unwrap().form(), FrictionForm::StickSlip(1e-6));
+    let film =
+        "friction = { film = { viscosity_pa_s = 0.04, roughness_m = 4e-7 }, v_ref_m_s = 0.01 }";
+    let film = of(film).friction.unwrap().film().unwrap();
+    assert_eq!((film.roughness, film.lubricant), (4e-7, 1.0));
 }
 
 #[test]

@@ -51,6 +51,14 @@ const MODELS: &str = r##"
     linear law only
 28: damping = { law = "flores", e = 0.9 } => friction = { mu = -0.1, v_ref_m_s = 0.01 }
     friction coefficient mu
+28: damping = { law = "flores", e = 0.9 } => friction = { mu = 0.1 }
+    none of `v_ref_m_s` and `stick_m` | stick_m = 1e-6
+28: damping = { law = "flores", e = 0.9 } => friction = { mu = 0.1, v_ref_m_s = 0.01, stick_m = 1e-6 }
+    both of `v_ref_m_s` and `stick_m`
+28: damping = { law = "flores", e = 0.9 } => friction = { v_ref_m_s = 0.01 }
+    none of `mu` and `film`
+28: damping = { law = "flores", e = 0.9 } => friction = { film = { viscosity_pa_s = 0, roughness_m = 4e-7 }, v_ref_m_s = 0.01 }
+    friction viscosity
 28: damping = { law = "flores", e = 0.9 } => slices = 0
     1 to 1000
 28: kind = "constant" => kind = "konstant"
