@@ -31,8 +31,8 @@ pub fn solve_in_place(a: &mut [f64], b: &mut [f64]) -> Result<(), Singular> {
         for (r, row) in tail.chunks_exact_mut(n).enumerate() {
             let l = row[k] / pivot;
             if l != 0.0 {
-                for j in k + 1..n {
-                    row[j] -= l * row_k[j];
+                for (x, y) in row[k + 1..].iter_mut().zip(&row_k[k + 1..n]) {
+                    *x -= l * y;
                 }
                 b[k + 1 + r] -= l * b[k];
             }

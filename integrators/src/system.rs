@@ -148,16 +148,13 @@ impl Energy {
     }
 }
 
-/// Powers [W] that change the total energy: `dE/dt = external - dissipated + parametric`.
+/// Powers [W] that change the total energy: `dE/dt = external - dissipated`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Power {
     /// Applied loads and prescribed motions.
     pub external: f64,
     /// Damping and friction; positive when energy is lost.
     pub dissipated: f64,
-    /// Work of stiffness that varies with position while the force stays on the line of action:
-    /// `k'(s) s' d^2 / 2` for a linear law.
-    pub parametric: f64,
 }
 
 /// What a system reports at a state.

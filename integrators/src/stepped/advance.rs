@@ -123,7 +123,7 @@ impl<M: OneStep> Stepped<M> {
             let (mut located, mut stretch) = (false, Some(1.0));
             if r.events && !aim.leaps {
                 sys.event_functions(r.end.at(), &mut r.watch.after);
-                if r.watch.any_fell() {
+                if r.watch.any_fell() || self.dipped(sys, s, h, r) {
                     located = true;
                     stretch = self.locate(sys, s, h, r, work)?;
                 }

@@ -3,6 +3,7 @@
 use super::{Run, Stepped, first_not_finite};
 use crate::error::StepError;
 use crate::events::Root;
+use crate::events::dips::SHORT;
 use crate::method::{OneStep, Work};
 use crate::system::{SecondOrderSystem, State};
 
@@ -12,6 +13,29 @@ const SHIFT: f64 = 1e-4;
 const MAX_LOCATIONS: u32 = 50;
 
 impl<M: OneStep> Stepped<M> {
+    /// Whether event functions fell and rose again in the step from `s` of size `h` to `r.end`; leaves the first dip in
+    /// `r.watch`.
+    pub(super) fn dipped(
+        &self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &State,
+        h: f64,
+        r: &mut Run<'_>,
+    ) -> bool {
+        if h <= SHORT * sys.characteristic_time(s.at()) {
+            return false;
+        }
+        let Run {
+            end, event, watch, ..
+        } = r;
+        watch.any_dipped(|x, out| {
+            self.method
+                .interpolate(s, end, x, &mut event.q, &mut event.v);
+            event.t = s.t + x * (end.t - s.t);
+            sys.event_functions(event.at(), out);
+        })
+    }
+
     /// Finds the first event in the step from `s` of size `h` to `r.end`; leaves the state there in
     /// `r.event` and the event functions to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at
     /// which the event lies; `None` where event functions are at their root at the start of the step.

@@ -292,7 +292,6 @@ impl Report for Hammer {
         out.power = Power {
             external: 0.0,
             dissipated: if n == 0.0 { 0.0 } else { self.damping * u * u },
-            parametric: 0.0,
         };
         out.channels.clear();
         out.channels.extend([at.v[0], at.v[1], n]);

@@ -269,8 +269,7 @@ impl Metrics {
     }
 }
 
-/// Where energy and impulse went. Balance: `energy_end = energy_start + external_work
-/// + parametric_work - dissipated + residual`.
+/// Where energy and impulse went. Balance: `energy_end = energy_start + external_work - dissipated + jumps + residual`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Ledger {
@@ -295,9 +294,6 @@ pub struct Ledger {
     /// Energy taken out by damping and friction \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub dissipated_j: Option<f64>,
-    /// Work of stiffness that varies along the path of contact \[J\].
-    #[serde(skip_serializing_if = "not_a_number")]
-    pub parametric_work_j: Option<f64>,
     /// What switches brought in, such as a pair of teeth that comes into contact with its whole force \[J\].
     #[serde(skip_serializing_if = "not_a_number")]
     pub jumps_j: Option<f64>,
