@@ -209,7 +209,11 @@ impl Ledger {
         let before = self.powers;
         sys.output(step.to.at(), &mut self.out);
         self.know(step.to);
-        self.external += half * (before.external + self.powers.external);
+        // A load on a hub works on its displacement: the speed at the ends tells little of modes that swing between.
+        let loads = half * (before.loads + self.powers.loads);
+        let external = half * (before.external + self.powers.external);
+        let known = sys.work_of_loads(step.from.at(), step.to.at());
+        self.external += known.map_or(external, |work| external - loads + work);
         self.dissipated += half * (before.dissipated + self.powers.dissipated);
         self.looked();
     }

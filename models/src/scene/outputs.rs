@@ -3,6 +3,7 @@
 use super::active::sliding_direction;
 use super::assembled::Scene;
 use super::channels::{OfGear, OfMesh};
+use super::members::SceneGear;
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
@@ -25,6 +26,18 @@ fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
 }
 
 impl Scene {
+    /// Work of the loads on hubs between two states of a step: their mean over the displacement, which holds however the
+    /// hub vibrates in between.
+    pub(super) fn loads_between(&self, from: At<'_>, to: At<'_>) -> f64 {
+        let loaded = |g: &&SceneGear| !g.loads.is_empty() && g.model.hub().coordinates() > 0;
+        let work = |g: &SceneGear| {
+            let [a, b] = [from, to].map(|at| g.model.hub_state(g.at(at)));
+            let load = 0.5 * (g.load(from.t, a.speed) + g.load(to.t, b.speed));
+            load * (b.displacement - a.displacement)
+        };
+        self.gears.iter().filter(loaded).map(work).sum()
+    }
+
     /// The contacts at a state. Several observers look at the end of each step: where contact takes a solve it is done
     /// once. Meshes on lines of action share their candidates with event functions, and are cheap.
     fn evaluate_reported(&mut self, at: At<'_>) {
@@ -58,7 +71,9 @@ impl Scene {
             }
             let hub = g.model.hub_state(own);
             if g.model.hub().coordinates() > 0 {
-                power.external += g.load(at.t, hub.speed) * hub.speed;
+                let by_load = g.load(at.t, hub.speed) * hub.speed;
+                power.external += by_load;
+                power.loads += by_load;
             }
             let c = &mut out.channels[per_gear + PER_GEAR * i..][..PER_GEAR];
             c[0] = hub.momentum / g.model.hub().inertia;

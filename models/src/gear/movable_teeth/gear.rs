@@ -167,6 +167,7 @@ impl GearModel for MovableTeeth {
         Power {
             dissipated: self.dissipated(at),
             external: self.driven_power(at),
+            ..Power::default()
         }
     }
 

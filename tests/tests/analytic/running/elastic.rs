@@ -1,0 +1,103 @@
+//! Reduced elastic gears, those of the scene `loaded_mesh`. The whole proofs take minutes:
+//! `cargo test --release -p gearbench-tests --test analytic -- running::elastic --include-ignored --nocapture`.
+
+use super::*;
+use gearbench::scene_file::{self, Selection};
+
+/// The scene and its elastic gears; undamped if asked for.
+fn loaded_mesh(damped: bool) -> (SceneSpec, Modelling) {
+    let file = scene_file::load_for("loaded_mesh", Selection::Labels(Some("elastic"))).unwrap();
+    let mut modelling = file.model("elastic").unwrap().modelling.clone();
+    if !damped {
+        for gear in &mut modelling.gears {
+            gear.parameters
+                .insert("damping_ratio".into(), Value::Number(0.0));
+        }
+        for contact in &mut modelling.contacts {
+            contact.damping = Damping::None;
+        }
+    }
+    (file.spec, modelling)
+}
+
+fn built(spec: &SceneSpec, modelling: &Modelling) -> Scene {
+    Scene::build(spec, modelling, gearbench::models::models()).unwrap()
+}
+
+/// Energy that nothing explains over what went through the contact, by steps.
+fn unexplained(t_end: f64, steps: &[f64]) -> Vec<f64> {
+    let (spec, modelling) = loaded_mesh(false);
+    let mut scene = built(&spec, &modelling);
+    let found = steps.iter().map(|h| {
+        let step = Resolution::Step(*h);
+        let begun = std::time::Instant::now();
+        let (_, ledger, watch) =
+            observe(&spec, &mut scene, "trigonometric", step, t_end, 0.0);
+        let found = ledger.residual().abs() / watch.power;
+        println!(
+            "{t_end} s at {h:.2e} s: {:.3e} J of {:.3e} J, {found:.2e}; dissipated {:.1e} J, loads {:.3e} J; {:.1} s",
+            ledger.residual(),
+            watch.power,
+            ledger.dissipated,
+            ledger.external,
+            begun.elapsed().as_secs_f64()
+        );
+        found
+    });
+    found.collect()
+}
+
+#[test]
+fn elastic_gears_keep_their_energy_under_load() {
+    let found = unexplained(0.01, &[1e-6, 0.5e-6, 0.25e-6]);
+    assert!(found[0] < 1e-3 && found[2] < 1e-4, "{found:?}");
+}
+
+#[test]
+#[ignore = "minutes: the same over a quarter of a second"]
+fn elastic_gears_keep_their_energy_for_long() {
+    let found = unexplained(0.25, &[1e-6, 0.5e-6, 0.25e-6]);
+    assert!(found[0] < 1e-3 && found[2] < 1e-4, "{found:?}");
+}
+
+/// Peak force and peak to peak transmission error of running at mesh frequencies [Hz], over those of statics, less one.
+fn over_statics(frequencies: &[f64]) -> Vec<[f64; 2]> {
+    let (spec, modelling) = loaded_mesh(true);
+    let models = gearbench::models::models();
+    let mut pair = LoadedPair::new(&spec, &modelling, models).unwrap();
+    let force = 94.1 / effective_radius(&spec.gears[0].body);
+    let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 480, |_| {}).unwrap();
+    println!("static: {:.4} um peak to peak", 1e6 * cycle.peak_to_peak());
+    let found = frequencies.iter().map(|hertz| {
+        let mut spec = spec.clone();
+        let speed = std::f64::consts::TAU * hertz / 16.0;
+        spec.gears[0].speed = speed;
+        spec.gears[1].speed = -speed / 1.5;
+        let mut scene = built(&spec, &modelling);
+        let settled = 0.25 / hertz;
+        let t_end = settled + 1.0 / hertz;
+        let step = Resolution::Step(5e-7);
+        let (_, _, watch) = observe(&spec, &mut scene, "trigonometric", step, t_end, settled);
+        let [low, high] = watch.error.unwrap();
+        let off = [
+            watch.peak / force - 1.0,
+            (high - low) / cycle.peak_to_peak() - 1.0,
+        ];
+        println!(
+            "elastic {hertz} Hz: peak {:.4}, TE {:.4}",
+            1.0 + off[0],
+            1.0 + off[1]
+        );
+        off
+    });
+    found.collect()
+}
+
+#[test]
+#[ignore = "a minute: slow running of elastic gears"]
+fn slow_running_of_elastic_gears_tends_to_statics() {
+    let found = over_statics(&[180.0, 60.0, 20.0]);
+    let worst: Vec<f64> = found.iter().map(|x| x[0].abs().max(x[1].abs())).collect();
+    assert!(worst[1] < worst[0] && worst[2] < worst[1], "{found:?}");
+    assert!(worst[2] < 0.02, "{found:?}");
+}
