@@ -37,7 +37,7 @@ pub(crate) struct Watch {
     per_drop: Vec<f64>,
     peak: Vec<f64>,
     /// Fraction of the step at which `after` was read: its end, or the bottom of a dip.
-    until: f64,
+    pub(crate) until: f64,
 }
 
 impl Watch {

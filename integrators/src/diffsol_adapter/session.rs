@@ -230,7 +230,8 @@ impl<'x, 'a> Session<'x, 'a> {
         let mut progressed = true;
         if self.events {
             shared.event_functions(to.at(), &mut self.watch.after);
-            if self.watch.any_fell() || self.dipped(kernel)? {
+            let fell = self.watch.any_fell();
+            if self.dipped(kernel)? || fell {
                 located = true;
                 progressed = self.locate(kernel)?;
             }

@@ -15,11 +15,14 @@ const NEAR: f64 = 0.1;
 const LEAST: f64 = 1e-3;
 
 impl Watch {
-    /// Reads which event functions that are positive `before` and `after` the step fell within it; the first of these
-    /// dips becomes the end of the bracket for [`Watch::first_root`]. `events_at` as there.
+    /// Looks whether an event function that is positive `before` and `after` the step fell within it, whatever else fell.
+    /// Then the bottom of the first dip takes the place of the end of the step: what falls later is seen after it, and
+    /// nothing that falls there is left behind with its contact overlapping. `events_at` as in [`Watch::first_root`].
     pub(crate) fn any_dipped(&mut self, mut events_at: impl FnMut(f64, &mut [f64])) -> bool {
         let stays = |i: usize, before: &[f64], after: &[f64]| before[i] > 0.0 && after[i] > 0.0;
-        events_at(0.5, &mut self.peak);
+        // `after` was read here.
+        let end = self.until;
+        events_at(0.5 * end, &mut self.peak);
         let mut tried = 0.0;
         loop {
             let mut next: Option<f64> = None;
@@ -34,18 +37,15 @@ impl Watch {
                 };
             }
             let Some(theta) = next else { return false };
-            events_at(theta, &mut self.here);
-            self.falling.clear();
-            for i in 0..self.before.len() {
+            events_at(theta * end, &mut self.here);
+            let dips = |i: usize| {
                 let (before, here) = (self.before[i], self.here[i]);
-                if stays(i, &self.before, &self.after) && here <= -LEAST * (before - here) {
-                    self.falling.push(i);
-                    self.per_drop[i] = 1.0 / (before - here);
-                }
-            }
-            if !self.falling.is_empty() {
+                stays(i, &self.before, &self.after) && here <= -LEAST * (before - here)
+            };
+            if (0..self.before.len()).any(dips) {
                 self.after.copy_from_slice(&self.here);
-                self.until = theta;
+                self.any_fell();
+                self.until = theta * end;
                 return true;
             }
             tried = theta;
@@ -118,6 +118,29 @@ mod tests {
         };
         assert!((x - 0.1).abs() < 1e-12, "{x}");
         assert_eq!(w.falling, [1]);
+    }
+
+    /// A function that falls for good may hide one that dips before: at the root of the first the other would be deep
+    /// below zero.
+    #[test]
+    fn a_dip_shows_beside_what_falls() {
+        let g: [Function<'_>; 3] = [&|x| 0.6 - x, &|x| (x - 0.3) * (x - 0.9), &|x| 0.2 - x];
+        for (n, first, falls) in [(2, 0.3, vec![1]), (3, 0.2, vec![2])] {
+            let g = &g[..n];
+            let mut w = Watch::new(n);
+            for (i, g) in g.iter().enumerate() {
+                (w.before[i], w.after[i]) = (g(0.0), g(1.0));
+            }
+            assert!(w.any_fell());
+            assert!(w.any_dipped(|x, out| fill(g, x, out)));
+            let Root::Inside(x) = w.first_root(1e-14, |x, out| fill(g, x, out)) else {
+                panic!("inside")
+            };
+            assert!((x - first).abs() < 1e-12, "{x}");
+            fill(g, x, &mut w.here);
+            w.select();
+            assert_eq!(w.falling, falls);
+        }
     }
 
     #[test]

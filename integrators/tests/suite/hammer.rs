@@ -292,6 +292,7 @@ impl Report for Hammer {
         out.power = Power {
             external: 0.0,
             dissipated: if n == 0.0 { 0.0 } else { self.damping * u * u },
+            ..Power::default()
         };
         out.channels.clear();
         out.channels.extend([at.v[0], at.v[1], n]);

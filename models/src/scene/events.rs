@@ -151,13 +151,6 @@ impl Events for Scene {
                 s.discrete[at] = 0.0;
                 s.discrete[at + 1] = 0.0;
             }
-            if std::env::var_os("GBDEBUG").is_some() {
-                for (w, x) in [("enter", change.entered), ("left", change.left)] {
-                    if let Some(slot) = x && let Some(c) = self.find(s, m, slot).or(leaving) {
-                        if c.gap < 0.0 { eprintln!("t {:.7e} slot {slot} {w} gap {:.3e} s {:.5e} mode {}", s.t, c.gap, c.s, s.discrete[self.meshes[m].slot(slot)]); }
-                    }
-                }
-            }
             if let Some(slot) = change.entered {
                 self.refresh_modes(s, Some((m, slot)));
             }
@@ -169,15 +162,6 @@ impl Events for Scene {
             let apart = self
                 .find(s, m, slot)
                 .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
-            if std::env::var_os("GBDEBUG").is_some()
-                && let Some(c) = self.find(s, m, slot)
-                && c.gap.abs() > 2e-7
-            {
-                eprintln!(
-                    "t {:.7e} slot {slot} {} gap {:.3e} s {:.5e} stored {:.3e} scale {:?}",
-                    s.t, if closing {"close"} else {"open"}, c.gap, c.s, s.discrete[at + 1], c.scale
-                );
-            }
             if closing {
                 if apart || s.discrete[at + 1] <= 0.0 {
                     let speed = self.approach_speed(s, m, slot);

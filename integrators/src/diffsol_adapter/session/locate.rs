@@ -2,43 +2,23 @@
 
 use super::{Failed, Session};
 use crate::diffsol_adapter::kernel::{Kernel, copy, read};
-use crate::events::Root;
 use crate::events::dips::SHORT;
+use crate::events::{Root, Watch};
 
 impl Session<'_, '_> {
-    /// Whether event functions fell and rose again in the last step.
-    pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
-        let (s, to, y, watch) = (&*self.s, &mut self.to, self.y.get_mut(), &mut self.watch);
-        let (shared, end) = (self.shared, to.t);
-        let h = end - s.t;
-        let time = shared.sys.borrow().characteristic_time(s.at());
-        if h <= SHORT * time {
-            return Ok(false);
-        }
-        let mut failed = None;
-        let dipped = watch.any_dipped(|theta, out| {
-            to.t = s.t + theta * h;
-            match read(kernel, to.t, y, &mut to.q, &mut to.v) {
-                Ok(()) => shared.event_functions(to.at(), out),
-                Err(e) => {
-                    out.fill(1.0);
-                    failed = Some(e);
-                }
-            }
-        });
-        to.t = end;
-        copy(kernel.y(), &mut to.q, &mut to.v);
-        failed.map_or(Ok(dipped), |e| Err(e.into()))
-    }
-
-    /// Finds the first event in the last step and leaves the state there in `to`. False when it lies at the
-    /// start of the step.
-    pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+    /// Runs `find` on the event functions over the last step, at fractions of it, whose length [s] it is told with the
+    /// system's characteristic time. Leaves `to` where it looked last.
+    fn on_step<T>(
+        &mut self,
+        kernel: &dyn Kernel,
+        find: impl FnOnce(&mut Watch, [f64; 2], &mut dyn FnMut(f64, &mut [f64])) -> T,
+    ) -> Result<T, Failed> {
         let (s, to, y, watch) = (&*self.s, &mut self.to, self.y.get_mut(), &mut self.watch);
         let shared = self.shared;
         let h = to.t - s.t;
+        let time = shared.sys.borrow().characteristic_time(s.at());
         let mut failed = None;
-        let mut look = |theta: f64, out: &mut [f64]| {
+        let found = find(watch, [h, time], &mut |theta, out| {
             to.t = s.t + theta * h;
             match read(kernel, to.t, y, &mut to.q, &mut to.v) {
                 Ok(()) => shared.event_functions(to.at(), out),
@@ -47,15 +27,39 @@ impl Session<'_, '_> {
                     failed = Some(e);
                 }
             }
-        };
-        let root = watch.first_root(1e-15, &mut look);
-        if let Root::Inside(theta) = root {
-            look(theta, &mut watch.here);
-            watch.select();
-        }
-        match failed {
-            Some(e) => Err(e.into()),
-            None => Ok(root != Root::Start),
-        }
+        });
+        failed.map_or(Ok(found), |e| Err(e.into()))
+    }
+
+    /// Whether event functions fell and rose again in the last step.
+    pub(super) fn dipped(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+        let end = self.to.t;
+        let dipped = self.on_step(kernel, |watch, [h, time], look| {
+            h > SHORT * time && watch.any_dipped(look)
+        })?;
+        self.to.t = end;
+        copy(kernel.y(), &mut self.to.q, &mut self.to.v);
+        Ok(dipped)
+    }
+
+    /// Finds the first event in the last step and leaves the state there in `to`. False when it lies at the
+    /// start of the step.
+    pub(super) fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
+        self.on_step(kernel, |watch, [h, time], look| {
+            loop {
+                let Root::Inside(theta) = watch.first_root(1e-15, &mut *look) else {
+                    return false;
+                };
+                // What is no parabola over all of the step may be one up to here.
+                look(theta, &mut watch.after);
+                watch.until = theta;
+                if h * theta > SHORT * time && watch.any_dipped(&mut *look) {
+                    continue;
+                }
+                look(theta, &mut watch.here);
+                watch.select();
+                return true;
+            }
+        })
     }
 }

@@ -4,18 +4,16 @@
 use super::*;
 use gearbench::scene_file::{self, Selection};
 
-/// The scene and its elastic gears; undamped if asked for.
-fn loaded_mesh(damped: bool) -> (SceneSpec, Modelling) {
+/// The scene and its elastic gears, undamped but for their modes.
+fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
     let file = scene_file::load_for("loaded_mesh", Selection::Labels(Some("elastic"))).unwrap();
     let mut modelling = file.model("elastic").unwrap().modelling.clone();
-    if !damped {
-        for gear in &mut modelling.gears {
-            gear.parameters
-                .insert("damping_ratio".into(), Value::Number(0.0));
-        }
-        for contact in &mut modelling.contacts {
-            contact.damping = Damping::None;
-        }
+    for gear in &mut modelling.gears {
+        gear.parameters
+            .insert("damping_ratio".into(), Value::Number(modal));
+    }
+    for contact in &mut modelling.contacts {
+        contact.damping = Damping::None;
     }
     (file.spec, modelling)
 }
@@ -26,7 +24,7 @@ fn built(spec: &SceneSpec, modelling: &Modelling) -> Scene {
 
 /// Energy that nothing explains over what went through the contact, by steps.
 fn unexplained(t_end: f64, steps: &[f64]) -> Vec<f64> {
-    let (spec, modelling) = loaded_mesh(false);
+    let (spec, modelling) = loaded_mesh(0.0);
     let mut scene = built(&spec, &modelling);
     let found = steps.iter().map(|h| {
         let step = Resolution::Step(*h);
@@ -61,22 +59,37 @@ fn elastic_gears_keep_their_energy_for_long() {
 }
 
 /// Peak force and peak to peak transmission error of running at mesh frequencies [Hz], over those of statics, less one.
+///
+/// The vibration of the gears against each other has a ratio of 5 % to critical damping, by torques at the hubs in
+/// proportion to inertia and speed; the loads bring what these take at the mean speed. Dashpots at flanks could not do
+/// it: the contact gives by a hundredth of what the bodies give.
 fn over_statics(frequencies: &[f64]) -> Vec<[f64; 2]> {
-    let (spec, modelling) = loaded_mesh(true);
+    let (spec, modelling) = loaded_mesh(0.05);
     let models = gearbench::models::models();
     let mut pair = LoadedPair::new(&spec, &modelling, models).unwrap();
-    let force = 94.1 / effective_radius(&spec.gears[0].body);
+    let radii = [0, 1].map(|i| effective_radius(&spec.gears[i].body));
+    let force = 94.1 / radii[0];
     let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 480, |_| {}).unwrap();
+    let tangent = cycle.mesh_tangent() * cycle.face_width;
+    let scene = built(&spec, &modelling);
+    let inertia = [0, 1].map(|i| scene.gears()[i].model.hub().hub.inertia);
+    let compliance: f64 = (0..2).map(|i| radii[i] * radii[i] / inertia[i]).sum();
+    let damper = 2.0 * 0.05 * (tangent * compliance).sqrt();
     println!("static: {:.4} um peak to peak", 1e6 * cycle.peak_to_peak());
     let found = frequencies.iter().map(|hertz| {
         let mut spec = spec.clone();
         let speed = std::f64::consts::TAU * hertz / 16.0;
-        spec.gears[0].speed = speed;
-        spec.gears[1].speed = -speed / 1.5;
+        for (i, (g, speed)) in spec.gears.iter_mut().zip([speed, -speed / 1.5]).enumerate() {
+            g.speed = speed;
+            let taken = damper * inertia[i];
+            let held = Profile::Constant(force * radii[i] + taken * speed);
+            g.loads = vec![Load::Applied(held), Load::Viscous(taken)];
+        }
         let mut scene = built(&spec, &modelling);
         let settled = 0.25 / hertz;
         let t_end = settled + 1.0 / hertz;
         let step = Resolution::Step(5e-7);
+        let begun = std::time::Instant::now();
         let (_, _, watch) = observe(&spec, &mut scene, "trigonometric", step, t_end, settled);
         let [low, high] = watch.error.unwrap();
         let off = [
@@ -84,9 +97,10 @@ fn over_statics(frequencies: &[f64]) -> Vec<[f64; 2]> {
             (high - low) / cycle.peak_to_peak() - 1.0,
         ];
         println!(
-            "elastic {hertz} Hz: peak {:.4}, TE {:.4}",
+            "elastic {hertz} Hz: peak {:.4}, TE {:.4}; {:.1} s",
             1.0 + off[0],
-            1.0 + off[1]
+            1.0 + off[1],
+            begun.elapsed().as_secs_f64()
         );
         off
     });
@@ -94,7 +108,6 @@ fn over_statics(frequencies: &[f64]) -> Vec<[f64; 2]> {
 }
 
 #[test]
-#[ignore = "a minute: slow running of elastic gears"]
 fn slow_running_of_elastic_gears_tends_to_statics() {
     let found = over_statics(&[180.0, 60.0, 20.0]);
     let worst: Vec<f64> = found.iter().map(|x| x[0].abs().max(x[1].abs())).collect();
