@@ -34,6 +34,22 @@ fn the_ledger_closes_through_damped_impacts() {
     }
 }
 
+/// A method of second order is no more exact than its states: one look at each is enough, which counts where contact takes
+/// a solve.
+#[test]
+fn a_ledger_looks_once_at_each_state_of_a_method_of_second_order() {
+    for (id, looks) in [("velocity-verlet", 1.0), ("rk4", 4.0)] {
+        let mut hammer = Hammer::gears(0.05);
+        let (start, mut ledger) = (hammer.start(), Ledger::default());
+        let (_, work) = watch(id, &mut hammer, start, &steps(0.05, 1e4), &mut ledger);
+        let found = hammer.looks as f64 / work.steps as f64;
+        assert!(
+            (found / looks - 1.0).abs() < 0.05,
+            "{id}: {found} looks a step"
+        );
+    }
+}
+
 /// A damped contact that may not pull opens while the spring is still pressed: that energy is gone at the
 /// switch, and the ledger books it there.
 #[test]

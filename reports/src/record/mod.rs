@@ -344,3 +344,19 @@ mod ordered_map {
         deserializer.deserialize_map(InOrder)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Records of former versions have columns that nothing fills any more.
+    #[test]
+    fn ledgers_of_older_records_are_read() {
+        let text = r#"{"energy_start_j": 2.0, "parametric_work_j": 0.0, "dissipated_j": 0.5}"#;
+        let ledger: Ledger = serde_json::from_str(text).unwrap();
+        assert_eq!(
+            (ledger.energy_start_j, ledger.dissipated_j),
+            (Some(2.0), Some(0.5))
+        );
+    }
+}

@@ -112,7 +112,10 @@ impl DashpotSolve {
         }
         let linear = springs.iter().all(|s| s.law.is_piecewise_linear());
         let mut norm = self.residual(springs);
-        let (mut first, mut before) = (norm, f64::INFINITY);
+        // What dashpots add may be far below the rounding of the elastic forces: where gears hardly vibrate, the first
+        // residual is no measure of what can be reached.
+        let size = self.force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let (mut scale, mut before) = (norm.max(size), f64::INFINITY);
         self.pieces.clear();
         for iteration in 0..MOST_ITERATIONS {
             if !norm.is_finite() {
@@ -121,12 +124,12 @@ impl DashpotSolve {
             let same = iteration > 0
                 && (self.pieces.iter().zip(&*springs))
                     .all(|(p, s)| *p == (s.force.dn_dg, s.force.dn_dgdot));
-            first = first.max(norm);
-            if norm == 0.0 || (same && linear) || norm <= 1e-14 * first {
+            scale = scale.max(norm);
+            if norm == 0.0 || (same && linear) || norm <= 1e-14 * scale {
                 return Ok(());
             }
             // Rounding ends the descent of laws that are not linear.
-            if iteration > PATIENCE && norm <= 1e-10 * first && norm >= 0.5 * before {
+            if norm <= 1e-10 * scale && norm >= 0.5 * before {
                 return Ok(());
             }
             before = norm;

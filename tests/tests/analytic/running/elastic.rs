@@ -3,6 +3,7 @@
 
 use super::*;
 use gearbench::scene_file::{self, Selection};
+use gearbench_integrators::Report;
 
 /// The scene and its elastic gears, undamped but for their modes.
 fn loaded_mesh(modal: f64) -> (SceneSpec, Modelling) {
@@ -56,6 +57,32 @@ fn elastic_gears_keep_their_energy_under_load() {
 fn elastic_gears_keep_their_energy_for_long() {
     let found = unexplained(0.25, &[1e-6, 0.5e-6, 0.25e-6]);
     assert!(found[0] < 1e-3 && found[2] < 1e-4, "{found:?}");
+}
+
+/// Observers that look at one state share its contacts; what was evaluated, held or prepared in between counts.
+#[test]
+fn reports_are_those_of_their_state() {
+    let (spec, modelling) = loaded_mesh(0.0);
+    let mut scene = built(&spec, &modelling);
+    let (mut a, mut out) = (scene.initial(), [(); 4].map(|()| Outputs::default()));
+    a.q[0] += 2e-5 / effective_radius(&spec.gears[0].body);
+    let mut b = a.clone();
+    b.q[0] += 1e-6;
+    let mut force = vec![0.0; a.q.len()];
+    scene.sample(a.at(), &mut out[0]);
+    scene.output(a.at(), &mut out[1]);
+    scene.force(b.at(), &mut force);
+    scene.output(a.at(), &mut out[2]);
+    scene.output(b.at(), &mut out[3]);
+    assert!(out[0].channels[0] > 1000.0);
+    assert_eq!(out[0].channels, out[1].channels);
+    assert_eq!(out[1], out[2]);
+    assert_ne!(out[2].channels, out[3].channels);
+    // The same coordinates with another residual compliance.
+    let lag = vec![1e-14; force.len()];
+    scene.modal().unwrap().prepare(&lag);
+    scene.output(b.at(), &mut out[0]);
+    assert_ne!(out[0].channels, out[3].channels);
 }
 
 /// Peak force and peak to peak transmission error of running at mesh frequencies [Hz], over those of statics, less one.
