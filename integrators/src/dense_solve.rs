@@ -71,8 +71,8 @@ fn eliminate(
             let l = row[k] / pivot;
             row[k] = l;
             if l != 0.0 {
-                for j in k + 1..n {
-                    row[j] -= l * row_k[j];
+                for (x, y) in row[k + 1..].iter_mut().zip(&row_k[k + 1..n]) {
+                    *x -= l * y;
                 }
             }
         }

@@ -4,7 +4,9 @@
 //! event function that starts at its root (it was switched there, and rounding may have left it a hair below) may
 //! rise freely; it counts again once it has been positive or falls from the start. Roots are found on an
 //! interpolant of the step by regula falsi (Illinois variant: M. Dowell, P. Jarratt, *BIT* 11 (1971) 168)
-//! with bisection where that stalls.
+//! with bisection where that stalls. One that falls and rises again within a step shows at neither end: see [`dips`].
+
+pub(crate) mod dips;
 
 /// Points of a step that are looked at when an event function starts at its root, where two ends do not tell an event
 /// function that falls at once from one that rises and falls again.
@@ -34,6 +36,8 @@ pub(crate) struct Watch {
     /// micrometres, a position in pitches): divided by their drop they all fall by one.
     per_drop: Vec<f64>,
     peak: Vec<f64>,
+    /// Fraction of the step at which `after` was read: its end, or the bottom of a dip.
+    pub(crate) until: f64,
 }
 
 impl Watch {
@@ -46,6 +50,7 @@ impl Watch {
             falling: Vec::with_capacity(event_functions),
             per_drop: vec![1.0; event_functions],
             peak: vec![0.0; event_functions],
+            until: 1.0,
         }
     }
 
@@ -53,6 +58,7 @@ impl Watch {
     #[inline]
     pub(crate) fn any_fell(&mut self) -> bool {
         self.falling.clear();
+        self.until = 1.0;
         for i in 0..self.after.len() {
             if self.after[i] <= 0.0 && self.after[i] < self.before[i] {
                 self.falling.push(i);
@@ -81,7 +87,7 @@ impl Watch {
         tolerance: f64,
         mut events_at: impl FnMut(f64, &mut [f64]),
     ) -> Root {
-        let (mut lo, mut hi) = (0.0, 1.0);
+        let (mut lo, mut hi) = (0.0, self.until);
         let mut f_lo = self.lowest(&self.before);
         let mut f_hi = self.lowest(&self.after);
         if f_lo <= 0.0 {

@@ -162,6 +162,11 @@ impl Work {
 pub trait Dense {
     /// Coordinates and velocities at `theta` in [0, 1] of the step.
     fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]);
+
+    /// Order of the method, the highest one where it varies: integrals over the step need be no more exact.
+    fn order(&self) -> u32 {
+        u32::MAX
+    }
 }
 
 /// An accepted step, before events switch or commit the discrete state.

@@ -148,16 +148,15 @@ impl Energy {
     }
 }
 
-/// Powers [W] that change the total energy: `dE/dt = external - dissipated + parametric`.
+/// Powers [W] that change the total energy: `dE/dt = external - dissipated`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Power {
     /// Applied loads and prescribed motions.
     pub external: f64,
+    /// That of loads whose work [`Report::work_of_loads`] knows.
+    pub loads: f64,
     /// Damping and friction; positive when energy is lost.
     pub dissipated: f64,
-    /// Work of stiffness that varies with position while the force stays on the line of action:
-    /// `k'(s) s' d^2 / 2` for a linear law.
-    pub parametric: f64,
 }
 
 /// What a system reports at a state.
@@ -353,6 +352,12 @@ pub trait Report {
         self.output(at, out);
     }
 
+    /// Work [J] of loads between the states at the ends of a step, where it is known by what they moved, instead of the
+    /// integral of [`Power::loads`].
+    fn work_of_loads(&mut self, _from: At<'_>, _to: At<'_>) -> Option<f64> {
+        None
+    }
+
     /// The contacts that are closed at the state that was last reported of, each pair of members once, in order.
     fn touches(&mut self, out: &mut Vec<Touch>) {
         out.clear();
@@ -400,6 +405,11 @@ impl dyn SecondOrderSystem + '_ {
     /// [`FreeFlight::steady_work`].
     pub fn steady_work(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
         self.free_flight()?.steady_work(from, to)
+    }
+
+    /// [`Report::work_of_loads`].
+    pub fn work_of_loads(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+        self.report()?.work_of_loads(from, to)
     }
 
     /// [`Report::channels`].

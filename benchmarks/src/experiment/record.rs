@@ -247,7 +247,6 @@ pub fn ledger_record(
         // What a damper leaves in the contact when it lets go is lost there and then.
         dissipated_j: finite(ledger.dissipated + (ledger.gained - ledger.jumps)),
         jumps_j: finite(ledger.gained),
-        parametric_work_j: finite(ledger.parametric),
         residual_j: finite(ledger.residual()),
         residual_rel: finite(ledger.residual_relative()),
         vibrating_j: finite(ledger.vibrating()),

@@ -1,10 +1,10 @@
 //! The loop over the steps of a solver: events, breakpoints, restarts, bounds.
 
 use super::Shared;
-use super::kernel::{Counts, Kernel, KernelDense, copy, read};
+use super::kernel::{Counts, Kernel, KernelDense, copy};
 use crate::bounds::Bounds;
 use crate::error::StepError;
-use crate::events::{Root, Watch};
+use crate::events::Watch;
 use crate::free_flight::{FlightDense, FlightProbe};
 use crate::method::{AcceptedStep, Control, Sink, TimePlan, Work};
 use crate::stepped::{MAX_EVENTS_AT_ONCE, first_not_finite, resolution_of_time};
@@ -12,6 +12,8 @@ use crate::system::{Change, State};
 use diffsol::error::OdeSolverError;
 use diffsol::{DiffsolError, NalgebraContext, NalgebraVec, Vector};
 use std::cell::RefCell;
+
+mod locate;
 
 /// Why a run failed.
 pub(super) enum Failed {
@@ -228,7 +230,8 @@ impl<'x, 'a> Session<'x, 'a> {
         let mut progressed = true;
         if self.events {
             shared.event_functions(to.at(), &mut self.watch.after);
-            if self.watch.any_fell() {
+            let fell = self.watch.any_fell();
+            if self.dipped(kernel)? || fell {
                 located = true;
                 progressed = self.locate(kernel)?;
             }
@@ -274,34 +277,6 @@ impl<'x, 'a> Session<'x, 'a> {
             self.watch.advance();
             Next::Step
         })
-    }
-
-    /// Finds the first event in the last step and leaves the state there in `to`. False when it lies at the
-    /// start of the step.
-    fn locate(&mut self, kernel: &dyn Kernel) -> Result<bool, Failed> {
-        let (s, to, y, watch) = (&*self.s, &mut self.to, self.y.get_mut(), &mut self.watch);
-        let shared = self.shared;
-        let h = to.t - s.t;
-        let mut failed = None;
-        let mut look = |theta: f64, out: &mut [f64]| {
-            to.t = s.t + theta * h;
-            match read(kernel, to.t, y, &mut to.q, &mut to.v) {
-                Ok(()) => shared.event_functions(to.at(), out),
-                Err(e) => {
-                    out.fill(0.0);
-                    failed = Some(e);
-                }
-            }
-        };
-        let root = watch.first_root(1e-15, &mut look);
-        if let Root::Inside(theta) = root {
-            look(theta, &mut watch.here);
-            watch.select();
-        }
-        match failed {
-            Some(e) => Err(e.into()),
-            None => Ok(root != Root::Start),
-        }
     }
 
     /// What happens to a state between two steps: switches, `commit`, the next breakpoint. True when the solver

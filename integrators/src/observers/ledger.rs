@@ -1,8 +1,11 @@
-//! Energy ledger: what went in, what was lost, what moving stiffness did, and what the integration made up.
+//! Energy ledger: what went in, what was lost, and what the integration made up.
 //!
-//! `E(t) - E(0) = W_external - W_dissipated + W_parametric + J + residual`. Powers are integrated over each
-//! step by three-point Gauss quadrature on the method's interpolant; `J` books the jumps of energy where a
-//! branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
+//! `E(t) - E(0) = W_external - W_dissipated + J + residual`. Powers are integrated over each step by a rule of the order
+//! of the method: up to order two the trapezoidal rule on the states between steps, else three-point Gauss quadrature on
+//! the interpolant. A method that kicks at the ends of its steps (Verlet, trigonometric) takes from a linear damper the
+//! work `h c v^2` at the velocity between both halves of a kick, which is that of the state: there the trapezoidal rule is
+//! the method's own balance, and each state is evaluated once, which counts where contact takes a solve. `J` books the
+//! jumps of energy where a branch is switched. A step of flight is exact: what its energy loses beyond the work of loads is booked as
 //! dissipated. The residual is the integration error (and that of the quadrature), in joule.
 //!
 //! **Growth** is judged by what vibrates: a gear that turns under load carries a thousand times the energy of its teeth,
@@ -12,7 +15,7 @@
 //! them, of which an integrator may lose or make a part.
 
 use crate::method::{AcceptedStep, Control, Sink};
-use crate::system::{At, Energy, Outputs, SecondOrderSystem, State};
+use crate::system::{At, Energy, Outputs, Power, SecondOrderSystem, State};
 
 /// Gauss-Legendre nodes and weights on [0, 1].
 const GAUSS: [(f64, f64); 3] = [
@@ -20,6 +23,9 @@ const GAUSS: [(f64, f64); 3] = [
     (0.5, 8.0 / 18.0),
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
+
+/// Order of a method up to which powers are looked at between steps alone.
+const BY_ENDS: u32 = 2;
 
 /// Steps of a system without powers between two looks at its energy.
 const LOOK_EVERY: u32 = 16;
@@ -79,8 +85,6 @@ pub struct Ledger {
     pub external: f64,
     /// Energy lost to damping and friction [J].
     pub dissipated: f64,
-    /// Work of stiffness that varies with position [J].
-    pub parametric: f64,
     /// Jumps of energy at switches [J].
     pub jumps: f64,
     /// Those of them that brought energy in [J].
@@ -97,6 +101,9 @@ pub struct Ledger {
     v: Vec<f64>,
     out: Outputs,
     unseen: u32,
+    /// The state whose powers are known, and these.
+    known: Option<State>,
+    powers: Power,
 }
 
 impl Ledger {
@@ -150,7 +157,7 @@ impl Ledger {
     /// lost to damping, or, where nothing damps, is the rounding that the residual shows.
     fn fly(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
         let h = step.to.t - step.from.t;
-        let (mut external, mut parametric, mut damped) = (0.0, 0.0, false);
+        let (mut external, mut damped) = (0.0, false);
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut self.q, &mut self.v);
             let at = At {
@@ -161,27 +168,54 @@ impl Ledger {
             };
             sys.output(at, &mut self.out);
             external += weight * h * self.out.power.external;
-            parametric += weight * h * self.out.power.parametric;
             damped |= self.out.power.dissipated > 0.0;
         }
         // Where the system knows the work itself, no swinging spoils it.
         if let Some(work) = sys.steady_work(step.from.at(), step.to.at()) {
-            (external, parametric) = (work, 0.0);
+            external = work;
         }
         let before = self.end.total();
         sys.output(step.to.at(), &mut self.out);
         self.looked();
         self.external += external;
-        self.parametric += parametric;
         if damped {
-            self.dissipated += (before + external + parametric - self.end.total()).max(0.0);
+            self.dissipated += (before + external - self.end.total()).max(0.0);
         }
     }
 
     /// Energy that the balance does not explain [J].
     pub fn residual(&self) -> f64 {
         let start = self.start.unwrap_or_default().total();
-        self.end.total() - start - self.external + self.dissipated - self.parametric - self.jumps
+        self.end.total() - start - self.external + self.dissipated - self.jumps
+    }
+
+    /// Keeps the powers of the outputs as those of a state.
+    fn know(&mut self, s: &State) {
+        self.powers = self.out.power;
+        match &mut self.known {
+            Some(known) => known.copy_from(s),
+            none => *none = Some(s.clone()),
+        }
+    }
+
+    /// A step by the powers at both ends.
+    fn between(&mut self, sys: &mut dyn SecondOrderSystem, step: &AcceptedStep<'_>) {
+        let half = 0.5 * (step.to.t - step.from.t);
+        // What was switched or committed since the last step acts from here on.
+        if self.known.as_ref() != Some(step.from) {
+            sys.output(step.from.at(), &mut self.out);
+            self.know(step.from);
+        }
+        let before = self.powers;
+        sys.output(step.to.at(), &mut self.out);
+        self.know(step.to);
+        // A load on a hub works on its displacement: the speed at the ends tells little of modes that swing between.
+        let loads = half * (before.loads + self.powers.loads);
+        let external = half * (before.external + self.powers.external);
+        let known = sys.work_of_loads(step.from.at(), step.to.at());
+        self.external += known.map_or(external, |work| external - loads + work);
+        self.dissipated += half * (before.dissipated + self.powers.dissipated);
+        self.looked();
     }
 
     /// The residual over the largest energy that took part.
@@ -208,6 +242,7 @@ impl Sink for Ledger {
             self.start = Some(self.out.energy);
             self.end = self.out.energy;
             self.looked();
+            self.know(step.from);
         }
         if !sys.has_powers() {
             // Nothing to integrate; the end is looked at by [`Self::close`].
@@ -222,6 +257,10 @@ impl Sink for Ledger {
             self.fly(sys, step);
             return Control::Continue;
         }
+        if step.dense.order() <= BY_ENDS {
+            self.between(sys, step);
+            return Control::Continue;
+        }
         for (theta, weight) in GAUSS {
             step.dense.eval(theta, &mut self.q, &mut self.v);
             let at = At {
@@ -233,7 +272,6 @@ impl Sink for Ledger {
             sys.output(at, &mut self.out);
             self.external += weight * h * self.out.power.external;
             self.dissipated += weight * h * self.out.power.dissipated;
-            self.parametric += weight * h * self.out.power.parametric;
         }
         sys.output(step.to.at(), &mut self.out);
         self.looked();
@@ -248,6 +286,7 @@ impl Sink for Ledger {
             self.peak = e0;
         }
         sys.output(after.at(), &mut self.out);
+        self.know(after);
         self.end = self.out.energy;
         let jump = self.end.total() - e0;
         self.jumps += jump;

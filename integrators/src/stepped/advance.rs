@@ -123,9 +123,11 @@ impl<M: OneStep> Stepped<M> {
             let (mut located, mut stretch) = (false, Some(1.0));
             if r.events && !aim.leaps {
                 sys.event_functions(r.end.at(), &mut r.watch.after);
-                if r.watch.any_fell() {
+                let fell = r.watch.any_fell();
+                let dip = self.dipped(sys, s, h, r, work)?;
+                if fell || dip.is_some() {
                     located = true;
-                    stretch = self.locate(sys, s, h, r, work)?;
+                    stretch = self.locate(sys, s, dip.unwrap_or(h), r, work)?;
                 }
             }
             let mut progressed = false;

@@ -3,6 +3,7 @@
 use super::{Run, Stepped, first_not_finite};
 use crate::error::StepError;
 use crate::events::Root;
+use crate::events::dips::SHORT;
 use crate::method::{OneStep, Work};
 use crate::system::{SecondOrderSystem, State};
 
@@ -12,6 +13,49 @@ const SHIFT: f64 = 1e-4;
 const MAX_LOCATIONS: u32 = 50;
 
 impl<M: OneStep> Stepped<M> {
+    /// Looks for event functions that fell and rose again in the step from `s` of size `h` to `r.end`. Where one did, also
+    /// when the method itself steps there, the step ends at the bottom of the first dip, and its size is returned.
+    pub(super) fn dipped(
+        &mut self,
+        sys: &mut dyn SecondOrderSystem,
+        s: &State,
+        h: f64,
+        r: &mut Run<'_>,
+        work: &mut Work,
+    ) -> Result<Option<f64>, StepError> {
+        if h <= SHORT * sys.characteristic_time(s.at()) {
+            return Ok(None);
+        }
+        let Run {
+            tolerance,
+            end,
+            event,
+            watch,
+            ..
+        } = r;
+        let t_full = end.t;
+        let dipped = watch.any_dipped(|x, out| {
+            self.method
+                .interpolate(s, end, x, &mut event.q, &mut event.v);
+            event.t = s.t + x * (end.t - s.t);
+            sys.event_functions(event.at(), out);
+        });
+        if !dipped {
+            return Ok(None);
+        }
+        let shorter = watch.until * h;
+        for (h, t) in [(shorter, s.t + shorter), (h, t_full)] {
+            self.method.step(sys, s, h, tolerance, end, work)?;
+            end.t = t;
+            work.rejected += 1;
+            sys.event_functions(end.at(), &mut watch.after);
+            if watch.any_fell() && t < t_full {
+                return Ok(Some(shorter));
+            }
+        }
+        Ok(None)
+    }
+
     /// Finds the first event in the step from `s` of size `h` to `r.end`; leaves the state there in
     /// `r.event` and the event functions to switch in `r.watch.falling`. Returns the fraction of the step to `r.end` at
     /// which the event lies; `None` where event functions are at their root at the start of the step.
@@ -98,6 +142,19 @@ impl<M: OneStep> Stepped<M> {
                 hi
             };
         }
+        // The step ends sooner now: what is no parabola over all of it may be one up to here.
+        let h = end.t - s.t;
+        if h < (1.0 - SHIFT) * (t_full - s.t) {
+            sys.event_functions(end.at(), &mut watch.after);
+            let falling = watch.falling.clone();
+            if let Some(shorter) = self.dipped(sys, s, h, r, work)? {
+                return self.locate(sys, s, shorter, r, work);
+            }
+            r.watch.falling = falling;
+        }
+        let Run {
+            end, event, watch, ..
+        } = r;
         stretch = stretch.clamp(1.0 - SHIFT, 1.0 + SHIFT);
         events_on(&self.method, sys, end, stretch, event, &mut watch.here);
         event.t = event.t.min(t_full);

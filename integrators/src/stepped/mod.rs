@@ -5,8 +5,8 @@
 //! that step or less, is read from the interpolant of the shorter step, so that the event time has the
 //! accuracy of the method and not of its interpolant. The branch is switched there and the method
 //! restarts: every step sees one smooth force. Without this a fourth-order method shows order 1.8 on an
-//! elastic impact and 0.9 with Kelvin-Voigt damping. An event function that falls and rises within one step is not
-//! seen: the step must resolve the shortest contact.
+//! elastic impact and 0.9 with Kelvin-Voigt damping. An event function that falls and rises within one step shows at
+//! neither end of it; long steps are looked into for such dips ([`dips`](crate::events::dips)).
 //!
 //! **Step control** (adaptive methods): `h <- h * clamp(0.9 err^-(0.85 x) err_old^(0.2 x))`, `x = 1/p`
 //! (Gustafsson 1991; exponents of Hairer, Norsett, Wanner, *Solving ODEs I*, II.4 and its DOPRI5); no
@@ -73,6 +73,10 @@ impl<M: OneStep> Dense for MethodDense<'_, M> {
     fn eval(&self, theta: f64, q: &mut [f64], v: &mut [f64]) {
         self.method
             .interpolate(self.from, self.end, theta * self.stretch, q, v);
+    }
+
+    fn order(&self) -> u32 {
+        self.method.info().order
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Hammer {
     /// Speeds at the start [rad/s]; `s` starts at `s0` [m].
     pub speed: [f64; 2],
     pub s0: f64,
+    /// How often somebody asked for outputs.
+    pub looks: u64,
 }
 
 /// Discrete state of a run without event location: the force is clipped.
@@ -39,6 +41,7 @@ impl Hammer {
             backlash: 1e-4,
             speed: [101.0, 66.0],
             s0: 0.0,
+            looks: 0,
         };
         h.damping = 2.0 * zeta * (h.stiffness * h.reduced_mass()).sqrt();
         h
@@ -276,6 +279,7 @@ impl FreeFlight for Hammer {
 
 impl Report for Hammer {
     fn output(&mut self, at: At<'_>, out: &mut Outputs) {
+        self.looks += 1;
         let n = self.line_force(at);
         let (s, u) = self.relative(at);
         let pen = (s.abs() - 0.5 * self.backlash).max(0.0);
@@ -292,7 +296,7 @@ impl Report for Hammer {
         out.power = Power {
             external: 0.0,
             dissipated: if n == 0.0 { 0.0 } else { self.damping * u * u },
-            parametric: 0.0,
+            ..Power::default()
         };
         out.channels.clear();
         out.channels.extend([at.v[0], at.v[1], n]);

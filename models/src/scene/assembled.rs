@@ -73,6 +73,7 @@ impl Scene {
     /// Puts a fixed or driven gear where it has moved by `displacement` [rad] or [m] from the assembled position and
     /// rests: from 1 s on, with neither speed nor acceleration. Does nothing to a gear that is free to move.
     pub fn hold(&mut self, gear: usize, displacement: f64) {
+        self.work.reported.forget();
         let hub = self.gears[gear].model.hub_mut();
         if hub.coordinates() == 0 {
             hub.mount = Mount::Driven(Profile::Ramp {

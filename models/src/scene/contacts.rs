@@ -29,6 +29,10 @@ pub struct ContactForce {
     pub normal_force: f64,
     /// Friction [N], positive where it drives the second gear along the normal turned by 90 degrees counter-clockwise.
     pub friction: f64,
+    /// What the contact exerts on the hubs of both gears: torque about the axis [N m], force along the slide [N]. Where a
+    /// tip edge touches off the line of action its lever is another than that of the force, and what the potential
+    /// changes by along the path has its part.
+    pub on_hubs: [f64; 2],
     /// Gap [m].
     pub gap: f64,
 }
@@ -138,6 +142,12 @@ impl Scene {
         let nodal = nodal.map(|a| {
             let p = &self.work.nodal.found.points[a.point];
             let normal = a.direction / a.direction.norm();
+            let hubs = self.meshes[p.mesh as usize].gears;
+            let on_hub = |k: usize| {
+                let sign = if k == p.sides()[0] { 1.0 } else { -1.0 };
+                let hub = self.gears[hubs[k]].model.hub();
+                hub.effective_radius(&p.x, &(sign * a.on_slave()))
+            };
             ContactForce {
                 mesh: p.mesh as usize,
                 teeth: p.teeth,
@@ -147,6 +157,7 @@ impl Scene {
                     * (a.force.n * normal + a.sliding.force.f * a.sliding.direction),
                 normal_force: a.force.n,
                 friction: a.sliding.force.f,
+                on_hubs: [0, 1].map(on_hub),
                 gap: a.gap,
             }
         });
@@ -166,11 +177,23 @@ impl Scene {
                     force: c.force.n * n + c.friction.f * sliding_of(candidate),
                     normal_force: c.force.n,
                     friction: c.friction.f,
+                    on_hubs: [0, 1].map(|k| self.on_hub(c, k)),
                     gap: c.gap,
                 }
             })
             .chain(nodal)
             .collect()
+    }
+
+    /// What an active contact exerts on the hub of one of its gears: torque about the axis [N m], force along the slide
+    /// [N].
+    pub(super) fn on_hub(&self, a: &Active, k: usize) -> f64 {
+        let mesh = &self.meshes[a.mesh];
+        let c = &self.work.candidates[a.candidate];
+        let sign = if k == 0 { -1.0 } else { 1.0 };
+        let hub = self.gears[mesh.gears[k]].model.hub();
+        let radius = |n: &Vec3| hub.effective_radius(&c.points[k].x, &(sign * n));
+        a.on[k] * c.scale[k] * radius(&c.normal) + a.friction.f * radius(&sliding_of(c))
     }
 
     /// Closed contacts of the last evaluation by mesh and tooth pair.
@@ -205,6 +228,7 @@ impl Scene {
 
     /// The contacts of a scene that has gears with fields.
     pub(super) fn evaluate_with_fields(&mut self, at: At<'_>) {
+        self.work.reported.forget();
         self.work.active.clear();
         self.work.candidates.clear();
         for m in 0..self.meshes.len() {

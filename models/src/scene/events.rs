@@ -90,6 +90,7 @@ impl Events for Scene {
             }
         }
         self.work.nodal.forget();
+        self.work.reported.forget();
         // Contacts of an earlier run let go of their teeth.
         for m in 0..self.meshes.len() {
             for slot in 0..self.meshes[m].slots {

@@ -21,6 +21,7 @@ impl ModalSplit for Scene {
             }
         }
         self.work.nodal.forget();
+        self.work.reported.forget();
     }
 
     fn remainder(&mut self, at: At<'_>, a: &mut [f64]) {

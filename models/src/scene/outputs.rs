@@ -3,6 +3,7 @@
 use super::active::sliding_of;
 use super::assembled::Scene;
 use super::channels::{OfGear, OfMesh};
+use super::members::SceneGear;
 use crate::Vec3;
 use crate::kinematics::Wrench;
 use gearbench_integrators::system::{At, Energy, Outputs, Power};
@@ -25,9 +26,33 @@ fn add_contact(of_mesh: &mut [f64], force: Vec3, normal: f64) {
 }
 
 impl Scene {
+    /// Work of the loads on hubs between two states of a step: their mean over the displacement, which holds however the
+    /// hub vibrates in between.
+    pub(super) fn loads_between(&self, from: At<'_>, to: At<'_>) -> f64 {
+        let loaded = |g: &&SceneGear| !g.loads.is_empty() && g.model.hub().coordinates() > 0;
+        let work = |g: &SceneGear| {
+            let [a, b] = [from, to].map(|at| g.model.hub_state(g.at(at)));
+            let load = 0.5 * (g.load(from.t, a.speed) + g.load(to.t, b.speed));
+            load * (b.displacement - a.displacement)
+        };
+        self.gears.iter().filter(loaded).map(work).sum()
+    }
+
+    /// The contacts at a state. Several observers look at the end of each step: where contact takes a solve it is done
+    /// once. Meshes on lines of action share their candidates with event functions, and are cheap.
+    fn evaluate_reported(&mut self, at: At<'_>) {
+        if self.work.reported.is(at) {
+            return;
+        }
+        self.evaluate_contacts(at);
+        if self.fields && self.meshes.iter().all(|m| m.nodal) {
+            self.work.reported.keep(at);
+        }
+    }
+
     /// Channels at a state; with `books` the energies and powers of the gears as well.
     pub(super) fn fill_output(&mut self, at: At<'_>, out: &mut Outputs, books: bool) {
-        self.evaluate_contacts(at);
+        self.evaluate_reported(at);
         let mut energy = Energy::default();
         let mut power = Power::default();
         out.channels.clear();
@@ -42,12 +67,13 @@ impl Scene {
                 energy.strain += e.strain;
                 let p = g.model.powers(own);
                 power.dissipated += p.dissipated;
-                power.parametric += p.parametric;
                 power.external += p.external;
             }
             let hub = g.model.hub_state(own);
             if g.model.hub().coordinates() > 0 {
-                power.external += g.load(at.t, hub.speed) * hub.speed;
+                let by_load = g.load(at.t, hub.speed) * hub.speed;
+                power.external += by_load;
+                power.loads += by_load;
             }
             let c = &mut out.channels[per_gear + PER_GEAR * i..][..PER_GEAR];
             c[0] = hub.momentum / g.model.hub().inertia;
@@ -70,13 +96,8 @@ impl Scene {
             }
             let of_mesh = &mut out.channels[PER_MESH * a.mesh..][..PER_MESH];
             add_contact(of_mesh, force, a.force.n);
-            for (k, sign) in [(0, -1.0), (1, 1.0)] {
-                let i = mesh.gears[k];
-                let hub = self.gears[i].model.hub();
-                let effective_radius = hub.effective_radius(&c.points[k].x, &(sign * c.normal));
-                let along = hub.effective_radius(&c.points[k].x, &(sign * sliding_of(c)));
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] +=
-                    on[k] * effective_radius + a.friction.f * along;
+            for (k, &i) in mesh.gears.iter().enumerate() {
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += self.on_hub(a, k);
             }
         }
         self.each_coupling(|_, _, [c, _], [n, o]| energy.contact += c * n * o);

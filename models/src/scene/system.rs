@@ -229,6 +229,10 @@ impl Report for Scene {
         self.fill_output(at, out, false);
     }
 
+    fn work_of_loads(&mut self, from: At<'_>, to: At<'_>) -> Option<f64> {
+        Some(self.loads_between(from, to))
+    }
+
     fn touches(&mut self, out: &mut Vec<Touch>) {
         self.fill_touches(out);
     }

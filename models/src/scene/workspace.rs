@@ -5,6 +5,42 @@ use super::condensed::Condensed;
 use super::nodal::{Nodal, Reduced};
 use crate::contact::Candidate;
 use crate::kinematics::Row;
+use gearbench_integrators::system::{At, State};
+
+/// A state whose contacts are at hand.
+#[derive(Default)]
+pub(super) struct Reported {
+    state: State,
+    valid: bool,
+}
+
+impl Reported {
+    /// Whether the contacts at hand are those at a state.
+    pub fn is(&self, at: At<'_>) -> bool {
+        let s = &self.state;
+        self.valid && s.t == at.t && s.q == at.q && s.v == at.v && s.discrete == at.discrete
+    }
+
+    /// They are.
+    pub fn keep(&mut self, at: At<'_>) {
+        let s = &mut self.state;
+        s.t = at.t;
+        for (own, given) in [
+            (&mut s.q, at.q),
+            (&mut s.v, at.v),
+            (&mut s.discrete, at.discrete),
+        ] {
+            own.clear();
+            own.extend_from_slice(given);
+        }
+        self.valid = true;
+    }
+
+    /// They are not, or what they depend on changed.
+    pub fn forget(&mut self) {
+        self.valid = false;
+    }
+}
 
 /// Buffers; they grow to the largest number of contacts and stay.
 #[derive(Default)]
@@ -33,6 +69,8 @@ pub(super) struct Workspace {
     pub along_path: Vec<(usize, f64)>,
     /// Friction at an accepted state: cell, normal force, part of the sliding force.
     pub reached: Vec<(usize, f64, f64)>,
+    /// The state that was reported of last, while the contacts are still those at it.
+    pub reported: Reported,
     /// Row for a gap rate on its own.
     pub scratch: Row,
 }

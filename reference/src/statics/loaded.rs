@@ -103,7 +103,7 @@ pub struct LoadedPair {
     sign: f64,
     /// Displacement of each hub per path coordinate of its own.
     displacement_per_path: [f64; 2],
-    effective_radius: f64,
+    effective_radii: [f64; 2],
     /// By so much the approach may be negative: teeth deviate, and surfaces through nodes bulge [m].
     ahead: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
@@ -169,7 +169,7 @@ impl LoadedPair {
             layout,
             sign,
             displacement_per_path,
-            effective_radius: effective_radii[0],
+            effective_radii,
             ahead: ahead[0] + ahead[1] + AHEAD * base_pitch,
             start,
             equilibria: 0,
@@ -314,17 +314,19 @@ impl LoadedPair {
         Ok((above - below) / (2.0 * h))
     }
 
-    /// Sums the contact forces by tooth pair.
+    /// Sums by tooth pair the forces along the line of action that balance the torques of the contacts.
     fn read(&mut self, s: f64, approach: f64) -> LoadedContact {
         let contacts = self.scene.contact_forces(self.state.at());
-        let first = self.scene.meshes()[0].gears[0];
-        let hub = self.scene.gears()[first].model.hub();
         let mut pairs: Vec<PairForce> = Vec::new();
         for c in &contacts {
             // The reference pair has tooth 0; a pair ahead belongs to a tooth ahead in the first gear's sense of
             // turning.
             let offset = c.teeth[0].index * self.sign as i64;
-            let force = self.sign * hub.effective_radius(&c.x, &c.force) / self.effective_radius;
+            // Where an edge touches off the line of action both torques answer to different forces along it; their mean
+            // is what the potential grows by with the approach while the middle of the path stays, whichever gear is
+            // the first.
+            let along = |k: usize| -self.sign * c.on_hubs[k] / self.effective_radii[k];
+            let force = 0.5 * (along(0) + along(1));
             match pairs.iter_mut().find(|p| p.offset == offset) {
                 Some(p) => p.force += force,
                 None => pairs.push(PairForce { offset, force }),

@@ -157,7 +157,6 @@ fn ledger(view: &View<'_>) -> Markup {
     let table = identified(&rows)
         .numbers("Start", "J", 5, get(|l| l.energy_start_j))
         .numbers("Loads", "J", 4, get(|l| l.external_work_j))
-        .numbers("Parametric", "J", 3, get(|l| l.parametric_work_j))
         .numbers("Dissipated", "J", 3, get(|l| l.dissipated_j))
         .numbers("Jumps", "J", 3, get(|l| l.jumps_j.filter(|j| *j != 0.0)))
         .result()
@@ -173,11 +172,9 @@ fn ledger(view: &View<'_>) -> Markup {
         .powers("Invariant drift", "", get(|l| l.invariant_drift_rel))
         .result();
     let remark = note(
-        "End = start + work of loads + parametric work \u{2212} dissipated + jumps + residual; the residual is the integrator's \
-         own. Jumps: what switches brought in, such as a pair of teeth that comes into contact with its whole force. \
+        "End = start + work of loads \u{2212} dissipated + jumps + residual; the residual is the integrator's own. Jumps: what switches brought in, such as a pair of teeth that comes into contact with its whole force. \
          Vibrating: what growth of the energy is judged by. \
-         Parametric work is done by stiffness that varies along the path of contact. Invariant drift: change of \
-         L1/rb1 \u{2212} L2/rb2 over the impulse.",
+         Invariant drift: change of L1/rb1 \u{2212} L2/rb2 over the impulse.",
     );
     section("Energy and impulse ledger", html! { (table) (remark) })
 }

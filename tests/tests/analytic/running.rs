@@ -9,11 +9,14 @@ use gearbench_models::geometry::{GearParams, Side};
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, effective_radius,
+    ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, Value, effective_radius,
 };
 use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness, ToothModel};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_tests::*;
+
+mod elastic;
+mod statics;
 
 /// The gears of the FZG test rig, type C, under a torque that is in balance on both.
 fn fzg(speed: f64, torque: f64) -> SceneSpec {
@@ -295,6 +298,42 @@ fn slow_running_tends_to_statics() {
             before = worst;
         }
     }
+}
+
+/// What is left of slow running falls with the speed: as a pair comes in at its tip edge the slope of the static
+/// transmission error jumps, and the gears overshoot by the speed times that jump over their own frequency. Free gears
+/// would stand still before it is gone, their rotation has less energy than the teeth; the wheel is driven.
+#[test]
+fn the_overshoot_of_slow_running_falls_with_the_speed() {
+    let contact = varying(Damping::KelvinVoigtRatio { ratio: 0.05 });
+    let still = fzg(0.0, 94.1);
+    let force = 94.1 / effective_radius(&still.gears[0].body);
+    let mut pair = statics(&still, &rigid(), &contact);
+    let cycle = MeshCycle::solve(&mut pair, StaticLoad::Force(force), 1200, |_| {}).unwrap();
+    let over = [40.0, 20.0, 10.0, 5.0].map(|hertz| {
+        let speed = std::f64::consts::TAU * hertz / 16.0;
+        let mut spec = fzg(speed, 94.1);
+        spec.gears[1].mount =
+            gearbench_models::spec::Mount::Driven(Profile::Constant(-speed / 1.5));
+        spec.gears[1].loads.clear();
+        let mut scene = build(&spec, &[rigid(), rigid()], &contact);
+        let settled = 0.25 / hertz;
+        let (_, _, watch) = observe(
+            &spec,
+            &mut scene,
+            "dopri5",
+            Resolution::Tolerance(1e-6),
+            settled + 1.0 / hertz,
+            settled,
+        );
+        let [low, high] = watch.error.unwrap();
+        (high - low) / cycle.peak_to_peak() - 1.0
+    });
+    println!("over statics at 40, 20, 10, 5 Hz: {over:?}");
+    for pair in over.windows(2) {
+        assert!(pair[1] < 0.7 * pair[0], "{over:?}");
+    }
+    assert!(over[3].abs() < 0.02, "{over:?}");
 }
 
 #[test]

@@ -312,16 +312,31 @@ impl Pair {
         spec
     }
 
-    /// Brings the common rotation of free gears to a mesh frequency; the gears vibrate on as they did. Returns what the
-    /// first gear was too fast [rad/s].
-    pub fn govern(&self, scene: &Scene, state: &mut State, frequency: f64) -> f64 {
-        let ratios = self.ratios();
-        let (mut momentum, mut inertia) = (0.0, 0.0);
-        for (gear, ratio) in scene.gears().iter().zip(ratios) {
-            momentum += ratio * gear.model.hub_state(gear.at(state.at())).momentum;
-            inertia += gear.model.hub().hub.inertia * ratio * ratio;
+    /// Common rotation of free gears whose hubs have turned by `angles` [rad], as a turn of the first [rad].
+    fn turned(&self, scene: &Scene, angles: [f64; 2]) -> f64 {
+        let (mut turned, mut inertia) = (0.0, 0.0);
+        for ((gear, ratio), angle) in scene.gears().iter().zip(self.ratios()).zip(angles) {
+            let own = gear.model.hub().hub.inertia * ratio;
+            turned += own * angle;
+            inertia += own * ratio;
         }
-        let off = momentum / inertia - self.speeds(frequency)[0];
+        turned / inertia
+    }
+
+    /// Brings the common rotation of free gears to a mesh frequency, by what their hubs turned in the last `period` [s], a
+    /// mesh cycle: within one it goes to and fro, the more the slower they turn, as the teeth take energy from it and give
+    /// it back. The gears vibrate on as they did. Returns what the first gear was too fast [rad/s].
+    pub fn govern(
+        &self,
+        scene: &Scene,
+        state: &mut State,
+        frequency: f64,
+        angles: [[f64; 2]; 2],
+        period: f64,
+    ) -> f64 {
+        let ratios = self.ratios();
+        let [before, now] = angles.map(|a| self.turned(scene, a));
+        let off = (now - before) / period - self.speeds(frequency)[0];
         for (gear, ratio) in scene.gears().iter().zip(ratios) {
             state.v[gear.range().start] -= ratio * off;
         }

@@ -288,7 +288,7 @@ impl Branches<'_, '_> {
                 let until = begin + (settle * part / period).round() * period;
                 let job = Job {
                     t_end: until,
-                    grid: &[until],
+                    grid: &[until - period, until],
                     forces: false,
                     scene: &spec,
                     ..job
@@ -299,7 +299,9 @@ impl Branches<'_, '_> {
                     let way = (branch, frequency, settle, 0);
                     return Ok::<_, StudyError>((settled(plan, entry, pair, way, row), None));
                 }
-                drive -= pair.govern(&settling, &mut state, frequency) / (until - since);
+                let turned = angles(&row, &entry.scene);
+                let off = pair.govern(&settling, &mut state, frequency, turned, period);
+                drive -= off / (until - since);
                 spent.steps += row.steps;
                 spent.wall_s = spent.wall_s.max(0.0) + row.wall_s;
                 started = Instant::now();
@@ -329,6 +331,19 @@ impl Branches<'_, '_> {
         entry.sign(&mut row);
         Ok((row, end))
     }
+}
+
+/// Angles of both hubs [rad] at the first and the last time of a run's histories.
+fn angles(row: &Run, scene: &SceneSpec) -> [[f64; 2]; 2] {
+    let at = |end: fn(&[f64]) -> Option<&f64>| {
+        [0, 1].map(|i| {
+            let name = format!("hub_angle_{}_rad", scene.gears[i].name);
+            let columns = row.series.iter().flat_map(|s| &s.columns);
+            let column = columns.into_iter().find(|c| c.name == name);
+            column.and_then(|c| end(&c.values)).copied().unwrap_or(0.0)
+        })
+    };
+    [at(|x| x.first()), at(|x| x.last())]
 }
 
 /// The row of a run with what it settled to in place of its histories.

@@ -209,7 +209,7 @@ impl DissipativeSolve {
                 return Ok(());
             }
             // Rounding ends the descent of laws that are not linear.
-            if iteration > PATIENCE && norm <= 1e-10 * scale && norm >= 0.5 * before {
+            if norm <= 1e-10 * scale && norm >= 0.5 * before {
                 return Ok(());
             }
             before = norm;

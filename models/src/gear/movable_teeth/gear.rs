@@ -166,8 +166,8 @@ impl GearModel for MovableTeeth {
     fn powers(&self, at: At<'_>) -> Power {
         Power {
             dissipated: self.dissipated(at),
-            parametric: 0.0,
             external: self.driven_power(at),
+            ..Power::default()
         }
     }
 

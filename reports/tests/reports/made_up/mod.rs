@@ -198,7 +198,6 @@ pub fn impact_results() -> Results {
                     contact_j: Some(0.0),
                     external_work_j: Some(0.0),
                     dissipated_j: Some(0.0),
-                    parametric_work_j: None,
                     jumps_j: None,
                     vibrating_j: Some(0.5),
                     residual_j: Some(residual),

@@ -7,6 +7,7 @@ use crate::scene_file::{Origin, SceneFile};
 use gearbench_models::spec::{Load, Mount, Profile, mesh_layout};
 
 mod backlash;
+mod continuation;
 
 /// Gears with a mesh spring `k0 (1 + depth cos)` of one wave per base pitch, and some damping.
 fn scene(depth: f64, ratio: f64, wheel_torque: f64) -> SceneFile {

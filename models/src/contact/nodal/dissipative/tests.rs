@@ -62,3 +62,80 @@ fn forces_hold_at_the_end_of_the_kick() {
         }
     }
 }
+
+/// Many points on a stiff law whose damper grows with the force: however slowly they move, down to where the damper adds
+/// less than the elastic forces are rounded to, the solve ends.
+#[test]
+fn gears_that_hardly_vibrate_have_forces() {
+    let load = crate::law::MeshLoad {
+        force: 1e3,
+        stiffness: 1e8,
+        mass: 0.1,
+    };
+    let law = Law::new(1.0, Damping::RatioAtLoad { ratio: 0.05 }).unwrap();
+    let law = law.under_load(load).unwrap();
+    const NODES: usize = 12;
+    for exponent in 0..20 {
+        let rate = -0.1 * 0.1_f64.powi(exponent);
+        let points: Vec<Ported> = (0..30)
+            .map(|i| {
+                let mut p = Ported::default();
+                for k in 0..4 {
+                    p.normal.ports[k] = ((i + k) % NODES) as u32;
+                    p.normal.weights[k] = [0.31, 0.27, 0.23, 0.19][k];
+                }
+                p
+            })
+            .collect();
+        let mut springs: Vec<Spring> = (0..30)
+            .map(|i| {
+                let gap0 = -1e-6 * (1.0 + 0.37 * (i as f64).sin());
+                let force = law.undamped().smooth(gap0, 0.0, 0.0, 1e8);
+                Spring {
+                    nodes: [0; 8],
+                    weights: [0.0; 8],
+                    gap0,
+                    rate,
+                    slip: 0.0,
+                    friction: None,
+                    stiffness: 1e8,
+                    law,
+                    gap: gap0,
+                    force,
+                    rub: FrictionForce::default(),
+                    elastic: (gap0, force.n),
+                }
+            })
+            .collect();
+        let mut compliance = vec![0.0; NODES * NODES];
+        for i in 0..NODES {
+            for j in 0..NODES {
+                let apart = (i as f64 - j as f64).abs();
+                compliance[i * NODES + j] = 3e-8 * (-0.3 * apart).exp();
+            }
+        }
+        let mut solve = DissipativeSolve {
+            ports: Ports {
+                n: NODES,
+                blocks: vec![Block {
+                    start: 0,
+                    len: NODES,
+                }],
+                compliance,
+                ..Ports::default()
+            },
+            points,
+            ..DissipativeSolve::default()
+        };
+        // From the elastic solution, as a run has it.
+        for s in &mut springs {
+            s.rate = 0.0;
+        }
+        solve.solve(&mut springs).unwrap();
+        for s in &mut springs {
+            s.rate = rate;
+        }
+        let solved = solve.solve(&mut springs);
+        assert!(solved.is_ok(), "at {rate:.0e} m/s");
+    }
+}
