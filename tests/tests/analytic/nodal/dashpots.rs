@@ -76,7 +76,7 @@ fn dashpots_see_the_rates_that_compliance_leaves() {
             [damping, 0.0].map(|c| build(&loaded(-6e-6), &models, &damped(c)));
         let mut s = scene.initial();
         deform(&scene, &mut s, 3e-6, 5);
-        let mut lost = |scene: &mut Scene| {
+        let lost = |scene: &mut Scene| {
             let mut out = Outputs::default();
             scene.output(s.at(), &mut out);
             out.power.dissipated
