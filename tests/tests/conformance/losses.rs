@@ -2,9 +2,9 @@
 //! H. Ohlendorf (Dissertation, TU Munich 1958; ISO/TR 14179-2); friction does not chatter.
 
 use gearbench_integrators::observers::ledger::Ledger;
-use gearbench_integrators::system::At;
+use gearbench_integrators::system::{At, Coeffs};
 use gearbench_integrators::{
-    AcceptedStep, Control, Outputs, Report, Resolution, SecondOrderSystem, Sink, TimePlan,
+    AcceptedStep, Control, Events, Outputs, Report, Resolution, SecondOrderSystem, Sink, TimePlan,
 };
 use gearbench_models::geometry::{GearParams, Side};
 use gearbench_models::law::{Damping, Friction, FrictionForm};
@@ -325,5 +325,49 @@ fn friction_holds_what_sticks_and_lets_go_beyond() {
             "{} by {id}",
             model.id
         );
+    }
+}
+
+/// The Newton correction of finite elements that rub solves the equation that their tangent makes.
+#[test]
+fn finite_elements_that_rub_have_their_correction() {
+    let mut model = elastic(0);
+    model.id = "fe".into();
+    for key in ["modes", "damping_ratio"] {
+        model.parameters.remove(key);
+    }
+    for (friction, ratio) in [(0.0, 0.0), (0.3, 0.0), (0.3, 0.05)] {
+        let friction = (friction > 0.0).then(|| Friction::new(friction, 0.5).unwrap());
+        let mut spec = driven();
+        spec.meshes[0].start.gap = -4e-6;
+        let mut scene = scene_of(&spec, &model, &rubbing(friction, ratio));
+        let mut s = scene.initial();
+        scene.begin(&mut s, false);
+        let forces = scene.contact_forces(s.at());
+        let rubs = forces
+            .iter()
+            .any(|c| c.friction.abs() > 1e-3 * c.normal_force);
+        assert_eq!(rubs, friction.is_some());
+        let c = Coeffs {
+            m: 1.0,
+            d: 5e-7,
+            k: 2.5e-13,
+        };
+        let n = s.q.len();
+        // Forces of either sign on all coordinates.
+        let rhs: Vec<f64> = (0..n).map(|i| ((7 * i) as f64).sin()).collect();
+        let mut x = rhs.clone();
+        scene.correct(s.at(), c, &mut x).unwrap();
+        let (mut mass, mut df) = (vec![0.0; n], vec![0.0; n]);
+        scene.apply_mass(s.at(), &x, &mut mass);
+        let by = |factor: f64| -> Vec<f64> { x.iter().map(|x| factor * x).collect() };
+        scene.tangent_times(s.at(), &by(c.k), &by(c.d), &mut df);
+        let worst = (0..n).fold(0.0_f64, |w, i| w.max((mass[i] - df[i] - rhs[i]).abs()));
+        println!(
+            "{} contacts, friction {}: off by {worst:.1e}",
+            forces.len(),
+            friction.is_some()
+        );
+        assert!(worst < 1e-8, "{worst:.1e}");
     }
 }
