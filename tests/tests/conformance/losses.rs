@@ -354,20 +354,24 @@ fn finite_elements_that_rub_have_their_correction() {
             k: 2.5e-13,
         };
         let n = s.q.len();
-        // Forces of either sign on all coordinates.
-        let rhs: Vec<f64> = (0..n).map(|i| ((7 * i) as f64).sin()).collect();
+        // Forces of either sign on all coordinates, as large as their masses.
+        let sines: Vec<f64> = (0..n).map(|i| ((7 * i) as f64).sin()).collect();
+        let mut rhs = vec![0.0; n];
+        scene.apply_mass(s.at(), &sines, &mut rhs);
+        let largest = rhs.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let mut x = rhs.clone();
         scene.correct(s.at(), c, &mut x).unwrap();
         let (mut mass, mut df) = (vec![0.0; n], vec![0.0; n]);
         scene.apply_mass(s.at(), &x, &mut mass);
         let by = |factor: f64| -> Vec<f64> { x.iter().map(|x| factor * x).collect() };
         scene.tangent_times(s.at(), &by(c.k), &by(c.d), &mut df);
-        let worst = (0..n).fold(0.0_f64, |w, i| w.max((mass[i] - df[i] - rhs[i]).abs()));
+        let worst = (0..n).fold(0.0_f64, |w, i| w.max((mass[i] - df[i] - rhs[i]).abs())) / largest;
         println!(
             "{} contacts, friction {}: off by {worst:.1e}",
             forces.len(),
             friction.is_some()
         );
-        assert!(worst < 1e-8, "{worst:.1e}");
+        // Of the penalty, whose stiffness stands beside a mass over the square of the step.
+        assert!(worst < 3e-6, "{worst:.1e}");
     }
 }
