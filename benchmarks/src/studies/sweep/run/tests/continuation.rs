@@ -226,3 +226,17 @@ fn loaded_gears_follow_both_branches_of_the_backlash_resonance() {
     // The way up jumps to where teeth hammer, the way down stays there, in the end to and fro between both flanks.
     assert!(apart > 10 && behind > 0, "{apart} {behind}");
 }
+
+/// Teeth hold half as much energy as free gears that turn this slowly: what their rotation has at an instant says little of
+/// their speed.
+#[test]
+fn free_gears_that_turn_slowly_keep_their_speed() {
+    let scene = SceneFile::parse("backlash.toml", SCENE, Origin::Shipped, false).unwrap();
+    let plan = Plan {
+        branches: vec![Branch::Up],
+        ..super::plan(&scene, vec![25.0], 1, 0.0)
+    };
+    let runs = sweep(&plan, &Runner::default()).unwrap().runs;
+    let found = runs[0].steady.as_ref().unwrap().mesh_frequency_hz;
+    assert!((found / 25.0 - 1.0).abs() < 0.03, "{found}");
+}
