@@ -103,7 +103,6 @@ pub struct LoadedPair {
     sign: f64,
     /// Displacement of each hub per path coordinate of its own.
     displacement_per_path: [f64; 2],
-    effective_radii: [f64; 2],
     /// By so much the approach may be negative: teeth deviate, and surfaces through nodes bulge [m].
     ahead: f64,
     /// Path coordinate of the reference pair at zero displacement [m].
@@ -148,7 +147,6 @@ impl LoadedPair {
             Side::Right => -1.0,
         };
         let start = mesh.start.path_coordinate.unwrap_or(layout.pitch_point);
-        let effective_radii = [a, b].map(|i| effective_radius(&spec.gears[i].body));
         let per_displacement = |i: usize| match &spec.gears[i].body {
             Body::Gear(g) => g.r_base(),
             Body::Rack(_) => -layout.working_pressure_angle.cos(),
@@ -169,7 +167,6 @@ impl LoadedPair {
             layout,
             sign,
             displacement_per_path,
-            effective_radii,
             ahead: ahead[0] + ahead[1] + AHEAD * base_pitch,
             start,
             equilibria: 0,
@@ -325,7 +322,7 @@ impl LoadedPair {
             // Where an edge touches off the line of action both torques answer to different forces along it; their mean
             // is what the potential grows by with the approach while the middle of the path stays, whichever gear is
             // the first.
-            let along = |k: usize| -self.sign * c.on_hubs[k] / self.effective_radii[k];
+            let along = |k: usize| -c.on_hubs[k] * self.displacement_per_path[k];
             let force = 0.5 * (along(0) + along(1));
             match pairs.iter_mut().find(|p| p.offset == offset) {
                 Some(p) => p.force += force,

@@ -340,6 +340,10 @@ fn finite_elements_that_rub_have_their_correction() {
         let friction = (friction > 0.0).then(|| Friction::new(friction, 0.5).unwrap());
         let mut spec = driven();
         spec.meshes[0].start.gap = -4e-6;
+        // Off the pitch point, where flanks slide.
+        let layout = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+        let place = layout.pitch_point + 0.25 * layout.base_pitch;
+        spec.meshes[0].start.path_coordinate = Some(place);
         let mut scene = scene_of(&spec, &model, &rubbing(friction, ratio));
         let mut s = scene.initial();
         scene.begin(&mut s, false);

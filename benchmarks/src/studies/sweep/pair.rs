@@ -10,7 +10,7 @@ use crate::experiment::configuration::Configuration;
 use crate::experiment::error::StudyError;
 use crate::studies::sweep::plan::Plan;
 use gearbench_integrators::State;
-use gearbench_models::scene::Scene;
+use gearbench_models::scene::{Scene, SceneGear};
 use gearbench_models::spec::{
     Body, GearSpec, Load, MeshLayout, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
 };
@@ -338,7 +338,7 @@ impl Pair {
         let [before, now] = angles.map(|a| self.turned(scene, a));
         let off = (now - before) / period - self.speeds(frequency)[0];
         for (gear, ratio) in scene.gears().iter().zip(ratios) {
-            state.v[gear.range().start] -= ratio * off;
+            turn_faster(gear, state, -ratio * off);
         }
         off
     }
@@ -362,10 +362,21 @@ impl Pair {
         let (before, now) = (self.speeds(end.frequency), self.speeds(frequency));
         for (i, gear) in scene.gears().iter().enumerate() {
             if gear.model.hub().coordinates() > 0 {
-                state.v[gear.range().start] += now[i] - before[i];
+                turn_faster(gear, &mut state, now[i] - before[i]);
             }
         }
         state
+    }
+}
+
+/// Adds a rigid rotation to the velocities of a gear, with all that turns with its hub.
+fn turn_faster(gear: &SceneGear, state: &mut State, by: f64) {
+    let range = gear.range();
+    let (mut q, mut v) = (vec![0.0; range.len()], vec![0.0; range.len()]);
+    let mut discrete = vec![0.0; gear.model.hub().discrete];
+    gear.model.initialise(by, &mut q, &mut v, &mut discrete);
+    for (own, more) in state.v[range].iter_mut().zip(v) {
+        *own += more;
     }
 }
 

@@ -113,15 +113,6 @@ fn what_flank_points_cannot_do_is_refused() {
         with_points(PointContact::new(-1.0)),
         &["-1 Pa/m", "positive"],
     );
-    let friction = Friction::new(0.1, 0.01).unwrap();
-    refused(
-        pair(),
-        ContactSpec {
-            friction: Some(friction),
-            ..points()
-        },
-        &["friction", "leave it out"],
-    );
     refused(
         pair(),
         ContactSpec {

@@ -10,7 +10,7 @@ use gearbench_integrators::system::Coeffs;
 use gearbench_integrators::{Outputs, SecondOrderSystem, State};
 use gearbench_models::contact::{Candidate, Party, Wanted};
 use gearbench_models::geometry::{Gear, GearParams, Rack, RackParams, Side, inv};
-use gearbench_models::law::{Damping, Friction};
+use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
     Body, ContactSpec, ModelSpec, Mount, Parameters, Passes, PointContact, PointRule, Profile,
