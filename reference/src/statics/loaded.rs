@@ -7,9 +7,7 @@ use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
-use gearbench_models::spec::{
-    Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, effective_radius, mesh_layout,
-};
+use gearbench_models::spec::{Body, MeshLayout, Modelling, Mount, Profile, SceneSpec, mesh_layout};
 
 /// Largest last Newton correction over the approach.
 const TOLERANCE: f64 = 1e-9;
