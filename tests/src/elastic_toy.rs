@@ -3,7 +3,7 @@
 //! Mode `i` moves the flanks of tooth `t` by `b cos(k t + phase)` times a polynomial of the height, with opposite signs
 //! on both flanks for even `i`: teeth bend, or swell. The residual compliance is a local kernel `exp(-d / l)` between
 //! the nodes of a flank, less of it between flanks of a tooth, of neighbouring and of other teeth. Where there is friction
-//! nodes also move along the profile, by shapes of their own; the kernel then couples both directions, [`ACROSS`].
+//! nodes also move along the profile, by shapes of their own; the kernel then couples both directions, `ACROSS`.
 
 use crate::flank_test_gears::{flanks_of, number, takes};
 use gearbench_models::Vec3;
