@@ -6,7 +6,7 @@
 //! accuracy of the method and not of its interpolant. The branch is switched there and the method
 //! restarts: every step sees one smooth force. Without this a fourth-order method shows order 1.8 on an
 //! elastic impact and 0.9 with Kelvin-Voigt damping. An event function that falls and rises within one step shows at
-//! neither end of it; long steps are looked into for such dips ([`dips`](crate::events::dips)).
+//! neither end of it; long steps are looked into for such dips (`events::dips`).
 //!
 //! **Step control** (adaptive methods): `h <- h * clamp(0.9 err^-(0.85 x) err_old^(0.2 x))`, `x = 1/p`
 //! (Gustafsson 1991; exponents of Hairer, Norsett, Wanner, *Solving ODEs I*, II.4 and its DOPRI5); no
