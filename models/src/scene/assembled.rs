@@ -18,8 +18,8 @@ pub struct Scene {
     pub(super) event_functions: usize,
     /// A gear has a displacement field.
     pub(super) fields: bool,
-    /// Dashpots at flank points are taken implicitly where a method can: hubs and modes are all that they act on, each
-    /// with a mass of its own.
+    /// Dashpots and friction at flank points are taken implicitly where a method can: hubs and modes are all that they
+    /// act on, each with a mass of its own.
     pub(super) implicit_dissipation: bool,
     /// Friction of a mesh has a history.
     pub(super) remembers: bool,

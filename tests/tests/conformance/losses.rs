@@ -379,3 +379,30 @@ fn finite_elements_that_rub_have_their_correction() {
         assert!(worst < 3e-6, "{worst:.1e}");
     }
 }
+
+/// A quarter of a second of running: friction flips once a pair of teeth, and takes what it took in two mesh cycles.
+#[test]
+#[ignore = "a minute: cargo test --release -p gearbench-tests --test conformance -- quarter --include-ignored --nocapture"]
+fn friction_does_not_chatter_for_a_quarter_of_a_second() {
+    let friction = Friction::new(MU, 2e-3).unwrap();
+    let spec = driven();
+    let cycles = 0.25 / (TAU / 16.0 / SPEED);
+    for (model, still) in [(rigid(), rigid()), (elastic(20), elastic(0))] {
+        let scene = || scene_of(&spec, &model, &rubbing(Some(friction), 0.05));
+        let run = watch([scene(), scene()], 1e-6, [1.0, cycles]);
+        let flips = f64::from(run.losses.flips) / (cycles - 1.0);
+        let (loss, integral) = (run.losses.power(), quasi_static(&spec, &still, friction));
+        let residual = run.ledger.residual() / run.ledger.dissipated;
+        println!(
+            "{}: {flips:.2} flips a mesh cycle, {loss:.2} W with damping, quasi-static {integral:.2} W, ledger open by {residual:.1e}",
+            model.id
+        );
+        assert!(flips <= 1.1, "{}: {flips} flips", model.id);
+        assert!(
+            (loss / integral - 1.0).abs() < 0.03,
+            "{}: {loss} {integral}",
+            model.id
+        );
+        assert!(residual.abs() < 3e-3, "{}: {residual}", model.id);
+    }
+}
