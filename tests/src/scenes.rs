@@ -92,6 +92,22 @@ pub fn case_a(gap: f64) -> SceneSpec {
     pair_of(a, b, start(Side::Left, gap))
 }
 
+/// The gears of the FZG test rig, type C, the pinion at a speed [rad/s], without loads.
+pub fn fzg_c(speed: f64) -> SceneSpec {
+    let params = |teeth, profile_shift| GearParams {
+        teeth,
+        module: 4.5e-3,
+        face_width: 0.014,
+        profile_shift,
+        thinning: 5e-5,
+        bore_radius: 0.015,
+        ..Default::default()
+    };
+    let a = gear("pinion", params(16, 0.1817), 0.0, speed);
+    let b = gear("wheel", params(24, 0.1715), 0.0915, -speed / 1.5);
+    pair_of(a, b, start(Side::Left, 0.0))
+}
+
 /// A linear elastic contact of constant stiffness per width [N/m per m] of a tooth pair.
 pub fn contact(per_width: f64) -> ContactSpec {
     ContactSpec {

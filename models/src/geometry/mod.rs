@@ -52,6 +52,14 @@ pub use parameters::{GearParams, RackParams};
 pub use quantity::Quantity;
 pub use rack::Rack;
 
+use crate::Vec3;
+
+/// Direction along the profile of a flank with a normal: its transverse part, turned by 90 degrees counter-clockwise.
+pub fn along_profile(n: &Vec3) -> Vec3 {
+    let t = Vec3::new(-n.y, n.x, 0.0);
+    t / t.norm()
+}
+
 /// Flank of a tooth, seen along -z with the tooth pointing outwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -3,6 +3,7 @@
 use super::members::{SceneGear, SceneMesh, parties};
 use crate::Vec3;
 use crate::contact::{Candidate, Party};
+use crate::geometry::along_profile;
 use crate::kinematics::Row;
 use crate::law::{Friction, FrictionForce, Law, LawForce};
 use gearbench_integrators::system::At;
@@ -39,15 +40,9 @@ pub(super) struct Prescribed {
     pub sliding: f64,
 }
 
-/// In-plane direction of sliding: the normal's transverse part turned by 90 degrees.
-pub(super) fn sliding_direction(n: &Vec3) -> Vec3 {
-    let t = Vec3::new(-n.y, n.x, 0.0);
-    t / t.norm()
-}
-
-/// That of a candidate, with the factor of a point that leaves over a tip, which its normal has as well.
+/// Direction of sliding of a candidate, with the factor of a point that leaves over a tip, which its normal has as well.
 pub(super) fn sliding_of(c: &Candidate) -> Vec3 {
-    c.fade * sliding_direction(&c.normal)
+    c.fade * along_profile(&c.normal)
 }
 
 /// How far a contact on a line of action moves along it when the parts of its row move by so much; flank points stay

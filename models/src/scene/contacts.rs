@@ -143,11 +143,6 @@ impl Scene {
             let p = &self.work.nodal.found.points[a.point];
             let normal = a.direction / a.direction.norm();
             let hubs = self.meshes[p.mesh as usize].gears;
-            let on_hub = |k: usize| {
-                let sign = if k == p.sides()[0] { 1.0 } else { -1.0 };
-                let hub = self.gears[hubs[k]].model.hub();
-                hub.effective_radius(&p.x, &(sign * a.on_slave()))
-            };
             ContactForce {
                 mesh: p.mesh as usize,
                 teeth: p.teeth,
@@ -157,7 +152,7 @@ impl Scene {
                     * (a.force.n * normal + a.sliding.force.f * a.sliding.direction),
                 normal_force: a.force.n,
                 friction: a.sliding.force.f,
-                on_hubs: [0, 1].map(on_hub),
+                on_hubs: [0, 1].map(|k| a.on_hub(p, self.gears[hubs[k]].model.hub(), k)),
                 gap: a.gap,
             }
         });
@@ -216,8 +211,7 @@ impl Scene {
         }
         for a in self.work.nodal.active.iter().filter(|a| a.force.n > 0.0) {
             let p = &self.work.nodal.found.points[a.point];
-            let on_second = if p.slave == 0 { -1.0 } else { 1.0 };
-            add(p.mesh as usize, p.teeth, on_second * a.on_slave());
+            add(p.mesh as usize, p.teeth, a.on_second(p));
         }
         out.extend(sums.into_iter().map(|((group, members), force)| Touch {
             group,

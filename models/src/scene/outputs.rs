@@ -150,18 +150,11 @@ impl Scene {
                 let along = (a.sliding.direction, 0.0);
                 power.external -= a.sliding.force.f * self.nodal_drift(a, along, at);
             }
-            let on_slave = a.on_slave();
-            let on_second = if p.slave == 0 { -on_slave } else { on_slave };
             let of_mesh = &mut out.channels[PER_MESH * p.mesh as usize..][..PER_MESH];
-            add_contact(of_mesh, on_second, a.force.n);
+            add_contact(of_mesh, a.on_second(p), a.force.n);
             for (k, &i) in mesh.gears.iter().enumerate() {
-                let force = if k == p.sides()[0] {
-                    on_slave
-                } else {
-                    -on_slave
-                };
-                let effective_radius = self.gears[i].model.hub().effective_radius(&p.x, &force);
-                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += effective_radius;
+                let hub = self.gears[i].model.hub();
+                out.channels[per_gear + PER_GEAR * i + CONTACT_TORQUE] += a.on_hub(p, hub, k);
             }
         }
         for (i, (g, nodes)) in self.gears.iter().zip(&nodal.gears).enumerate() {

@@ -11,8 +11,7 @@ use super::error::ReductionError;
 use crate::mesh::GearMesh;
 use gearbench_models::Vec3;
 use gearbench_models::contact::points::{nodal_normals, reference_areas};
-use gearbench_models::gear::elastic::reduced::along_profile;
-use gearbench_models::geometry::{FlankGrid, Flanks};
+use gearbench_models::geometry::{FlankGrid, Flanks, along_profile};
 use gearbench_models::spec::PointRule;
 
 /// The flank nodes of a gear.

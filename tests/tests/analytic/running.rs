@@ -5,7 +5,7 @@ use gearbench_integrators::{
     AcceptedStep, Control, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
 };
 use gearbench_models::gear::table::Model;
-use gearbench_models::geometry::{GearParams, Side};
+use gearbench_models::geometry::GearParams;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -20,20 +20,11 @@ mod statics;
 
 /// The gears of the FZG test rig, type C, under a torque that is in balance on both.
 fn fzg(speed: f64, torque: f64) -> SceneSpec {
-    let params = |teeth, profile_shift| GearParams {
-        teeth,
-        module: 4.5e-3,
-        face_width: 0.014,
-        profile_shift,
-        thinning: 5e-5,
-        bore_radius: 0.015,
-        ..Default::default()
-    };
-    let mut a = gear("pinion", params(16, 0.1817), 0.0, speed);
-    a.loads = vec![Load::Applied(Profile::Constant(torque))];
-    let mut b = gear("wheel", params(24, 0.1715), 0.0915, -speed / 1.5);
-    b.loads = vec![Load::Applied(Profile::Constant(1.5 * torque))];
-    pair_of(a, b, start(Side::Left, 0.0))
+    let mut spec = fzg_c(speed);
+    for (g, torque) in spec.gears.iter_mut().zip([torque, 1.5 * torque]) {
+        g.loads = vec![Load::Applied(Profile::Constant(torque))];
+    }
+    spec
 }
 
 /// The same gears, the wheel first.

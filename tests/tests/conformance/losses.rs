@@ -6,7 +6,6 @@ use gearbench_integrators::system::{At, Coeffs};
 use gearbench_integrators::{
     AcceptedStep, Control, Events, Outputs, Report, Resolution, SecondOrderSystem, Sink, TimePlan,
 };
-use gearbench_models::geometry::{GearParams, Side};
 use gearbench_models::law::{Damping, Friction, FrictionForm};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -26,20 +25,10 @@ const TORQUE: f64 = 141.15;
 
 /// The gears of the FZG test rig, type C, the pinion driven.
 fn driven() -> SceneSpec {
-    let params = |teeth, profile_shift| GearParams {
-        teeth,
-        module: 4.5e-3,
-        face_width: 0.014,
-        profile_shift,
-        thinning: 5e-5,
-        bore_radius: 0.015,
-        ..Default::default()
-    };
-    let mut a = gear("pinion", params(16, 0.1817), 0.0, SPEED);
-    a.mount = Mount::Driven(Profile::Constant(SPEED));
-    let mut b = gear("wheel", params(24, 0.1715), 0.0915, -SPEED / 1.5);
-    b.loads = vec![Load::Applied(Profile::Constant(TORQUE))];
-    pair_of(a, b, start(Side::Left, 0.0))
+    let mut spec = fzg_c(SPEED);
+    spec.gears[0].mount = Mount::Driven(Profile::Constant(SPEED));
+    spec.gears[1].loads = vec![Load::Applied(Profile::Constant(TORQUE))];
+    spec
 }
 
 fn rubbing(friction: Option<Friction>, ratio: f64) -> ContactSpec {

@@ -285,7 +285,7 @@ impl HardSolve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::{FrictionForce, Law, LawForce};
+    use crate::law::Law;
 
     /// Points on nodes of their own, compliances of a smooth body with and without neighbours that rise.
     fn problem(m: usize, coupling: f64) -> (Vec<f64>, Vec<Spring>) {
@@ -301,20 +301,8 @@ mod tests {
             let (mut nodes, mut weights) = ([0; 8], [0.0; 8]);
             (nodes[0], weights[0]) = (i as u32, 1.0);
             let x = i as f64 - 0.45 * m as f64;
-            Spring {
-                nodes,
-                weights,
-                gap0: 1e-6 * (0.15 * x * x - 1.0 + 0.3 * (7.0 * x).sin()),
-                rate: 0.0,
-                slip: 0.0,
-                friction: None,
-                stiffness: 1.0,
-                law: Law::elastic(),
-                gap: 0.0,
-                force: LawForce::default(),
-                rub: FrictionForce::default(),
-                elastic: (0.0, 0.0),
-            }
+            let gap0 = 1e-6 * (0.15 * x * x - 1.0 + 0.3 * (7.0 * x).sin());
+            Spring::new((nodes, weights), (gap0, 0.0), 1.0, Law::elastic())
         });
         (r, springs.collect())
     }

@@ -35,6 +35,29 @@ pub struct Spring {
 }
 
 impl Spring {
+    /// A point on nodes with weights, a gap and a rate without contact, a stiffness and a law; nothing of it is solved yet.
+    pub fn new(
+        (nodes, weights): ([u32; 8], [f64; 8]),
+        (gap0, rate): (f64, f64),
+        stiffness: f64,
+        law: Law,
+    ) -> Self {
+        Spring {
+            nodes,
+            weights,
+            gap0,
+            rate,
+            slip: 0.0,
+            friction: None,
+            stiffness,
+            law,
+            gap: gap0,
+            force: LawForce::default(),
+            rub: FrictionForce::default(),
+            elastic: (gap0, 0.0),
+        }
+    }
+
     /// `w . u`.
     #[inline]
     pub fn along(&self, u: &[f64]) -> f64 {

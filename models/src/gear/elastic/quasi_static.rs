@@ -12,8 +12,9 @@
 //! nodes more than [`NEAR`] teeth apart are left as they are.
 
 use super::body::Elastic;
-use super::reduced::{FlankCompliance, along_profile};
+use super::reduced::FlankCompliance;
 use crate::cholesky::dot;
+use crate::geometry::along_profile;
 
 /// Teeth up to which nodes are near each other.
 const NEAR: usize = 2;

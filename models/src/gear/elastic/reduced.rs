@@ -137,12 +137,6 @@ impl FlankCompliance {
     }
 }
 
-/// Direction along the profile of a flank with an outward normal: its transverse part, turned by 90 degrees
-/// counter-clockwise.
-pub fn along_profile(n: &Vec3) -> Vec3 {
-    Vec3::new(-n.y, n.x, 0.0) / n.x.hypot(n.y)
-}
-
 impl Reduced {
     /// Number of flank nodes.
     pub fn nodes(&self) -> usize {

@@ -3,8 +3,8 @@
 use super::islands::{Nodal, NodalActive};
 use crate::Vec3;
 use crate::contact::nodal::{GearNodes, NodalPoint, NodalPoints, UNUSED, weighted};
+use crate::geometry::along_profile;
 use crate::kinematics::Row;
-use crate::scene::active::sliding_direction;
 use crate::scene::members::{SceneGear, SceneMesh};
 use gearbench_integrators::system::At;
 
@@ -53,7 +53,7 @@ impl Nodal {
             a.faded = p.gap0;
             (a.effective_radii, a.rate) = self.rate_along(gears, mesh, &a, at, &mut row);
             if mesh.friction.is_some() {
-                let direction = p.normal.norm() * sliding_direction(&p.normal);
+                let direction = p.normal.norm() * along_profile(&p.normal);
                 a.sliding.direction = direction;
                 let along = (direction, 0.0);
                 (a.sliding.effective_radii, a.sliding.speed) =

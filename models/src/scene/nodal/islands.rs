@@ -5,6 +5,7 @@ use crate::contact::nodal::{
     Block, DissipativeSolve, GearNodes, HardSolve, NodalPoint, NodalPoints, NodalSolve, Share,
     Spring,
 };
+use crate::gear::HubBody;
 use crate::kinematics::Row;
 use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh};
@@ -63,6 +64,19 @@ impl NodalActive {
     /// Its force on the slave [N], friction included.
     pub fn on_slave(&self) -> Vec3 {
         self.force.n * self.direction + self.sliding.force.f * self.sliding.direction
+    }
+
+    /// The same on the second gear of the mesh.
+    pub fn on_second(&self, p: &NodalPoint) -> Vec3 {
+        let on_slave = self.on_slave();
+        if p.slave == 0 { -on_slave } else { on_slave }
+    }
+
+    /// What it exerts on the hub of a gear of the mesh: torque about the axis [N m], force along the slide [N].
+    pub fn on_hub(&self, p: &NodalPoint, hub: &HubBody, k: usize) -> f64 {
+        let on_second = self.on_second(p);
+        let force = if k == 0 { -on_second } else { on_second };
+        hub.effective_radius(&p.x, &force)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::islands::{Nodal, NodalActive, Solved};
 use crate::contact::nodal::{Block, GapBound, HardSolve, NodalParty, Share, Spring, UNUSED};
-use crate::law::{FrictionForce, LawForce};
 use crate::scene::members::{SceneGear, SceneMesh, parties};
 use gearbench_integrators::system::At;
 
@@ -183,22 +182,15 @@ impl Nodal {
                     weights[4 * k + c] = p.weights[k][c];
                 }
             }
+            let law = mesh.law.shared(p.share);
+            let of = (p.gap0, a.rate);
             solved.springs.push(Spring {
-                nodes,
-                weights,
-                gap0: p.gap0,
-                rate: a.rate,
                 slip: a.sliding.speed,
                 friction: mesh.friction.as_ref().map(|f| {
                     let place = (p.teeth[0], p.side(), p.x.z);
                     f.here(f.at(gears, mesh, at), place, at)
                 }),
-                stiffness: p.stiffness,
-                law: mesh.law.shared(p.share),
-                gap: p.gap0,
-                force: LawForce::default(),
-                rub: FrictionForce::default(),
-                elastic: (p.gap0, 0.0),
+                ..Spring::new((nodes, weights), of, p.stiffness, law)
             });
         }
         let result = match hard {

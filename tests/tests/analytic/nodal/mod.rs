@@ -11,6 +11,7 @@ mod potential;
 mod search;
 mod tangents;
 
+use gearbench_integrators::system::{At, HalfKick, ModalSplit};
 use gearbench_integrators::{Outputs, Report, SecondOrderSystem, State};
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
@@ -60,6 +61,36 @@ fn deform(scene: &Scene, s: &mut State, size: f64, seed: u64) {
             s.v[i] = 1e4 * s.q[i] * numbers.draw();
         }
     }
+}
+
+/// Gears under load that turn at a speed of the first.
+fn loaded(gap: f64, speed: f64) -> SceneSpec {
+    let mut spec = case_a(gap);
+    (spec.gears[0].speed, spec.gears[1].speed) = (speed, -speed / 1.5);
+    spec.gears[0].loads = vec![Load::Applied(Profile::Constant(40.0))];
+    spec.gears[1].loads = vec![Load::Applied(Profile::Constant(60.0))];
+    spec
+}
+
+/// What the accelerations of a half kick of half a microsecond are off those at the velocities in which it ends, over the
+/// largest of them.
+fn off_at_the_end_of_a_kick(scene: &mut Scene, s: &State, filter: &[f64]) -> f64 {
+    let n = s.q.len();
+    let kick = HalfKick {
+        time: 5e-7,
+        before: &s.v,
+        steady: &[],
+        filter,
+    };
+    let mut a = vec![0.0; n];
+    scene.remainder_after(s.at(), &kick, &mut a);
+    let mut v = Vec::new();
+    kick.end(&a, &mut v);
+    let mut at_end = vec![0.0; n];
+    scene.remainder(At { v: &v, ..s.at() }, &mut at_end);
+    let largest = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let worst = (a.iter().zip(&at_end)).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
+    worst / largest
 }
 
 fn force(scene: &mut Scene, s: &State) -> Vec<f64> {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::law::{Damping, FrictionForce, Law, LawForce};
+use crate::law::{Damping, Law};
 
 /// Two masses of one port each, pressed together by three points: forces hold their laws at the gap and rate that they
 /// bring about, whatever the dashpot, from none to one that lets nothing move within the kick.
@@ -9,20 +9,7 @@ fn forces_hold_at_the_end_of_the_kick() {
         let law = Law::new(1.0, Damping::KelvinVoigt { c }).unwrap();
         let gaps = [(-2e-6, -0.1), (-1e-6, 0.2), (1e-6, -0.3), (-1e-9, -0.3)];
         let mut springs: Vec<Spring> = (gaps.iter())
-            .map(|&(gap0, rate)| Spring {
-                nodes: [0; 8],
-                weights: [0.0; 8],
-                gap0,
-                rate,
-                slip: 0.0,
-                friction: None,
-                stiffness: 1e8,
-                law,
-                gap: gap0,
-                force: LawForce::default(),
-                rub: FrictionForce::default(),
-                elastic: (gap0, 0.0),
-            })
+            .map(|&of| Spring::new(([0; 8], [0.0; 8]), of, 1e8, law))
             .collect();
         let (r, y) = (2e-9, 5e-6);
         let mut solve = DissipativeSolve {
@@ -92,18 +79,9 @@ fn gears_that_hardly_vibrate_have_forces() {
                 let gap0 = -1e-6 * (1.0 + 0.37 * (i as f64).sin());
                 let force = law.undamped().smooth(gap0, 0.0, 0.0, 1e8);
                 Spring {
-                    nodes: [0; 8],
-                    weights: [0.0; 8],
-                    gap0,
-                    rate,
-                    slip: 0.0,
-                    friction: None,
-                    stiffness: 1e8,
-                    law,
-                    gap: gap0,
                     force,
-                    rub: FrictionForce::default(),
                     elastic: (gap0, force.n),
+                    ..Spring::new(([0; 8], [0.0; 8]), (gap0, rate), 1e8, law)
                 }
             })
             .collect();

@@ -1,6 +1,6 @@
 use super::*;
 use crate::contact::solve::{CompliantSolve, SolvePoint};
-use crate::law::{Damping, FrictionForce, Law, LawForce};
+use crate::law::{Damping, Law};
 
 /// Numbers in [-1, 1), always the same.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
@@ -34,20 +34,8 @@ fn problem(n: usize, m: usize, rank: usize, law: Law) -> (Vec<Block>, Vec<f64>, 
             (nodes[c], weights[c]) = (((p + c) % n) as u32, 0.5 + 0.4 * draw());
             (nodes[4 + c], weights[4 + c]) = ((n + (p * p + c) % n) as u32, 0.5 + 0.4 * draw());
         }
-        Spring {
-            nodes,
-            weights,
-            gap0: 1e-5 * (draw() - 0.5),
-            rate: 0.3 * draw(),
-            slip: 0.0,
-            friction: None,
-            stiffness: 1e8 * (1.5 + draw()),
-            law,
-            gap: 0.0,
-            force: LawForce::default(),
-            rub: FrictionForce::default(),
-            elastic: (0.0, 0.0),
-        }
+        let of = (1e-5 * (draw() - 0.5), 0.3 * draw());
+        Spring::new((nodes, weights), of, 1e8 * (1.5 + draw()), law)
     });
     (blocks.to_vec(), compliance, springs.collect())
 }
