@@ -147,6 +147,7 @@ pub(crate) fn context<'a>(
         effective_radius: 1.0,
         meshes: &[],
         slides: false,
+        lines: false,
         speed: 0.0,
         parameters,
     }

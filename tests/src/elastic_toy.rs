@@ -159,6 +159,7 @@ pub fn toy(context: &GearContext<'_>) -> Reduced {
         unbalance: [0.0; 2],
         omega,
         residual,
+        near_field: None,
         integrals: None,
     }
 }

@@ -14,7 +14,7 @@ use super::reading::values::Count;
 use super::stiffness::{StiffnessKeys, stiffness};
 use gearbench_models::error::Reason;
 use gearbench_models::law::{Damping, Film, Friction, FrictionForm, Law, LawError};
-use gearbench_models::spec::{ContactSpec, Passes, SurfaceKind};
+use gearbench_models::spec::{ContactSpec, LocalContact, Passes, SurfaceKind};
 use gearbench_models::stiffness::{IsoVariation, PairStiffness};
 use serde::Deserialize;
 
@@ -38,6 +38,9 @@ keys! {
         pub(super) penalty_n_per_m: Option<f64>,
         /// of flank points: "penalty" (default), or "hard": no penalty, for elastic gears with residual compliance
         pub(super) law: Option<PointLaw>,
+        /// what gives way where flanks touch: "mesh" (default), the elements, with a penalty; or "half-space", Hertz's
+        /// approach in their place, for elastic gears
+        pub(super) local: Option<LocalContact>,
         /// "quadrature" (default), "nodes", or { along, across }; with law = "hard" "mortar" (default) or "nodes"
         pub(super) points: Option<PointsChoice>,
         /// between the nodes of a flank: "smooth" (default) or "faceted"

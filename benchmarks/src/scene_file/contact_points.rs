@@ -6,7 +6,7 @@ use super::reading::Place;
 use super::reading::keys::keys;
 use super::reading::values::Count;
 use gearbench_models::error::Reason;
-use gearbench_models::spec::{MAX_POINTS, PointContact, PointRule};
+use gearbench_models::spec::{LocalContact, MAX_POINTS, PointContact, PointRule};
 use serde::Deserialize;
 
 /// Keys that only flank points have.
@@ -51,6 +51,9 @@ pub(super) fn points(
     keys: &ContactKeys,
     at: &Place<'_>,
 ) -> Result<Option<PointContact>, SceneError> {
+    if keys.local == Some(LocalContact::HalfSpace) {
+        return half_space(at).map(Some);
+    }
     let (base, key) = if keys.law == Some(PointLaw::Hard) {
         (hard(keys, at)?, "law")
     } else {
@@ -91,6 +94,21 @@ pub(super) fn points(
     match settings.problem() {
         None => Ok(Some(settings)),
         Some(Reason { cause, help }) => at.key(key).refuse(cause, "in this contact", help),
+    }
+}
+
+/// Contact on half-spaces, which has nothing to choose.
+fn half_space(at: &Place<'_>) -> Result<PointContact, SceneError> {
+    let mut others = OF_POINTS
+        .into_iter()
+        .chain(["penalty_pa_per_m", "penalty_n_per_m"]);
+    match others.find(|key| at.has(key)) {
+        None => Ok(PointContact::half_space()),
+        Some(key) => at.key(key).refuse(
+            format!("`{key}` belongs to the points of a mesh, but the flanks touch on half-spaces"),
+            "remove this",
+            "or give local = \"mesh\"",
+        ),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The search of a mesh: tooth pairs on lines of action, or points of flanks. Both take any mix of gear models.
 
 use super::candidate::Candidate;
-use super::pairs::LinesOfAction;
+use super::nodal::{GapBound, NodalParty, NodalPoints};
+use super::pairs::{FlankLines, LinesOfAction};
 use super::party::{Party, Wanted};
 use super::points::FlankPoints;
 use crate::Vec3;
@@ -18,6 +19,8 @@ pub enum Search {
     /// Points of flanks. They open and close all the time, so that there are neither slots nor event functions: forces
     /// are clipped, and nothing is located.
     Points(Box<FlankPoints>),
+    /// Lines of flanks, of elastic gears; they open and close as points do.
+    Lines(Box<FlankLines>),
 }
 
 impl Search {
@@ -26,7 +29,7 @@ impl Search {
     pub fn pairs(&self) -> Option<&LinesOfAction> {
         match self {
             Search::Pairs(pairs) => Some(pairs),
-            Search::Points(_) => None,
+            Search::Points(_) | Search::Lines(_) => None,
         }
     }
 
@@ -34,8 +37,23 @@ impl Search {
     #[inline]
     pub fn points(&self) -> Option<&FlankPoints> {
         match self {
-            Search::Pairs(_) => None,
             Search::Points(points) => Some(points),
+            Search::Pairs(_) | Search::Lines(_) => None,
+        }
+    }
+
+    /// Appends points of gears with a [flank displacement](crate::gear::FlankDisplacement); tooth pairs have none.
+    #[inline]
+    pub fn nodal_points(
+        &self,
+        sides: [NodalParty<'_>; 2],
+        gap_bound: &mut GapBound,
+        out: &mut NodalPoints,
+    ) {
+        match self {
+            Search::Points(points) => points.nodal_points(sides, gap_bound, out),
+            Search::Lines(lines) => lines.nodal_points(sides, gap_bound, out),
+            Search::Pairs(_) => {}
         }
     }
 
@@ -52,6 +70,8 @@ impl Search {
         match self {
             Search::Pairs(pairs) => pairs.candidates(a, b, discrete, wanted, out),
             Search::Points(points) => points.candidates(a, b, wanted, out),
+            // Their gears have fields.
+            Search::Lines(_) => {}
         }
     }
 
@@ -60,6 +80,7 @@ impl Search {
         match self {
             Search::Pairs(pairs) => pairs.line(side),
             Search::Points(points) => points.line(side),
+            Search::Lines(lines) => lines.pairs().line(side),
         }
     }
 
@@ -67,8 +88,8 @@ impl Search {
     pub fn flank_of(&self, c: &Candidate) -> ([Tooth; 2], Side) {
         let side = match self {
             Search::Pairs(pairs) => pairs.side_of(c),
-            Search::Points(_) if c.slot == 0 => Side::Left,
-            Search::Points(_) => Side::Right,
+            _ if c.slot == 0 => Side::Left,
+            _ => Side::Right,
         };
         ([c.points[0].tooth, c.points[1].tooth], side)
     }

@@ -1,6 +1,7 @@
 //! The flank displacement operator: how far flank nodes stand outward of the rigid flank, for contacts of nodes.
 
 use gearbench_integrators::system::At;
+use std::sync::Arc;
 
 /// Outward displacements of flank nodes, linear in the gear's coordinates and in the forces on the nodes:
 /// `a = B q - R F + r T`. Nodes are those of the gear's [`Flanks`](crate::geometry::Flanks), `F`
@@ -25,6 +26,12 @@ pub trait FlankDisplacement {
     /// outward normal turned by 90 degrees counter-clockwise; `None` where that is not known: the flanks then move along
     /// their profile with the hub alone.
     fn along_profile(&self) -> Option<u32> {
+        None
+    }
+
+    /// Displacement of the [lines](crate::gear::elastic::lines) of each flank by line loads; `None` where nodes are not
+    /// lines.
+    fn near_field(&self) -> Option<&Arc<Vec<Vec<f64>>>> {
         None
     }
 

@@ -29,6 +29,8 @@ pub struct GearContext<'a> {
     pub meshes: &'a [MeshView],
     /// A mesh of it has friction.
     pub slides: bool,
+    /// Its flanks touch along lines, where half-spaces give way.
+    pub lines: bool,
     /// Speed of its hub at the start [rad/s] or [m/s].
     pub speed: f64,
     /// Parameters from the scene.

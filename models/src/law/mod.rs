@@ -44,6 +44,7 @@
 mod damping;
 mod error;
 mod friction;
+mod half_space;
 mod normal;
 #[cfg(test)]
 mod tests;
@@ -51,4 +52,5 @@ mod tests;
 pub use damping::Damping;
 pub use error::LawError;
 pub use friction::{Film, Friction, FrictionForce, FrictionForm, MeshFilm};
+pub use half_space::HalfSpace;
 pub use normal::{Law, LawForce, MeshLoad, realised_restitution};

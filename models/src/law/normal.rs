@@ -2,6 +2,7 @@
 
 use super::damping::Damping;
 use super::error::LawError;
+use super::half_space::HalfSpace;
 
 /// Below this speed (m/s) nothing moves: only keeps a quotient finite.
 const LEAST_SPEED: f64 = 1e-15;
@@ -36,6 +37,8 @@ enum Power {
     One,
     ThreeHalves,
     General,
+    /// The approach of half-spaces that a line presses together; see [`HalfSpace`].
+    HalfSpace(HalfSpace),
 }
 
 /// A validated normal contact law.
@@ -121,6 +124,16 @@ impl Law {
         }
     }
 
+    /// The same law with the approach of half-spaces in the place of the power of the penetration.
+    #[must_use]
+    pub fn with_half_space(self, half_space: HalfSpace) -> Law {
+        Law {
+            exponent: 1.0,
+            power: Power::HalfSpace(half_space),
+            ..self
+        }
+    }
+
     /// The law in a mesh that carries a load: see the module for what its damping then means.
     ///
     /// # Errors
@@ -163,8 +176,13 @@ impl Law {
             Damping::KelvinVoigt { c } => Damping::KelvinVoigt { c: c * share },
             other => other,
         };
+        let power = match self.power {
+            Power::HalfSpace(h) => Power::HalfSpace(h.shared(share)),
+            other => other,
+        };
         Law {
             damping,
+            power,
             c: self.c * share,
             ..*self
         }
@@ -226,10 +244,10 @@ impl Law {
         self.chi > 0.0 || self.c > 0.0
     }
 
-    /// `(sign(d) |d|^n, n |d|^(n-1))`.
+    /// Elastic force of a penetration, odd in it, and its derivatives by the penetration and by `k`.
     #[inline]
-    fn powers(&self, d: f64) -> (f64, f64) {
-        match self.power {
+    fn elastic_force(&self, d: f64, k: f64) -> (f64, f64, f64) {
+        let (power, slope) = match self.power {
             Power::One => (d, 1.0),
             Power::ThreeHalves => {
                 let root = d.abs().sqrt();
@@ -239,7 +257,12 @@ impl Law {
                 let below = d.abs().powf(self.exponent - 1.0);
                 (d * below, self.exponent * below)
             }
-        }
+            Power::HalfSpace(h) => {
+                let (n, stiffness, by_k) = h.force(d.abs(), k);
+                return (n.copysign(d), stiffness, by_k.copysign(-d));
+            }
+        };
+        (k * power, k * slope, power)
     }
 
     /// The smooth branch: odd in the penetration, neither clipped nor switched off when open.
@@ -247,14 +270,14 @@ impl Law {
     /// that do not [need](Law::needs_impact_speed) it).
     #[inline]
     pub fn smooth(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> LawForce {
-        let (power, slope) = self.powers(-g);
+        let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
         let (per_speed, slope_of_it) = self.per_speed(g_rate, v0);
         let factor = 1.0 - per_speed * g_rate;
         LawForce {
-            n: k * power * factor - self.c * g_rate,
-            dn_dg: -k * slope * factor,
-            dn_dgdot: -k * power * (per_speed + g_rate * slope_of_it) - self.c,
-            dn_dk: power * factor,
+            n: elastic * factor - self.c * g_rate,
+            dn_dg: -stiffness * factor,
+            dn_dgdot: -elastic * (per_speed + g_rate * slope_of_it) - self.c,
+            dn_dk: by_k * factor,
         }
     }
 
@@ -274,7 +297,12 @@ impl Law {
 
     /// Whether the force is linear in gap and gap rate, piece by piece.
     pub fn is_piecewise_linear(&self) -> bool {
-        self.exponent == 1.0 && self.chi == 0.0
+        self.is_linear_elastic() && self.chi == 0.0
+    }
+
+    /// Whether the elastic force is linear in the gap.
+    pub fn is_linear_elastic(&self) -> bool {
+        self.power == Power::One
     }
 
     /// The force of a point of a flank: all zero when the gap is open, and a dashpot that never acts with more than the
@@ -288,31 +316,30 @@ impl Law {
         if g >= 0.0 {
             return LawForce::default();
         }
-        let (power, slope) = self.powers(-g);
+        let (elastic, stiffness, by_k) = self.elastic_force(-g, k);
         // A damper that grows with the force is known by its load: no speed of touch is.
         let per_speed = if self.load_speed > 0.0 {
             self.chi / self.load_speed
         } else {
             0.0
         };
-        let elastic = k * power;
         let c = self.c + elastic * per_speed;
         let (dashpot, factor) = (-c * g_rate, 1.0 - per_speed * g_rate);
         if dashpot > elastic {
             LawForce {
                 n: 2.0 * elastic,
-                dn_dg: -2.0 * k * slope,
+                dn_dg: -2.0 * stiffness,
                 dn_dgdot: 0.0,
-                dn_dk: 2.0 * power,
+                dn_dk: 2.0 * by_k,
             }
         } else if dashpot < -elastic {
             LawForce::default()
         } else {
             LawForce {
                 n: elastic + dashpot,
-                dn_dg: -k * slope * factor,
+                dn_dg: -stiffness * factor,
                 dn_dgdot: -c,
-                dn_dk: power * factor,
+                dn_dk: by_k * factor,
             }
         }
     }
@@ -320,18 +347,26 @@ impl Law {
     /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
     #[inline]
     pub fn potential(&self, g: f64, k: f64) -> f64 {
-        k * self.d_potential_dk(g)
+        if g >= 0.0 {
+            return 0.0;
+        }
+        match self.power {
+            Power::HalfSpace(h) => h.energy(-g, k).0,
+            _ => -g * self.elastic_force(-g, k).0 / (self.exponent + 1.0),
+        }
     }
 
     /// Derivative of [`Law::potential`] with respect to `k` (m^(n+1)); times `dk/dt` it is the
     /// parametric power of a varying stiffness.
     #[inline]
-    pub fn d_potential_dk(&self, g: f64) -> f64 {
+    pub fn d_potential_dk(&self, g: f64, k: f64) -> f64 {
         if g >= 0.0 {
             return 0.0;
         }
-        let d = -g;
-        d * self.powers(d).0 / (self.exponent + 1.0)
+        match self.power {
+            Power::HalfSpace(h) => h.energy(-g, k).1,
+            _ => -g * self.elastic_force(-g, k).2 / (self.exponent + 1.0),
+        }
     }
 }
 

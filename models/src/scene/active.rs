@@ -146,7 +146,7 @@ pub(super) fn along_path(law: &Law, c: &Candidate, gap: f64) -> f64 {
     if c.stiffness_s == 0.0 {
         return 0.0;
     }
-    0.5 * law.d_potential_dk(gap) * c.stiffness_s
+    0.5 * law.d_potential_dk(gap, c.stiffness) * c.stiffness_s
 }
 
 /// Multipliers of both parts of the row of a contact with the normal force `n`: with `V = W(g, k(s))` the force is

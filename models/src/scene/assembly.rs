@@ -1,6 +1,7 @@
 //! Assembly of a scene: positions, initial angles, lines of action, models, loads.
 
 use super::assembled::Scene;
+use super::assembly_lines::{flank_lines, strips};
 use super::assembly_points::flank_points;
 use super::channels;
 use super::members::{SceneGear, SceneMesh};
@@ -16,7 +17,10 @@ use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
-use crate::spec::{Body, Load, Modelling, Mount, SceneSpec, effective_radius, mesh_layout};
+use crate::spec::{
+    Body, ContactSpec, Load, LocalContact, Modelling, Mount, SceneSpec, effective_radius,
+    mesh_layout,
+};
 use gearbench_integrators::system::State;
 
 /// How far points on surfaces through flank nodes may stand off what the nodes tell, over the base pitch; and what
@@ -64,6 +68,12 @@ impl Scene {
             let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
             meshes.any(|(mesh, contact)| contact.friction.is_some() && mesh.gears.contains(&gear))
         };
+        let half_space =
+            |c: &ContactSpec| c.points.is_some_and(|p| p.local == LocalContact::HalfSpace);
+        let lines = |gear: usize| {
+            let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
+            meshes.any(|(mesh, contact)| half_space(contact) && mesh.gears.contains(&gear))
+        };
         let mut gears: Vec<SceneGear> = Vec::new();
         for (g, model) in spec.gears.iter().zip(&modelling.gears) {
             for load in &g.loads {
@@ -100,6 +110,7 @@ impl Scene {
                 effective_radius: effective_radius(&g.body),
                 meshes: &seen_by[gears.len()],
                 slides: slides(gears.len()),
+                lines: lines(gears.len()),
                 speed: initial_speed(g),
                 parameters: &model.parameters,
             };
@@ -121,8 +132,13 @@ impl Scene {
         for ((mesh, l), contact) in spec.meshes.iter().zip(&layouts).zip(&modelling.contacts) {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
+            let strips = if half_space(contact) {
+                Some(strips(spec, mesh, contact, &gears)?)
+            } else {
+                None
+            };
             let (search, law, geometry) =
-                lines_of_action(spec, mesh, l, contact, &phases, of_gear)?;
+                lines_of_action(spec, mesh, l, (contact, strips), &phases, of_gear)?;
             for i in mesh.gears {
                 seen[i] += 1;
             }
@@ -162,7 +178,10 @@ impl Scene {
                 .gears
                 .iter()
                 .any(|i| gears[*i].model.flanks().is_some());
-            let (search, law, clearances): (Search, Law, _) = if with_flanks {
+            let (search, law, clearances): (Search, Law, _) = if strips.is_some() {
+                let (lines, law) = flank_lines(spec, mesh, l, contact, &gears, (search, law))?;
+                (Search::Lines(Box::new(lines)), law, on_lines)
+            } else if with_flanks {
                 let lines = Side::BOTH.map(|side| search.line(side));
                 let (search, law) = flank_points(
                     spec,

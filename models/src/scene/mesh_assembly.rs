@@ -59,7 +59,7 @@ pub(super) fn lines_of_action(
     spec: &SceneSpec,
     mesh: &MeshSpec,
     l: &MeshLayout,
-    contact: &ContactSpec,
+    (contact, strips): (&ContactSpec, Option<usize>),
     phases: &[f64],
     mesh_of_gear: [u8; 2],
 ) -> Result<(LinesOfAction, Law, MeshGeometry), BuildError> {
@@ -69,8 +69,8 @@ pub(super) fn lines_of_action(
         stiffness_curve(a, b, l, contact).map_err(|e| error(MeshPart::Stiffness, e.reason()))?;
     let views = views(l, a, b, mesh.gears.map(|i| phases[i]));
     let many = varies_over_width(&a.body) || varies_over_width(&b.body);
-    let count = contact
-        .slices
+    let count = strips
+        .or(contact.slices)
         .unwrap_or(if many { DEFAULT_SLICES } else { 1 });
     if count == 0 || count > 1000 {
         return Err(error(

@@ -12,6 +12,7 @@
 mod active;
 mod assembled;
 mod assembly;
+mod assembly_lines;
 mod assembly_points;
 pub mod channels;
 mod condensed;

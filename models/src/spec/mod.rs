@@ -11,5 +11,7 @@ pub use layout::{MeshLayout, effective_radius, mesh_layout, stiffness_curve};
 pub use load::{Load, Profile};
 pub use model::{ModelSpec, Modelling, Parameters, Value};
 pub use mount::Mount;
-pub use points::{CoarseSearch, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind};
+pub use points::{
+    CoarseSearch, LocalContact, MAX_POINTS, Passes, PointContact, PointRule, SurfaceKind,
+};
 pub use scene::{Body, ContactSpec, GearSpec, MeshSpec, SceneSpec, Start};

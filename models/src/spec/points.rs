@@ -71,6 +71,18 @@ pub enum Passes {
     Both,
 }
 
+/// What gives way where flanks touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LocalContact {
+    /// The elements of the mesh, as finite elements have it: points of the flanks with a penalty or without.
+    #[default]
+    Mesh,
+    /// Half-spaces in the place of the elements next to the contact, as Hertz has it: lines over strips of the width
+    /// ([`FlankLines`](crate::contact::pairs::FlankLines)). Penalty, points, surfaces and passes are not asked for.
+    HalfSpace,
+}
+
 /// Settings of the contact between flank points and flank surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointContact {
@@ -93,6 +105,8 @@ pub struct PointContact {
     /// No penalty at all: gaps that do not close beyond zero, at the slave's nodes with the rule
     /// [`PointRule::Nodes`], else averaged with the shape functions of its nodes (mortar).
     pub hard: bool,
+    /// What gives way where they touch.
+    pub local: LocalContact,
 }
 
 impl PointContact {
@@ -103,6 +117,16 @@ impl PointContact {
             rule,
             hard: true,
             // Nothing but the areas of the points is asked for.
+            ..PointContact::new(1.0)
+        }
+    }
+
+    /// Half-spaces where flanks touch.
+    #[must_use]
+    pub fn half_space() -> Self {
+        PointContact {
+            local: LocalContact::HalfSpace,
+            // There is no penalty.
             ..PointContact::new(1.0)
         }
     }
@@ -119,6 +143,7 @@ impl PointContact {
             coarse: CoarseSearch::default(),
             reach: None,
             hard: false,
+            local: LocalContact::Mesh,
         }
     }
 

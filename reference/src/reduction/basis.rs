@@ -15,7 +15,7 @@
 
 use super::error::ReductionError;
 use super::surface::Surface;
-use super::{Basis, Mounting, Wanted, compliance, integrals};
+use super::{Basis, Mounting, Wanted, compliance, integrals, near_field};
 use crate::assembly::tie::{MassKind, Tie};
 use crate::assembly::{Assembly, assemble};
 use crate::mesh::GearMesh;
@@ -123,10 +123,12 @@ pub fn of_mesh(
         let modes = found.omega2.len() - skip;
         integrals::of_mesh(&mass, &mesh.mesh.nodes, modes, of_mode)
     };
+    let near_field = near_field::of_flanks(mesh, material)?;
     let body = Body {
         inertia,
         unbalance,
         unknowns: tie.coordinates(),
+        near_field,
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }
@@ -170,11 +172,13 @@ pub fn of_sector(
         .collect();
     let residual = compliance::of_sector(sector, material, &nodes, mounting)?;
     let integrals = integrals::of_sector(&mass, &sector.mesh.nodes, &found, own);
+    let near_field = near_field::of_flanks(sector, material)?;
     // Equal teeth are balanced.
     let body = Body {
         inertia,
         unbalance: [0.0; 2],
         unknowns: found.unknowns + own,
+        near_field: near_field.map(|own| vec![own; sector.teeth as usize].concat()),
     };
     finish(nodes, mounting, body, shapes, (residual, integrals))
 }
@@ -184,6 +188,7 @@ struct Body {
     inertia: f64,
     unbalance: [f64; 2],
     unknowns: usize,
+    near_field: Option<Vec<Vec<f64>>>,
 }
 
 /// `M e_x`, one entry per node: the mass matrix is the same along all axes.
@@ -288,6 +293,7 @@ fn finish(
         inertia,
         unbalance,
         unknowns,
+        near_field,
     } = body;
     if mounting.free {
         let share = shapes.first().map_or(0.0, |s| {
@@ -341,6 +347,7 @@ fn finish(
         momentum: shapes.iter().map(|s| s.linear).collect(),
         unbalance,
         compliance,
+        near_field: near_field.map(Arc::new),
         integrals: integrals.map(Arc::new),
     })
 }

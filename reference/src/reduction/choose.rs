@@ -217,6 +217,7 @@ pub fn reduced(
         momentum: kept.iter().map(|&i| basis.momentum[i]).collect(),
         unbalance: basis.unbalance,
         residual,
+        near_field: basis.near_field.clone(),
         integrals: basis.integrals.as_ref().map(|i| i.of_modes(kept)),
     })
 }

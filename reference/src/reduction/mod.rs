@@ -13,6 +13,7 @@
 //! | part | owns |
 //! |---|---|
 //! | `surface` | flank nodes in order, their normals, areas and place in the mesh |
+//! | `near_field` | what the elements about a flank do to a line load |
 //! | `integrals` | inertia integrals of the floating frame |
 //! | `basis` | modes of a mesh, or of a sector by cyclic symmetry, at these nodes |
 //! | `compliance` | static compliance of the whole mesh; what kept modes carry is taken out of it by `without_modes` |
@@ -36,6 +37,7 @@ mod estimate;
 mod geometry;
 mod integrals;
 mod mounting;
+mod near_field;
 mod of_gear;
 mod open;
 mod parameters;
@@ -96,6 +98,10 @@ pub struct Basis {
     pub unbalance: [f64; 2],
     /// Compliance of the whole mesh: nothing is truncated yet.
     pub compliance: Residual,
+    /// Displacement of rows of nodes by line loads, as in
+    /// [`Reduced`](gearbench_models::gear::elastic::reduced::Reduced); `None` where the elements are not hexahedra of eight
+    /// nodes.
+    pub near_field: Option<Arc<Vec<Vec<f64>>>>,
     /// Inertia integrals of all modes; `None` where they are too many.
     pub integrals: Option<Arc<Integrals>>,
 }

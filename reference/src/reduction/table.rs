@@ -234,6 +234,9 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Toothing::Gear(gear) = context.body {
         reduced.flanks.deviate(gear);
     }
+    if context.lines {
+        reduced = reduced.over_lines().map_err(|e| reader.error("mesh", e))?;
+    }
     let gear = Elastic::new(
         context.hub.clone(),
         context.effective_radius,
@@ -276,6 +279,7 @@ mod tests {
         all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
         let context = GearContext {
             slides: false,
+            lines: false,
             effective_radius: radius,
             ..test_support::context(&body, &hub, &all)
         };

@@ -223,6 +223,7 @@ fn of_scene(
         effective_radius: 1.0,
         meshes: &[],
         slides: false,
+        lines: false,
         speed: 0.0,
         parameters,
     };

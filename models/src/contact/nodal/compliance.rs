@@ -1,5 +1,6 @@
 //! The residual compliance `R` of the nodes of a solve, gear by gear: its inverse, and its root `C C^T = R`.
 
+use super::spring::Spring;
 use crate::cholesky::{append_inverse, cholesky_padded, dot, padded};
 
 /// Relative pivot below which a direction of the compliance is none.
@@ -87,6 +88,26 @@ impl Compliance {
                 break;
             }
             append_inverse(&self.factor, b.len, &mut self.line, &mut self.inverse);
+        }
+    }
+
+    /// `out += R w` of a point.
+    pub fn add_column(&self, s: &Spring, out: &mut [f64]) {
+        let mut begin = 0;
+        for b in &self.blocks {
+            let r = &self.matrix[begin..][..b.len * b.len];
+            begin += b.len * b.len;
+            let own = b.start..b.start + b.len;
+            for (&node, w) in s.nodes.iter().zip(s.weights) {
+                let node = node as usize;
+                if w == 0.0 || !own.contains(&node) {
+                    continue;
+                }
+                let row = &r[(node - b.start) * b.len..][..b.len];
+                for (x, r) in out[own.clone()].iter_mut().zip(row) {
+                    *x += w * r;
+                }
+            }
         }
     }
 

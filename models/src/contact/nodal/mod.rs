@@ -45,6 +45,6 @@ pub use compliance::Block;
 pub use dissipative::{DissipativeSolve, OverPorts, Ported, Ports};
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
-pub use points::{GapBound, NodalParty, NodalPoint, NodalPoints};
+pub use points::{GapBound, LineTerms, NodalParty, NodalPoint, NodalPoints};
 pub use solve::NodalSolve;
 pub use spring::{Spring, UNUSED, deepest};

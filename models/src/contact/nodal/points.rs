@@ -1,6 +1,6 @@
 //! What a search hands over: points with the nodes that they lie on.
 
-use super::nodes::GearNodes;
+use super::nodes::{GearNodes, weighted};
 use crate::Vec3;
 use crate::contact::party::Party;
 use crate::gear::FlankDisplacement;
@@ -61,6 +61,38 @@ pub struct NodalPoints {
     pub points: Vec<NodalPoint>,
     /// Points on partners that neither have a field nor move as one with their hub.
     pub partners: Vec<Point>,
+    /// What contacts along lines of flanks have of their own.
+    pub lines: Vec<LineTerms>,
+}
+
+impl NodalPoints {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.partners.clear();
+        self.lines.clear();
+    }
+}
+
+/// How a contact along a line of both flanks answers to the displacements of the gears of its mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LineTerms {
+    /// Slope of the gap of undeformed flanks by the displacement of either gear.
+    pub effective_radii: [f64; 2],
+    /// Slopes of the weights of the nodes of either gear by its displacement.
+    pub slopes: [[f64; 4]; 2],
+    /// Slopes of the logarithm of the law's force.
+    pub ln_force: [f64; 2],
+    /// Relative radius of curvature [m].
+    pub radius: f64,
+}
+
+impl LineTerms {
+    /// Slope of the gap by the displacement of gear `k`, its nodes displaced outwards by `a`.
+    #[inline]
+    pub fn effective_radius(&self, k: usize, a: &[f64; 4]) -> f64 {
+        self.effective_radii[k] - weighted(&self.slopes[k], a)
+    }
 }
 
 /// A point of one flank held against the other, with the nodes that both lie on.
@@ -74,6 +106,8 @@ pub struct NodalPoint {
     pub slave: u8,
     /// Its place among [`NodalPoints::partners`], if it has one.
     pub partner: Option<u32>,
+    /// Its place among [`NodalPoints::lines`], if it is a line.
+    pub line: Option<u32>,
     /// Teeth of the first and second gear of the mesh.
     pub teeth: [Tooth; 2],
     /// Position [m], undeformed where its gear has a field.

@@ -86,7 +86,7 @@ impl LinesOfAction {
 
     /// Calls `f(slot, pair, path coordinates)` for consecutive pairs of a line.
     #[inline(always)]
-    fn each_pair(
+    pub(super) fn each_pair(
         &self,
         l: usize,
         (first, last): (i64, i64),
@@ -120,7 +120,7 @@ impl LinesOfAction {
 
     /// Where a pair stands: its teeth, path coordinates and gap.
     #[inline(always)]
-    fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
+    pub(super) fn pair(&self, line: &Line, pair: i64, s: [f64; 2]) -> PairState {
         let teeth = self.teeth(line.side, pair);
         let mut p = PairState {
             teeth,
@@ -188,12 +188,12 @@ impl LinesOfAction {
 
     /// Path coordinate of a contact on that of gear a, the same whichever gear is asked [m].
     #[inline(always)]
-    fn middle(&self, s: [f64; 2]) -> f64 {
+    pub(super) fn middle(&self, s: [f64; 2]) -> f64 {
         0.5 * (s[0] + self.mesh.length - s[1])
     }
 
     /// Height over a rack's reference line, which lies at `length / sin(alpha)` from gear a.
-    fn height_on_rack(&self, k: usize, s_a: f64) -> f64 {
+    pub(super) fn height_on_rack(&self, k: usize, s_a: f64) -> f64 {
         let (sin, cos) = self.mesh.views[k].working_pressure_angle.sin_cos();
         let rb = self.mesh.views[0].base_radius.unwrap_or(0.0);
         self.mesh.length / sin - (rb * cos + s_a * sin)

@@ -246,6 +246,7 @@ impl FlankPoints {
             slot: u8::from(slave.shape.side == Side::Right),
             slave: k as u8,
             partner,
+            line: None,
             teeth: points.map(|p| p.tooth),
             x: *x,
             normal: hit.normal,

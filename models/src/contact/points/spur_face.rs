@@ -228,6 +228,7 @@ impl Held<'_, '_, '_> {
                     slot: u8::from(pair.side == Side::Right),
                     slave: k as u8,
                     partner: None,
+                    line: None,
                     teeth,
                     x: Vec3::new(space.x, space.y, cell.z),
                     normal,

@@ -10,8 +10,13 @@ use crate::gear::model::GearModel;
 use crate::geometry::Flanks;
 use crate::kinematics::{Locus, Point, Row, Wrench};
 use gearbench_integrators::system::{At, Coeffs, Energy, Power, Singular};
+use std::sync::Arc;
 
 impl FlankDisplacement for Elastic {
+    fn near_field(&self) -> Option<&Arc<Vec<Vec<f64>>>> {
+        self.data.near_field.as_ref()
+    }
+
     fn displacements(&self, x: &[f64], nodes: &[u32], out: &mut [f64]) {
         kernels::gather(nodes, |k| self.data.shapes_at(k), &x[self.own..], out);
     }

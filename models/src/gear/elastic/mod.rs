@@ -23,6 +23,7 @@ mod free_flight;
 mod gear;
 pub mod inertia;
 mod kernels;
+pub mod lines;
 mod quasi_static;
 pub mod reduced;
 mod spin;

@@ -16,6 +16,7 @@
 use super::inertia::Integrals;
 use crate::Vec3;
 use crate::geometry::Flanks;
+use std::sync::Arc;
 
 /// A reduced gear.
 #[derive(Clone, Debug)]
@@ -47,6 +48,9 @@ pub struct Reduced {
     pub unbalance: [f64; 2],
     /// Static compliance of the modes that were cut; `None` for plain truncation.
     pub residual: Option<Residual>,
+    /// What the mesh around a flank does to a line load on it, apart from any support: displacement of a row of nodes
+    /// over `A = 2 (1 - nu^2)/(pi E)` by a load at a row, of lengths in m, `rows x rows` for each of the flanks.
+    pub near_field: Option<Arc<Vec<Vec<f64>>>>,
     /// Inertia integrals of the kept modes, for gears that turn fast.
     pub integrals: Option<Integrals>,
 }
@@ -198,7 +202,7 @@ impl Reduced {
         }
         if let Some(g) = self.flanks.grids().iter().find(|g| {
             g.rows < 2
-                || g.columns < 2
+                || g.columns < 1
                 || g.rows * g.columns != g.nodes.len()
                 || g.nodes.len() != g.positions.len()
                 || g.nodes.iter().any(|n| *n as usize >= nodes)

@@ -51,6 +51,9 @@ impl Nodal {
             );
             a.direction = p.direction(of_master, p.gap0);
             a.faded = p.gap0;
+            a.of_line = self.of_line(p, mesh, |g, slots| {
+                GearNodes::at(&self.gears[g].displacement, slots)
+            });
             (a.effective_radii, a.rate) = self.rate_along(gears, mesh, &a, at, &mut row);
             if mesh.friction.is_some() {
                 let direction = p.normal.norm() * along_profile(&p.normal);
@@ -89,8 +92,13 @@ impl Nodal {
         row: &mut Row,
     ) -> ([f64; 2], f64) {
         let p = &self.found.points[a.point];
-        let (effective_radii, mut speed) = rows_of(gears, mesh, p, along, &self.found, at, row);
-        speed += row.dot(at.v);
+        let (effective_radii, mut speed) = match a.of_line.filter(|_| of_nodes == 0) {
+            Some(of_line) => (of_line, 0.0),
+            None => {
+                let (radii, drift) = rows_of(gears, mesh, p, along, &self.found, at, row);
+                (radii, drift + row.dot(at.v))
+            }
+        };
         for k in 0..2 {
             let hub = gears[mesh.gears[k]].model.hub();
             let own = gears[mesh.gears[k]].at(at);
@@ -101,6 +109,18 @@ impl Nodal {
             }
         }
         (effective_radii, speed)
+    }
+
+    /// Slopes of the gap of a line by the displacements of the hubs, with the displacements of nodes of a gear.
+    fn of_line(
+        &self,
+        p: &NodalPoint,
+        mesh: &SceneMesh,
+        displacements: impl Fn(usize, &[u32; 4]) -> [f64; 4],
+    ) -> Option<[f64; 2]> {
+        let line = &self.found.lines[p.line? as usize];
+        let of = |k: usize| line.effective_radius(k, &displacements(mesh.gears[k], &p.slots[k]));
+        Some([of(0), of(1)])
     }
 
     /// Power that dashpots and friction take [W]: that of the forces, less that of the elastic ones by themselves, which is
@@ -130,17 +150,22 @@ impl Nodal {
                     continue;
                 }
                 let [_, master] = p.sides();
-                let nodes = &self.gears[mesh.gears[master]];
-                let mut of_master = GearNodes::at(&nodes.displacement, &p.slots[master]);
-                if p.slots[master][0] != UNUSED {
-                    for (x, &slot) in of_master.iter_mut().zip(&p.slots[master]) {
-                        let i = nodes.index[slot as usize];
-                        *x += u.get(i as usize).copied().unwrap_or(0.0);
+                let under_elastic = |g: usize, slots: &[u32; 4]| {
+                    let nodes = &self.gears[g];
+                    let mut x = GearNodes::at(&nodes.displacement, slots);
+                    if slots[0] != UNUSED {
+                        for (x, &slot) in x.iter_mut().zip(slots) {
+                            let i = nodes.index[slot as usize];
+                            *x += u.get(i as usize).copied().unwrap_or(0.0);
+                        }
                     }
-                }
+                    x
+                };
+                let of_master = under_elastic(mesh.gears[master], &p.slots[master]);
                 let elastic = NodalActive {
                     direction: p.direction(of_master, gap),
                     faded: gap,
+                    of_line: self.of_line(p, mesh, under_elastic),
                     ..*a
                 };
                 power += force * self.rate_along(gears, mesh, &elastic, at, &mut row).1;
@@ -176,21 +201,32 @@ impl Nodal {
             if i == self.rows.len() {
                 self.rows.push(Default::default());
             }
+            let p = &self.found.points[self.active[i].point];
+            let mesh = &meshes[p.mesh as usize];
+            let of_line = self.of_line(p, mesh, |g, slots| self.gears[g].total(slots));
             let a = &mut self.active[i];
-            let p = &self.found.points[a.point];
             let [row, sliding] = &mut self.rows[i];
             row.clear();
             sliding.clear();
             if a.force.n == 0.0 {
                 continue;
             }
-            let mesh = &meshes[p.mesh as usize];
             let [_, master] = p.sides();
             let of_master = self.gears[mesh.gears[master]].total(&p.slots[master]);
             a.direction = p.direction(of_master, a.gap);
             a.faded = a.gap;
             let along = (a.direction, a.faded);
-            (a.effective_radii, _) = rows_of(gears, mesh, p, along, &self.found, at, row);
+            a.of_line = of_line;
+            a.effective_radii = match (of_line, p.line) {
+                (Some(radii), Some(line)) => {
+                    // The energy changes with the place as well.
+                    let law = mesh.law.shared(p.share);
+                    let by_place = -law.d_potential_dk(a.elastic.0, p.stiffness) * p.stiffness;
+                    let ln_force = self.found.lines[line as usize].ln_force;
+                    [0, 1].map(|k| radii[k] + by_place * ln_force[k] / a.force.n)
+                }
+                _ => rows_of(gears, mesh, p, along, &self.found, at, row).0,
+            };
             if mesh.friction.is_some() {
                 let along = (a.sliding.direction, 0.0);
                 rows_of(gears, mesh, p, along, &self.found, at, sliding);

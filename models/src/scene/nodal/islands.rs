@@ -20,6 +20,9 @@ pub(in crate::scene) struct NodalActive {
     pub direction: Vec3,
     /// The gap with which the direction was told [m].
     pub faded: f64,
+    /// Slopes of the gap of a [line](crate::contact::nodal::LineTerms) by the displacements of the hubs, which its
+    /// direction does not tell.
+    pub of_line: Option<[f64; 2]>,
     /// `dg/dtheta` for the hubs of gears that move as one but for a field, free or not.
     pub effective_radii: [f64; 2],
     /// Gap with residual compliance [m].
@@ -52,6 +55,7 @@ impl NodalActive {
             point,
             direction: p.normal,
             faded: 0.0,
+            of_line: None,
             effective_radii: [0.0; 2],
             gap: p.gap0,
             rate: 0.0,
@@ -74,6 +78,10 @@ impl NodalActive {
 
     /// What it exerts on the hub of a gear of the mesh: torque about the axis [N m], force along the slide [N].
     pub fn on_hub(&self, p: &NodalPoint, hub: &HubBody, k: usize) -> f64 {
+        if self.of_line.is_some() {
+            return self.effective_radii[k] * self.force.n
+                + self.sliding.effective_radii[k] * self.sliding.force.f;
+        }
         let on_second = self.on_second(p);
         let force = if k == 0 { -on_second } else { on_second };
         hub.effective_radius(&p.x, &force)

@@ -19,8 +19,7 @@ impl Nodal {
         self.active.clear();
         self.torque.fill(0.0);
         self.failed = false;
-        self.found.points.clear();
-        self.found.partners.clear();
+        self.found.clear();
         for (g, nodes) in gears.iter().zip(&mut self.gears) {
             if g.model.displacement().is_some() {
                 let load = if g.model.hub().coordinates() > 0 {
@@ -61,9 +60,7 @@ impl Nodal {
                 nodes,
             };
             let sides = [side(a, of_a, 0), side(b, of_b, 1)];
-            if let Some(points) = mesh.search.points() {
-                points.nodal_points(sides, gap_bound, &mut self.found);
-            }
+            mesh.search.nodal_points(sides, gap_bound, &mut self.found);
             for p in &mut self.found.points[first..] {
                 p.mesh = m as u32;
             }

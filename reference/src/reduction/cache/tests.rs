@@ -220,7 +220,7 @@ fn the_version_of_the_algorithm_belongs_to_its_numbers() {
     for (found, number) in found.iter().zip(numbers) {
         assert!((found / number - 1.0).abs() < 1e-7, "{found} {number}");
     }
-    assert_eq!(ALGORITHM, 1);
+    assert_eq!(ALGORITHM, 2);
 }
 
 #[test]

@@ -30,6 +30,7 @@ pub(in crate::reduction) fn bare(mesh: &GearMesh) -> Basis {
             hub: vec![0.0; n],
             hub_hub: 0.0,
         },
+        near_field: None,
         integrals: None,
     }
 }

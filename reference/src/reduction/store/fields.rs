@@ -5,8 +5,8 @@ use super::error::{StoreError, value};
 use super::meta::{self, Entries};
 use super::names::{
     ADDED, COLUMNS, COMPLIANCE, DENSITY, FAMILY, HUB, HUB_FLANK, HUB_HUB, INERTIA, META, MOMENTUM,
-    NODES, NORMALS, OMEGA, PARTICIPATION, POISSON, ROWS, SHAPES, SIDE, TOOTH, UNBALANCE, YOUNG,
-    sign,
+    NEAR_FIELD, NODES, NORMALS, OMEGA, PARTICIPATION, POISSON, ROWS, SHAPES, SIDE, TOOTH,
+    UNBALANCE, YOUNG, sign,
 };
 use super::{Meta, Motion, Stored, checks, inertia};
 use crate::mesh::ElementKind;
@@ -61,6 +61,10 @@ pub(super) fn write<W: Write>(out: W, b: &Basis, meta: &Meta) -> io::Result<W> {
     ] {
         w.f64s(name, &[], std::iter::once(x))?;
     }
+    if let Some(fields) = &b.near_field {
+        let numbers: usize = fields.iter().map(Vec::len).sum();
+        w.f64s(NEAR_FIELD, &[numbers], fields.iter().flatten().copied())?;
+    }
     if let Some(integrals) = &b.integrals {
         inertia::write(&mut w, integrals)?;
     }
@@ -87,8 +91,13 @@ pub(super) fn read(r: &Reader<'_>) -> Result<Stored, StoreError> {
     if let Some(f) = family.iter().find(|f| **f < 0) {
         return Err(value(FAMILY, "numbers of families from 0", f.to_string()));
     }
+    let near_field = match entries.flag(meta::NEAR_FIELD) {
+        Some(true) => Some(Arc::new(read_near_field(r, &flanks)?)),
+        _ => None,
+    };
     let basis = Basis {
         flanks,
+        near_field,
         normals: vectors(&normals),
         along_profile,
         free: entries.word("mount", &[("free", true), ("held", false)])?,
@@ -164,6 +173,20 @@ fn read_compliance(r: &Reader<'_>, rows: usize, teeth: usize) -> Result<Residual
         hub: r.f64s(HUB_FLANK, &[Axis::Is(rows)])?.1,
         hub_hub: r.number(HUB_HUB)?,
     })
+}
+
+/// What line loads do to rows of nodes, flank by flank.
+fn read_near_field(r: &Reader<'_>, flanks: &Flanks) -> Result<Vec<Vec<f64>>, StoreError> {
+    let sizes = flanks.grids().iter().map(|g| g.rows.saturating_mul(g.rows));
+    let all = sizes.clone().fold(0, usize::saturating_add);
+    let (_, numbers) = r.f64s(NEAR_FIELD, &[Axis::Is(all)])?;
+    let mut rest = numbers.as_slice();
+    let of_flank = |n: usize| {
+        let (own, others) = rest.split_at(n);
+        rest = others;
+        own.to_vec()
+    };
+    Ok(sizes.map(of_flank).collect())
 }
 
 /// Grids of nodes that are numbered through.

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 /// Entry of reductions that have it; others leave it out.
 pub(super) const ALONG_PROFILE: &str = "along_profile";
+pub(super) const NEAR_FIELD: &str = "near_field";
 
 pub(super) fn text(b: &Basis, meta: &Meta) -> String {
     let mut entries = json!({
@@ -33,6 +34,9 @@ pub(super) fn text(b: &Basis, meta: &Meta) -> String {
     });
     if b.along_profile {
         entries[ALONG_PROFILE] = json!(true);
+    }
+    if b.near_field.is_some() {
+        entries[NEAR_FIELD] = json!(true);
     }
     entries.to_string()
 }

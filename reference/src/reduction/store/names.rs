@@ -19,6 +19,7 @@ pub(super) const UNBALANCE: &str = "unbalance_kg_m";
 pub(super) const COMPLIANCE: &str = "flank_compliance_m_per_n";
 pub(super) const HUB_FLANK: &str = "hub_flank_compliance";
 pub(super) const HUB_HUB: &str = "hub_compliance";
+pub(super) const NEAR_FIELD: &str = "near_field_ln_per_m";
 pub(super) const INERTIA: &str = "inertia";
 pub(super) const ADDED: &str = "added_inertia";
 pub(super) const YOUNG: &str = "young_pa";

@@ -56,6 +56,7 @@ fn gear(mount: Mount, terms: SpinTerms) -> Elastic {
         positions,
     };
     let data = Reduced {
+        near_field: None,
         flanks: Flanks::new(vec![grid]),
         normals: vec![Vec3::y(); 4],
         along_profile: false,

@@ -46,7 +46,9 @@ pub(in crate::reduction) fn example(teeth: u32, modes: usize, cyclic: bool) -> (
         },
         false => FlankCompliance::Full(some(n * n).into_iter().map(f64::abs).collect()),
     };
+    let near_field = grids.iter().map(|g| some(g.rows * g.rows)).collect();
     let basis = Basis {
+        near_field: cyclic.then(|| Arc::new(near_field)),
         flanks: Flanks::new(grids),
         normals: some(n)
             .iter()

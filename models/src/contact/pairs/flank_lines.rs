@@ -1,0 +1,312 @@
+//! Contact of elastic gears along lines of their flanks: one line of pressure per tooth pair and strip of the width.
+//!
+//! Where the flanks touch is told by the [lines of action](LinesOfAction), with the exact separation of involutes beyond
+//! the path and of modified flanks; how the teeth give way there, by [lines](crate::gear::elastic::lines) of their meshes
+//! about that place. The gap before residual compliance
+//!
+//! ```text
+//! g = g_rigid(theta_1, theta_2) - w_1 . a_1 - w_2 . a_2
+//! ```
+//!
+//! with the outward displacements `a` of four lines of each flank and their weights `w`, which depend on the path
+//! coordinate `s_k` of the own flank alone. The force follows the law of [half-spaces](crate::law::HalfSpace), whose
+//! `F_0` depends on both places. All derives from one potential, so that a gear is turned by
+//!
+//! ```text
+//! N (dg_rigid/dtheta_k - ds_k/dtheta_k w_k' . a_k) - dV/dF_0 dF_0/ds_k ds_k/dtheta_k
+//! ```
+//!
+//! Nothing of it knows the facets of a mesh: geometry under load is that of the exact flank. That a tilting flank moves the
+//! contact along the profile, by `R` times the tilt, is left out: 1 % of the approach where teeth are loaded to
+//! 800 N/mm. A tip edge counts as the end of the flank, with the curvature that it has there.
+
+use super::lines::{Line, LinesOfAction, Mover, side_index};
+use crate::Vec3;
+use crate::contact::nodal::GearNodes;
+use crate::contact::nodal::{
+    GapBound, LineTerms, NodalParty, NodalPoint, NodalPoints, UNUSED, weighted,
+};
+use crate::error::Reason;
+use crate::gear::elastic::lines::spread;
+use crate::geometry::Flanks;
+use crate::kinematics::Tooth;
+use std::f64::consts::LN_2;
+use std::sync::Arc;
+
+/// Least radius of curvature over the base pitch: near the base circle that of an involute vanishes.
+const SHARPEST: f64 = 0.05;
+
+/// The lines of both flanks of a mesh with at least one elastic gear.
+#[derive(Clone, Debug)]
+pub struct FlankLines {
+    pairs: LinesOfAction,
+    /// Those of gears that give way; others are rigid.
+    gears: [Option<LineGear>; 2],
+    /// `A_1 + A_2` [m^2/N].
+    compliance: f64,
+    /// Width of the contact along the teeth, all strips [m].
+    width: f64,
+}
+
+/// The flanks of a gear as lines.
+#[derive(Clone, Debug)]
+pub struct LineGear {
+    /// `2 (1 - nu^2)/(pi E)` [m^2/N].
+    compliance: f64,
+    teeth: i64,
+    /// Flank of each tooth, left and right.
+    of_tooth: Vec<[Option<u32>; 2]>,
+    flanks: Vec<LineFlank>,
+    near_field: Arc<Vec<Vec<f64>>>,
+    strips: usize,
+}
+
+#[derive(Clone, Debug)]
+struct LineFlank {
+    /// Squared radius [m^2] (height [m] of a rack) of the lines, ascending.
+    heights: Vec<f64>,
+    /// Line by line, strip by strip.
+    nodes: Vec<u32>,
+}
+
+/// Where a contact lies on a flank, and how that changes with the displacement of the gear.
+struct Place {
+    slots: [u32; 4],
+    weights: [f64; 4],
+    slopes: [f64; 4],
+    /// `ln b` of the width over which the mesh spreads the load, and its slope by the displacement.
+    ln_spread: (f64, f64),
+}
+
+impl LineGear {
+    /// The lines of a gear [reduced to such](crate::gear::elastic::reduced::Reduced::over_lines) with `teeth`, round or a
+    /// rack, of a material with `2 (1 - nu^2)/(pi E)` [m^2/N].
+    pub fn new(
+        flanks: &Flanks,
+        near_field: Arc<Vec<Vec<f64>>>,
+        (teeth, rack): (usize, bool),
+        compliance: f64,
+    ) -> Result<Self, Reason> {
+        let mut of_tooth = vec![[None; 2]; teeth];
+        let mut lines = Vec::new();
+        let mut strips = 0;
+        for (i, grid) in flanks.grids().iter().enumerate() {
+            let heights: Vec<f64> = (grid.positions.iter().step_by(grid.columns))
+                .map(|x| if rack { -x.x } else { x.x * x.x + x.y * x.y })
+                .collect();
+            if !heights.is_sorted_by(|a, b| a < b) {
+                return Err((
+                    format!(
+                        "the nodes of the {:?} flank of tooth {} do not rise from the root to the tip",
+                        grid.side, grid.tooth
+                    ),
+                    "order its rows that way",
+                )
+                    .into());
+            }
+            strips = grid.columns;
+            if let Some(of_tooth) = of_tooth.get_mut(grid.tooth as usize) {
+                of_tooth[side_index(grid.side)] = Some(i as u32);
+            }
+            lines.push(LineFlank {
+                heights,
+                nodes: grid.nodes.clone(),
+            });
+        }
+        Ok(LineGear {
+            compliance,
+            teeth: teeth as i64,
+            of_tooth,
+            flanks: lines,
+            near_field,
+            strips,
+        })
+    }
+
+    /// Strips over the width.
+    pub fn strips(&self) -> usize {
+        self.strips
+    }
+
+    /// Flank of a tooth, if it is meshed.
+    fn flank(&self, tooth: Tooth, side: usize, rack: bool) -> Option<usize> {
+        let tooth = if rack {
+            usize::try_from(tooth.index).ok()?
+        } else {
+            tooth.index.rem_euclid(self.teeth) as usize
+        };
+        self.of_tooth.get(tooth)?[side].map(|f| f as usize)
+    }
+
+    /// Where a height lies on a flank, with the slope of the height by the displacement.
+    #[inline]
+    fn place(&self, flank: usize, strip: usize, (height, slope): (f64, f64)) -> Place {
+        let f = &self.flanks[flank];
+        let lines = f.heights.len();
+        let element = (f.heights.partition_point(|h| *h <= height)).clamp(1, lines - 1) - 1;
+        let per = (f.heights[element + 1] - f.heights[element]).recip();
+        let x = (height - f.heights[element]) * per;
+        // Beyond the ends of the flank the load stays at its end.
+        let (x, moves) = if (0.0..=1.0).contains(&x) {
+            (x, per * slope)
+        } else {
+            (x.clamp(0.0, 1.0), 0.0)
+        };
+        let spread = spread(element, x, lines);
+        let field = &self.near_field[flank];
+        let (mut p, mut by_place) = (0.0, 0.0);
+        for i in 0..4 {
+            let row = &field[(spread.first + i) * lines + spread.first..][..4];
+            let of_row = weighted(&spread.weights, &[row[0], row[1], row[2], row[3]]);
+            p += spread.weights[i] * of_row;
+            by_place += spread.slopes[i] * of_row;
+        }
+        Place {
+            slots: std::array::from_fn(|i| f.nodes[(spread.first + i) * self.strips + strip]),
+            weights: spread.weights,
+            slopes: spread.slopes.map(|x| x * moves),
+            ln_spread: (LN_2 + 0.5 - p, -2.0 * by_place * moves),
+        }
+    }
+}
+
+impl FlankLines {
+    /// Of lines of action with a slice for each strip.
+    pub fn new(pairs: LinesOfAction, gears: [Option<LineGear>; 2], face_width: f64) -> Self {
+        let compliance = gears.iter().flatten().map(|g| g.compliance).sum();
+        FlankLines {
+            width: face_width / pairs.helix_cos,
+            pairs,
+            gears,
+            compliance,
+        }
+    }
+
+    /// The lines of action.
+    pub fn pairs(&self) -> &LinesOfAction {
+        &self.pairs
+    }
+
+    /// `A_1 + A_2` [m^2/N].
+    pub fn compliance(&self) -> f64 {
+        self.compliance
+    }
+
+    /// Width of the contact along the teeth [m].
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// Appends the lines with a gap within the bound before residual compliance, and the nodes that they act on.
+    pub fn nodal_points(
+        &self,
+        mut sides: [NodalParty<'_>; 2],
+        gap_bound: &mut GapBound,
+        out: &mut NodalPoints,
+    ) {
+        let limit = sides[0].bound() + sides[1].bound();
+        let movers = [0, 1].map(|k| Mover::new(&sides[k].party));
+        let movers = [&movers[0], &movers[1]];
+        for (l, line) in self.pairs.lines.iter().enumerate() {
+            if self.pairs.clearly_open(line, movers, limit) {
+                continue;
+            }
+            let range = self.pairs.pairs_of(l, movers, &[], false);
+            self.pairs.each_pair(l, range, movers, |_, pair, s| {
+                let p = self.pairs.pair(line, pair, s);
+                if p.gap <= limit {
+                    self.line_point(line, &p, &mut sides, gap_bound, out);
+                }
+            });
+        }
+    }
+
+    fn line_point(
+        &self,
+        line: &Line,
+        p: &super::lines::PairState,
+        sides: &mut [NodalParty<'_>; 2],
+        gap_bound: &mut GapBound,
+        out: &mut NodalPoints,
+    ) {
+        let mesh = &self.pairs.mesh;
+        let helix = self.pairs.helix_cos;
+        let side = side_index(line.side);
+        let mut terms = LineTerms::default();
+        let (mut slots, mut weights) = ([[UNUSED; 4]; 2], [[0.0; 4]; 2]);
+        let mut gap0 = p.gap;
+        let mut ln_spread = 0.0;
+        // Curvatures of both flanks, and their slopes by the displacements.
+        let mut curvature = [0.0; 2];
+        let mut bends = [0.0; 2];
+        for k in 0..2 {
+            let moves = line.map[k].per_displacement;
+            terms.effective_radii[k] = -helix * p.scale[k] * moves;
+            let s = p.s[k];
+            let height = match mesh.views[k].base_radius {
+                Some(rb) => {
+                    let least = SHARPEST * mesh.base_pitch;
+                    let rho = s.clamp(least, line.tips[k].max(least));
+                    curvature[k] = helix / rho;
+                    if rho == s {
+                        bends[k] = -helix / (rho * rho) * moves;
+                    }
+                    (rb * rb + s * s, 2.0 * s * moves)
+                }
+                None => {
+                    let of_a = mesh.length - s;
+                    let up = mesh.views[k].working_pressure_angle.sin();
+                    (self.pairs.height_on_rack(k, of_a), up * moves)
+                }
+            };
+            let Some(gear) = &self.gears[k] else { continue };
+            let rack = mesh.views[k].base_radius.is_none();
+            let NodalParty {
+                party,
+                field,
+                nodes,
+            } = &mut sides[k];
+            let (Some(field), Some(flank)) = (*field, gear.flank(p.teeth[k], side, rack)) else {
+                return;
+            };
+            let place = gear.place(flank, line.slice, height);
+            slots[k] = nodes.meet(field, party.at, &place.slots);
+            weights[k] = place.weights;
+            gap0 -= weighted(&weights[k], &GearNodes::at(&nodes.displacement, &slots[k]));
+            terms.slopes[k] = place.slopes;
+            let share = 2.0 * gear.compliance / self.compliance;
+            ln_spread += share * place.ln_spread.0;
+            terms.ln_force[k] += share * place.ln_spread.1;
+        }
+        if !gap_bound.takes(gap0) {
+            return;
+        }
+        let total: f64 = curvature.iter().sum();
+        terms.radius = total.recip();
+        for k in 0..2 {
+            // -d ln R
+            terms.ln_force[k] += bends[k] / total;
+        }
+        let weight = self.pairs.slices[line.slice].weight;
+        let ln_force = ln_spread - (2.0 * self.compliance * terms.radius).ln();
+        out.lines.push(terms);
+        out.points.push(NodalPoint {
+            mesh: 0,
+            slot: side as u8,
+            slave: 1,
+            partner: None,
+            line: Some(out.lines.len() as u32 - 1),
+            teeth: p.teeth,
+            x: line.origin + self.pairs.middle(p.s) * line.transverse,
+            normal: line.normal,
+            sensitivity: [Vec3::zeros(); 2],
+            place: [0.0; 2],
+            slots,
+            weights,
+            gap0,
+            stiffness: weight * self.width * ln_force.exp(),
+            share: weight,
+            fading: Vec3::zeros(),
+        });
+    }
+}

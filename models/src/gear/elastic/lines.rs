@@ -1,0 +1,339 @@
+//! Flanks as lines: what a reduction is to contact that is one line of pressure per tooth pair and strip of the width.
+//!
+//! A line of nodes is the mean of the two columns that bound a strip, so that a load on it is spread evenly over the width
+//! of the strip. Between four lines along the profile a contact at a place `x` of an element acts by cubic B-splines,
+//!
+//! ```text
+//! w = ((1-x)^3, 4 - 6 x^2 + 3 x^3, 1 + 3 x + 3 x^2 - 3 x^3, x^3)/6
+//! ```
+//!
+//! with `u_-1 = 2 u_0 - u_1` beyond the ends: spread to two nodes, a load that passes from element to element would make
+//! the mesh yield more and less (C. de Boor, *A Practical Guide to Splines* (1978), for the splines).
+//!
+//! Where the mesh is finer along the profile than [`FINEST`] elements, lines of twice the distance stand for it,
+//! `v_j = (u_2j-2 + 4 u_2j-1 + 6 u_2j + 4 u_2j+1 + u_2j+2)/16`: B-splines of twice the width are made of these. So the load
+//! is always spread wider than a contact is, and [`HalfSpace`](crate::law::HalfSpace) gives the difference.
+
+use super::reduced::{FlankCompliance, Reduced, Residual};
+use crate::Vec3;
+use crate::error::Reason;
+use crate::geometry::{FlankGrid, Flanks};
+use std::sync::Arc;
+
+/// Elements along a flank up to which the lines are those of the mesh.
+const FINEST: usize = 16;
+
+/// Fewest lines along a flank.
+const LEAST: usize = 4;
+
+/// Weights of the lines about an element with their slopes by the place in it; the first is that of line
+/// `first`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// First of the four lines.
+    pub first: usize,
+    /// Weights.
+    pub weights: [f64; 4],
+    /// Their derivatives by the place in the element.
+    pub slopes: [f64; 4],
+}
+
+/// The spread of a contact in element `element` of `lines - 1`, at the place `x`, 0 to 1 within it.
+#[inline]
+pub fn spread(element: usize, x: f64, lines: usize) -> Spread {
+    let r = 1.0 - x;
+    let mut weights = [
+        r * r * r / 6.0,
+        (4.0 + x * x * (3.0 * x - 6.0)) / 6.0,
+        (4.0 + r * r * (3.0 * r - 6.0)) / 6.0,
+        x * x * x / 6.0,
+    ];
+    let mut slopes = [
+        -0.5 * r * r,
+        x * (1.5 * x - 2.0),
+        r * (2.0 - 1.5 * r),
+        0.5 * x * x,
+    ];
+    let mut first = element.wrapping_sub(1);
+    if element == 0 {
+        // The line before the first is 2 u_0 - u_1.
+        first = 0;
+        weights = before_first(weights);
+        slopes = before_first(slopes);
+    } else if element + 2 == lines {
+        first = lines - LEAST;
+        weights = behind_last(weights);
+        slopes = behind_last(slopes);
+    }
+    Spread {
+        first,
+        weights,
+        slopes,
+    }
+}
+
+fn before_first([w, a, b, c]: [f64; 4]) -> [f64; 4] {
+    [a + 2.0 * w, b - w, c, 0.0]
+}
+
+fn behind_last([a, b, c, w]: [f64; 4]) -> [f64; 4] {
+    [0.0, a, b - w, c + 2.0 * w]
+}
+
+/// A line as a sum of nodes of the mesh: `(row of the flank, weight)`.
+type Sum = Vec<(usize, f64)>;
+
+/// Lines of a flank of so many rows of nodes.
+fn lines_of(rows: usize) -> Vec<Sum> {
+    let mut lines: Vec<Sum> = (0..rows).map(|r| vec![(r, 1.0)]).collect();
+    while lines.len() > FINEST + 1 && lines.len() % 2 == 1 {
+        let last = lines.len() as i64 - 1;
+        // Beyond the ends lines go on straight.
+        let line = |j: i64| -> Sum {
+            let (end, next, beyond) = if j < 0 {
+                (0, 1, -j)
+            } else if j > last {
+                (last, last - 1, j - last)
+            } else {
+                return lines[j as usize].clone();
+            };
+            let times = |line: &Sum, by: f64| -> Sum {
+                line.iter().map(|(row, w)| (*row, by * w)).collect()
+            };
+            let beyond = beyond as f64;
+            let mut sum = times(&lines[end as usize], 1.0 + beyond);
+            sum.extend(times(&lines[next as usize], -beyond));
+            sum
+        };
+        lines = (0..=last / 2)
+            .map(|j| {
+                let mut of_row = vec![0.0; rows];
+                for (offset, part) in (-2..=2).zip([1.0, 4.0, 6.0, 4.0, 1.0]) {
+                    for (row, w) in line(2 * j + offset) {
+                        of_row[row] += part / 16.0 * w;
+                    }
+                }
+                let terms = of_row.into_iter().enumerate();
+                terms.filter(|(_, w)| *w != 0.0).collect()
+            })
+            .collect();
+    }
+    lines
+}
+
+impl Reduced {
+    /// The same gear with lines over strips of the width in the place of its flank nodes.
+    ///
+    /// # Errors
+    /// What is missing: the compliance of the modes that were cut, what the mesh does to a line load, rows along the
+    /// flank.
+    pub fn over_lines(&self) -> Result<Reduced, Reason> {
+        let Some(residual) = &self.residual else {
+            return Err((
+                "contact on half-spaces takes the static compliance of the whole mesh, but that of the truncated modes is left out",
+                "leave out `residual = false`",
+            )
+                .into());
+        };
+        let Some(near_field) = &self.near_field else {
+            return Err((
+                "contact on half-spaces has to know what the mesh does to a line load, but the reduction does not say",
+                "make the reduction again, of a mesh of hexahedra with eight nodes: `gearbench reduce`",
+            )
+                .into());
+        };
+        let mut grids = Vec::new();
+        let mut sums: Vec<Vec<(usize, f64)>> = Vec::new();
+        let mut fields = Vec::new();
+        for (grid, of_rows) in self.flanks.grids().iter().zip(near_field.iter()) {
+            let lines = lines_of(grid.rows);
+            if lines.len() < LEAST {
+                return Err((
+                    format!(
+                        "contact on half-spaces spreads over {LEAST} rows of nodes along a flank, but there are {}",
+                        lines.len()
+                    ),
+                    "mesh the flanks with at least 3 elements along the profile, 8 are usual",
+                )
+                    .into());
+            }
+            let strips = grid.columns - 1;
+            let first = sums.len() as u32;
+            let mut positions = Vec::new();
+            for line in &lines {
+                for strip in 0..strips {
+                    let of_strip = line.iter().flat_map(|(row, w)| {
+                        [strip, strip + 1].map(|column| (row * grid.columns + column, 0.5 * w))
+                    });
+                    let mut x = Vec3::zeros();
+                    let mut sum = Vec::new();
+                    for (place, w) in of_strip {
+                        x += w * grid.positions[place];
+                        sum.push((grid.nodes[place] as usize, w));
+                    }
+                    positions.push(x);
+                    sums.push(sum);
+                }
+            }
+            let mut field = Vec::with_capacity(lines.len() * lines.len());
+            for a in &lines {
+                for b in &lines {
+                    let terms = a.iter().flat_map(|(i, wi)| {
+                        b.iter()
+                            .map(move |(j, wj)| wi * wj * of_rows[i * grid.rows + j])
+                    });
+                    field.push(terms.sum());
+                }
+            }
+            fields.push(field);
+            grids.push(FlankGrid {
+                rows: lines.len(),
+                columns: strips,
+                nodes: (first..sums.len() as u32).collect(),
+                positions,
+                ..grid.clone()
+            });
+        }
+        let per_node = self.per_node();
+        // Rows of the shapes: of a node outwards, then along the profile.
+        let row_sums: Vec<Vec<(usize, f64)>> = sums
+            .iter()
+            .flat_map(|sum| {
+                (0..per_node).map(move |d| {
+                    let of_direction = |(node, w): &(usize, f64)| (node * per_node + d, *w);
+                    sum.iter().map(of_direction).collect()
+                })
+            })
+            .collect();
+        let modes = self.modes();
+        let mut shapes = vec![0.0; row_sums.len() * modes];
+        for (out, sum) in shapes.chunks_exact_mut(modes.max(1)).zip(&row_sums) {
+            for &(row, w) in sum {
+                for (x, b) in out.iter_mut().zip(&self.shapes[row * modes..][..modes]) {
+                    *x += w * b;
+                }
+            }
+        }
+        let normals = sums
+            .iter()
+            .map(|sum| {
+                let terms = sum.iter().map(|(node, w)| *w * self.normals[*node]);
+                terms.fold(Vec3::zeros(), |sum, n| sum + n).normalize()
+            })
+            .collect();
+        let hub = row_sums
+            .iter()
+            .map(|sum| sum.iter().map(|(row, w)| w * residual.hub[*row]).sum());
+        Ok(Reduced {
+            flanks: Flanks::new(grids),
+            normals,
+            shapes,
+            residual: Some(Residual {
+                flanks: over(&residual.flanks, self.rows(), &row_sums),
+                hub: hub.collect(),
+                hub_hub: residual.hub_hub,
+            }),
+            near_field: Some(Arc::new(fields)),
+            ..self.clone()
+        })
+    }
+}
+
+/// Compliance between sums of rows.
+fn over(of_rows: &FlankCompliance, rows: usize, sums: &[Sum]) -> FlankCompliance {
+    // `L C` of a block, then `L C L^T`.
+    let congruence = |block: &[f64], n: usize, sums: &[Sum]| -> Vec<f64> {
+        let mut left = vec![0.0; sums.len() * n];
+        for (out, sum) in left.chunks_exact_mut(n.max(1)).zip(sums) {
+            for &(row, w) in sum {
+                for (x, c) in out.iter_mut().zip(&block[row * n..][..n]) {
+                    *x += w * c;
+                }
+            }
+        }
+        let mut out = Vec::with_capacity(sums.len() * sums.len());
+        for of_line in left.chunks_exact(n.max(1)) {
+            for sum in sums {
+                out.push(sum.iter().map(|(row, w)| w * of_line[*row]).sum());
+            }
+        }
+        out
+    };
+    match of_rows {
+        FlankCompliance::Full(c) => FlankCompliance::Full(congruence(c, rows, sums)),
+        FlankCompliance::Cyclic {
+            teeth,
+            per_tooth: m,
+            blocks,
+        } => {
+            let per_tooth = sums.len() / teeth;
+            let of_tooth = &sums[..per_tooth];
+            FlankCompliance::Cyclic {
+                teeth: *teeth,
+                per_tooth,
+                blocks: (blocks.chunks_exact(m * m))
+                    .flat_map(|block| congruence(block, *m, of_tooth))
+                    .collect(),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A displacement that is linear along the flank comes out as it is, at both ends too; slopes are derivatives.
+    #[test]
+    fn splines_carry_what_is_linear() {
+        for lines in [4, 5, 9, 13] {
+            for element in 0..lines - 1 {
+                for x in [0.0, 0.2, 0.7, 1.0] {
+                    let s = spread(element, x, lines);
+                    let sum: f64 = s.weights.iter().sum();
+                    let place = (0..4).map(|i| (s.first + i) as f64 * s.weights[i]);
+                    assert!((sum - 1.0).abs() < 1e-14);
+                    let place: f64 = place.sum();
+                    assert!((place - element as f64 - x).abs() < 1e-13, "{element} {x}");
+                    let h = 1e-6;
+                    let [a, b] = [x - h, x + h].map(|x| spread(element, x, lines).weights);
+                    for i in 0..4 {
+                        let difference = (b[i] - a[i]) / (2.0 * h);
+                        assert!((difference - s.slopes[i]).abs() < 1e-8);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lines of a fine mesh stand at every second row; what acts between them reaches as far as four rows.
+    #[test]
+    fn lines_of_fine_meshes_make_wider_splines() {
+        let rows = 25;
+        let lines = lines_of(rows);
+        assert_eq!(lines.len(), 13);
+        for (j, line) in lines.iter().enumerate() {
+            let sum: f64 = line.iter().map(|t| t.1).sum();
+            let place: f64 = line.iter().map(|t| t.0 as f64 * t.1).sum();
+            assert!((sum - 1.0).abs() < 1e-14 && (place - 2.0 * j as f64).abs() < 1e-13);
+        }
+        let on_rows = |element: usize, x: f64| {
+            let s = spread(element, x, lines.len());
+            let mut out = vec![0.0; rows];
+            for i in 0..4 {
+                for (row, w) in &lines[s.first + i] {
+                    out[*row] += s.weights[i] * w;
+                }
+            }
+            out
+        };
+        let at = on_rows(6, 0.0);
+        let sum: f64 = at.iter().sum();
+        assert!((sum - 1.0).abs() < 1e-14);
+        // Symmetric about row 12, and nothing outside of eight rows.
+        for k in 0..=12 {
+            assert!((at[12 - k] - at[12 + k]).abs() < 1e-15);
+            assert!(k <= 4 || at[12 + k] == 0.0);
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Contact along lines of flanks, from its settings: which gears it takes, and its law.
+
+use super::members::SceneGear;
+use crate::contact::pairs::{FlankLines, LineGear, LinesOfAction};
+use crate::error::{BuildError, GearPart, MeshPart, Reason};
+use crate::law::{Damping, HalfSpace, Law};
+use crate::spec::{Body, ContactSpec, MeshLayout, MeshSpec, SceneSpec};
+use crate::stiffness::Material;
+use std::f64::consts::PI;
+
+/// Strips over the width of a mesh whose flanks touch along lines: those of its elastic gears.
+///
+/// # Errors
+/// A gear that does not give way along lines, strips that differ.
+pub(super) fn strips(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    contact: &ContactSpec,
+    gears: &[SceneGear],
+) -> Result<usize, BuildError> {
+    let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
+    let error = |part, why: Reason| BuildError::mesh(names, part, why);
+    let mut found: Option<usize> = None;
+    for i in mesh.gears {
+        let model = &gears[i].model;
+        let elastic = model.displacement().is_some();
+        if !elastic && (model.teeth().is_some() || model.flanks().is_some()) {
+            return Err(BuildError::gear(
+                &spec.gears[i].name,
+                GearPart::Model,
+                (
+                    format!(
+                        "half-spaces are known to elastic gears and to rigid ones that they meet, but `{}` is `{}`",
+                        spec.gears[i].name, gears[i].id
+                    ),
+                    "give the contact local = \"mesh\" and a penalty",
+                ),
+            ));
+        }
+        let Some(flanks) = model.flanks().filter(|_| elastic) else {
+            continue;
+        };
+        let own = flanks.grids().first().map_or(0, |g| g.columns);
+        if flanks.grids().iter().any(|g| g.columns != own) {
+            return Err(BuildError::gear(
+                &spec.gears[i].name,
+                GearPart::Model,
+                (
+                    "its flanks have different numbers of elements over the width",
+                    "mesh all flanks alike, or give the contact local = \"mesh\"",
+                ),
+            ));
+        }
+        match found {
+            Some(other) if other != own => {
+                return Err(error(
+                    MeshPart::Slices,
+                    (
+                        format!(
+                            "half-spaces meet strip by strip, but the flanks have {other} and {own} elements over the width"
+                        ),
+                        "give both gears the same `width_elements`",
+                    )
+                        .into(),
+                ));
+            }
+            _ => found = Some(own),
+        }
+    }
+    let Some(strips) = found.filter(|n| *n > 0) else {
+        return Err(error(
+            MeshPart::Contact,
+            (
+                "half-spaces stand in for what a mesh does not resolve, but neither gear is elastic",
+                "leave out `local`: the stiffness of a tooth pair has Hertz's approach",
+            )
+                .into(),
+        ));
+    };
+    let widths = mesh.gears.map(|i| match &spec.gears[i].body {
+        Body::Gear(gear) => gear.face_width(),
+        Body::Rack(rack) => rack.face_width(),
+    });
+    if (widths[0] - widths[1]).abs() > 1e-9 * widths[0] && strips > 1 {
+        return Err(error(
+            MeshPart::Slices,
+            (
+                "half-spaces meet strip by strip, but the face widths differ",
+                "give both gears one face width, or one element over it",
+            )
+                .into(),
+        ));
+    }
+    match contact.slices {
+        Some(n) if n != strips => Err(error(
+            MeshPart::Slices,
+            (
+                format!("{n} slices, but the meshes have {strips} elements over the width"),
+                "leave `slices` out: each strip of elements is one",
+            )
+                .into(),
+        )),
+        _ => Ok(strips),
+    }
+}
+
+/// `A = 2 (1 - nu^2)/(pi E)` of a material [m^2/N].
+fn compliance(of: &Material) -> f64 {
+    2.0 * (1.0 - of.poisson * of.poisson) / (PI * of.young)
+}
+
+/// The lines of a mesh and their law; `of_pairs` is what the contact has for tooth pairs, whose damping holds for lines
+/// as well.
+pub(super) fn flank_lines(
+    spec: &SceneSpec,
+    mesh: &MeshSpec,
+    l: &MeshLayout,
+    contact: &ContactSpec,
+    gears: &[SceneGear],
+    (search, of_pairs): (LinesOfAction, Law),
+) -> Result<(FlankLines, Law), BuildError> {
+    let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
+    let error = |part, why: Reason| BuildError::mesh(names, part, why);
+    if contact.exponent != 1.0 {
+        return Err(error(
+            MeshPart::Exponent,
+            (
+                format!(
+                    "half-spaces have a law of their own, but the exponent {} is given",
+                    contact.exponent
+                ),
+                "leave it out",
+            )
+                .into(),
+        ));
+    }
+    let at_load = matches!(contact.damping, Damping::RatioAtLoad { .. });
+    if contact.damping != Damping::None && !at_load {
+        return Err(error(
+            MeshPart::Damping,
+            (
+                format!(
+                    "the damping `{}` is that of a tooth pair, but its gears give way along lines",
+                    contact.damping.id()
+                ),
+                "take a ratio at load, { law = \"ratio-at-load\", ratio = 0.05 }, or damp the modes",
+            )
+                .into(),
+        ));
+    }
+    let mut of_gears = [None, None];
+    for (out, &i) in of_gears.iter_mut().zip(&mesh.gears) {
+        let model = &gears[i].model;
+        let (Some(field), Some(flanks)) = (model.displacement(), model.flanks()) else {
+            continue;
+        };
+        let Some(near_field) = field.near_field() else {
+            continue;
+        };
+        let g = &spec.gears[i];
+        let teeth = match &g.body {
+            Body::Gear(gear) => (gear.teeth() as usize, false),
+            Body::Rack(rack) => (rack.teeth() as usize, true),
+        };
+        let lines = LineGear::new(flanks, near_field.clone(), teeth, compliance(&g.material))
+            .map_err(|why| BuildError::gear(&g.name, GearPart::Model, why))?;
+        *out = Some(lines);
+    }
+    let lines = FlankLines::new(search, of_gears, l.face_width);
+    let law = of_pairs.with_half_space(HalfSpace::new(lines.width(), lines.compliance()));
+    Ok((lines, law))
+}
