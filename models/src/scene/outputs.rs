@@ -138,7 +138,7 @@ impl Scene {
             let of_law = if mesh.hard {
                 0.0
             } else {
-                mesh.law.potential(a.elastic.0, p.stiffness)
+                mesh.law.shared(p.share).potential(a.elastic.0, p.stiffness)
             };
             energy.contact += of_law + 0.5 * a.elastic.1 * (a.elastic.0 - p.gap0);
             if a.force.n == 0.0 {

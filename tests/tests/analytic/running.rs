@@ -9,13 +9,15 @@ use gearbench_models::geometry::GearParams;
 use gearbench_models::law::Damping;
 use gearbench_models::scene::Scene;
 use gearbench_models::spec::{
-    ContactSpec, Load, ModelSpec, Modelling, Profile, SceneSpec, Value, effective_radius,
+    ContactSpec, Load, ModelSpec, Modelling, Parameters, Profile, SceneSpec, Value,
+    effective_radius, mesh_layout,
 };
 use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness, ToothModel};
 use gearbench_reference::statics::{Load as StaticLoad, LoadedPair, MeshCycle};
 use gearbench_tests::*;
 
 mod elastic;
+mod half_space;
 mod statics;
 
 /// The gears of the FZG test rig, type C, under a torque that is in balance on both.

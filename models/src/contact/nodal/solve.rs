@@ -245,7 +245,9 @@ impl NodalSolve {
             }
             out.clear();
             let mut norm = 0.0;
-            for ((s, gap), row) in (springs.iter().zip(gaps)).zip(few.compliance.chunks_exact(points)) {
+            for ((s, gap), row) in
+                (springs.iter().zip(gaps)).zip(few.compliance.chunks_exact(points))
+            {
                 let yielding = row.iter().zip(&*springs).map(|(c, s)| c * s.force.n);
                 let r = gap - s.gap0 - yielding.sum::<f64>();
                 norm += r * r;
@@ -268,9 +270,9 @@ impl NodalSolve {
             few.matrix.clear();
             for (i, row) in few.compliance.chunks_exact(points).enumerate() {
                 let entries = row.iter().zip(&*springs).enumerate();
-                few.matrix.extend(entries.map(|(j, (c, s))| {
-                    f64::from(u8::from(i == j)) - c * s.force.dn_dg
-                }));
+                few.matrix.extend(
+                    entries.map(|(j, (c, s))| f64::from(u8::from(i == j)) - c * s.force.dn_dg),
+                );
             }
             few.factor.set(&mut few.matrix, points)?;
             few.factor.solve(&mut few.step);

@@ -1,0 +1,161 @@
+//! Elastic gears that touch on half-spaces: one potential, statics that do not depend on the mesh, running under load.
+
+use super::*;
+use gearbench_integrators::Report;
+use gearbench_models::spec::{LocalContact, PointContact};
+
+/// Elastic gears of so many elements along a flank and over the width, with modes, on half-spaces.
+fn half_space(elements: f64, layers: f64, modes: f64) -> Modelling {
+    let parameters: Parameters = [
+        ("modes", modes),
+        ("flank_elements", elements),
+        ("width_elements", layers),
+    ]
+    .into_iter()
+    .map(|(key, x)| (key.to_string(), Value::Number(x)))
+    .collect();
+    let elastic = ModelSpec {
+        id: "elastic".into(),
+        parameters,
+    };
+    let contact = ContactSpec {
+        points: Some(PointContact::half_space()),
+        ..contact(1.4e10)
+    };
+    assert_eq!(contact.points.unwrap().local, LocalContact::HalfSpace);
+    Modelling {
+        gears: vec![elastic.clone(), elastic],
+        contacts: vec![contact],
+    }
+}
+
+fn built(spec: &SceneSpec, modelling: &Modelling) -> Scene {
+    Scene::build(spec, modelling, gearbench::models::models()).unwrap()
+}
+
+/// Forces on hubs and modes are the slopes of strain and contact energy, on the path and where tip edges touch, of a
+/// gear on a rigid one too.
+#[test]
+fn forces_are_the_slope_of_one_potential() {
+    let spec = fzg(0.0, 0.0);
+    let both = half_space(6.0, 2.0, 12.0);
+    let rigid = ModelSpec {
+        id: "rigid".into(),
+        parameters: Parameters::default(),
+    };
+    let one = Modelling {
+        gears: vec![both.gears[0].clone(), rigid],
+        ..both.clone()
+    };
+    for (name, modelling) in [("both", &both), ("one", &one)] {
+        let mut scene = built(&spec, modelling);
+        let radius = effective_radius(&spec.gears[0].body);
+        let pitch = mesh_layout(&spec.gears[0], &spec.gears[1])
+            .unwrap()
+            .base_pitch;
+        let mut pairs = std::collections::BTreeSet::new();
+        let mut worst = 0.0_f64;
+        for i in 0..12 {
+            let mut s = scene.initial();
+            let turned = pitch * f64::from(i) / 12.0;
+            let second = scene.gears()[1].range().start;
+            s.q[0] += (turned + 12e-6) / radius;
+            s.q[second] -= turned / (1.5 * radius);
+            let (scales, _) = scales(&scene);
+            let mut numbers = Numbers::new(3 + i as u64);
+            let hubs = [0, second];
+            for (i, x) in numbers.vector(&scales).into_iter().enumerate() {
+                if !hubs.contains(&i) {
+                    s.q[i] = 1e-6 * x;
+                }
+            }
+            s.v.fill(0.0);
+            let found = scene.contact_forces(s.at());
+            pairs.insert(found.len());
+            let mut force = vec![0.0; s.q.len()];
+            scene.force(s.at(), &mut force);
+            let largest =
+                (force.iter().zip(&scales)).fold(0.0_f64, |m, (f, s)| m.max((f * s).abs()));
+            let mut energy = |i: usize, by: f64| {
+                let mut moved = s.clone();
+                moved.q[i] += by;
+                let mut out = Outputs::default();
+                scene.output(moved.at(), &mut out);
+                out.energy.contact + out.energy.strain
+            };
+            for i in 0..force.len() {
+                let h = 5.0 * scales[i];
+                // Fourth order.
+                let first = (energy(i, h) - energy(i, -h)) / (2.0 * h);
+                let second = (energy(i, 2.0 * h) - energy(i, -2.0 * h)) / (4.0 * h);
+                let slope = (4.0 * first - second) / 3.0;
+                worst = worst.max(((slope + force[i]) * scales[i]).abs() / largest);
+            }
+        }
+        println!("{name}: force off its potential by {worst:.1e}; contacts {pairs:?}");
+        assert!(pairs.len() > 1 && worst < 1e-6, "{name}: {worst:.2e}");
+    }
+}
+
+fn cycle(elements: f64, layers: f64, force_per_width: f64, positions: usize) -> MeshCycle {
+    let spec = fzg(0.0, 94.1);
+    let models = gearbench::models::models();
+    let modelling = half_space(elements, layers, 0.0);
+    let mut pair = LoadedPair::new(&spec, &modelling, models).unwrap();
+    let load = StaticLoad::Force(0.014 * force_per_width);
+    MeshCycle::solve(&mut pair, load, positions, |_| {}).unwrap()
+}
+
+/// Static transmission error from coarse meshes and fine ones, and how a single pair stiffens with its load: the line
+/// contact of Hertz adds `-A q ln b`, `b` as the root of the load.
+#[test]
+fn static_transmission_error_does_not_depend_on_the_mesh() {
+    for load in [50e3, 200e3, 800e3] {
+        let fine = cycle(24.0, 1.0, load, 120);
+        for elements in [8.0, 12.0] {
+            let coarse = cycle(elements, 1.0, load, 120);
+            let mean = coarse.mean_error() / fine.mean_error() - 1.0;
+            let peak = coarse.peak_to_peak() / fine.peak_to_peak() - 1.0;
+            println!(
+                "{:.0} N/mm, {elements} elements: mean {:.4} um ({mean:.1e}), peak to peak {:.4} um ({peak:.1e})",
+                load / 1e3,
+                1e6 * coarse.mean_error(),
+                1e6 * coarse.peak_to_peak()
+            );
+            assert!(
+                mean.abs() < 2e-3 && peak.abs() < 5e-3,
+                "{mean:.2e} {peak:.2e}"
+            );
+        }
+    }
+    let [light, heavy] = [50e3, 800e3].map(|q| {
+        let at = cycle(8.0, 1.0, q, 2).positions[1].clone();
+        assert_eq!(at.pairs.iter().filter(|p| p.force > 0.0).count(), 1);
+        at.approach / q
+    });
+    let material = &fzg(0.0, 0.0).gears[0].material;
+    let hertz = 4.0 * (1.0 - material.poisson.powi(2)) / (std::f64::consts::PI * material.young)
+        * 4.0_f64.ln();
+    println!(
+        "secant compliance falls by {:.3e} m^2/N, Hertz {hertz:.3e}",
+        light - heavy
+    );
+    assert!(((light - heavy) / hertz - 1.0).abs() < 0.05);
+}
+
+/// Undamped gears under load keep their energy, with one strip and with three.
+#[test]
+fn half_spaces_keep_the_energy_under_load() {
+    for layers in [1.0, 3.0] {
+        let spec = fzg(400.0, 94.1);
+        let modelling = half_space(8.0, layers, 60.0);
+        let mut scene = built(&spec, &modelling);
+        let found = [1e-6, 0.5e-6, 0.25e-6].map(|h| {
+            let step = Resolution::Step(h);
+            let (_, ledger, watch) = observe(&spec, &mut scene, "trigonometric", step, 0.01, 0.0);
+            ledger.residual().abs() / watch.power
+        });
+        println!("{layers} strips: {found:?}");
+        assert!(found[0] < 1e-3 && found[2] < 1e-4, "{found:?}");
+    }
+}
