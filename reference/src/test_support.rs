@@ -147,7 +147,7 @@ pub(crate) fn context<'a>(
         effective_radius: 1.0,
         meshes: &[],
         slides: false,
-        lines: false,
+        lines: None,
         speed: 0.0,
         parameters,
     }

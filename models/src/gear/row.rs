@@ -1,5 +1,6 @@
 //! A row of the table of gear models: what a model declares, what it is built from.
 
+use super::elastic::lines::Strips;
 use super::model::GearModel;
 use super::properties::Properties;
 use crate::error::BuildError;
@@ -29,8 +30,8 @@ pub struct GearContext<'a> {
     pub meshes: &'a [MeshView],
     /// A mesh of it has friction.
     pub slides: bool,
-    /// Its flanks touch along lines, where half-spaces give way.
-    pub lines: bool,
+    /// Its flanks touch along lines, over these strips, where half-spaces give way.
+    pub lines: Option<Strips>,
     /// Speed of its hub at the start [rad/s] or [m/s].
     pub speed: f64,
     /// Parameters from the scene.

@@ -60,12 +60,16 @@ impl HalfSpace {
             return None;
         }
         let log = -y.ln();
-        // Newton's method on t - ln t = -ln y, from the two leading terms of its solution.
-        let mut t = (log + log.max(1.0).ln()).max(STRAIGHT);
+        // Halley's method on t - ln t = -ln y, from the leading terms of its solution.
+        let twice = log.max(1.0).ln();
+        let mut t = (log + twice + twice / log.max(1.0)).max(STRAIGHT);
         for _ in 0..20 {
-            let step = (t - t.ln() - log) * t / (t - 1.0);
+            let off = t - t.ln() - log;
+            let slope = 1.0 - 1.0 / t;
+            let step = off * slope / (slope * slope - 0.5 * off / (t * t));
             t = (t - step).max(1.0 + 0.1 * (t - 1.0));
-            if step.abs() <= 1e-15 * t {
+            // The next one would be smaller by the square.
+            if step.abs() <= 1e-7 * t {
                 break;
             }
         }

@@ -5,7 +5,7 @@ use super::assembly_lines::{flank_lines, strips};
 use super::assembly_points::flank_points;
 use super::channels;
 use super::members::{SceneGear, SceneMesh};
-use super::mesh_assembly::{friction_of, hub_of, lines_of_action};
+use super::mesh_assembly::{friction_of, hub_of, lines_of_action, varies_over_width};
 use super::nodal::{Nodal, islands};
 use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
@@ -13,12 +13,13 @@ use super::workspace::Workspace;
 use crate::contact::Search;
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::gear::LinearMotion;
+use crate::gear::elastic::lines::Strips;
 use crate::gear::table::{GearContext, Model};
 use crate::geometry::Side;
 use crate::kinematics::Placement;
 use crate::law::Law;
 use crate::spec::{
-    Body, ContactSpec, Load, LocalContact, Modelling, Mount, SceneSpec, effective_radius,
+    Body, ContactSpec, Load, LocalContact, MeshSpec, Modelling, Mount, SceneSpec, effective_radius,
     mesh_layout,
 };
 use gearbench_integrators::system::State;
@@ -70,9 +71,24 @@ impl Scene {
         };
         let half_space =
             |c: &ContactSpec| c.points.is_some_and(|p| p.local == LocalContact::HalfSpace);
+        // One strip where contact lies evenly over the width.
         let lines = |gear: usize| {
-            let mut meshes = spec.meshes.iter().zip(&modelling.contacts);
-            meshes.any(|(mesh, contact)| half_space(contact) && mesh.gears.contains(&gear))
+            let meshes = spec.meshes.iter().zip(&modelling.contacts);
+            let mut own = meshes.filter(|(m, c)| half_space(c) && m.gears.contains(&gear));
+            let varies = |m: &MeshSpec| {
+                let mut gears = m.gears.iter();
+                gears.any(|g| varies_over_width(&spec.gears[*g].body))
+            };
+            let of = |(mesh, contact): (&MeshSpec, &ContactSpec)| match contact.slices {
+                Some(n) => Strips::Count(n),
+                None if varies(mesh) => Strips::Layers,
+                None => Strips::Count(1),
+            };
+            let first = of(own.next()?);
+            Some(own.fold(first, |strips, next| match (strips, of(next)) {
+                (Strips::Count(a), Strips::Count(b)) => Strips::Count(a.max(b)),
+                _ => Strips::Layers,
+            }))
         };
         let mut gears: Vec<SceneGear> = Vec::new();
         for (g, model) in spec.gears.iter().zip(&modelling.gears) {
@@ -133,7 +149,7 @@ impl Scene {
             let [ia, ib] = mesh.gears;
             let of_gear = [seen[ia], seen[ib]];
             let strips = if half_space(contact) {
-                Some(strips(spec, mesh, contact, &gears)?)
+                Some(strips(spec, mesh, &gears)?)
             } else {
                 None
             };

@@ -15,7 +15,6 @@ use std::f64::consts::PI;
 pub(super) fn strips(
     spec: &SceneSpec,
     mesh: &MeshSpec,
-    contact: &ContactSpec,
     gears: &[SceneGear],
 ) -> Result<usize, BuildError> {
     let names = mesh.gears.map(|i| spec.gears[i].name.as_str());
@@ -57,9 +56,9 @@ pub(super) fn strips(
                     MeshPart::Slices,
                     (
                         format!(
-                            "half-spaces meet strip by strip, but the flanks have {other} and {own} elements over the width"
+                            "half-spaces meet strip by strip, but the flanks have {other} and {own} strips over the width"
                         ),
-                        "give both gears the same `width_elements`",
+                        "give both gears the same `width_elements`, or the contact `slices`",
                     )
                         .into(),
                 ));
@@ -91,17 +90,7 @@ pub(super) fn strips(
                 .into(),
         ));
     }
-    match contact.slices {
-        Some(n) if n != strips => Err(error(
-            MeshPart::Slices,
-            (
-                format!("{n} slices, but the meshes have {strips} elements over the width"),
-                "leave `slices` out: each strip of elements is one",
-            )
-                .into(),
-        )),
-        _ => Ok(strips),
-    }
+    Ok(strips)
 }
 
 /// `A = 2 (1 - nu^2)/(pi E)` of a material [m^2/N].

@@ -46,7 +46,7 @@ fn lead(body: &Body, zeta: f64) -> f64 {
     }
 }
 
-fn varies_over_width(body: &Body) -> bool {
+pub(super) fn varies_over_width(body: &Body) -> bool {
     match body {
         Body::Gear(g) => {
             g.params().helix_angle != 0.0 || g.params().modifications.lead_crowning != 0.0

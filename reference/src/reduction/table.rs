@@ -234,8 +234,10 @@ fn build(context: &GearContext<'_>) -> Result<Box<dyn GearModel>, BuildError> {
     if let Toothing::Gear(gear) = context.body {
         reduced.flanks.deviate(gear);
     }
-    if context.lines {
-        reduced = reduced.over_lines().map_err(|e| reader.error("mesh", e))?;
+    if let Some(strips) = context.lines {
+        reduced = reduced
+            .over_lines(strips)
+            .map_err(|e| reader.error("mesh", e))?;
     }
     let gear = Elastic::new(
         context.hub.clone(),
@@ -279,7 +281,7 @@ mod tests {
         all.extend(parameters.iter().map(|(k, v)| (k.to_string(), v.clone())));
         let context = GearContext {
             slides: false,
-            lines: false,
+            lines: None,
             effective_radius: radius,
             ..test_support::context(&body, &hub, &all)
         };

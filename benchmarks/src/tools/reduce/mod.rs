@@ -223,7 +223,7 @@ fn of_scene(
         effective_radius: 1.0,
         meshes: &[],
         slides: false,
-        lines: false,
+        lines: None,
         speed: 0.0,
         parameters,
     };

@@ -1,6 +1,5 @@
 //! The residual compliance `R` of the nodes of a solve, gear by gear: its inverse, and its root `C C^T = R`.
 
-use super::spring::Spring;
 use crate::cholesky::{append_inverse, cholesky_padded, dot, padded};
 
 /// Relative pivot below which a direction of the compliance is none.
@@ -30,6 +29,8 @@ pub(super) struct Compliance {
     /// Their inverses, rows padded, where all are regular.
     pub inverse: Vec<f64>,
     pub regular: bool,
+    /// Whether `inverse` is that of the present nodes.
+    inverted: bool,
     /// Whether `root` is that of the present nodes.
     rooted: bool,
     /// Lower triangles `C` of the blocks, one `len x len` matrix after the other.
@@ -67,6 +68,15 @@ impl Compliance {
             self.n = 1;
         }
         self.rooted = false;
+        self.inverted = false;
+    }
+
+    /// The inverse, where it is not there yet; whether the compliance is regular.
+    pub fn take_inverse(&mut self) -> bool {
+        if self.inverted {
+            return self.regular;
+        }
+        self.inverted = true;
         self.regular = true;
         self.inverse.clear();
         let mut begin = 0;
@@ -89,26 +99,7 @@ impl Compliance {
             }
             append_inverse(&self.factor, b.len, &mut self.line, &mut self.inverse);
         }
-    }
-
-    /// `out += R w` of a point.
-    pub fn add_column(&self, s: &Spring, out: &mut [f64]) {
-        let mut begin = 0;
-        for b in &self.blocks {
-            let r = &self.matrix[begin..][..b.len * b.len];
-            begin += b.len * b.len;
-            let own = b.start..b.start + b.len;
-            for (&node, w) in s.nodes.iter().zip(s.weights) {
-                let node = node as usize;
-                if w == 0.0 || !own.contains(&node) {
-                    continue;
-                }
-                let row = &r[(node - b.start) * b.len..][..b.len];
-                for (x, r) in out[own.clone()].iter_mut().zip(row) {
-                    *x += w * r;
-                }
-            }
-        }
+        self.regular
     }
 
     /// `C`, where it is not there yet.

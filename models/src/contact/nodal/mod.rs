@@ -35,6 +35,7 @@
 
 mod compliance;
 mod dissipative;
+mod few;
 mod hard;
 mod nodes;
 mod points;
@@ -43,6 +44,7 @@ mod spring;
 
 pub use compliance::Block;
 pub use dissipative::{DissipativeSolve, OverPorts, Ported, Ports};
+pub use few::FewPoints;
 pub use hard::{HardSolve, Share};
 pub use nodes::{GearNodes, weighted};
 pub use points::{GapBound, LineTerms, NodalParty, NodalPoint, NodalPoints};

@@ -8,13 +8,8 @@
 //! ```
 //!
 //! and the closed points are found by iteration: a point is closed where its gap is negative. The inverse of `R` is
-//! kept while the nodes stay the same. A few points of any other law, fewer than nodes, are solved for by their gaps,
-//!
-//! ```text
-//! g_p - g0_p - sum_r C_pr N_r(g_r) = 0,    C_pr = w_p . R w_r
-//! ```
-//!
-//! Where `R` is all but singular, `R = C C^T`, `u = C y` and
+//! kept while the nodes stay the same. Points of any other law that are fewer than nodes are solved for
+//! [by their gaps](FewPoints). Where `R` is all but singular, `R = C C^T`, `u = C y` and
 //! `(I + C^T S C) y = -C^T f0` take its place. Other laws take Newton's method on `y` with a line search on the norm of
 //! the gradient `y + C^T F`.
 //!
@@ -25,19 +20,13 @@
 //! decide on that set the search for it begins afresh.
 
 use super::compliance::{Block, Compliance};
+use super::few::FewPoints;
 use super::spring::{Gathered, Spring, add_points, deepest, elastic_at};
 use crate::cholesky::{backward, cholesky, cholesky_padded, dot, forward, padded, solve_padded};
-use gearbench_integrators::dense_solve::Lu;
 use gearbench_integrators::system::Singular;
 
 /// Changes of the set of closed points after which Newton's method with a line search takes over.
 const MOST_CHANGES: usize = 30;
-
-/// Part of an approach that the law of a point takes, where a solve by gaps begins.
-const LAW_PART: f64 = 0.2;
-
-/// Rounding of gaps over the deepest.
-const ROUNDING: f64 = 4e-16;
 
 /// Newton iterations before the solve is given up.
 const MOST_ITERATIONS: usize = 100;
@@ -59,20 +48,9 @@ pub struct NodalSolve {
     nodal: Vec<f64>,
     /// Residual displacements [m].
     u: Vec<f64>,
-    few: Few,
-}
-
-/// Of the solve by gaps.
-#[derive(Clone, Debug, Default)]
-struct Few {
-    /// `R w_r`, point by point.
-    columns: Vec<f64>,
-    /// `C`, row-major.
-    compliance: Vec<f64>,
-    gaps: Vec<f64>,
-    matrix: Vec<f64>,
-    step: Vec<f64>,
-    factor: Lu,
+    few: FewPoints,
+    /// The last solve was that of a few points.
+    by_points: bool,
 }
 
 impl NodalSolve {
@@ -118,10 +96,26 @@ impl NodalSolve {
         self.compliance.n
     }
 
+    /// The solve by points, where the last one was.
+    pub fn few(&mut self) -> Option<&mut FewPoints> {
+        self.by_points.then_some(&mut self.few)
+    }
+
+    /// Residual displacements under the forces that points have now, after a solve [by points](Self::few).
+    pub fn displaced(&self, springs: &[Spring], u: &mut Vec<f64>) {
+        self.few.displace(springs, self.compliance.n, u);
+    }
+
     fn find(&mut self, springs: &mut [Spring]) -> Result<(), Singular> {
         let linear = springs.iter().all(|s| s.law.is_linear_elastic());
-        if !linear && springs.len() < self.compliance.n && self.by_gaps(springs)? {
-            return Ok(());
+        self.by_points = false;
+        if !linear && springs.len() < self.compliance.n {
+            let compliance = (&*self.compliance.blocks, &*self.compliance.matrix);
+            self.by_points = self.few.press(springs, compliance, self.compliance.n)?;
+            if self.by_points {
+                self.few.displace(springs, self.compliance.n, &mut self.u);
+                return Ok(());
+            }
         }
         if linear {
             for attempt in 0..2 {
@@ -149,7 +143,7 @@ impl NodalSolve {
             let closed = std::mem::take(&mut self.closed);
             let pushing = springs.iter().zip(&closed).filter(|(_, closed)| **closed);
             let pushing = pushing.map(|(s, _)| (s, s.stiffness, -s.stiffness * s.gap0));
-            let solved = if self.compliance.regular {
+            let solved = if self.compliance.take_inverse() {
                 self.solve_regular(pushing)
             } else {
                 self.solve_rooted(pushing)
@@ -219,95 +213,6 @@ impl NodalSolve {
         backward(&self.small, &mut self.y);
         self.compliance.displace(&self.y, &mut self.u);
         Ok(())
-    }
-
-    /// Newton's method on the gaps of a few points; false where it does not settle.
-    fn by_gaps(&mut self, springs: &mut [Spring]) -> Result<bool, Singular> {
-        let (n, points) = (self.compliance.n, springs.len());
-        let few = &mut self.few;
-        few.columns.clear();
-        few.columns.resize(points * n, 0.0);
-        few.compliance.clear();
-        for (s, column) in springs.iter().zip(few.columns.chunks_exact_mut(n)) {
-            self.compliance.add_column(s, column);
-        }
-        for s in springs.iter() {
-            let columns = few.columns.chunks_exact(n);
-            (few.compliance).extend(columns.map(|column| s.along(column)));
-        }
-        few.gaps.clear();
-        // Of the approach the law has the smaller part; it is convex, so that any beginning serves.
-        (few.gaps).extend(springs.iter().map(|s| LAW_PART * s.gap0.min(0.0)));
-        let residual = |gaps: &[f64], springs: &mut [Spring], out: &mut Vec<f64>| {
-            for (s, gap) in springs.iter_mut().zip(gaps) {
-                s.gap = *gap;
-                s.force = elastic_at(s, *gap);
-            }
-            out.clear();
-            let mut norm = 0.0;
-            for ((s, gap), row) in
-                (springs.iter().zip(gaps)).zip(few.compliance.chunks_exact(points))
-            {
-                let yielding = row.iter().zip(&*springs).map(|(c, s)| c * s.force.n);
-                let r = gap - s.gap0 - yielding.sum::<f64>();
-                norm += r * r;
-                out.push(r);
-            }
-            norm.sqrt()
-        };
-        let deepest = springs.iter().fold(0.0_f64, |d, s| d.max(s.gap0.abs()));
-        let mut norm = residual(&few.gaps, springs, &mut few.step);
-        let mut settled = false;
-        for _ in 0..MOST_CHANGES {
-            if norm.is_nan() {
-                return Err(Singular);
-            }
-            if norm <= ROUNDING * deepest {
-                settled = true;
-                break;
-            }
-            // I + C K, with the step in the place of the residual.
-            few.matrix.clear();
-            for (i, row) in few.compliance.chunks_exact(points).enumerate() {
-                let entries = row.iter().zip(&*springs).enumerate();
-                few.matrix.extend(
-                    entries.map(|(j, (c, s))| f64::from(u8::from(i == j)) - c * s.force.dn_dg),
-                );
-            }
-            few.factor.set(&mut few.matrix, points)?;
-            few.factor.solve(&mut few.step);
-            let before = norm;
-            let mut length = 1.0;
-            let step = std::mem::take(&mut few.step);
-            let mut trial = std::mem::take(&mut self.trial);
-            loop {
-                trial.clear();
-                trial.extend(few.gaps.iter().zip(&step).map(|(g, d)| g - length * d));
-                norm = residual(&trial, springs, &mut few.step);
-                if norm < before || length < 1e-3 {
-                    break;
-                }
-                length *= 0.5;
-            }
-            self.trial = trial;
-            if norm >= before {
-                // Rounding ends the descent.
-                settled = before <= 1e3 * ROUNDING * deepest;
-                residual(&few.gaps, springs, &mut few.step);
-                break;
-            }
-            std::mem::swap(&mut few.gaps, &mut self.trial);
-        }
-        if settled {
-            self.u.clear();
-            self.u.resize(n, 0.0);
-            for (s, column) in springs.iter().zip(few.columns.chunks_exact(n)) {
-                for (u, r) in self.u.iter_mut().zip(column) {
-                    *u -= r * s.force.n;
-                }
-            }
-        }
-        Ok(settled)
     }
 
     /// Newton's method from `y = 0`.

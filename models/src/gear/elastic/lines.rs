@@ -1,7 +1,7 @@
 //! Flanks as lines: what a reduction is to contact that is one line of pressure per tooth pair and strip of the width.
 //!
-//! A line of nodes is the mean of the two columns that bound a strip, so that a load on it is spread evenly over the width
-//! of the strip. Between four lines along the profile a contact at a place `x` of an element acts by cubic B-splines,
+//! A line of nodes is the mean of the columns of a strip, each with the width that it stands for, so that a load on it is
+//! spread evenly over the width of the strip. Between four lines along the profile a contact at a place `x` of an element acts by cubic B-splines,
 //!
 //! ```text
 //! w = ((1-x)^3, 4 - 6 x^2 + 3 x^3, 1 + 3 x + 3 x^2 - 3 x^3, x^3)/6
@@ -25,6 +25,15 @@ const FINEST: usize = 16;
 
 /// Fewest lines along a flank.
 const LEAST: usize = 4;
+
+/// Into how many strips the width is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strips {
+    /// One for each layer of elements.
+    Layers,
+    /// So many, of equal numbers of layers.
+    Count(usize),
+}
 
 /// Weights of the lines about an element with their slopes by the place in it; the first is that of line
 /// `first`.
@@ -127,7 +136,7 @@ impl Reduced {
     /// # Errors
     /// What is missing: the compliance of the modes that were cut, what the mesh does to a line load, rows along the
     /// flank.
-    pub fn over_lines(&self) -> Result<Reduced, Reason> {
+    pub fn over_lines(&self, strips: Strips) -> Result<Reduced, Reason> {
         let Some(residual) = &self.residual else {
             return Err((
                 "contact on half-spaces takes the static compliance of the whole mesh, but that of the truncated modes is left out",
@@ -157,19 +166,35 @@ impl Reduced {
                 )
                     .into());
             }
-            let strips = grid.columns - 1;
+            let layers = grid.columns - 1;
+            let strips = match strips {
+                Strips::Layers => layers,
+                Strips::Count(n) => n,
+            };
+            if strips == 0 || layers % strips != 0 {
+                return Err((
+                    format!(
+                        "{strips} slices of contact, but the flanks have {layers} elements over the width"
+                    ),
+                    "let the elements over the width be a multiple of the slices",
+                )
+                    .into());
+            }
+            let of_strip = layers / strips;
             let first = sums.len() as u32;
             let mut positions = Vec::new();
             for line in &lines {
                 for strip in 0..strips {
-                    let of_strip = line.iter().flat_map(|(row, w)| {
-                        [strip, strip + 1].map(|column| (row * grid.columns + column, 0.5 * w))
-                    });
                     let mut x = Vec3::zeros();
                     let mut sum = Vec::new();
-                    for (place, w) in of_strip {
-                        x += w * grid.positions[place];
-                        sum.push((grid.nodes[place] as usize, w));
+                    for (row, w) in line {
+                        for i in 0..=of_strip {
+                            let edge = i == 0 || i == of_strip;
+                            let w = w / of_strip as f64 * if edge { 0.5 } else { 1.0 };
+                            let place = row * grid.columns + strip * of_strip + i;
+                            x += w * grid.positions[place];
+                            sum.push((grid.nodes[place] as usize, w));
+                        }
                     }
                     positions.push(x);
                     sums.push(sum);

@@ -23,6 +23,9 @@ impl Nodal {
         gears: &[SceneGear],
         meshes: &[SceneMesh],
     ) -> Result<&'a [f64], Singular> {
+        if kicked && self.damp_points(start, island, solved, gears, meshes)? {
+            return Ok(&solved.outward);
+        }
         let giving = if kicked {
             &island.fields
         } else {
@@ -151,6 +154,70 @@ impl Nodal {
             outward.extend_from_slice(&u[b.start..][..from.len]);
         }
         Ok(outward)
+    }
+
+    /// The same for a few points without friction at the end of a kick, point by point; false where there are others.
+    fn damp_points(
+        &mut self,
+        start: usize,
+        island: &Island,
+        solved: &mut Solved,
+        gears: &[SceneGear],
+        meshes: &[SceneMesh],
+    ) -> Result<bool, Singular> {
+        let n = solved.solve.nodes();
+        if island.slides || self.numbers.len() != n {
+            return Ok(false);
+        }
+        let Some(few) = solved.solve.few() else {
+            return Ok(false);
+        };
+        let (numbers, mobility) = (&mut solved.mobile, &mut solved.dissipative.ports.mobility);
+        if numbers.1 != self.kick.stamp || numbers.0 != self.numbers {
+            numbers.1 = self.kick.stamp;
+            numbers.0.clone_from(&self.numbers);
+            mobility.clear();
+            mobility.resize(solved.blocks.iter().map(|b| b.len * b.len).sum(), 0.0);
+            let each = island.fields.iter().zip(&solved.blocks);
+            fill(each, mobility, |g, b, out| {
+                if let Some(field) = gears[g].model.displacement() {
+                    let weights = &self.kick.weights[gears[g].range()];
+                    field.add_mobility(weights, &self.numbers[b.start..][..b.len], out);
+                }
+            });
+        }
+        few.set_mobility(&solved.springs, (&solved.blocks, mobility), n);
+        // Hubs follow as well.
+        let active = &self.active[start..];
+        let points = active.len();
+        for (i, a) in active.iter().enumerate() {
+            let of_a = meshes[self.found.points[a.point].mesh as usize].gears;
+            for (j, b) in active.iter().enumerate() {
+                let of_b = meshes[self.found.points[b.point].mesh as usize].gears;
+                for (k, g) in of_a.into_iter().enumerate() {
+                    let Some(l) = of_b.into_iter().position(|other| other == g) else {
+                        continue;
+                    };
+                    if island.hubs.contains(&g) {
+                        few.mobility[i * points + j] += a.effective_radii[k]
+                            * b.effective_radii[l]
+                            * self.kick.weights[gears[g].offset];
+                    }
+                }
+            }
+        }
+        few.damp(
+            &mut solved.springs,
+            island.damped && !island.compliant.is_empty(),
+        )?;
+        let Solved {
+            solve,
+            springs,
+            outward,
+            ..
+        } = solved;
+        solve.displaced(springs, outward);
+        Ok(true)
     }
 }
 

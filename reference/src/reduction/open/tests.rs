@@ -43,7 +43,7 @@ fn judged(
     let (hub, none) = (test_support::hub(mount, None), Parameters::new());
     let context = GearContext {
         slides: false,
-        lines: false,
+        lines: None,
         material,
         added_inertia,
         ..test_support::context(&body, &hub, &none)

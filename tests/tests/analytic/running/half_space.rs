@@ -19,6 +19,7 @@ fn half_space(elements: f64, layers: f64, modes: f64) -> Modelling {
         parameters,
     };
     let contact = ContactSpec {
+        slices: Some(layers as usize),
         points: Some(PointContact::half_space()),
         ..contact(1.4e10)
     };

@@ -1,0 +1,306 @@
+//! A few points, fewer than nodes: residual compliance and dashpots point by point.
+//!
+//! With the compliance between points `C_pr = w_p . R w_r` the gaps under elastic forces solve
+//!
+//! ```text
+//! g_p - g0_p - sum_r C_pr n_r(g_r) = 0
+//! ```
+//!
+//! and with the mobility `Y_pr` (velocity of the gap of one point by a force at another, over the half kick) the forces
+//! with dashpots
+//!
+//! ```text
+//! N_p = n_p(g_p, r_p),   g = g0 + C N,   r = D (r* + Y N),   D = (I + C K)^-1
+//! ```
+//!
+//! which is what [`DissipativeSolve`](super::DissipativeSolve) solves over the nodes: see there for `D` and `K`. Newton's
+//! method on either has as many unknowns as there are points. Where it begins depends on nothing but the points at hand.
+
+use super::compliance::Block;
+use super::spring::{Spring, deepest, elastic_at};
+use gearbench_integrators::dense_solve::Lu;
+use gearbench_integrators::system::Singular;
+
+/// Part of an approach that the law of a point takes, where the solve by gaps begins.
+const LAW_PART: f64 = 0.2;
+
+/// Rounding of gaps over the deepest.
+const ROUNDING: f64 = 4e-16;
+
+/// What gaps may lack over the deepest where they lack no less after a step.
+const ENDS: f64 = 1e-12;
+
+/// Newton iterations before a solve is given up.
+const MOST_ITERATIONS: usize = 50;
+
+/// Iterations after which steps that do not lessen the residual are halved.
+const PATIENCE: usize = 8;
+
+/// The solves and their buffers.
+#[derive(Clone, Debug, Default)]
+pub struct FewPoints {
+    /// `R w_r`, point by point.
+    columns: Vec<f64>,
+    /// Columns of the mobility.
+    line: Vec<f64>,
+    /// `C`, row-major.
+    compliance: Vec<f64>,
+    /// `Y`, then `D Y`, row-major [m/s/N]; to be set before a solve with dashpots.
+    pub mobility: Vec<f64>,
+    /// Gaps [m]; then forces [N].
+    gaps: Vec<f64>,
+    lack: Vec<f64>,
+    matrix: Vec<f64>,
+    step: Vec<f64>,
+    pieces: Vec<(f64, f64)>,
+    factor: Lu,
+}
+
+/// `out += A w` of a point, `A` block by block.
+fn add_column(blocks: &[Block], matrix: &[f64], s: &Spring, out: &mut [f64]) {
+    let mut begin = 0;
+    for b in blocks {
+        let of_block = &matrix[begin..][..b.len * b.len];
+        begin += b.len * b.len;
+        for (&node, w) in s.nodes.iter().zip(s.weights) {
+            let Some(local) = (node as usize).checked_sub(b.start).filter(|l| *l < b.len) else {
+                continue;
+            };
+            if w == 0.0 {
+                continue;
+            }
+            let row = &of_block[local * b.len..][..b.len];
+            for (x, a) in out[b.start..][..b.len].iter_mut().zip(row) {
+                *x += w * a;
+            }
+        }
+    }
+}
+
+/// `W^T A W`, row-major, and the columns `A W`.
+fn between(
+    springs: &[Spring],
+    (blocks, matrix): (&[Block], &[f64]),
+    n: usize,
+    columns: &mut Vec<f64>,
+    out: &mut Vec<f64>,
+) {
+    columns.clear();
+    columns.resize(springs.len() * n, 0.0);
+    for (s, column) in springs.iter().zip(columns.chunks_exact_mut(n)) {
+        add_column(blocks, matrix, s, column);
+    }
+    out.clear();
+    for s in springs {
+        out.extend(columns.chunks_exact(n).map(|column| s.along(column)));
+    }
+}
+
+fn norm_of(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// `y += A x` of a square matrix.
+fn add_product(a: &[f64], x: impl Iterator<Item = f64> + Clone, y: &mut [f64]) {
+    let n = y.len().max(1);
+    for (y, row) in y.iter_mut().zip(a.chunks_exact(n)) {
+        *y += row.iter().zip(x.clone()).map(|(a, x)| a * x).sum::<f64>();
+    }
+}
+
+impl FewPoints {
+    /// Gaps and elastic forces of the points with the compliance of `n` nodes; false where Newton's method does not
+    /// settle.
+    pub(super) fn press(
+        &mut self,
+        springs: &mut [Spring],
+        compliance: (&[Block], &[f64]),
+        n: usize,
+    ) -> Result<bool, Singular> {
+        between(
+            springs,
+            compliance,
+            n,
+            &mut self.columns,
+            &mut self.compliance,
+        );
+        self.gaps.clear();
+        (self.gaps).extend(springs.iter().map(|s| LAW_PART * s.gap0.min(0.0)));
+        let largest = springs.iter().fold(0.0_f64, |d, s| d.max(s.gap0.abs()));
+        let mut norm = self.yield_to(springs);
+        for _ in 0..MOST_ITERATIONS {
+            if norm.is_nan() {
+                return Err(Singular);
+            }
+            if norm <= ROUNDING * largest {
+                return Ok(true);
+            }
+            self.step.clear();
+            self.step.extend_from_slice(&self.lack);
+            self.linearise(springs, |s| -s.force.dn_dg)?;
+            self.factor.solve(&mut self.step);
+            let before = norm;
+            let mut length = 1.0;
+            self.move_gaps(-length);
+            norm = self.yield_to(springs);
+            if norm >= before && before <= ENDS * largest {
+                // Rounding ends the descent.
+                return Ok(true);
+            }
+            while norm >= before && length > 1e-3 {
+                length *= 0.5;
+                self.move_gaps(length);
+                norm = self.yield_to(springs);
+            }
+            if norm >= before {
+                break;
+            }
+        }
+        Ok(false)
+    }
+
+    fn move_gaps(&mut self, by: f64) {
+        for (g, d) in self.gaps.iter_mut().zip(&self.step) {
+            *g += by * d;
+        }
+    }
+
+    /// Elastic forces at the gaps; what the gaps lack, and its norm.
+    fn yield_to(&mut self, springs: &mut [Spring]) -> f64 {
+        self.lack.clear();
+        for (s, gap) in springs.iter_mut().zip(&self.gaps) {
+            s.gap = *gap;
+            s.force = elastic_at(s, *gap);
+            self.lack.push(s.gap0 - gap);
+        }
+        let forces = springs.iter().map(|s| s.force.n);
+        add_product(&self.compliance, forces, &mut self.lack);
+        self.lack.iter_mut().for_each(|x| *x = -*x);
+        norm_of(&self.lack)
+    }
+
+    /// The factor of `I + C K`.
+    fn linearise(
+        &mut self,
+        springs: &[Spring],
+        k: impl Fn(&Spring) -> f64,
+    ) -> Result<(), Singular> {
+        let points = springs.len();
+        self.matrix.clear();
+        for (i, row) in self.compliance.chunks_exact(points).enumerate() {
+            self.matrix
+                .extend(row.iter().zip(springs).map(|(c, s)| c * k(s)));
+            self.matrix[i * points + i] += 1.0;
+        }
+        self.factor.set(&mut self.matrix, points)
+    }
+
+    /// Residual displacements `u = -R F` under the forces of the points.
+    pub(super) fn displace(&self, springs: &[Spring], n: usize, u: &mut Vec<f64>) {
+        u.clear();
+        u.resize(n, 0.0);
+        for (s, column) in springs.iter().zip(self.columns.chunks_exact(n)) {
+            for (u, r) in u.iter_mut().zip(column) {
+                *u -= r * s.force.n;
+            }
+        }
+    }
+
+    /// Sets the mobility between points, which [`press`](Self::press) found the compliance of, from that of `n` nodes.
+    pub fn set_mobility(&mut self, springs: &[Spring], mobility: (&[Block], &[f64]), n: usize) {
+        between(springs, mobility, n, &mut self.line, &mut self.mobility);
+    }
+
+    /// Forces with dashpots of points that were pressed, whose rates are those before residual compliance; these become
+    /// what is left as the nodes follow, where `follows`. The mobility is used up.
+    ///
+    /// # Errors
+    /// [`Singular`] where numbers are not finite or the iteration does not end.
+    pub fn damp(&mut self, springs: &mut [Spring], follows: bool) -> Result<(), Singular> {
+        let points = springs.len();
+        if follows {
+            let deepest = deepest(springs);
+            self.linearise(springs, |s| s.holding(deepest))?;
+            self.step.clear();
+            self.step.extend(springs.iter().map(|s| s.rate));
+            self.factor.solve(&mut self.step);
+            for (s, rate) in springs.iter_mut().zip(&self.step) {
+                s.rate = *rate;
+            }
+            // Columns of Y, which is symmetric, are its rows: they become rows of (D Y)^T.
+            for row in self.mobility.chunks_exact_mut(points) {
+                self.factor.solve(row);
+            }
+            for i in 0..points {
+                for j in 0..i {
+                    self.mobility.swap(i * points + j, j * points + i);
+                }
+            }
+        }
+        self.gaps.clear();
+        self.gaps.extend(springs.iter().map(|s| s.force.n));
+        let linear = springs.iter().all(|s| s.law.is_piecewise_linear());
+        let mut norm = self.push(springs);
+        let (mut first, mut before) = (norm, f64::INFINITY);
+        self.pieces.clear();
+        let mut whole = true;
+        for iteration in 0..MOST_ITERATIONS {
+            if !norm.is_finite() {
+                return Err(Singular);
+            }
+            let pieces = self.pieces.iter().zip(&*springs);
+            let same = iteration > 0
+                && pieces.fold(true, |same, (p, s)| {
+                    same && *p == (s.force.dn_dg, s.force.dn_dgdot)
+                });
+            first = first.max(norm);
+            let scale = first.max(norm_of(&self.gaps));
+            if norm == 0.0 || (same && whole && linear) || norm <= 1e-14 * scale {
+                return Ok(());
+            }
+            if norm <= 1e-10 * scale && norm >= 0.5 * before {
+                return Ok(());
+            }
+            before = norm;
+            self.pieces.clear();
+            (self.pieces).extend(springs.iter().map(|s| (s.force.dn_dg, s.force.dn_dgdot)));
+            self.matrix.clear();
+            let rows = self.compliance.chunks_exact(points);
+            for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
+                let slopes = &springs[i].force;
+                let entries = c.iter().zip(y);
+                (self.matrix).extend(entries.map(|(c, y)| -slopes.dn_dg * c - slopes.dn_dgdot * y));
+                self.matrix[i * points + i] += 1.0;
+            }
+            self.factor.set(&mut self.matrix, points)?;
+            self.step.clear();
+            self.step.extend_from_slice(&self.lack);
+            self.factor.solve(&mut self.step);
+            let mut length = 1.0;
+            self.move_gaps(1.0);
+            norm = self.push(springs);
+            while iteration > PATIENCE && norm > before && length > 1e-3 {
+                length *= 0.5;
+                self.move_gaps(-length);
+                norm = self.push(springs);
+            }
+            whole = length == 1.0;
+        }
+        Err(Singular)
+    }
+
+    /// Gaps and forces of the points under forces that stand in `gaps`; what these lack, and its norm.
+    fn push(&mut self, springs: &mut [Spring]) -> f64 {
+        let (points, forces) = (springs.len(), &self.gaps);
+        self.lack.clear();
+        let rows = self.compliance.chunks_exact(points);
+        for (i, (c, y)) in rows.zip(self.mobility.chunks_exact(points)).enumerate() {
+            let sum = |row: &[f64]| -> f64 { row.iter().zip(forces).map(|(a, f)| a * f).sum() };
+            let s = &mut springs[i];
+            s.gap = s.gap0 + sum(c);
+            s.force = s.law.at_point(s.gap, s.rate + sum(y), s.stiffness);
+            self.lack.push(s.force.n - forces[i]);
+        }
+        norm_of(&self.lack)
+    }
+}
