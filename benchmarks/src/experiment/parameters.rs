@@ -1,6 +1,8 @@
 //! Parameters of a run for its record.
 
-use gearbench_models::spec::{ContactSpec, Modelling, PointRule, SceneSpec};
+use gearbench_models::spec::{
+    ContactSpec, LocalContact, Modelling, PointContact, PointRule, SceneSpec,
+};
 use gearbench_models::stiffness::PairStiffness;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -34,7 +36,8 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
         PairStiffness::Constant { per_width, .. } if contact.points.is_none() => Some(per_width),
         _ => None,
     };
-    let penalty = contact.points.filter(|p| !p.hard);
+    let penalty = contact.points.filter(PointContact::has_penalty);
+    let mesh = |p: &PointContact| p.local == LocalContact::Mesh;
     let key = match penalty.map(|p| p.rule) {
         Some(PointRule::EachNode) => "penalty_n_per_m",
         _ => "penalty_pa_per_m",
@@ -44,7 +47,10 @@ fn numbers(contact: &ContactSpec, gap: f64) -> impl Iterator<Item = (&'static st
         ("exponent", Some(contact.exponent)),
         ("stiffness_n_per_m2", pair),
         (key, penalty.map(|p| p.penalty)),
-        ("damping_ns_per_m3", contact.points.map(|p| p.damping)),
+        (
+            "damping_ns_per_m3",
+            contact.points.filter(mesh).map(|p| p.damping),
+        ),
     ]
     .into_iter()
     .filter_map(|(key, x)| Some((key, x?)))

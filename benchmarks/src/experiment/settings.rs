@@ -3,8 +3,8 @@
 use crate::scene_file::{ModelChoice, SceneFile, formula_limits};
 use gearbench_integrators::Resolution;
 use gearbench_models::spec::{
-    Body, ContactSpec, GearSpec, Load, ModelSpec, Mount, PointRule, Profile, SurfaceKind, Value,
-    mesh_layout,
+    Body, ContactSpec, GearSpec, Load, LocalContact, ModelSpec, Mount, PointRule, Profile,
+    SurfaceKind, Value, mesh_layout,
 };
 use gearbench_reports::numbers::short;
 
@@ -230,6 +230,12 @@ fn contact_text(contact: &ContactSpec) -> String {
             contact.damping.id()
         );
     };
+    if points.local == LocalContact::HalfSpace {
+        return format!(
+            "contact: Hertz's half-spaces along lines of the flanks, damping {}",
+            contact.damping.id()
+        );
+    }
     let rule = match points.rule {
         PointRule::Quadrature { along, across } => {
             format!("{along} x {across} quadrature points per face")

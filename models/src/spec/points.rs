@@ -121,6 +121,11 @@ impl PointContact {
         }
     }
 
+    /// Whether a penalty stands for what gives way.
+    pub fn has_penalty(&self) -> bool {
+        self.local == LocalContact::Mesh && !self.hard
+    }
+
     /// Half-spaces where flanks touch.
     #[must_use]
     pub fn half_space() -> Self {

@@ -4,7 +4,7 @@ use super::plan::Candidate;
 use crate::scene_file::{Origin, SceneError, SceneFile};
 use gearbench_integrators::Resolution;
 use gearbench_models::law::{Damping, Friction, FrictionForm};
-use gearbench_models::spec::{ContactSpec, PointContact, PointRule};
+use gearbench_models::spec::{ContactSpec, LocalContact, PointContact, PointRule};
 use gearbench_models::stiffness::{Foundation, Hertz, PairStiffness};
 use serde::Serialize;
 use serde_json::{Value as Json, json};
@@ -132,7 +132,7 @@ fn contact(c: &ContactSpec) -> Json {
     };
     let rule = |p: &PointContact| match p.rule {
         PointRule::Nodes => Some(json!("nodes")),
-        _ if p.hard => None,
+        _ if !p.has_penalty() => None,
         PointRule::EachNode => Some(json!("nodes")),
         PointRule::Quadrature { along, across } => {
             Some(json!({ "along": along, "across": across }))
@@ -152,7 +152,8 @@ fn contact(c: &ContactSpec) -> Json {
     };
     json!({
         "law": points.filter(|p| p.hard).map(|_| "hard"),
-        (penalty): points.filter(|p| !p.hard).map(|p| p.penalty),
+        "local": points.and_then(|p| (p.local == LocalContact::HalfSpace).then_some("half-space")),
+        (penalty): points.filter(|p| p.has_penalty()).map(|p| p.penalty),
         "points": points.and_then(rule),
         "surface": points.map(|p| given(&p.surface)),
         "passes": points.map(|p| given(&p.passes)),

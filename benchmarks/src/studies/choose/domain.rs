@@ -2,7 +2,7 @@
 
 use super::plan::Prepared;
 use super::problem::Problem;
-use gearbench_models::spec::{Body, Mount, Profile};
+use gearbench_models::spec::{Body, LocalContact, Mount, Profile};
 use std::f64::consts::{PI, TAU};
 
 /// Numbers of teeth of the gears that choices were validated on.
@@ -111,6 +111,9 @@ pub fn outside(problem: &Problem, prepared: &Prepared) -> Vec<String> {
         }
         if c.points.is_some_and(|p| p.hard) {
             found.push("contact is hard; checked were penalties".into());
+        }
+        if c.points.is_some_and(|p| p.local == LocalContact::HalfSpace) {
+            found.push("flanks touch on half-spaces; checked were penalties".into());
         }
     }
     if let Err(e) = &prepared.statics {

@@ -136,7 +136,7 @@ impl Problem {
             .fold(0.0, f64::max);
         let teeth = 2.0 * ratio / (TAU * self.tooth_frequency());
         let points = self.flexible.contacts.get(mesh).and_then(|c| c.points);
-        let Some(points) = points.filter(|p| !p.hard) else {
+        let Some(points) = points.filter(PointContact::has_penalty) else {
             return teeth;
         };
         let part = self

@@ -4,6 +4,7 @@ use super::problem::Problem;
 use super::requirement::Requirement;
 use super::run::{Choice, LevelTried, Tried};
 use crate::experiment::machine;
+use gearbench_models::spec::LocalContact;
 use gearbench_reports::record::{Part, Results, Tolerance, finite};
 use gearbench_reports::{ChoiceRecord, ChooseRecord, LevelRecord, Metric, TriedRecord};
 
@@ -97,7 +98,9 @@ fn settings(problem: &Problem, choice: &Choice) -> Vec<(String, String)> {
     ];
     for (i, c) in problem.flexible.contacts.iter().enumerate() {
         if let Some(p) = c.points {
-            let law = if p.hard {
+            let law = if p.local == LocalContact::HalfSpace {
+                "half-spaces".into()
+            } else if p.hard {
                 "hard contact".into()
             } else {
                 format!(

@@ -20,7 +20,7 @@ use gearbench_reports::Study;
 pub fn run(args: &Penalty, command: &str) -> Result<Answer, Refusal> {
     let scene = scene_file::load(&args.scene)?;
     let twin = |m: &&ModelChoice| scene.model(&format!("{}-hard", m.label)).is_some();
-    let soft = |c: &ContactSpec| c.points.is_some_and(|p| !p.hard);
+    let soft = |c: &ContactSpec| c.points.is_some_and(|p| p.has_penalty());
     let penalty = |m: &&ModelChoice| m.modelling.contacts.iter().any(soft);
     let found = (scene.models.iter().find(twin)).or_else(|| scene.models.iter().find(penalty));
     let choice = match (&args.model, found) {

@@ -7,7 +7,7 @@ use crate::experiment::configuration::Configuration;
 use crate::scene_file::{ModelChoice, SceneFile};
 use gearbench_integrators::table::NEWMARK;
 use gearbench_models::gear::parameters::ModelParameters;
-use gearbench_models::spec::{PointContact, PointRule};
+use gearbench_models::spec::{LocalContact, PointContact, PointRule};
 use gearbench_reference::assembly::tie::MassKind;
 use gearbench_reference::full_order::FullOrderParameters;
 use gearbench_reports::record::ReferenceSeries;
@@ -113,6 +113,7 @@ fn penalty(choice: &ModelChoice) -> String {
         .iter()
         .find_map(|c| c.points.as_ref());
     match points {
+        Some(p) if p.local == LocalContact::HalfSpace => ", half-spaces".into(),
         Some(p) if p.hard => ", hard contact".into(),
         Some(p) if p.rule == PointRule::EachNode => {
             format!(", penalty {:.1e} N/m per node", p.penalty)
@@ -127,6 +128,7 @@ fn penalty(choice: &ModelChoice) -> String {
 fn akin(a: &PointContact, b: &PointContact) -> bool {
     let each = |c: &PointContact| c.rule == PointRule::EachNode;
     a.hard == b.hard
+        && a.local == b.local
         && each(a) == each(b)
         && (a.hard || a.penalty == b.penalty)
         && a.damping == b.damping

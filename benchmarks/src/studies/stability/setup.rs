@@ -61,9 +61,9 @@ impl Axis {
                 }
             }
             Axis::ContactStiffness => {
-                let hard = |c: &ContactSpec| c.points.is_some_and(|p| p.hard);
-                if setup.modelling.contacts.iter().any(hard) {
-                    return without("hard contact has no stiffness");
+                let none = |c: &ContactSpec| c.points.is_some_and(|p| !p.has_penalty());
+                if setup.modelling.contacts.iter().any(none) {
+                    return without("hard contact and half-spaces have no stiffness to choose");
                 }
                 Ok(1.0)
             }

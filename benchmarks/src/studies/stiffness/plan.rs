@@ -4,7 +4,7 @@ use crate::scene_file::formula_limits;
 use gearbench_models::gear::rigid;
 use gearbench_models::gear::table::{Model, properties_of};
 use gearbench_models::geometry::{Mate, Pair};
-use gearbench_models::spec::{Body, Modelling, PointRule, SceneSpec, mesh_layout};
+use gearbench_models::spec::{Body, LocalContact, Modelling, PointRule, SceneSpec, mesh_layout};
 use gearbench_models::stiffness::{
     Foundation, Hertz, IsoVariation, PairStiffness, ToothModel, iso_of,
 };
@@ -99,6 +99,9 @@ pub fn includes(modelling: &Modelling, models: &[Model]) -> String {
         return String::new();
     };
     match contact.points {
+        Some(p) if p.local == LocalContact::HalfSpace => {
+            "teeth, body to the rigid bore, Hertz's half-spaces in the place of the elements in contact".into()
+        }
         Some(p) if p.hard => "teeth, body to the rigid bore, hard contact over the mesh".into(),
         Some(p) => {
             let unit = match p.rule {
