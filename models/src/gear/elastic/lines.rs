@@ -174,9 +174,9 @@ impl Reduced {
             if strips == 0 || layers % strips != 0 {
                 return Err((
                     format!(
-                        "{strips} slices of contact, but the flanks have {layers} elements over the width"
+                        "the contact has {strips} slices, but the flanks have {layers} layers of elements over the width"
                     ),
-                    "let the elements over the width be a multiple of the slices",
+                    "let the layers be a multiple of the slices",
                 )
                     .into());
             }
