@@ -42,6 +42,15 @@ impl Search {
         }
     }
 
+    /// The lines of flanks, if it looks at such.
+    #[inline]
+    pub fn lines(&self) -> Option<&FlankLines> {
+        match self {
+            Search::Lines(lines) => Some(lines),
+            Search::Pairs(_) | Search::Points(_) => None,
+        }
+    }
+
     /// Appends points of gears with a [flank displacement](crate::gear::FlankDisplacement); tooth pairs have none.
     #[inline]
     pub fn nodal_points(

@@ -5,7 +5,7 @@ use super::assembled::Scene;
 use super::members::parties;
 use crate::Vec3;
 use crate::contact::Wanted;
-use crate::contact::pairs::{LinesOfAction, all_open};
+use crate::contact::pairs::{LinePressure, LinesOfAction, all_open};
 use crate::geometry::Side;
 use crate::kinematics::Tooth;
 use crate::law::FrictionForce;
@@ -35,6 +35,8 @@ pub struct ContactForce {
     pub on_hubs: [f64; 2],
     /// Gap [m].
     pub gap: f64,
+    /// Pressure, of a line between flanks.
+    pub pressure: Option<LinePressure>,
 }
 
 impl Scene {
@@ -154,6 +156,11 @@ impl Scene {
                 friction: a.sliding.force.f,
                 on_hubs: [0, 1].map(|k| a.on_hub(p, self.gears[hubs[k]].model.hub(), k)),
                 gap: a.gap,
+                pressure: p.line.and_then(|line| {
+                    let radius = self.work.nodal.found.lines[line as usize].radius;
+                    let lines = self.meshes[p.mesh as usize].search.lines()?;
+                    Some(lines.pressure(radius, p.share, a.force.n))
+                }),
             }
         });
         self.work
@@ -174,6 +181,7 @@ impl Scene {
                     friction: c.friction.f,
                     on_hubs: [0, 1].map(|k| self.on_hub(c, k)),
                     gap: c.gap,
+                    pressure: None,
                 }
             })
             .chain(nodal)

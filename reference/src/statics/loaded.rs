@@ -2,6 +2,7 @@
 
 use gearbench_integrators::equilibrium::{EquilibriumError, EquilibriumOptions, equilibrium};
 use gearbench_integrators::system::State;
+use gearbench_models::contact::pairs::LinePressure;
 use gearbench_models::error::BuildError;
 use gearbench_models::gear::table::Model;
 use gearbench_models::geometry::Side;
@@ -83,6 +84,8 @@ pub struct LoadedContact {
     pub pairs: Vec<PairForce>,
     /// A pair comes into contact, or leaves it, with its whole force at this very approach, and carries a part of it.
     pub on_edge: bool,
+    /// The highest pressure of its lines of contact; `None` where contact is not that of lines.
+    pub pressure: Option<LinePressure>,
 }
 
 impl LoadedContact {
@@ -236,6 +239,7 @@ impl LoadedPair {
             force: 0.0,
             pairs: Vec::new(),
             on_edge: false,
+            pressure: None,
         };
         // A bracket: the approach grows from where no tooth can touch until it carries the force.
         let mut at = (force / (FIRST_GUESS * self.layout.face_width)).min(0.5 * most);
@@ -313,6 +317,8 @@ impl LoadedPair {
     fn read(&mut self, s: f64, approach: f64) -> LoadedContact {
         let contacts = self.scene.contact_forces(self.state.at());
         let mut pairs: Vec<PairForce> = Vec::new();
+        let pressures = contacts.iter().filter_map(|c| c.pressure);
+        let pressure = pressures.max_by(|a, b| a.peak.total_cmp(&b.peak));
         for c in &contacts {
             // The reference pair has tooth 0; a pair ahead belongs to a tooth ahead in the first gear's sense of
             // turning.
@@ -334,6 +340,7 @@ impl LoadedPair {
             force: pairs.iter().map(|p| p.force).sum(),
             pairs,
             on_edge: false,
+            pressure,
         }
     }
 }

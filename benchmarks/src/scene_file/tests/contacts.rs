@@ -126,14 +126,8 @@ fn flank_points_with_and_without_their_settings() {
                 ..PointContact::new(3.5e7)
             }),
         ),
-        (
-            "local = \"half-space\"",
-            Some(PointContact::half_space()),
-        ),
-        (
-            "local = \"mesh\", penalty_pa_per_m = 1e15",
-            Some(penalty),
-        ),
+        ("local = \"half-space\"", Some(PointContact::half_space())),
+        ("local = \"mesh\", penalty_pa_per_m = 1e15", Some(penalty)),
         (
             "law = \"hard\"",
             Some(PointContact::hard(PointRule::default())),

@@ -55,6 +55,10 @@ impl Row {
         for j in low..=high {
             text.push_str(&format!(",force_pair_{j}_n"));
         }
+        let pressed = c.positions.iter().any(|p| p.pressure.is_some());
+        if pressed {
+            text.push_str(",contact_half_width_m,contact_pressure_pa");
+        }
         text.push('\n');
         for (p, tangent) in c.positions.iter().zip(&c.tangent) {
             text.push_str(&format!(
@@ -68,6 +72,11 @@ impl Row {
             ));
             for j in low..=high {
                 text.push_str(&format!(",{:.9e}", p.pair(j)));
+            }
+            match p.pressure {
+                Some(p) => text.push_str(&format!(",{:.9e},{:.9e}", p.half_width, p.peak)),
+                None if pressed => text.push_str(",,"),
+                None => {}
             }
             text.push('\n');
         }

@@ -30,7 +30,7 @@ use crate::error::Reason;
 use crate::gear::elastic::lines::spread;
 use crate::geometry::Flanks;
 use crate::kinematics::Tooth;
-use std::f64::consts::LN_2;
+use std::f64::consts::{LN_2, PI};
 use std::sync::Arc;
 
 /// Least radius of curvature over the base pitch: near the base circle that of an involute vanishes.
@@ -170,7 +170,27 @@ impl LineGear {
     }
 }
 
+/// Hertz's pressure on a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinePressure {
+    /// Half the width of the strip that is pressed [m].
+    pub half_width: f64,
+    /// Pressure in its middle [Pa].
+    pub peak: f64,
+}
+
 impl FlankLines {
+    /// Pressure under a normal force [N] on a share of the width, with the relative radius of curvature [m]:
+    /// `b^2 = 2 R A q`, `p_0 = 2 q/(pi b)`.
+    pub fn pressure(&self, radius: f64, share: f64, force: f64) -> LinePressure {
+        let per_width = force / (share * self.width);
+        let half_width = (2.0 * radius * self.compliance * per_width).sqrt();
+        LinePressure {
+            half_width,
+            peak: 2.0 * per_width / (PI * half_width),
+        }
+    }
+
     /// Of lines of action with a slice for each strip.
     pub fn new(pairs: LinesOfAction, gears: [Option<LineGear>; 2], face_width: f64) -> Self {
         let compliance = gears.iter().flatten().map(|g| g.compliance).sum();

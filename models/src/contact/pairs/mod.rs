@@ -29,7 +29,7 @@ mod separation;
 mod walk;
 
 pub(crate) use coupling::MOST_ON_LINE;
-pub use flank_lines::{FlankLines, LineGear};
+pub use flank_lines::{FlankLines, LineGear, LinePressure};
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
 pub use separation::{Engagement, Separation};

@@ -144,6 +144,33 @@ fn static_transmission_error_does_not_depend_on_the_mesh() {
     assert!(((light - heavy) / hertz - 1.0).abs() < 0.05);
 }
 
+/// Half-width and pressure where one pair carries the load: Hertz's for the radii of the involutes at the path coordinate
+/// in the middle of both flanks.
+#[test]
+fn lines_have_the_pressure_of_hertz() {
+    let spec = fzg(0.0, 0.0);
+    let layout = mesh_layout(&spec.gears[0], &spec.gears[1]).unwrap();
+    let material = &spec.gears[0].material;
+    let modulus = material.young / (2.0 * (1.0 - material.poisson.powi(2)));
+    for load in [50e3, 800e3] {
+        let at = &cycle(8.0, 1.0, load, 2).positions[1];
+        let found = at.pressure.unwrap();
+        // Both flanks run ahead by half of the approach.
+        let rho = [at.s, layout.length - at.s].map(|s| s + 0.5 * at.approach);
+        let radius = rho[0] * rho[1] / (rho[0] + rho[1]);
+        let half_width = (4.0 * radius * load / (std::f64::consts::PI * modulus)).sqrt();
+        let peak = (load * modulus / (std::f64::consts::PI * radius)).sqrt();
+        println!(
+            "{:.0} N/mm: {:.4} mm, {:.1} MPa",
+            load / 1e3,
+            1e3 * found.half_width,
+            1e-6 * found.peak
+        );
+        assert!((found.half_width / half_width - 1.0).abs() < 1e-3);
+        assert!((found.peak / peak - 1.0).abs() < 1e-3);
+    }
+}
+
 /// Undamped gears under load keep their energy, with one strip and with three.
 #[test]
 fn half_spaces_keep_the_energy_under_load() {
