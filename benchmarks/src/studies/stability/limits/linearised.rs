@@ -1,13 +1,13 @@
 //! A scene held where its contacts are closed, and its matrices there.
 
 use super::LimitError;
+use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
 use super::linear::{Dense, Linear, Top};
 use gearbench_integrators::linear_stability::Kicks;
-use gearbench_integrators::system::HalfKick;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
 use gearbench_integrators::{
-    AcceptedStep, At, Control, Events, Outputs, Resolution, SecondOrderSystem, Sink, State,
-    TimePlan, Work,
+    AcceptedStep, Control, Events, Outputs, Resolution, SecondOrderSystem, Sink, State, TimePlan,
+    Work,
 };
 use gearbench_models::gear::table::Model;
 use gearbench_models::scene::{Channel, OfGear, OfMesh, Scene};
@@ -24,10 +24,6 @@ const MOST_STEPS_OF_FIELDS: u64 = 4_000;
 const TOLERANCE: f64 = 1e-4;
 /// States in contact that are kept; when there are more, every other goes.
 const KEPT: usize = 128;
-/// Time of a kick that changes no velocity, over the characteristic time of a scene.
-const INSTANT: f64 = 1e-9;
-/// Part of a typical velocity by which dampers are looked at.
-const SMALL: f64 = 1e-2;
 /// Steps of the largest Krylov space in which the fastest mode of a large scene is sought.
 const KRYLOV: usize = 120;
 
@@ -288,75 +284,6 @@ fn stiffness(scene: &mut Scene, s: &State) -> DMatrix<f64> {
 fn damping(scene: &mut Scene, s: &State) -> DMatrix<f64> {
     let none = vec![0.0; s.q.len()];
     -by_columns(s.q.len(), |x, y| scene.tangent_times(s.at(), &none, x, y))
-}
-
-/// Forces that are asked for at the end of a kick that changes no velocity, where `x` more than the velocities was
-/// predicted.
-fn at_end(scene: &mut Scene, s: &State, x: &[f64], f: &mut [f64]) {
-    let v: Vec<f64> = s.v.iter().zip(x).map(|(v, x)| v + x).collect();
-    let at = At { v: &v, ..s.at() };
-    let kick = HalfKick {
-        time: INSTANT * scene.characteristic_time(at).min(1.0),
-        before: &s.v,
-        steady: &[],
-        filter: &[],
-    };
-    scene.force_after(at, &kick, f);
-}
-
-/// `-D x` of the dampers that a kick sees at the velocities that it predicts, by forces on either side.
-fn predicted(scene: &mut Scene, s: &State, x: &[f64], df: &mut [f64]) {
-    let side = |sign: f64| -> Vec<f64> { x.iter().map(|x| sign * SMALL * x).collect() };
-    let mut below = vec![0.0; df.len()];
-    at_end(scene, s, &side(1.0), df);
-    at_end(scene, s, &side(-1.0), &mut below);
-    for (f, below) in df.iter_mut().zip(below) {
-        *f = (*f - below) / (2.0 * SMALL);
-    }
-}
-
-/// Whether forces at the end of a kick are others than those at the velocities that it predicts.
-fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
-    let x: Vec<f64> = v.iter().map(|v| SMALL * v).collect();
-    let moved: Vec<f64> = s.v.iter().zip(&x).map(|(v, x)| v + x).collect();
-    let [mut plain, mut asked] = [vec![0.0; x.len()], vec![0.0; x.len()]];
-    scene.force(
-        At {
-            v: &moved,
-            ..s.at()
-        },
-        &mut plain,
-    );
-    at_end(scene, s, &x, &mut asked);
-    plain != asked
-}
-
-/// Typical velocities of the coordinates.
-fn speeds(scene: &Scene) -> Vec<f64> {
-    let n = scene.layout().n;
-    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    scene.scales(&mut q, &mut v);
-    v
-}
-
-/// The part of the damping `d` that forces at the end of a kick know there.
-fn known_at_ends(scene: &mut Scene, s: &State, d: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let v = speeds(scene);
-    if !knows_ends(scene, s, &v) {
-        return None;
-    }
-    let n = v.len();
-    let (mut x, mut df) = (vec![0.0; n], vec![0.0; n]);
-    let mut known = d.clone();
-    for j in 0..n {
-        x[j] = v[j];
-        predicted(scene, s, &x, &mut df);
-        for (i, f) in df.iter().enumerate() {
-            known[(i, j)] += f / v[j];
-        }
-        x[j] = 0.0;
-    }
-    Some(known)
 }
 
 /// The fastest mode, by Lanczos steps with `M^-1 K` in the inner product of `M`, and its damping.
