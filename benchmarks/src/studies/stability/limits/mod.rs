@@ -11,7 +11,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`linearised`] | the state, the matrices there |
-//! | [`kick_ends`] | which dampers the end of a kick knows |
+//! | `kick_ends` | which dampers the end of a kick knows |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | limits, resonances and penalty frequency as lines over the step |
 //! | [`found`] | the limit of the method as implemented, by stepping the linear system |
