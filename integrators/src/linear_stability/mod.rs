@@ -29,7 +29,9 @@
 //! stay inside until `Y^2 - 3Y + 2 <= 0`, `Y >= 1`, which the flip at `4 = X + 4Y` comes before.
 //!
 //! Dampers that a system takes implicitly ([`force_after`](crate::SecondOrderSystem::force_after), as contacts do with
-//! dashpots at flanks) do not show in the limit of velocity Verlet: it is `2 / omega`.
+//! dashpots at flanks) do not show in the limit of velocity Verlet: with a state proportional to `(-1)^n` the velocity at
+//! the end of a kick is zero, so that `D` has the other dampers alone ([`Flip::predicts`]), and `2 / omega` is the limit
+//! without these.
 //!
 //! **The trigonometric method** is exact for oscillators and kicks them by the rest, see [`Kicks`].
 //!
@@ -70,6 +72,14 @@ pub struct Flip {
 }
 
 impl Flip {
+    /// The method predicts the velocities of a kick (`d = 4`), and asks for forces at its end in place of them where the
+    /// system knows these ([`force_after`](crate::SecondOrderSystem::force_after)): dampers that it knows so do not
+    /// belong to `D`.
+    #[must_use]
+    pub fn predicts(&self) -> bool {
+        self.d == Kicks::FLIP.d
+    }
+
     /// The limit [s] of an oscillator: the positive root of `k x^2 + 2 d zeta x = 4` over `omega`.
     #[must_use]
     pub fn largest_step(&self, omega: f64, zeta: f64) -> f64 {

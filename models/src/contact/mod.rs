@@ -6,7 +6,6 @@
 //! | [`pairs`] | tooth pairs on the lines of action |
 //! | [`points`] | points of one flank against the surface of the other |
 //! | [`nodal`] | contact of gears whose flank nodes stand off the rigid flank |
-//! | [`solve`] | the coupled solve of points that share a compliance |
 
 mod candidate;
 mod clearance;
@@ -15,7 +14,6 @@ pub mod pairs;
 mod party;
 pub mod points;
 mod search;
-pub mod solve;
 
 pub use candidate::Candidate;
 pub use clearance::{Clearance, LineClearance};

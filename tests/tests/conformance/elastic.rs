@@ -17,7 +17,7 @@ use gearbench_tests::*;
 const CLOSED: f64 = 3e-4;
 
 /// A model on a small generated mesh; modes of the elastic one.
-fn meshed(id: &str, modes: Option<usize>) -> ModelSpec {
+pub(crate) fn meshed(id: &str, modes: Option<usize>) -> ModelSpec {
     let mesh = [
         ("flank_elements", 6),
         ("fillet_elements", 2),
@@ -35,7 +35,7 @@ fn meshed(id: &str, modes: Option<usize>) -> ModelSpec {
     }
 }
 
-fn modelling(model: &ModelSpec, surface: SurfaceKind) -> Modelling {
+pub(crate) fn modelling(model: &ModelSpec, surface: SurfaceKind) -> Modelling {
     let points = PointContact {
         surface,
         // Both passes nearly hide what displacements along the flanks do.

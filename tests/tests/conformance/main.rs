@@ -9,4 +9,5 @@ mod elastic;
 mod example;
 mod flank_points;
 mod impact;
+mod leaving_tips;
 mod losses;

@@ -10,6 +10,7 @@ use gearbench::studies::stability::limits::table::{Case, StepLimit, table};
 use gearbench_integrators::MethodSpec;
 use gearbench_models::spec::Value;
 
+mod dashpots;
 mod in_the_scene;
 
 /// An entry of a shipped scene.

@@ -16,7 +16,7 @@ pub use reference::{DENSEST_NAME, FULL_NAME};
 use crate::sampling::{Sample, SampleError};
 use gearbench::experiment::journal::JournalError;
 use gearbench::experiment::machine::cpu_time;
-use gearbench::experiment::run::RunError;
+use gearbench::experiment::run::{NO_BOUND, RunError};
 use gearbench::studies::choose::level::Level;
 use gearbench::studies::choose::plan::{Candidate, candidates};
 use gearbench::studies::choose::problem::Problem;
@@ -28,7 +28,7 @@ use gearbench_models::spec::{Body, Modelling};
 use gearbench_reports::choice_check::{Outcome, TriedCandidate, ValidatedChoice};
 use gearbench_reports::record::Status;
 pub use measure::grid;
-use measure::{PATIENCE, error, side_by_side, time};
+use measure::{error, side_by_side, time};
 use std::time::{Duration, Instant};
 
 /// Cost over that of the cheapest adequate candidate beyond which dearer kin of a candidate is not run.
@@ -57,7 +57,8 @@ pub enum ValidationError {
     Journal(#[from] JournalError),
 }
 
-/// A run of a problem's scene with models of one's own, whatever its end.
+/// A run of a problem's scene with models of one's own, whatever its end, however long it takes: what is told of it must
+/// not depend on how busy the machine is.
 ///
 /// # Errors
 /// [`ValidationError`]: the run cannot start.
@@ -68,7 +69,7 @@ pub fn outcome(
     times: &[f64],
 ) -> Result<Seen, ValidationError> {
     let mut trial = Trial::new(problem, &problem.scene, modelling)?;
-    Ok(trial.observe(method, (problem.duration, times), false, PATIENCE)?)
+    Ok(trial.observe(method, (problem.duration, times), false, NO_BOUND)?)
 }
 
 /// Validates the choice for a sampled scene.

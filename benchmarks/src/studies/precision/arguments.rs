@@ -47,7 +47,10 @@ pub struct Precision {
     /// Timed repeats of every run, at least; short runs are repeated more often
     #[arg(long, value_name = "N", default_value_t = DEFAULT_REPEATS, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout
+    /// Wall-clock bound of one integration in seconds; beyond it a run is recorded as a timeout, and finer ones are left out
+    ///
+    /// A reference may take ten times as long. Where a bound keeps it, or a model's own converged solution, from its
+    /// tolerance, the next coarser one is taken and the record and the terminal say so.
     #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
     pub timeout: f64,
     /// Whether a reference of other gears will do.

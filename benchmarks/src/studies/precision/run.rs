@@ -14,6 +14,7 @@ use gearbench_reports::precision::PrecisionRecord;
 use gearbench_reports::record::{Part, ReferenceSeries, Results, Run, SELF, Status};
 use gearbench_reports::series::TimeSeries;
 use std::fmt::Display;
+use std::time::Duration;
 
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,13 @@ const PATIENCE: u32 = 10;
 
 /// The setting that says which resolutions were left out.
 const TOO_FINE: &str = "left out: finer than a run that took too long";
+/// The setting that says whose converged solution is coarser than it should be.
+pub(super) const COARSE: &str = "converged less far than they should be";
+/// The setting that says whose errors of integration are unknown.
+const UNKNOWN: &str = "without a converged solution in the time of a run";
+
+/// A converged solution of gears with modes.
+type Exact = Option<(Scheme, TimeSeries)>;
 
 /// Runs the study.
 ///
@@ -38,6 +46,7 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         plan,
         grid: plan.conditions.grid(),
     };
+    let mut notes: Vec<(String, String)> = Vec::new();
     let mut computed: Vec<(ReferenceSeries, TimeSeries)> = Vec::new();
     for full in &plan.fulls {
         let what = format!("reference {}", full.id);
@@ -46,7 +55,16 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
         let key = Key::new("reference")
             .and_scene(&entry.scene, &entry.modelling)
             .and(&(&full.method, &study.grid, plan.conditions.timeout));
-        computed.push(runner.piece(key, || study.reference(full))?);
+        let (record, series, short) = runner.piece(key, || study.reference(full))?;
+        if let Some(rtol) = short {
+            let bound = study.patient().as_secs_f64();
+            note(
+                &mut notes,
+                COARSE,
+                told_short(&format!("the reference {}", full.id), rtol, bound),
+            );
+        }
+        computed.push((record, series));
     }
     let mut references: Vec<(&str, &TimeSeries)> = Vec::new();
     references.extend((plan.external.iter()).map(|e| (e.id.as_str(), &e.series)));
@@ -54,7 +72,6 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
 
     let full_names: Vec<String> = plan.fulls.iter().map(|f| format!("{f:?}")).collect();
     let mut runs: Vec<Run> = Vec::with_capacity(plan.len());
-    let mut notes: Vec<(String, String)> = Vec::new();
     let mut done = plan.fulls.len();
     for variant in &plan.variants {
         let mut own: Option<Option<TimeSeries>> = None;
@@ -83,7 +100,14 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
                             .and(&(&study.grid, plan.conditions.timeout));
                         let found =
                             runner.piece(key, || study.own_solution(variant, &row, &references));
-                        none.insert(found?)
+                        let (found, short) = found?;
+                        if let Some(rtol) = short {
+                            let bound = plan.conditions.timeout.as_secs_f64();
+                            note(&mut notes, COARSE, told_short(&label, rtol, bound));
+                        } else if found.is_none() {
+                            note(&mut notes, UNKNOWN, label.clone());
+                        }
+                        none.insert(found)
                     }
                 };
                 measure_against(&mut row, variant, &references, own.as_ref());
@@ -122,6 +146,22 @@ pub fn study(plan: &Plan<'_>, runner: &Runner<'_>) -> Result<Results, RunError> 
             metrics: plan.metrics.clone(),
         }))
     })
+}
+
+/// A solution that has a coarser tolerance than the first in words.
+fn told_short(whose: &str, rtol: f64, bound: f64) -> String {
+    format!(
+        "{whose} to {rtol:.0e} in place of {:.0e}, which did not end in {bound} s, or in its steps: runs at finer tolerances are less off than is told",
+        EXACT_MODES[0].0
+    )
+}
+
+/// The tolerance of a solution of gears with modes, where it is coarser than it should be.
+fn short_of(found: &Exact) -> Option<f64> {
+    match found.as_ref()?.0.resolution {
+        Resolution::Tolerance(r) if r > EXACT_MODES[0].0 => Some(r),
+        _ => None,
+    }
 }
 
 /// Adds a setting, or to the one of its name.
@@ -178,14 +218,23 @@ impl Study<'_> {
         self.plan.conditions.job(of, method, &self.grid)
     }
 
-    /// A reference as the record keeps it, and its whole history.
-    fn reference(&self, full: &Full) -> Result<(ReferenceSeries, TimeSeries), RunError> {
+    /// The time of a reference.
+    fn patient(&self) -> Duration {
+        PATIENCE * self.plan.conditions.timeout
+    }
+
+    /// A reference as the record keeps it, its whole history, and its tolerance where it is coarser than it should be.
+    fn reference(
+        &self,
+        full: &Full,
+    ) -> Result<(ReferenceSeries, TimeSeries, Option<f64>), RunError> {
         let entry = &full.entry;
+        let mut short = None;
         let (series, method, dofs) = match &full.method {
             Some(method) => {
                 let row = run(&Job {
                     repeats: 0,
-                    timeout: PATIENCE * self.plan.conditions.timeout,
+                    timeout: self.patient(),
                     max_steps: u64::MAX,
                     events: true,
                     ..self.job((&entry.scene, &entry.modelling), method)
@@ -201,7 +250,9 @@ impl Study<'_> {
                 (row.series, *method, row.dofs)
             }
             None => {
-                let (method, series) = self.exact(&entry.scene, &entry.modelling)?.unzip();
+                let found = self.exact((&entry.scene, &entry.modelling), self.patient())?;
+                short = short_of(&found);
+                let (method, series) = found.unzip();
                 (
                     series,
                     method.unwrap_or_else(|| exact_for_modes(EXACT_MODES[0].0)),
@@ -211,8 +262,11 @@ impl Study<'_> {
         };
         let Some(series) = series else {
             return Err(RunError::Reference(format!(
-                "{} has no converged solution within its time; shorten the scene, or name another reference",
-                full.id
+                "{}, which the others would be held against, has no converged solution: it may take {} s, {PATIENCE} times the bound of a run, and {} steps at a tolerance of {:.0e}; allow more (--timeout), shorten the scene ([study.precision] duration_s), or name another reference (--against)",
+                full.id,
+                self.patient().as_secs_f64(),
+                EXACT_MODES[2].1,
+                EXACT_MODES[2].0
             )));
         };
         let resolution = match method.resolution {
@@ -234,18 +288,17 @@ impl Study<'_> {
             series: thin(&series),
             ..ReferenceSeries::default()
         };
-        Ok((record, series))
+        Ok((record, series, short))
     }
 
-    /// The converged solution of gears with modes, by the finest tolerance that its time allows.
-    fn exact(
-        &self,
-        scene: &SceneSpec,
-        modelling: &Modelling,
-    ) -> Result<Option<(Scheme, TimeSeries)>, RunError> {
+    /// The converged solution of gears with modes, by the finest tolerance that a time allows.
+    fn exact(&self, of: (&SceneSpec, &Modelling), timeout: Duration) -> Result<Exact, RunError> {
         for (rtol, steps) in EXACT_MODES {
             let tries = [(exact_for_modes(rtol), steps)];
-            let job = |method| self.job((scene, modelling), method);
+            let job = |method| Job {
+                timeout,
+                ..self.job(of, method)
+            };
             if let Some(series) = converged(&job, 1, &tries)? {
                 let [(method, _)] = tries;
                 return Ok(Some((method, series)));
@@ -254,13 +307,14 @@ impl Study<'_> {
         Ok(None)
     }
 
-    /// The model's own converged solution; `row` says how large the model is.
+    /// The model's own converged solution, and its tolerance where it is coarser than it should be; `row` says how large
+    /// the model is.
     fn own_solution(
         &self,
         variant: &Variant,
         row: &Run,
         references: &[(&str, &TimeSeries)],
-    ) -> Result<Option<TimeSeries>, RunError> {
+    ) -> Result<(Option<TimeSeries>, Option<f64>), RunError> {
         let entry = &variant.entry;
         // A model that is a reference has its converged solution already.
         let reference = self.plan.fulls.iter().find(|f| {
@@ -269,27 +323,33 @@ impl Study<'_> {
         });
         if let Some(full) = reference {
             let found = references.iter().find(|(id, _)| *id == full.id);
-            return Ok(found.map(|(_, held)| (*held).clone()));
+            return Ok((found.map(|(_, held)| (*held).clone()), None));
         }
         if row.modes.is_some() {
-            match self.exact(&entry.scene, &entry.modelling) {
+            let of = (&entry.scene, &entry.modelling);
+            match self.exact(of, self.plan.conditions.timeout) {
                 // Terms of rotation couple the modes.
                 Err(RunError::NoLinearPart(_)) => {}
-                found => return Ok(found?.map(|(_, series)| series)),
+                found => {
+                    let found = found?;
+                    let short = short_of(&found);
+                    return Ok((found.map(|(_, series)| series), short));
+                }
             }
         }
         let job = |method| Job {
-            timeout: PATIENCE * self.plan.conditions.timeout,
+            timeout: self.patient(),
             ..self.job((&entry.scene, &entry.modelling), method)
         };
         if row.dofs <= SMALL {
-            return converged(&job, row.dofs, &tight());
+            return Ok((converged(&job, row.dofs, &tight())?, None));
         }
         // A full model: its own integrator on half the finest step.
         let steps = (variant.methods.iter()).filter_map(|m| Some((m.resolution.step()?, m)));
         let Some((h, method)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return Ok(None);
+            return Ok((None, None));
         };
-        converged(&job, 1, &[(method.method.at_step(FINER * h), u64::MAX)])
+        let own = converged(&job, 1, &[(method.method.at_step(FINER * h), u64::MAX)])?;
+        Ok((own, None))
     }
 }

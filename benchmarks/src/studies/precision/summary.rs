@@ -1,9 +1,10 @@
 //! What the terminal says of a record of `precision`.
 
+use super::run::COARSE;
 use crate::cli::terminal::say;
 use gearbench_reports::numbers::{percent, quantity};
 use gearbench_reports::precision::{Cost, LEVELS, Precision as Told, family, modes_and_step};
-use gearbench_reports::record::{Results, SELF};
+use gearbench_reports::record::{Results, SELF, Status};
 
 /// The front against every reference, and who leads.
 pub fn summarise(results: &Results) {
@@ -70,11 +71,21 @@ pub fn summarise(results: &Results) {
             ));
         }
     }
+    for (what, which) in results.settings.iter().filter(|(what, _)| what == COARSE) {
+        say(&format!("{what}: {which}"));
+    }
     let failed = (results.runs.iter())
         .filter(|r| r.status.is_failure())
         .count();
+    let timeouts = (results.runs.iter())
+        .filter(|r| r.status == Status::Timeout)
+        .count();
     say(&format!(
-        "{} runs, {failed} of them failed and recorded as such",
-        results.runs.len()
+        "{} runs, {failed} of them failed and recorded as such{}",
+        results.runs.len(),
+        match timeouts {
+            0 => String::new(),
+            n => format!(", {n} as they took longer than --timeout"),
+        }
     ));
 }

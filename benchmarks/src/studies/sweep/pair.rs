@@ -117,6 +117,20 @@ pub struct Pair {
     own: f64,
 }
 
+/// Speed of a gear at the start, as its scene has it [rad/s].
+fn own_speed(gear: &GearSpec) -> f64 {
+    match &gear.mount {
+        Mount::Driven(speed) => speed.value(0.0),
+        _ => gear.speed,
+    }
+}
+
+/// Mesh frequency at the speeds of a scene [Hz]: by the gear whose speed is given.
+fn own_frequency(speeds: [f64; 2], teeth: [usize; 2]) -> f64 {
+    let of = |i: usize| teeth[i] as f64 * speeds[i].abs() / TAU;
+    if speeds[0] == 0.0 { of(1) } else { of(0) }
+}
+
 impl Pair {
     fn of(spec: &SceneSpec) -> Result<Self, String> {
         let ([a, b], [mesh]) = (spec.gears.as_slice(), spec.meshes.as_slice()) else {
@@ -129,6 +143,9 @@ impl Pair {
         let (Body::Gear(first), Body::Gear(second)) = (&a.body, &b.body) else {
             return Err("a sweep is of two gears; a rack comes to its end".into());
         };
+        if let Some(held) = [a, b].iter().find(|g| matches!(g.mount, Mount::Fixed)) {
+            return Err(format!("`{}` is fixed, so that nothing runs", held.name));
+        }
         let layout = mesh_layout(a, b).map_err(|e| e.to_string())?;
         let sign = mesh.start.side.sign();
         let effective_radii = [effective_radius(&a.body), effective_radius(&b.body)];
@@ -169,7 +186,7 @@ impl Pair {
             loads,
             holds,
             free: [a, b].iter().all(|g| matches!(g.mount, Mount::Revolute)),
-            own: teeth[0] as f64 * a.speed.abs() / TAU,
+            own: own_frequency([a, b].map(own_speed), teeth),
         };
         // What a viscous load presses depends on the speeds that are swept.
         let rest = pair.own_force();

@@ -185,3 +185,29 @@ fn without_finite_elements_the_densest_elastic_model_is_the_reference() {
     let plan = plan_of(&scene.select(Some("rigid")).unwrap());
     assert!(plan.fulls.is_empty() && plan.variants.iter().all(|v| v.against.is_empty()));
 }
+
+/// A bound that no reference keeps is told as what it is, with the way out; a reference that gets to a coarser tolerance
+/// only is told as such.
+#[test]
+fn references_that_run_out_of_time_say_so() {
+    let asked = Asked {
+        modes: vec![2],
+        ..Asked::default()
+    };
+    let scene = load_for("hammer", Selection::None).unwrap();
+    let choices = scene.select(Some("elastic")).unwrap();
+    let mut plan = Plan::of(&scene, &choices, None, &asked).unwrap();
+    plan.conditions.timeout = Duration::from_nanos(1);
+    let e = study(&plan, &Runner::default()).unwrap_err().to_string();
+    for said in ["elastic", "--timeout", "duration_s", "--against"] {
+        assert!(e.contains(said), "{e}");
+    }
+    let to = |rtol| short_of(&Some((exact_for_modes(rtol), TimeSeries::default())));
+    let [first, .., last] = EXACT_MODES.map(|(rtol, _)| rtol);
+    assert_eq!((to(first), to(last)), (None, Some(last)));
+    let told = told_short("the reference elastic", last, 30.0);
+    assert!(
+        told.contains("to 1e-3 in place of 1e-6") && told.contains("30 s"),
+        "{told}"
+    );
+}

@@ -124,7 +124,9 @@ fn search(
 
 impl Trial {
     fn vibrations(&mut self, dense: &Dense) -> Result<Option<f64>, LimitError> {
-        if let Some(modes) = dense.modes() {
+        if dense.at_ends.is_none()
+            && let Some(modes) = dense.modes()
+        {
             if modes.is_empty() {
                 return Ok(None);
             }

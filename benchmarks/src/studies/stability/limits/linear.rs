@@ -30,6 +30,12 @@ pub struct Dense {
     pub stiffness: DMatrix<f64>,
     /// Damping [1/s], symmetric.
     pub damping: DMatrix<f64>,
+    /// The part of it that forces at the end of a kick know there ([`force_after`]), implicitly: dashpots and friction of
+    /// flank points. Methods that predict velocities ([`Flip::predicts`]) do not see it at these. `None` where it is none.
+    ///
+    /// [`force_after`]: gearbench_integrators::SecondOrderSystem::force_after
+    /// [`Flip::predicts`]: gearbench_integrators::linear_stability::Flip::predicts
+    pub at_ends: Option<DMatrix<f64>>,
 }
 
 /// The fastest mode of a system.
@@ -39,6 +45,8 @@ pub struct Top {
     pub omega: f64,
     /// Damping ratio: that of `phi^T D phi`, exact where dampers do not couple the modes.
     pub zeta: f64,
+    /// The same of the dampers that methods which predict velocities see at these, see [`Dense::at_ends`].
+    pub zeta_predicted: f64,
 }
 
 impl Linear {
@@ -57,6 +65,9 @@ impl Linear {
             Linear::Dense(x) => x.largest_step(stability),
             Linear::Top(x) => Ok(match stability {
                 Stability::Kicks(_) => None,
+                Stability::Flip(flip) if flip.predicts() => {
+                    Some(flip.largest_step(x.omega, x.zeta_predicted))
+                }
                 other => other.largest_step(x.omega, x.zeta),
             }),
         }
@@ -71,12 +82,23 @@ fn symmetric_eigenvalues(a: &DMatrix<f64>) -> Vec<f64> {
 }
 
 impl Dense {
-    /// From `M`, `D`, `K`.
+    /// From `M`, `D`, `K`, and the part of `D` that is known at the end of a kick.
     ///
     /// # Errors
     /// [`LimitError::Matrices`] where the mass is not positive definite or an entry is not finite.
-    pub fn of(m: DMatrix<f64>, d: DMatrix<f64>, k: DMatrix<f64>) -> Result<Dense, LimitError> {
-        if !m.iter().chain(&d).chain(&k).all(|x| x.is_finite()) {
+    pub fn of(
+        m: DMatrix<f64>,
+        (d, at_ends): (DMatrix<f64>, Option<DMatrix<f64>>),
+        k: DMatrix<f64>,
+    ) -> Result<Dense, LimitError> {
+        let ends = at_ends.iter().flatten();
+        if !m
+            .iter()
+            .chain(&d)
+            .chain(ends)
+            .chain(&k)
+            .all(|x| x.is_finite())
+        {
             return Err(LimitError::Matrices("its tangent is not finite"));
         }
         let Some(chol) = m.cholesky() else {
@@ -90,6 +112,7 @@ impl Dense {
         };
         Ok(Dense {
             damping: scaled(d),
+            at_ends: at_ends.map(scaled),
             stiffness: scaled(k),
         })
     }
@@ -104,6 +127,7 @@ impl Dense {
         Dense {
             stiffness: self.stiffness.clone(),
             damping: DMatrix::zeros(self.n(), self.n()),
+            at_ends: None,
         }
     }
 
@@ -177,13 +201,17 @@ impl Dense {
             }
             Stability::Flip(flip) => {
                 let mut high = flip.largest_step(highest, 0.0);
-                if self.is_undamped() || flip.d == 0.0 {
+                let damping = match &self.at_ends {
+                    Some(at_ends) if flip.predicts() => &self.damping - at_ends,
+                    _ => self.damping.clone(),
+                };
+                if damping.iter().all(|x| *x == 0.0) || flip.d == 0.0 {
                     return Ok(Some(high));
                 }
                 let mut low = 0.0;
                 while high - low > 1e-6 * high {
                     let h = 0.5 * (low + high);
-                    let mut matrix = -flip.d * h * &self.damping - flip.k * h * h * &self.stiffness;
+                    let mut matrix = -flip.d * h * &damping - flip.k * h * h * &self.stiffness;
                     for i in 0..self.n() {
                         matrix[(i, i)] += 4.0;
                     }

@@ -1,6 +1,7 @@
 //! A scene held where its contacts are closed, and its matrices there.
 
 use super::LimitError;
+use super::kick_ends::{known_at_ends, knows_ends, predicted, speeds};
 use super::linear::{Dense, Linear, Top};
 use gearbench_integrators::linear_stability::Kicks;
 use gearbench_integrators::table::{DOPRI5, HHT_ALPHA, TRIGONOMETRIC};
@@ -69,7 +70,8 @@ impl Linearised {
         let m = mass(&mut self.scene, s);
         let d = damping(&mut self.scene, s);
         let k = stiffness(&mut self.scene, s);
-        Dense::of(m, d, k).map(Linear::Dense)
+        let at_ends = known_at_ends(&mut self.scene, s, &d);
+        Dense::of(m, (d, at_ends), k).map(Linear::Dense)
     }
 
     /// Frequencies [rad/s] of the oscillators that the scene's coordinates are, zero for bodies; `None` for a scene
@@ -102,7 +104,7 @@ impl Linearised {
         // What was prepared is forgotten at the start of a run.
         self.scene.begin(&mut s.clone(), false);
         let none = DMatrix::zeros(omega.len(), omega.len());
-        let mut rest = Dense::of(mass, none, stiffness)?.stiffness;
+        let mut rest = Dense::of(mass, (none, None), stiffness)?.stiffness;
         for (i, w) in omega.iter().enumerate() {
             rest[(i, i)] -= w * w;
         }
@@ -363,8 +365,19 @@ fn fastest(scene: &mut Scene, s: &State) -> Result<Top, LimitError> {
     let mut damped = vec![0.0; n];
     scene.tangent_times(at, &none, &mode, &mut damped);
     let omega = square.sqrt();
+    let zeta = (-dot(&mode, &damped) / (2.0 * omega)).max(0.0);
+    let v = speeds(scene);
+    let zeta_predicted = if knows_ends(scene, s, &v) {
+        let largest = (mode.iter().zip(&v)).fold(0.0_f64, |m, (x, v)| m.max((x / v).abs()));
+        let typical: Vec<f64> = mode.iter().map(|x| x / largest).collect();
+        predicted(scene, s, &typical, &mut damped);
+        (-dot(&mode, &damped) * largest / (2.0 * omega)).max(0.0)
+    } else {
+        zeta
+    };
     Ok(Top {
         omega,
-        zeta: (-dot(&mode, &damped) / (2.0 * omega)).max(0.0),
+        zeta,
+        zeta_predicted,
     })
 }

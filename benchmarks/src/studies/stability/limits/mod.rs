@@ -11,12 +11,14 @@
 //! | module | owns |
 //! |---|---|
 //! | [`linearised`] | the state, the matrices there |
+//! | `kick_ends` | which dampers the end of a kick knows |
 //! | [`linear`] | mass-scaled matrices, frequencies, the limit of a method on them |
 //! | [`lines`] | limits, resonances and penalty frequency as lines over the step |
 //! | [`found`] | the limit of the method as implemented, by stepping the linear system |
 //! | [`table`] | both side by side for models and methods |
 
 pub mod found;
+mod kick_ends;
 pub mod linear;
 pub mod linearised;
 pub mod lines;

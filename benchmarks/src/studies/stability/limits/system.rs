@@ -2,8 +2,8 @@
 
 use super::linear::Dense;
 use gearbench_integrators::{At, Coeffs, Events, Layout, ModalSplit, SecondOrderSystem, State};
-use gearbench_integrators::{Change, system::Singular};
-use nalgebra::{DMatrix, DVector, DVectorView};
+use gearbench_integrators::{Change, HalfKick, system::Singular};
+use nalgebra::{DMatrix, DVector, DVectorView, Dyn, LU};
 
 /// `q'' + D q' + K q = 0` in the modes of `K`: independent oscillators, or coupled by dampers.
 #[derive(Clone, Debug)]
@@ -14,6 +14,32 @@ pub(super) struct Vibrations {
     pub damping: Damping,
     /// Highest frequency [rad/s].
     pub highest: f64,
+    /// The part of the dampers that is known at the end of a kick.
+    at_ends: Option<AtEnds>,
+}
+
+/// Dampers that are taken implicitly at the end of a kick.
+#[derive(Clone, Debug)]
+struct AtEnds {
+    /// In the modes of the stiffness [1/s].
+    damping: DMatrix<f64>,
+    /// `1 + time D`, factorised for the time of the kicks.
+    factor: Option<(f64, LU<f64, Dyn, Dyn>)>,
+}
+
+impl AtEnds {
+    /// Velocities at the end of a kick that lasts so long, by those that other forces make.
+    fn solve(&mut self, time: f64, v: &mut DVector<f64>) -> bool {
+        let n = v.len();
+        let factor = match &mut self.factor {
+            Some((of, factor)) if *of == time => factor,
+            stale => {
+                let matrix = DMatrix::identity(n, n) + time * &self.damping;
+                &mut stale.insert((time, matrix.lu())).1
+            }
+        };
+        factor.solve_mut(v)
+    }
 }
 
 /// Dampers in the modes of the stiffness [1/s].
@@ -33,18 +59,25 @@ impl Vibrations {
                 modes.iter().map(|[w, z]| 2.0 * z * w),
             )),
             highest: modes.iter().fold(0.0, |m, x| m.max(x[0])),
+            at_ends: None,
         }
     }
 
     /// Coordinates that dampers couple.
     pub(super) fn coupled(dense: &Dense) -> Self {
         let eigen = dense.stiffness.clone().symmetric_eigen();
-        let damping = eigen.eigenvectors.transpose() * &dense.damping * &eigen.eigenvectors;
+        let in_modes = |d: &DMatrix<f64>| eigen.eigenvectors.transpose() * d * &eigen.eigenvectors;
+        let damping = in_modes(&dense.damping);
+        let at_ends = dense.at_ends.as_ref().map(|d| AtEnds {
+            damping: in_modes(d),
+            factor: None,
+        });
         let square = eigen.eigenvalues.map(|x| x.max(0.0));
         Vibrations {
             highest: square.max().sqrt(),
             square,
             damping: Damping::Full(damping),
+            at_ends,
         }
     }
 
@@ -72,6 +105,25 @@ impl SecondOrderSystem for Vibrations {
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.tangent_times(at, at.q, at.v, f);
+    }
+
+    fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {
+        self.force(at, f);
+        let Some(ends) = &mut self.at_ends else {
+            return;
+        };
+        let seen = DVectorView::from_slice(at.v, at.v.len());
+        let mut forces = DVector::from_column_slice(f);
+        forces.gemv(1.0, &ends.damping, &seen, 1.0);
+        let mut v = Vec::new();
+        kick.end(forces.as_slice(), &mut v);
+        let mut v = DVector::from_vec(v);
+        // Methods that filter their kicks see oscillators and a rest.
+        if !ends.solve(kick.time, &mut v) {
+            v.fill(f64::NAN);
+        }
+        forces.gemv(-1.0, &ends.damping, &v, 1.0);
+        f.copy_from_slice(forces.as_slice());
     }
 
     fn solve_mass(&mut self, _at: At<'_>, _f: &mut [f64]) {}

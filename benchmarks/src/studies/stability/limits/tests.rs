@@ -4,6 +4,8 @@ use crate::models::models;
 use crate::scene_file::{Selection, load_for};
 use gearbench_integrators::table::{RK4, VELOCITY_VERLET};
 
+mod dashpots;
+
 fn entry(scene: &str, label: &str) -> Configuration {
     let scene = load_for(scene, Selection::Labels(Some(label))).unwrap_or_else(|e| panic!("{e:?}"));
     let choice = scene

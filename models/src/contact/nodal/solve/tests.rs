@@ -1,5 +1,4 @@
 use super::*;
-use crate::contact::solve::{CompliantSolve, SolvePoint};
 use crate::law::{Damping, Law};
 
 /// Numbers in [-1, 1), always the same.
@@ -67,7 +66,7 @@ fn residual(blocks: &[Block], r: &[f64], springs: &[Spring], u: &[f64]) -> f64 {
 }
 
 #[test]
-fn the_linear_law_agrees_with_the_solve_on_points() {
+fn the_linear_law_and_the_compliance_hold_at_the_solution() {
     for (n, m, rank) in [(6, 5, 6), (8, 20, 8), (8, 30, 3), (1, 2, 1)] {
         let (blocks, r, mut springs) = problem(n, m, rank, Law::elastic());
         let mut solve = NodalSolve::default();
@@ -83,35 +82,6 @@ fn the_linear_law_agrees_with_the_solve_on_points() {
             assert!((s.gap - (s.gap0 - s.along(&u))).abs() < 1e-17);
         }
         assert!(springs.iter().any(|s| s.force.n > 0.0));
-        if m > 10 {
-            continue;
-        }
-        // C between points, and the solve there.
-        let mut c = vec![0.0; m * m];
-        for i in 0..m {
-            for j in 0..m {
-                for (x, &k) in springs[i].weights.iter().zip(&springs[i].nodes) {
-                    for (y, &l) in springs[j].weights.iter().zip(&springs[j].nodes) {
-                        let (k, l) = (k as usize, l as usize);
-                        if k / n == l / n {
-                            c[i * m + j] += x * y * r[(k / n) * n * n + (k % n) * n + l % n];
-                        }
-                    }
-                }
-            }
-        }
-        let mut points: Vec<SolvePoint> = (springs.iter())
-            .map(|s| SolvePoint {
-                gap0: s.gap0,
-                stiffness: s.stiffness,
-                ..SolvePoint::default()
-            })
-            .collect();
-        CompliantSolve::default().solve(&c, &mut points).unwrap();
-        let largest = points.iter().fold(0.0_f64, |m, p| m.max(p.force.n));
-        for (s, p) in springs.iter().zip(&points) {
-            assert!((s.force.n - p.force.n).abs() < 1e-8 * largest, "{n} {m}");
-        }
     }
 }
 

@@ -1,12 +1,15 @@
 //! The oscillator with backlash, `x'' + 2 z x' + (1 + e cos W t) g(x) = Fm + Fa W^2 cos W t`, g the dead zone of half width 1
 //! (A. Kahraman, R. Singh, Journal of Sound and Vibration 142, 1990): gears whose deflection is tiny beside the base pitch
 //! are this oscillator. Root mean squares about the mean by RK4 with bisected contact events, 2000 and 8000 steps per
-//! period agreeing to eight digits, speeds upwards and downwards from state to state.
+//! period agreeing to eight digits, speeds upwards and downwards from state to state. The gears are those of the shipped
+//! scenes `backlash_parametric` and `backlash_forced`, at their own frequency as they stand.
 
 use super::*;
+use crate::scene_file::load;
 use gearbench_integrators::State;
 use gearbench_integrators::table::RK4;
 use gearbench_models::spec::Modelling;
+use gearbench_reports::series::{Column, TimeSeries};
 
 const Z: f64 = 0.05;
 const FM: f64 = 0.1;
@@ -19,12 +22,25 @@ const PERIODS: [f64; 2] = [120.0, 400.0];
 /// A case of the oscillator.
 #[derive(Clone, Copy)]
 struct Case {
+    /// Its shipped scene, and the frequency there.
+    scene: &'static str,
+    w: f64,
     e: f64,
     fa: f64,
 }
 
-const PARAMETRIC: Case = Case { e: 0.2, fa: 0.0 };
-const FORCED: Case = Case { e: 0.0, fa: 0.05 };
+const PARAMETRIC: Case = Case {
+    scene: "backlash_parametric",
+    w: 0.85,
+    e: 0.2,
+    fa: 0.0,
+};
+const FORCED: Case = Case {
+    scene: "backlash_forced",
+    w: 0.8,
+    e: 0.0,
+    fa: 0.05,
+};
 
 /// An integration of its own: fixed steps, cut where the contact opens or closes.
 struct Own {
@@ -37,7 +53,7 @@ struct Own {
 impl Own {
     fn rate(&self, t: f64, [x, v]: [f64; 2], closed: bool) -> [f64; 2] {
         let g = if closed { x - 1.0 } else { 0.0 };
-        let Case { e, fa } = self.case;
+        let Case { e, fa, .. } = self.case;
         let cos = (self.w * t).cos();
         [
             v,
@@ -118,34 +134,18 @@ const K: f64 = 1e8;
 
 impl Gears {
     fn new(case: Case) -> Self {
-        let mut scene = super::scene(0.0, 0.0, 15.0);
+        let scene = load(case.scene).unwrap_or_else(|e| panic!("{e:?}"));
         let [a, b] = [&scene.spec.gears[0], &scene.spec.gears[1]];
         let l = mesh_layout(a, b).unwrap();
-        let pair = Pair::in_scene("wave", &scene.spec).unwrap();
-        let n = 512;
-        let wave = |i: i32| 1.0 + case.e * (TAU * f64::from(i) / f64::from(n)).cos();
-        let table = gearbench_models::stiffness::PairStiffness::Table {
-            s: (0..=n)
-                .map(|i| l.pitch_point + l.base_pitch * f64::from(i) / f64::from(n))
-                .collect(),
-            k: (0..=n).map(|i| K * wave(i)).collect(),
-            of: gearbench_models::stiffness::PairOrMesh::Mesh,
-            ends: gearbench_models::stiffness::Ends::Periodic,
-            interpolation: gearbench_models::stiffness::Interpolation::Cubic,
-        };
-        let contact = &mut scene.models[0].modelling.contacts[0];
-        contact.stiffness = table;
-        contact.damping = gearbench_models::law::Damping::None;
-        let (rb, inertia) = (pair.effective_radii[1], 1e-3);
-        scene.spec.gears[1].inertia = Some(inertia);
-        scene.spec.gears[0].mount = Mount::Driven(Profile::Constant(0.0));
+        let rb = effective_radius(&b.body);
+        let inertia = b.inertia.unwrap();
         Gears {
             pitch: l.base_pitch,
             b: B * l.base_pitch,
             rb,
             omega: (K * rb * rb / inertia).sqrt(),
             inertia,
-            sign: pair.sign,
+            sign: scene.spec.meshes[0].start.side.sign(),
             case,
             scene,
         }
@@ -166,6 +166,52 @@ impl Gears {
         ];
     }
 
+    /// The speed of the wheel [rad/s] in even running at a frequency.
+    fn speed(&self, w: f64) -> f64 {
+        let turning = matches!(self.scene.spec.gears[0].mount, Mount::Driven(_));
+        let f = w * self.omega / TAU;
+        if turning {
+            -self.sign * f * self.pitch / self.rb
+        } else {
+            0.0
+        }
+    }
+
+    /// The rms over [`B`] in the last periods of the shipped scene with a model, as it stands.
+    fn as_shipped(&self, label: &str) -> f64 {
+        let choice = self.scene.model(label).unwrap();
+        let entry = Configuration::of(&self.scene, choice);
+        let period = TAU / (self.case.w * self.omega);
+        let end = self.scene.duration;
+        let grid: Vec<f64> = (0..=256)
+            .map(|i| end - period * f64::from(256 - i) / 256.0)
+            .collect();
+        let method = self.scene.study.integrators[0];
+        let conditions = Conditions {
+            events: true,
+            ..Conditions::of(&self.scene)
+        };
+        let job = Job {
+            t_end: end,
+            also_steps: false,
+            repeats: 0,
+            ..conditions.job((&entry.scene, &entry.modelling), &method, &grid)
+        };
+        let row = crate::experiment::run::run(&job).unwrap();
+        assert!(!row.status.is_failure(), "{:?}", row.message);
+        self.rms(&row.series.unwrap())
+    }
+
+    /// The rms over [`B`] of a history over one period of 256 parts.
+    fn rms(&self, series: &TimeSeries) -> f64 {
+        let named = |c: &&Column| c.name == "transmission_error_m";
+        let error = series.columns.iter().find(named).unwrap();
+        let x = &error.values[..256];
+        let mean = x.iter().sum::<f64>() / 256.0;
+        let square: f64 = x.iter().map(|x| ((x - mean) / self.b).powi(2)).sum();
+        (square / 256.0).sqrt()
+    }
+
     /// The rms over [`B`] of the oscillator at frequencies from state to state, by the runs of a sweep.
     fn swept(&self, ws: &[f64], branch: Branch, last: f64) -> Vec<f64> {
         let mut from: Option<EndState> = None;
@@ -174,8 +220,7 @@ impl Gears {
             let f = w * self.omega / TAU;
             let mut entry = Configuration::of(&self.scene, &self.scene.models[0]);
             let periods = PERIODS[usize::from(w == last)];
-            let speed = -self.sign * f * self.pitch / self.rb;
-            self.load(&mut entry.scene, w, speed, 0.0);
+            self.load(&mut entry.scene, w, self.speed(w), 0.0);
             let plan = Plan {
                 method: RK4.at_step(1.0 / (f * 400.0)),
                 settle: periods / f,
@@ -207,7 +252,6 @@ impl Gears {
         let mut found = Vec::new();
         for &w in ws {
             let mut spec = self.scene.spec.clone();
-            spec.gears[0].mount = Mount::Fixed;
             let t = from.as_ref().map_or(0.0, |s| s.t);
             phase += (before - w) * self.omega * t;
             before = w;
@@ -232,16 +276,7 @@ impl Gears {
             let mut state = from.take().unwrap_or_else(|| built.initial());
             let row = run_from(&job, &mut built, &mut state, std::time::Duration::ZERO).unwrap();
             assert!(!row.status.is_failure(), "{:?}", row.message);
-            let series = row.series.unwrap();
-            let error = series
-                .columns
-                .iter()
-                .find(|c| c.name == "transmission_error_m")
-                .unwrap();
-            let x = &error.values[..256];
-            let mean = x.iter().sum::<f64>() / 256.0;
-            let square: f64 = x.iter().map(|x| ((x - mean) / self.b).powi(2)).sum();
-            found.push((square / 256.0).sqrt());
+            found.push(self.rms(&row.series.unwrap()));
             from = Some(state);
         }
         found
@@ -288,6 +323,70 @@ fn the_oscillator_jumps_where_it_is_known_to() {
     let down = own(&DOWN);
     near(&DOWN, &down, &KNOWN_DOWN, 1e-7);
     assert!(down[6] > 0.14 && down[7] < 0.06, "{down:?}");
+}
+
+/// Neither is a scene that the command sweeps: one does not run, and the drag of the other is balanced at its own speed.
+#[test]
+fn commands_refuse_to_sweep_them() {
+    let refused = |case: Case| {
+        let scene = Gears::new(case).scene;
+        match Pair::in_scene(&scene.name, &scene.spec) {
+            Ok(pair) => {
+                assert!((pair.own_force() / (FM * K * B) - Gears::new(case).pitch).abs() < 1e-9);
+                let f = case.w * Gears::new(case).omega / TAU;
+                pair.check_speeds(&scene.name, [0.9 * f, f].into_iter())
+            }
+            Err(e) => Err(e),
+        }
+        .unwrap_err()
+        .to_string()
+    };
+    let e = refused(FORCED);
+    assert!(e.contains("`pinion` is fixed"), "{e}");
+    let e = refused(PARAMETRIC);
+    assert!(e.contains("2171 Hz") && e.contains("press"), "{e}");
+}
+
+/// What the shipped scenes are, and both solutions of each as it stands: the table of benchmarks/scenes/README.md.
+#[test]
+#[allow(clippy::print_stdout)]
+fn shipped_scenes_are_the_oscillators() {
+    for (case, pressed, parted) in [
+        (PARAMETRIC, 0.05126528, 0.14429031),
+        (FORCED, 0.06135720, 0.20225840),
+    ] {
+        let gears = Gears::new(case);
+        let mut spec = gears.scene.spec.clone();
+        gears.load(&mut spec, case.w, gears.speed(case.w), 0.0);
+        let of = |spec: &SceneSpec| -> Vec<f64> {
+            let loads = &spec.gears[1].loads;
+            [0.0, 1e-4]
+                .iter()
+                .flat_map(|t| {
+                    loads.iter().map(|load| match load {
+                        Load::Viscous(c) => *c,
+                        Load::Applied(p) => p.value(*t),
+                    })
+                })
+                .collect()
+        };
+        for (stands, follows) in of(&gears.scene.spec).iter().zip(of(&spec)) {
+            assert!(
+                (stands / follows - 1.0).abs() < 1e-12,
+                "{}: {stands} {follows}",
+                case.scene
+            );
+        }
+        for (label, known) in [("pressed", pressed), ("parted", parted)] {
+            let found = gears.as_shipped(label);
+            println!("{}, {label}: {found:.8}, known {known:.8}", case.scene);
+            assert!(
+                (found - known).abs() < 2e-6,
+                "{}, {label}: {found} {known}",
+                case.scene
+            );
+        }
+    }
 }
 
 /// Gears on a wave of stiffness run on both of its branches, and jump where it does.

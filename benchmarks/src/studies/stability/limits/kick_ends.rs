@@ -1,0 +1,84 @@
+//! Which dampers a scene knows at the end of a kick, by the forces that methods ask for there
+//! ([`force_after`](SecondOrderSystem::force_after)).
+
+use gearbench_integrators::{At, HalfKick, SecondOrderSystem, State};
+use gearbench_models::scene::Scene;
+use nalgebra::DMatrix;
+
+/// Time of a kick that changes no velocity, over the characteristic time of a scene.
+const INSTANT: f64 = 1e-9;
+/// Part of a typical velocity by which dampers are looked at.
+const SMALL: f64 = 1e-2;
+
+/// Forces that are asked for at the end of a kick that changes no velocity, where `x` more than the velocities was
+/// predicted.
+fn at_end(scene: &mut Scene, s: &State, x: &[f64], f: &mut [f64]) {
+    let v: Vec<f64> = s.v.iter().zip(x).map(|(v, x)| v + x).collect();
+    let at = At { v: &v, ..s.at() };
+    let kick = HalfKick {
+        time: INSTANT * scene.characteristic_time(at).min(1.0),
+        before: &s.v,
+        steady: &[],
+        filter: &[],
+    };
+    scene.force_after(at, &kick, f);
+}
+
+/// `-D x` of the dampers that a kick sees at the velocities that it predicts, by forces on either side.
+pub(super) fn predicted(scene: &mut Scene, s: &State, x: &[f64], df: &mut [f64]) {
+    let side = |sign: f64| -> Vec<f64> { x.iter().map(|x| sign * SMALL * x).collect() };
+    let mut below = vec![0.0; df.len()];
+    at_end(scene, s, &side(1.0), df);
+    at_end(scene, s, &side(-1.0), &mut below);
+    for (f, below) in df.iter_mut().zip(below) {
+        *f = (*f - below) / (2.0 * SMALL);
+    }
+}
+
+/// Whether forces at the end of a kick are others than those at the velocities that it predicts.
+pub(super) fn knows_ends(scene: &mut Scene, s: &State, v: &[f64]) -> bool {
+    let x: Vec<f64> = v.iter().map(|v| SMALL * v).collect();
+    let moved: Vec<f64> = s.v.iter().zip(&x).map(|(v, x)| v + x).collect();
+    let [mut plain, mut asked] = [vec![0.0; x.len()], vec![0.0; x.len()]];
+    scene.force(
+        At {
+            v: &moved,
+            ..s.at()
+        },
+        &mut plain,
+    );
+    at_end(scene, s, &x, &mut asked);
+    plain != asked
+}
+
+/// Typical velocities of the coordinates.
+pub(super) fn speeds(scene: &Scene) -> Vec<f64> {
+    let n = scene.layout().n;
+    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+    scene.scales(&mut q, &mut v);
+    v
+}
+
+/// The part of the damping `d` that forces at the end of a kick know there.
+pub(super) fn known_at_ends(
+    scene: &mut Scene,
+    s: &State,
+    d: &DMatrix<f64>,
+) -> Option<DMatrix<f64>> {
+    let v = speeds(scene);
+    if !knows_ends(scene, s, &v) {
+        return None;
+    }
+    let n = v.len();
+    let (mut x, mut df) = (vec![0.0; n], vec![0.0; n]);
+    let mut known = d.clone();
+    for j in 0..n {
+        x[j] = v[j];
+        predicted(scene, s, &x, &mut df);
+        for (i, f) in df.iter().enumerate() {
+            known[(i, j)] += f / v[j];
+        }
+        x[j] = 0.0;
+    }
+    Some(known)
+}

@@ -1,0 +1,32 @@
+//! Dashpots at flanks beside damped modes: velocity Verlet takes the first implicitly, the second at predicted velocities.
+
+use super::{entry, hold, with_modes};
+use gearbench::experiment::configuration::Configuration;
+use gearbench_models::spec::Value;
+
+/// Elastic gears of few modes with dashpots [N s/m^3], and modes damped by a ratio.
+fn damped(dashpots: f64, ratio: f64) -> Configuration {
+    let mut entry = with_modes(entry("spur_impact", "elastic"), 10);
+    for gear in &mut entry.modelling.gears {
+        (gear.parameters).insert("damping_ratio".into(), Value::Number(ratio));
+    }
+    for contact in &mut entry.modelling.contacts {
+        if let Some(points) = &mut contact.points {
+            points.damping = dashpots;
+        }
+    }
+    entry.label = format!("elastic, {dashpots:.0e} N s/m3");
+    entry
+}
+
+/// Modes that are damped at predicted velocities beside dashpots that are not: the limit is that of the modes.
+#[test]
+fn limits_with_dashpots_are_found_by_stepping() {
+    let entries = [1e9, 1.6e10].map(|dashpots| damped(dashpots, 0.02));
+    let rows = hold(
+        &entries,
+        &["velocity-verlet", "semi-implicit-euler", "rk4"],
+        0.02,
+    );
+    assert_eq!(rows.len(), 2 * 3 * 2);
+}
