@@ -229,6 +229,9 @@ impl RungeKutta {
                 .iter()
                 .zip(kq.chunks_exact(chunk).zip(kv.chunks_exact(chunk)))
             {
+                if *w == 0.0 {
+                    continue;
+                }
                 for i in 0..n {
                     q[i] += w * kq[i];
                     v[i] += w * kv[i];

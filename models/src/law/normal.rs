@@ -317,6 +317,27 @@ impl Law {
         }
     }
 
+    /// A force as the length that the elastic law would need for it, with sign (m).
+    #[inline]
+    pub fn as_length(&self, n: f64, k: f64) -> f64 {
+        let x = n / k;
+        if self.exponent == 1.0 {
+            x
+        } else {
+            x.signum() * x.abs().powf(1.0 / self.exponent)
+        }
+    }
+
+    /// How far an open contact is from pushing (m): the gap, or, where the bodies still overlap after a damped release,
+    /// how far the law is from pushing again.
+    #[inline]
+    pub fn until_it_pushes(&self, g: f64, g_rate: f64, v0: f64, k: f64) -> f64 {
+        if g > 0.0 {
+            return g;
+        }
+        g.max(-self.as_length(self.smooth(g, g_rate, v0, k).n, k))
+    }
+
     /// Elastic energy `k d^(n+1) / (n+1)` (J), zero when open.
     #[inline]
     pub fn potential(&self, g: f64, k: f64) -> f64 {

@@ -3,6 +3,7 @@
 use super::assembled::Scene;
 use super::assembly_points::flank_points;
 use super::channels;
+use super::direct::Follows;
 use super::members::{SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, hub_of, lines_of_action};
 use super::nodal::{Nodal, islands};
@@ -10,6 +11,7 @@ use super::placement::{assemble, check_start, views};
 use super::scales::{Scales, initial_speed};
 use super::workspace::Workspace;
 use crate::contact::Search;
+use crate::contact::pairs::Roster;
 use crate::error::{BuildError, GearPart, MeshPart};
 use crate::gear::LinearMotion;
 use crate::gear::table::{GearContext, Model};
@@ -112,6 +114,8 @@ impl Scene {
                 n: 0,
                 discrete: (0, 0),
                 internal: true,
+                follows: Follows::Several,
+                constant_load: None,
             });
         }
 
@@ -189,6 +193,7 @@ impl Scene {
                 friction: friction_of(spec, mesh, l, contact),
                 hard: contact.points.is_some_and(|p| p.hard) && mesh.gears.iter().any(has_field),
                 nodal: mesh.gears.iter().any(has_field),
+                arms: None,
                 clearances,
                 gap_bound: (if with_flanks { FLANK_BOUND } else { ROUNDING }) * l.base_pitch,
                 discrete: 0,
@@ -218,6 +223,7 @@ impl Scene {
             g.internal = hub.own > 0;
             n += hub.len();
             discrete += hub.discrete;
+            g.note_load();
         }
         for m in &mut meshes {
             (m.discrete, m.event_functions) = (discrete, event_functions);
@@ -251,11 +257,18 @@ impl Scene {
                 &mut initial.discrete[g.discrete.0..][..g.discrete.1],
             );
         }
+        for g in &mut gears {
+            g.follows = Follows::of(g, &initial.discrete[g.discrete.0..][..g.discrete.1]);
+        }
+        for m in &mut meshes {
+            m.note_arms(&gears);
+        }
         let characteristic_time = gears
             .iter()
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
+        let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
         let condenses = gears.iter().any(|g| g.model.large().is_some());
@@ -310,6 +323,7 @@ impl Scene {
             mass,
             work: Workspace {
                 nodal,
+                rosters,
                 ..Workspace::default()
             },
             initial,

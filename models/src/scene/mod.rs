@@ -18,6 +18,7 @@ mod condensed;
 mod contacts;
 mod correction;
 mod coupled;
+mod direct;
 mod events;
 mod free_flight;
 mod friction;

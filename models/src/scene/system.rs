@@ -33,8 +33,7 @@ impl SecondOrderSystem for Scene {
 
     fn force(&mut self, at: At<'_>, f: &mut [f64]) {
         self.force_without_contact(at, f);
-        self.evaluate_contacts(at);
-        self.add_contact_forces(f);
+        self.add_contacts(at, f);
     }
 
     fn force_after(&mut self, at: At<'_>, kick: &HalfKick<'_>, f: &mut [f64]) {

@@ -22,12 +22,14 @@
 
 mod assembly;
 mod coupling;
+mod direct;
 mod lines;
 mod search;
 mod separation;
 mod walk;
 
 pub(crate) use coupling::MOST_ON_LINE;
+pub(crate) use direct::{Mesh, PRESCRIBED, Pressed, Roster};
 pub(crate) use lines::all_open;
 pub use lines::{LinesOfAction, MeshGeometry, Slice};
 pub use separation::{Engagement, Separation};
