@@ -221,6 +221,11 @@ impl Law {
         }
     }
 
+    /// Coefficient of its constant damper (N s/m).
+    pub fn damper(&self) -> f64 {
+        self.c
+    }
+
     /// Whether a closed-open cycle loses energy.
     pub fn is_dissipative(&self) -> bool {
         self.chi > 0.0 || self.c > 0.0

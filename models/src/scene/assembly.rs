@@ -4,6 +4,7 @@ use super::assembled::Scene;
 use super::assembly_points::flank_points;
 use super::channels;
 use super::direct::Follows;
+use super::linear_path::OneSpring;
 use super::members::{SceneGear, SceneMesh};
 use super::mesh_assembly::{friction_of, hub_of, lines_of_action};
 use super::nodal::{Nodal, islands};
@@ -268,6 +269,7 @@ impl Scene {
             .map(|g| g.model.hub().characteristic_time)
             .fold(scales.characteristic_time, f64::min);
         let channels = channels::names(meshes.len(), gears.iter().map(|g| g.name.as_str()));
+        let one_spring = OneSpring::of(&gears, &meshes);
         let rosters = meshes.iter().map(|_| Roster::default()).collect();
         let fields = gears.iter().any(|g| g.model.displacement().is_some());
         let nodal = Nodal::new(&gears, &meshes);
@@ -301,6 +303,7 @@ impl Scene {
             gears,
             meshes,
             oscillators,
+            one_spring,
             cuts_vibration,
             flights: Vec::new(),
             channels,

@@ -22,6 +22,7 @@ mod direct;
 mod events;
 mod free_flight;
 mod friction;
+mod linear_path;
 mod members;
 mod mesh_assembly;
 mod modal;
