@@ -223,8 +223,7 @@ impl RungeKutta {
         // Sums `sum_j w_j k_j` over the stages so far, into `(q, v)`.
         let sum = |w: &[f64], kq: &[f64], kv: &[f64], q: &mut [f64], v: &mut [f64]| {
             let (q, v) = (&mut q[..n], &mut v[..n]);
-            q.fill(0.0);
-            v.fill(0.0);
+            let mut first = true;
             for (w, (kq, kv)) in w
                 .iter()
                 .zip(kq.chunks_exact(chunk).zip(kv.chunks_exact(chunk)))
@@ -232,9 +231,17 @@ impl RungeKutta {
                 if *w == 0.0 {
                     continue;
                 }
-                for i in 0..n {
-                    q[i] += w * kq[i];
-                    v[i] += w * kv[i];
+                let (kq, kv) = (&kq[..n], &kv[..n]);
+                if std::mem::take(&mut first) {
+                    for i in 0..n {
+                        q[i] = w * kq[i];
+                        v[i] = w * kv[i];
+                    }
+                } else {
+                    for i in 0..n {
+                        q[i] += w * kq[i];
+                        v[i] += w * kv[i];
+                    }
                 }
             }
         };
@@ -343,10 +350,12 @@ impl OneStep for RungeKutta {
             ];
             q.copy_from_slice(&from.q);
             v.copy_from_slice(&from.v);
+            let (q, v) = (&mut q[..n], &mut v[..n]);
             for (j, b) in b.into_iter().enumerate() {
+                let (kq, kv) = (&self.kq[j * n..][..n], &self.kv[j * n..][..n]);
                 for i in 0..n {
-                    q[i] += b * self.kq[j * n + i];
-                    v[i] += b * self.kv[j * n + i];
+                    q[i] += b * kq[i];
+                    v[i] += b * kv[i];
                 }
             }
             return;

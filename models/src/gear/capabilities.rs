@@ -44,9 +44,9 @@ pub trait ToothCoordinates {
         None
     }
 
-    /// The cells of its discrete state that [`Self::coordinate`] depends on.
-    fn places<'a>(&self, discrete: &'a [f64]) -> &'a [f64] {
-        discrete
+    /// How many cells of its discrete state [`Self::coordinate`] depends on, from the first on.
+    fn places(&self) -> usize {
+        0
     }
 
     /// Its springs know the contact radius: [`Self::engage`] has to be told of contacts.

@@ -116,6 +116,7 @@ impl Scene {
                 discrete: (0, 0),
                 internal: true,
                 follows: Follows::Several,
+                places: 0,
                 constant_load: None,
             });
         }
@@ -260,6 +261,7 @@ impl Scene {
         }
         for g in &mut gears {
             g.follows = Follows::of(g, &initial.discrete[g.discrete.0..][..g.discrete.1]);
+            g.places = g.model.teeth().map_or(0, |teeth| teeth.places());
         }
         for m in &mut meshes {
             m.note_arms(&gears);

@@ -50,15 +50,9 @@ impl SceneGear {
     }
 
     /// Its part of the discrete state that says so.
-    #[inline]
+    #[inline(always)]
     fn places<'a>(&self, at: At<'a>) -> &'a [f64] {
-        match self.follows {
-            Follows::Teeth => {
-                let cells = self.cells(at);
-                self.model.teeth().map_or(&[], |teeth| teeth.places(cells))
-            }
-            _ => &[],
-        }
+        &at.discrete[self.discrete.0..][..self.places]
     }
 
     #[inline]
@@ -67,7 +61,7 @@ impl SceneGear {
     }
 
     /// Displacement and speed of its hub where these are prescribed.
-    #[inline]
+    #[inline(always)]
     fn prescribed(&self, t: f64) -> [f64; 2] {
         if self.n > 0 {
             return [0.0; 2];
@@ -94,7 +88,7 @@ impl SceneMesh {
 impl SceneMesh {
     /// The mesh at a state where events are located, if its contacts need no candidates; the pairs that are looked at
     /// are then in the roster.
-    #[inline]
+    #[inline(always)]
     fn directly<'a>(
         &'a self,
         gears: &'a [SceneGear],

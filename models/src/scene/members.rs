@@ -26,6 +26,8 @@ pub struct SceneGear {
     pub(super) internal: bool,
     /// What its flanks follow.
     pub(super) follows: Follows,
+    /// Cells of its discrete state, from the first on, that say by which coordinates teeth move.
+    pub(super) places: usize,
     /// The loads on its hub where they never change and act on its first coordinate alone [N m] or [N].
     pub(super) constant_load: Option<f64>,
 }

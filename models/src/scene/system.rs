@@ -175,7 +175,10 @@ impl Scene {
                 let range = g.range();
                 g.model.forces(own, &mut f[range]);
             }
-            g.add_load(at, f);
+            match g.constant_load {
+                Some(load) => f[g.offset] += load,
+                None => g.add_load(at, f),
+            }
         }
     }
 

@@ -45,14 +45,17 @@ pub(crate) struct Roster {
 
 impl Roster {
     /// Whether it is that of a discrete state, given in parts.
-    #[inline]
+    #[inline(always)]
     fn is_of(&self, parts: [&[f64]; 3]) -> bool {
-        let [a, b, c] = parts;
-        let (x, y) = (a.len(), a.len() + b.len());
-        self.key.len() == y + c.len()
-            && self.key[..x] == *a
-            && self.key[x..y] == *b
-            && self.key[y..] == *c
+        let mut key = self.key.iter();
+        for part in parts {
+            for cell in part {
+                if key.next() != Some(cell) {
+                    return false;
+                }
+            }
+        }
+        !self.ends.is_empty() && key.next().is_none()
     }
 }
 
@@ -118,6 +121,39 @@ pub(crate) struct Pressed {
     elastic: f64,
 }
 
+impl Pressed {
+    #[inline(always)]
+    fn add_to(&self, f: &mut [f64]) {
+        for k in 0..2 {
+            if let Some(f) = f.get_mut(self.coordinates[k]) {
+                *f += self.on[k] * self.row[k];
+            }
+        }
+    }
+}
+
+/// The force of a closed pair, what its potential changes by along the path included.
+#[inline(always)]
+fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
+    let n = law.smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness).n;
+    p.on = [n; 2];
+    if p.stiffness_s != 0.0 {
+        let along = 0.5 * law.d_potential_dk(p.gap) * p.stiffness_s;
+        p.on = [n + along / p.scale[0], n - along / p.scale[1]];
+    }
+}
+
+/// The event function of a pair [m].
+#[inline(always)]
+fn watched(law: &Law, mesh: &Mesh<'_>, p: &Pressed) -> f64 {
+    let v0 = mesh.impact_speed(p);
+    if mesh.modes[2 * p.slot] == 0.0 {
+        return law.until_it_pushes(p.gap, p.rate, v0, p.stiffness);
+    }
+    let n = law.smooth(p.gap, p.rate, v0, p.stiffness).n;
+    law.as_length(n, p.stiffness)
+}
+
 impl LinesOfAction {
     /// Effective radius arms of both gears on each line, `d(x . n)/dq` of a point on it, as its hub tells them.
     pub(crate) fn arms(&self, of: [&Hub; 2]) -> Vec<[f64; 2]> {
@@ -129,7 +165,7 @@ impl LinesOfAction {
 
     /// Lists the pairs that a discrete state has. `coordinate` tells by which coordinate of the scene a tooth of the
     /// first or second gear moves.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn list(
         &self,
         mesh: &Mesh<'_>,
@@ -217,22 +253,32 @@ impl LinesOfAction {
             if all_open(&mesh.modes[2 * l * self.pairs..][..2 * self.pairs]) {
                 continue;
             }
+            let line = &self.lines[l];
+            let law = mesh.law.shared(self.slices[line.slice].weight);
             let of_line = self.of_line(roster, l);
-            found.clear();
-            for of in &of_line[1..of_line.len() - 1] {
-                if mesh.modes[2 * of.slot] != 0.0 {
-                    let s = self.path(&self.lines[l], of, mesh);
-                    found.push(self.pressed(l, of, s, mesh));
+            let closed = of_line[1..of_line.len() - 1].iter();
+            let closed = closed.filter(|of| mesh.modes[2 * of.slot] != 0.0);
+            if !self.couples() {
+                for of in closed {
+                    let path = self.path(line, of, mesh);
+                    let mut p = self.pressed(l, of, path, mesh);
+                    press(&law, mesh, &mut p);
+                    p.add_to(f);
                 }
+                continue;
+            }
+            found.clear();
+            for of in closed {
+                let path = self.path(line, of, mesh);
+                found.push(self.pressed(l, of, path, mesh));
             }
             self.couple_pressed(l, found, |_| true);
-            self.press(l, mesh, found);
+            for p in &mut *found {
+                press(&law, mesh, p);
+            }
+            self.press_along(l, found);
             for p in &*found {
-                for k in 0..2 {
-                    if let Some(f) = f.get_mut(p.coordinates[k]) {
-                        *f += p.on[k] * p.row[k];
-                    }
-                }
+                p.add_to(f);
             }
         }
     }
@@ -258,30 +304,27 @@ impl LinesOfAction {
             }
             let closed = !all_open(&mesh.modes[2 * l * self.pairs..][..2 * self.pairs]);
             let couples = closed && self.couples();
+            let law = mesh.law.shared(self.slices[line.slice].weight);
             found.clear();
             for of in &of_line[1..n - 1] {
-                let s = self.path(line, of, mesh);
+                let path = self.path(line, of, mesh);
                 let open = mesh.modes[2 * of.slot] == 0.0;
-                let (gap, _) = self.gap_and_scale(line, of.pair, s);
-                // Gaps are all that open contacts and contacts without damping need.
-                slots[of.slot] = if open { gap } else { -gap };
-                if couples || (dissipates && !(open && gap > 0.0)) {
-                    found.push(self.pressed(l, of, s, mesh));
+                let (gap, scale) = self.gap_and_scale(line, of.pair, path);
+                if couples {
+                    found.push(self.pressed_at(l, of, path, (gap, scale), mesh));
+                } else if dissipates && !(open && gap > 0.0) {
+                    let p = self.pressed_at(l, of, path, (gap, scale), mesh);
+                    slots[of.slot] = watched(&law, mesh, &p);
+                } else {
+                    // Gaps are all that open contacts and contacts without damping need.
+                    slots[of.slot] = if open { gap } else { -gap };
                 }
             }
-            if found.is_empty() {
-                continue;
-            }
-            self.couple_pressed(l, found, |slot| mesh.modes[2 * slot] != 0.0);
-            let law = mesh.law.shared(self.slices[line.slice].weight);
-            for p in &*found {
-                let v0 = mesh.impact_speed(p);
-                slots[p.slot] = if mesh.modes[2 * p.slot] == 0.0 {
-                    law.until_it_pushes(p.gap, p.rate, v0, p.stiffness)
-                } else {
-                    let n = law.smooth(p.gap, p.rate, v0, p.stiffness).n;
-                    law.as_length(n, p.stiffness)
-                };
+            if couples {
+                self.couple_pressed(l, found, |slot| mesh.modes[2 * slot] != 0.0);
+                for p in &*found {
+                    slots[p.slot] = watched(&law, mesh, p);
+                }
             }
         }
     }
@@ -289,8 +332,21 @@ impl LinesOfAction {
     /// A pair, but for its force.
     #[inline(always)]
     fn pressed(&self, l: usize, of: &Listed, path: [f64; 2], mesh: &Mesh<'_>) -> Pressed {
+        let gap_and_scale = self.gap_and_scale(&self.lines[l], of.pair, path);
+        self.pressed_at(l, of, path, gap_and_scale, mesh)
+    }
+
+    /// The same where its gap and scales are known.
+    #[inline(always)]
+    fn pressed_at(
+        &self,
+        l: usize,
+        of: &Listed,
+        path: [f64; 2],
+        (gap, scale): (f64, [f64; 2]),
+        mesh: &Mesh<'_>,
+    ) -> Pressed {
         let line = &self.lines[l];
-        let (gap, scale) = self.gap_and_scale(line, of.pair, path);
         let [a, b] = mesh.arms[l];
         let row = [-scale[0] * a, scale[1] * b];
         let speed = both(|k| mesh.speed(k, of.coordinates[k]));
@@ -329,25 +385,14 @@ impl LinesOfAction {
         }
     }
 
-    /// The forces of the closed pairs of a line, what their potential changes by along the path included.
+    /// Joins what the compliance between the pairs of a line changes by along the path.
     #[inline(always)]
-    fn press(&self, l: usize, mesh: &Mesh<'_>, found: &mut [Pressed]) {
-        let law = mesh.law.shared(self.slices[self.lines[l].slice].weight);
-        let couples = found.len() > 1 && self.couples();
-        for p in &mut *found {
-            let v0 = mesh.impact_speed(p);
-            let n = law.smooth(p.gap, p.rate, v0, p.stiffness).n;
-            p.on = [n; 2];
-            if p.stiffness_s != 0.0 {
-                let along = 0.5 * law.d_potential_dk(p.gap) * p.stiffness_s;
-                p.on = [n + along / p.scale[0], n - along / p.scale[1]];
-            }
-            if couples {
-                p.elastic = self.elastic.smooth(p.gap, 0.0, 0.0, p.stiffness).n;
-            }
-        }
-        if !couples {
+    fn press_along(&self, l: usize, found: &mut [Pressed]) {
+        if found.len() < 2 {
             return;
+        }
+        for p in &mut *found {
+            p.elastic = self.elastic.smooth(p.gap, 0.0, 0.0, p.stiffness).n;
         }
         for j in 1..found.len() {
             let (before, rest) = found.split_at_mut(j);
