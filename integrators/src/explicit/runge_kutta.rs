@@ -370,14 +370,14 @@ impl OneStep for RungeKutta {
             v,
         );
         let w = h * (theta * (1.0 - theta)).powi(2);
-        for i in 0..n {
-            let (mut dq, mut dv) = (0.0, 0.0);
-            for (j, &d) in DOPRI5_DENSE.iter().enumerate() {
-                dq += d * self.kq[j * n + i];
-                dv += d * self.kv[j * n + i];
+        let (q, v) = (&mut q[..n], &mut v[..n]);
+        for (j, d) in DOPRI5_DENSE.iter().enumerate() {
+            let d = w * d;
+            let (kq, kv) = (&self.kq[j * n..][..n], &self.kv[j * n..][..n]);
+            for i in 0..n {
+                q[i] += d * kq[i];
+                v[i] += d * kv[i];
             }
-            q[i] += w * dq;
-            v[i] += w * dv;
         }
     }
 }

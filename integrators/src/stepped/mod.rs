@@ -23,7 +23,7 @@
 //! it, is then not seen, so crosses free flights are off unless asked for: a comparison of methods shows what the
 //! methods do. Steps in contact are those of the method; errors that cancel over flight and contact together, as those
 //! of first order of semi-implicit Euler nearly do, cancel no more. A method that is exact for oscillators crosses linear
-//! contacts as well, from event to event ([`segments`]).
+//! contacts as well, from event to event ([`FreeFlight::linear_path`](crate::FreeFlight::linear_path)).
 
 mod advance;
 mod locate;

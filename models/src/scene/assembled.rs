@@ -1,7 +1,7 @@
 //! The assembled system: gears, meshes, sizes, buffers. What it does stands in the modules beside.
 
-use super::members::{SceneGear, SceneMesh};
 use super::linear_path::OneSpring;
+use super::members::{SceneGear, SceneMesh};
 use super::workspace::Workspace;
 use crate::gear::{FreeFlight, Magnitudes};
 use crate::spec::{Mount, Profile};

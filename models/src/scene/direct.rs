@@ -113,9 +113,7 @@ impl SceneMesh {
             ],
             modes: &at.discrete[self.modes()],
         };
-        pairs.list(&mesh, roster, |k, tooth| {
-            [a, b][k].coordinate(at, tooth)
-        });
+        pairs.list(&mesh, roster, |k, tooth| [a, b][k].coordinate(at, tooth));
         Some((pairs, mesh))
     }
 }

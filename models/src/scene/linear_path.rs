@@ -227,7 +227,8 @@ impl Scene {
         }
         let closed = flanks.iter().filter(|f| f.closed);
         let (k, c) = (spring.stiffness, spring.damper);
-        let (count, pushed) = closed.fold((0.0, 0.0), |(n, sum), f| (n + 1.0, sum + f.sign * f.gap));
+        let (count, pushed) =
+            closed.fold((0.0, 0.0), |(n, sum), f| (n + 1.0, sum + f.sign * f.gap));
         // Backlash keeps one side open.
         if count > 1.0 {
             return None;
@@ -235,7 +236,11 @@ impl Scene {
         let omega = (loose * k * count).sqrt();
         let swing = Swing {
             omega,
-            zeta: if count > 0.0 { 0.5 * loose * c / omega } else { 0.0 },
+            zeta: if count > 0.0 {
+                0.5 * loose * c / omega
+            } else {
+                0.0
+            },
             load: y[2] - loose * k * pushed,
             start: [y[0], y[1]],
         };
@@ -300,7 +305,11 @@ fn touches([g, rate, acceleration]: [f64; 3], k: f64, c: f64) -> f64 {
     if g > 0.0 || (g == 0.0 && rate >= 0.0) {
         return crosses(g, rate, acceleration, true);
     }
-    let force = [-k * g - c * rate, -k * rate - c * acceleration, -k * acceleration];
+    let force = [
+        -k * g - c * rate,
+        -k * rate - c * acceleration,
+        -k * acceleration,
+    ];
     if force[0] > 0.0 && force[1] >= 0.0 {
         return 0.0;
     }

@@ -119,8 +119,7 @@ impl LinesOfAction {
         let middle = 0.5 * (self.zone[0] + self.zone[1]);
         let beside = 0.5 * self.mesh.base_pitch;
         let inside = |line: &Line| {
-            middle + beside <= line.tips[0]
-                && self.mesh.length - (middle - beside) <= line.tips[1]
+            middle + beside <= line.tips[0] && self.mesh.length - (middle - beside) <= line.tips[1]
         };
         self.whole_mesh
             && self.stiffness.is_constant()

@@ -29,8 +29,6 @@ struct Listed {
     tooth: i64,
     /// The scene's coordinates by which its teeth move, or [`PRESCRIBED`].
     coordinates: [usize; 2],
-    /// Path coordinates at no displacement [m].
-    at_zero: [f64; 2],
 }
 
 /// The pairs of a mesh that are looked at, and one before and behind those of each line, as a discrete state has them.
@@ -135,7 +133,9 @@ impl Pressed {
 /// The force of a closed pair, what its potential changes by along the path included.
 #[inline(always)]
 fn press(law: &Law, mesh: &Mesh<'_>, p: &mut Pressed) {
-    let n = law.smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness).n;
+    let n = law
+        .smooth(p.gap, p.rate, mesh.impact_speed(p), p.stiffness)
+        .n;
     p.on = [n; 2];
     if p.stiffness_s != 0.0 {
         let along = 0.5 * law.d_potential_dk(p.gap) * p.stiffness_s;
@@ -193,13 +193,11 @@ impl LinesOfAction {
         for (l, line) in self.lines.iter().enumerate() {
             let listed = |pair: i64| {
                 let teeth = self.teeth(line.side, pair);
-                let at_zero = |k: usize| line.map[k].s(0.0, pair);
                 Listed {
                     pair,
                     slot: self.slot(l, pair),
                     tooth: teeth[0].index,
                     coordinates: both(|k| coordinate(k, teeth[k])),
-                    at_zero: both(at_zero),
                 }
             };
             let (lo, hi) = if self.whole_mesh {
@@ -226,7 +224,7 @@ impl LinesOfAction {
     fn path(&self, line: &Line, of: &Listed, mesh: &Mesh<'_>) -> [f64; 2] {
         both(|k| {
             let x = mesh.displacement(k, of.coordinates[k]);
-            of.at_zero[k] + line.map[k].per_displacement * x
+            line.map[k].s(x, of.pair)
         })
     }
 

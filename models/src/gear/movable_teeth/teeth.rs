@@ -120,8 +120,7 @@ impl MovableTeeth {
     /// is not worth a sine.
     #[inline]
     pub(super) fn own_or_mean(&self, discrete: &[f64], tooth: Tooth) -> usize {
-        self.own_coordinate(discrete, tooth)
-            .unwrap_or(self.first())
+        self.own_coordinate(discrete, tooth).unwrap_or(self.first())
     }
 
     /// Coordinate of a tooth, `None` when it is outside the windows.
