@@ -127,7 +127,7 @@ impl Swing {
             (extreme, extreme + half)
         };
         let (above, below) = (value(self.at(lo)), value(self.at(hi)));
-        if !(below <= 0.0) {
+        if below > 0.0 || below.is_nan() {
             return f64::INFINITY;
         }
         if above <= 0.0 {
@@ -244,7 +244,7 @@ impl Scene {
             load: y[2] - loose * k * pushed,
             start: [y[0], y[1]],
         };
-        if !(swing.zeta < 1.0) {
+        if swing.zeta >= 1.0 || swing.zeta.is_nan() {
             return None;
         }
         let (mut first, mut who) = (f64::INFINITY, 0);
