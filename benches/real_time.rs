@@ -64,14 +64,12 @@ struct Found {
 fn cheapest(scene: &mut Scene, end: f64) -> Option<Found> {
     let converged = series(scene, "dopri5", Resolution::Tolerance(1e-11), end).ok()?;
     let tolerances = (4..=10).map(|i| Resolution::Tolerance(10f64.powf(-0.5 * f64::from(i))));
-    let steps = [8e-6, 6e-6, 4e-6, 3e-6, 2e-6, 1e-6].map(Resolution::Step);
+    let rk4 = [6e-6, 4e-6, 3e-6, 2e-6].map(|h| ("rk4", Resolution::Step(h)));
+    let verlet = [2e-6, 1e-6, 5e-7].map(|h| ("velocity-verlet", Resolution::Step(h)));
     let candidates = tolerances
         .flat_map(|r| [("dopri5", r), ("tsit45", r)])
-        .chain(
-            steps
-                .into_iter()
-                .flat_map(|r| [("rk4", r), ("velocity-verlet", r)]),
-        );
+        .chain(rk4)
+        .chain(verlet);
     let mut best: Option<Found> = None;
     for (id, resolution) in candidates {
         let Ok(found) = series(scene, id, resolution, end) else {

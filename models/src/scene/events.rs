@@ -140,12 +140,11 @@ impl Events for Scene {
             let at = mesh.slot(slot);
             let closing = s.discrete[at] == 0.0;
             // A contact that a damper releases early keeps its impact speed until the flanks part.
-            let apart = self
-                .find(s, m, slot)
-                .is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
+            let found = self.find(s, m, slot);
+            let apart = found.is_none_or(|c| c.gap >= -1e-6 * self.magnitudes.deflection);
             if closing {
                 if apart || s.discrete[at + 1] <= 0.0 {
-                    let speed = self.approach_speed(s, m, slot);
+                    let speed = found.map_or(0.0, |c| self.approach_speed(s, m, &c));
                     s.discrete[at + 1] = speed;
                 }
                 s.discrete[at] = 1.0;
@@ -155,7 +154,9 @@ impl Events for Scene {
                     s.discrete[at + 1] = 0.0;
                 }
             }
-            self.engage(s, m, slot, closing);
+            if let Some(c) = found {
+                self.tell(s, m, &c, closing);
+            }
         }
         Change::Restart
     }
@@ -312,17 +313,9 @@ impl Scene {
         c
     }
 
-    fn approach_speed(&mut self, s: &State, m: usize, slot: usize) -> f64 {
-        let Some(c) = self.find(s, m, slot) else {
-            return 0.0;
-        };
-        let rate = gap_rate(
-            &self.gears,
-            &self.meshes[m],
-            &c,
-            s.at(),
-            &mut self.work.scratch,
-        );
+    fn approach_speed(&mut self, s: &State, m: usize, c: &Candidate) -> f64 {
+        let mesh = &self.meshes[m];
+        let rate = gap_rate(&self.gears, mesh, c, s.at(), &mut self.work.scratch);
         (-rate).max(0.0)
     }
 
